@@ -1,0 +1,1 @@
+"""Unstructured mesh generation, exact and fast: the library under the book."""

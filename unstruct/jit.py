@@ -1,0 +1,57 @@
+"""How kernels are compiled: numba, lazily, cached on disk; plain Python where numba is missing.
+
+numba's own cache looks at one file only, so that after an edit of ``predicates.py`` a kernel in
+another file would silently run old machine code. Here the stamp of a kernel covers its own file and
+the files of all the kernels that it can call.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+try:
+    import numba
+    from numba.core.dispatcher import Dispatcher
+except ImportError:  # the kernels then run as plain Python
+    numba = None
+
+__all__ = ["inline", "kernel"]
+
+
+def kernel(function: Callable) -> Any:
+    """Compile a module-level function on first call, and cache the machine code on disk."""
+    if numba is None:
+        return function
+    return _stamped(numba.njit(cache=True)(function))
+
+
+def inline(function: Callable) -> Any:
+    """Compile a small helper, inlined by LLVM into every kernel that calls it."""
+    if numba is None:
+        return function
+    return _stamped(numba.njit(cache=True, forceinline=True)(function))
+
+
+def _stamped(dispatcher: Any) -> Any:
+    """Let the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
+    index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if index is not None:  # None with NUMBA_DISABLE_JIT
+        index._source_stamp = tuple(sorted(_file_stamp(f) for f in _source_files(dispatcher, set())))
+    return dispatcher
+
+
+def _source_files(dispatcher: Any, seen: set[int]) -> set[str]:
+    function = dispatcher.py_func
+    files = {function.__code__.co_filename}
+    for value in list(function.__globals__.values()):
+        if isinstance(value, Dispatcher) and id(value) not in seen:
+            seen.add(id(value))
+            files |= _source_files(value, seen)
+    return files
+
+
+def _file_stamp(path: str) -> tuple[str, int, int]:
+    status = os.stat(path)
+    return path, status.st_mtime_ns, status.st_size
