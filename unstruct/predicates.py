@@ -1,9 +1,7 @@
 """Exact signs: on which side of a plane, inside or outside of a sphere.
 
-Two stages. A *filter* evaluates the determinant in floating point together with a bound on its
-rounding error (Shewchuk 1997, stage A; in four dimensions and more, an expansion by minors with the
-same expansion of absolute values); where the bound does not decide, `unstruct.exact` computes with
-integers. There is no third case: no tolerance, no overflow, no underflow.
+Two stages: a floating-point filter (`unstruct.filters`) and, where its error bound does not decide,
+integers (`unstruct.exact`). There is no third case: no tolerance, no overflow, no underflow.
 
 Kernels call ``orient2, incircle, orient3, insphere`` with scaled coordinates, at most 1 in magnitude:
 then all that underflow can do to a filter is far below ``TINY``. `power_of_two` gives the factor, and
@@ -20,17 +18,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .exact import exact_in_sphere, exact_incircle, exact_insphere, exact_orient, exact_orient2, exact_orient3
+from .filters import (
+    UNDECIDED,
+    filter_in_sphere,
+    filter_incircle,
+    filter_insphere,
+    filter_orient,
+    filter_orient2,
+    filter_orient3,
+)
 from .jit import inline, kernel
 
 __all__ = ["in_sphere", "orient"]
-
-EPS = 2.0**-53
-ORIENT2_BOUND = (3 + 16 * EPS) * EPS
-INCIRCLE_BOUND = (10 + 96 * EPS) * EPS
-ORIENT3_BOUND = (7 + 56 * EPS) * EPS
-INSPHERE_BOUND = (16 + 224 * EPS) * EPS
-TINY = 1e-300  # with |coordinates| <= 1, underflow changes no determinant by more than 2**-1060
-UNDECIDED = 2
 
 
 # --- kernels in two and three dimensions ----------------------------------------------------------
@@ -39,177 +38,87 @@ UNDECIDED = 2
 @inline
 def orient2(ax, ay, bx, by, cx, cy):
     """Positive where a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
-    left = (ax - cx) * (by - cy)
-    right = (ay - cy) * (bx - cx)
-    det = left - right
-    bound = ORIENT2_BOUND * (abs(left) + abs(right)) + TINY
-    if det > bound:
-        return 1
-    if det < -bound:
-        return -1
+    sign = filter_orient2(ax, ay, bx, by, cx, cy)
+    if sign != UNDECIDED:
+        return sign
     return exact_orient2(ax, ay, bx, by, cx, cy)
 
 
 @inline
 def incircle(ax, ay, bx, by, cx, cy, px, py):
     """Positive where p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
-    adx, ady, bdx, bdy, cdx, cdy = ax - px, ay - py, bx - px, by - py, cx - px, cy - py
-    bc, cb = bdx * cdy, cdx * bdy
-    ca, ac = cdx * ady, adx * cdy
-    ab, ba = adx * bdy, bdx * ady
-    alift, blift, clift = adx * adx + ady * ady, bdx * bdx + bdy * bdy, cdx * cdx + cdy * cdy
-    det = alift * (bc - cb) + blift * (ca - ac) + clift * (ab - ba)
-    permanent = (abs(bc) + abs(cb)) * alift + (abs(ca) + abs(ac)) * blift + (abs(ab) + abs(ba)) * clift
-    bound = INCIRCLE_BOUND * permanent + TINY
-    if det > bound:
-        return 1
-    if det < -bound:
-        return -1
+    sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
+    if sign != UNDECIDED:
+        return sign
     return exact_incircle(ax, ay, bx, by, cx, cy, px, py)
 
 
 @inline
 def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     """Sign of the determinant of rows b - a, c - a, d - a; exact for |coordinates| <= 1."""
-    adx, ady, adz = ax - dx, ay - dy, az - dz
-    bdx, bdy, bdz = bx - dx, by - dy, bz - dz
-    cdx, cdy, cdz = cx - dx, cy - dy, cz - dz
-    bc, cb = bdx * cdy, cdx * bdy
-    ca, ac = cdx * ady, adx * cdy
-    ab, ba = adx * bdy, bdx * ady
-    det = adz * (bc - cb) + bdz * (ca - ac) + cdz * (ab - ba)
-    permanent = (
-        (abs(bc) + abs(cb)) * abs(adz) + (abs(ca) + abs(ac)) * abs(bdz) + (abs(ab) + abs(ba)) * abs(cdz)
-    )
-    bound = ORIENT3_BOUND * permanent + TINY
-    if det > bound:
-        return -1  # rows a - d, b - d, c - d are those of the opposite orientation
-    if det < -bound:
-        return 1
+    sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
+    if sign != UNDECIDED:
+        return sign
     return -exact_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
 
 
 @inline
 def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
     """Positive where p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
-    aex, aey, aez = ax - px, ay - py, az - pz
-    bex, bey, bez = bx - px, by - py, bz - pz
-    cex, cey, cez = cx - px, cy - py, cz - pz
-    dex, dey, dez = dx - px, dy - py, dz - pz
-    aexbey, bexaey = aex * bey, bex * aey
-    bexcey, cexbey = bex * cey, cex * bey
-    cexdey, dexcey = cex * dey, dex * cey
-    dexaey, aexdey = dex * aey, aex * dey
-    aexcey, cexaey = aex * cey, cex * aey
-    bexdey, dexbey = bex * dey, dex * bey
-    ab, bc, cd = aexbey - bexaey, bexcey - cexbey, cexdey - dexcey
-    da, ac, bd = dexaey - aexdey, aexcey - cexaey, bexdey - dexbey
-    abc = aez * bc - bez * ac + cez * ab
-    bcd = bez * cd - cez * bd + dez * bc
-    cda = cez * da + dez * ac + aez * cd
-    dab = dez * ab + aez * bd + bez * da
-    alift, blift = aex * aex + aey * aey + aez * aez, bex * bex + bey * bey + bez * bez
-    clift, dlift = cex * cex + cey * cey + cez * cez, dex * dex + dey * dey + dez * dez
-    det = (dlift * abc - clift * dab) + (blift * cda - alift * bcd)
-    aez, bez, cez, dez = abs(aez), abs(bez), abs(cez), abs(dez)
-    ab, bc, cd = abs(aexbey) + abs(bexaey), abs(bexcey) + abs(cexbey), abs(cexdey) + abs(dexcey)
-    da, ac, bd = abs(dexaey) + abs(aexdey), abs(aexcey) + abs(cexaey), abs(bexdey) + abs(dexbey)
-    permanent = (
-        (cd * bez + bd * cez + bc * dez) * alift
-        + (da * cez + ac * dez + cd * aez) * blift
-        + (ab * dez + bd * aez + da * bez) * clift
-        + (bc * aez + ac * bez + ab * cez) * dlift
-    )
-    bound = INSPHERE_BOUND * permanent + TINY
-    if det > bound:
-        return -1
-    if det < -bound:
-        return 1
+    sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
+    if sign != UNDECIDED:
+        return sign
     return -exact_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
 
 
-# --- any dimension --------------------------------------------------------------------------------
-
-
-@kernel
-def _determinant_and_permanent(a, size):
-    """Expand a determinant by minors over subsets of columns, with the same sum of absolute values."""
-    det = np.zeros(1 << size)
-    permanent = np.zeros(1 << size)
-    det[0] = permanent[0] = 1.0
-    for subset in range(1, 1 << size):
-        row = -1
-        for j in range(size):
-            row += (subset >> j) & 1
-        above = 0  # chosen columns to the right of j: the sign of the minor
-        for j in range(size - 1, -1, -1):
-            if (subset >> j) & 1:
-                rest = subset ^ (1 << j)
-                term = a[row, j] * det[rest]
-                det[subset] += -term if above & 1 else term
-                permanent[subset] += abs(a[row, j]) * permanent[rest]
-                above += 1
-    return det[-1], permanent[-1]
-
-
-@kernel
-def filter_orient(simplex):
-    """Sign of the determinant of rows p_i - p_0, or UNDECIDED, for any d; |coordinates| <= 1."""
-    d = simplex.shape[1]
-    det, permanent = _determinant_and_permanent(simplex[1:] - simplex[0], d)
-    # each product of the expansion carries d differences, d multiplications, at most d(d-1)/2 additions
-    bound = (d * (d + 3) + 8) * EPS * permanent + TINY
-    if abs(det) > bound:
-        return 1 if det > 0 else -1
-    return UNDECIDED
-
-
-@kernel
-def filter_in_sphere(simplex, q):
-    """In-sphere sign for positively oriented simplices, or UNDECIDED, for any d; |coordinates| <= 1."""
-    d = simplex.shape[1]
-    rows = np.empty((d + 1, d + 1))
-    for i in range(d + 1):
-        lift = 0.0
-        for j in range(d):
-            rows[i, j] = simplex[i, j] - q[j]
-            lift += rows[i, j] * rows[i, j]
-        rows[i, d] = lift
-    det, permanent = _determinant_and_permanent(rows, d + 1)
-    bound = ((d + 1) * (d + 4) + 2 * d + 12) * EPS * permanent + TINY  # as above, and the lift's own errors
-    if abs(det) > bound:
-        sign = 1 if det > 0 else -1
-        return sign if d % 2 == 0 else -sign
-    return UNDECIDED
+# --- many simplices -------------------------------------------------------------------------------
 
 
 @kernel
 def _batch_orient(simplices, factors, signs):
+    """Signs of many simplices: the filter sees them scaled, the exact stage as they are."""
     for i in range(len(simplices)):
-        s = simplices[i] * factors[i]
-        signs[i] = filter_orient(s)
-        if signs[i] == UNDECIDED:
-            p = simplices[i]
-            if p.shape[1] == 2:
-                signs[i] = exact_orient2(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1])
-            elif p.shape[1] == 3:
-                signs[i] = -exact_orient3(p.copy().reshape(-1))
+        p, s = simplices[i], simplices[i] * factors[i]
+        if p.shape[1] == 2:
+            sign = filter_orient2(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1])
+            if sign == UNDECIDED:
+                sign = exact_orient2(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1])
+        elif p.shape[1] == 3:
+            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+            sign = filter_orient3(
+                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2]
+            )
+            if sign == UNDECIDED:
+                sign = -exact_orient3(p.copy().reshape(-1))
+        else:
+            sign = filter_orient(s)
+        signs[i] = sign
 
 
 @kernel
 def _batch_in_sphere(simplices, q, factors, signs):
+    """As `_batch_orient`; where d is neither 2 nor 3, UNDECIDED is left to the caller."""
     for i in range(len(simplices)):
-        s = simplices[i] * factors[i]
-        signs[i] = filter_in_sphere(s, q[i] * factors[i])
-        if signs[i] == UNDECIDED:
-            p, c = simplices[i], q[i]
-            if p.shape[1] == 2:
-                signs[i] = exact_incircle(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1], c[0], c[1])
-            elif p.shape[1] == 3:
+        p, c = simplices[i], q[i]
+        s, t = p * factors[i], c * factors[i]
+        if p.shape[1] == 2:
+            sign = filter_incircle(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1], t[0], t[1])
+            if sign == UNDECIDED:
+                sign = exact_incircle(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1], c[0], c[1])
+        elif p.shape[1] == 3:
+            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+            sign = filter_insphere(
+                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2],
+                t[0], t[1], t[2],
+            )  # fmt: skip
+            if sign == UNDECIDED:
                 x = np.empty(15)
                 x[:12] = p.copy().reshape(-1)
                 x[12:] = c
-                signs[i] = -exact_insphere(x)
+                sign = -exact_insphere(x)
+        else:
+            sign = filter_in_sphere(s, t)
+        signs[i] = sign
 
 
 # --- scaling --------------------------------------------------------------------------------------
