@@ -1,0 +1,261 @@
+"""Pictures: the roles differ by more than color, frames are valid, every plot draws what it should."""
+
+import io
+from itertools import combinations
+from types import SimpleNamespace
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
+from scipy.spatial import Delaunay, Voronoi
+
+from unstruct import view
+from unstruct.errors import InputError
+from unstruct.view import colors, frames, plots
+
+
+@pytest.fixture(autouse=True)
+def _close_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def planar():
+    points = np.random.default_rng(3).random((12, 2))
+    made = Delaunay(points)
+    return SimpleNamespace(points=points, simplices=made.simplices, neighbors=made.neighbors, cells=None)
+
+
+def collections(ax, kind):
+    return [c for c in ax.collections if isinstance(c, kind)]
+
+
+# ---- roles -------------------------------------------------------------------------------------
+
+# what is left of linear RGB for the two common kinds of color blindness (Viénot and others, 1999)
+BLIND = {
+    "protanopia": [[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]],
+    "deuteranopia": [[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]],
+}
+
+
+def test_no_two_roles_differ_by_color_alone():
+    for (a, x), (b, y) in combinations(view.ROLES.items(), 2):
+        assert (x.width, x.dash) != (y.width, y.dash), f"lines of {a} and {b} differ by color alone"
+        assert x.marker != y.marker or x.size != y.size, f"points of {a} and {b} differ by color alone"
+
+
+@pytest.mark.parametrize("kind", BLIND)
+def test_roles_met_together_are_told_apart_by_color_blind_readers(kind):
+    together = ["vertex", "inserted", "cavity", "circumcircle", "voronoi", "highlight"]
+    seen = {n: np.array(BLIND[kind]) @ np.array(to_rgb(view.ROLES[n].color)) ** 2.2 for n in together}
+    for a, b in combinations(together, 2):
+        apart = np.abs(np.clip(seen[a], 0, 1) ** (1 / 2.2) - np.clip(seen[b], 0, 1) ** (1 / 2.2)).max()
+        assert apart > 0.1, (a, b, apart)
+
+
+def test_an_unknown_role_is_named():
+    with pytest.raises(KeyError, match=r"no role 'purple'.*vertex"):
+        colors.role("purple")
+
+
+def test_setup_is_opaque_and_pictures_are_the_same_bytes_twice(planar):
+    view.setup()
+    made = []
+    for _ in range(2):
+        buffer = io.BytesIO()
+        view.plot(planar).figure.savefig(buffer, **colors.PNG)
+        made.append(buffer.getvalue())
+    assert made[0] == made[1] and b"Software" not in made[0]
+    buffer.seek(0)
+    pixels = plt.imread(buffer)
+    assert pixels.shape[2] == 3 or (pixels[..., 3] == 1).all()
+
+
+# ---- frames ------------------------------------------------------------------------------------
+
+
+def test_frames_made_by_the_helpers_are_valid():
+    one = frames.frame(
+        "all kinds",
+        frames.dots("inserted", [0, 1], handles=["P"]),
+        frames.segments("edge", [[[0, 0], [1, 1]]]),
+        frames.polygons("cavity", [[[0, 0], [1, 0], [0, 1]]], opacity=0.5),
+        frames.circles("circumcircle", [[0, 0]], [2]),
+        frames.labels("vertex", [[0, 0]], ["A"]),
+        number="R = 2",
+        view=(0, 1, 0, 1),
+    )
+    view.check_frame(one)
+    assert frames.bounds([one]) == [0, 1, 0, 1]
+
+
+BAD = {
+    "kind": {"kind": "blobs"},
+    "role": {"role": "purple"},
+    "not a list": {"data": np.zeros((1, 2))},
+    "finite numbers": {"data": [[0.0, float("nan")]]},
+    "2 finite": {"data": [[0.0, 1.0, 2.0]]},
+    "handles": {"handles": ["P", "Q"]},
+    "opacity": {"opacity": 2},
+    "text": {"kind": "labels"},
+    "two ends": {"kind": "segments", "data": [[[0.0, 0.0]]]},
+    "radius": {"kind": "circles", "data": [[0.0, 0.0, -1.0]]},
+}
+
+
+@pytest.mark.parametrize("word", BAD)
+def test_a_bad_item_is_named(word):
+    item = {"kind": "points", "role": "vertex", "data": [[0.0, 1.0]], **BAD[word]}
+    with pytest.raises(InputError, match=f"item 0 of the frame 'x'.*{word}"):
+        view.check_frame(frames.frame("x", item))
+
+
+def test_a_frame_with_missing_or_strange_entries_is_refused():
+    good = frames.frame("x")
+    for bad in ({}, {**good, "title": "y"}, {**good, "number": 3}, {**good, "view": [1, 0, 0, 1]}):
+        with pytest.raises(InputError):
+            view.check_frame(bad)
+
+
+def test_one_huge_circle_does_not_shrink_the_window():
+    triangle = frames.polygons("cell", [[[0, 0], [2, 0], [0, 1]]])
+    huge = frames.circles("circumcircle", [[0, 0]], [1e6])
+    x0, x1, y0, y1 = frames.bounds([frames.frame("", triangle, huge)])
+    assert -0.5 < x0 < 0 and 2 < x1 < 2.5 and -0.5 < y0 < 0 and 1 < y1 < 1.5
+    assert frames.bounds([frames.frame("", frames.circles("muted", [[0, 0]], [1]))])[1] >= 1
+    assert frames.bounds([frames.frame("")]) == [0, 1, 0, 1]
+    flat = frames.bounds([frames.frame("", frames.dots("vertex", [[0, 0], [4, 0]]))])
+    assert flat[3] - flat[2] >= 1, "collinear points still get a window"
+
+
+# ---- strips and plots --------------------------------------------------------------------------
+
+
+def test_the_strip_has_a_picture_a_frame_in_one_window():
+    history = [
+        frames.frame(f"step {k}", frames.dots("vertex", [[0, 0], [k, 1]]), number=f"k = {k}")
+        for k in range(1, 7)
+    ]
+    figure = view.strip(history, columns=4)
+    shown = [ax for ax in figure.axes if ax.axison]
+    assert len(shown) == 6 and len(figure.axes) == 8
+    assert len({ax.get_xlim() + ax.get_ylim() for ax in shown}) == 1
+    assert shown[2].get_title(loc="left").startswith("3") and shown[2].get_xlabel() == "k = 3"
+    with pytest.raises(InputError):
+        view.strip([])
+
+
+def test_every_kind_of_item_is_drawn():
+    ax = view.draw(
+        frames.frame(
+            "",
+            frames.polygons("cavity", [[[0, 0], [1, 0], [0, 1]]] * 3),
+            frames.circles("circumcircle", [[0, 0]] * 2, [1, 2]),
+            frames.segments("front", [[[0, 0], [1, 1]]] * 4),
+            frames.dots("inserted", [[0.5, 0.5]]),
+            frames.labels("vertex", [[0, 0]], ["A"]),
+            frames.dots("vertex", []),
+        )
+    )
+    assert len(collections(ax, PolyCollection)[0].get_paths()) == 3
+    assert len(collections(ax, EllipseCollection)[0].get_offsets()) == 2
+    assert len(collections(ax, LineCollection)[0].get_segments()) == 4
+    assert len(ax.lines) == 1 and ax.texts[0].get_text() == "A"
+
+
+def test_plot_draws_every_cell_of_every_type():
+    quads = SimpleNamespace(
+        points=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [2, 0.5]]),
+        simplices=None,
+        cells={"quad": [[0, 1, 2, 3]], "triangle": [[1, 4, 2]]},
+    )
+    ax = view.plot(quads, names=True, role="accepted")
+    assert sorted(len(p.vertices) - 1 for p in collections(ax, PolyCollection)[0].get_paths()) == [3, 4]
+    assert [t.get_text() for t in ax.texts] == list("01234")
+
+
+def test_plot_of_values_has_a_color_bar_and_counts_them(planar):
+    ax = view.plot(planar, values=np.arange(len(planar.simplices)), label="number")
+    assert len(ax.figure.axes) == 2 and ax.figure.axes[1].get_ylabel() == "number"
+    with pytest.raises(InputError, match="one a cell"):
+        view.plot(planar, values=[1, 2])
+
+
+def test_plot_of_a_line_and_of_four_dimensions():
+    line = SimpleNamespace(points=np.array([[0.0], [1], [3]]), simplices=np.array([[0, 1], [1, 2]]))
+    assert len(collections(view.plot(line), LineCollection)[0].get_segments()) == 2
+    with pytest.raises(InputError, match="4 dimensions"):
+        view.plot(SimpleNamespace(points=np.zeros((5, 4)), simplices=np.arange(5)[None]))
+
+
+def test_circumcircles_pass_through_the_corners(planar):
+    ax = view.plot_circumcircles(planar, [0, 2])
+    circles = collections(ax, EllipseCollection)[0]
+    centers, radii = circles.get_offsets(), circles.get_widths() / 2
+    corners = planar.points[planar.simplices[[0, 2]]]
+    assert np.allclose(np.linalg.norm(corners - centers[:, None], axis=2), radii[:, None])
+
+
+def test_a_flat_cell_has_no_circle_to_draw():
+    flat = SimpleNamespace(
+        points=np.array([[0.0, 0], [1, 0], [2, 0], [0, 1]]), simplices=np.array([[0, 1, 2], [0, 1, 3]])
+    )
+    assert len(collections(view.plot_circumcircles(flat), EllipseCollection)[0].get_offsets()) == 1
+
+
+def test_the_dual_of_a_mesh_is_the_voronoi_diagram(planar):
+    """Ridges from the mesh's neighbors and from SciPy's diagram are the same segments and rays."""
+
+    def canonical(diagram):
+        lines, nodes, pairs = plots.dual_segments(diagram, reach=9.0)
+        order = np.argsort([min(p) * 1000 + max(p) for p in pairs])
+        return [sorted(map(tuple, np.round(lines[k], 6).tolist())) for k in order], len(nodes)
+
+    assert canonical(planar) == canonical(Voronoi(planar.points))
+
+
+def test_rays_point_away_from_the_sites(planar):
+    lines, nodes, pairs = plots.dual_segments(planar, reach=9.0)
+    rays = [k for k, line in enumerate(lines) if not np.isclose(line[1], nodes).all(axis=1).any()]
+    assert len(rays) >= 3
+    for k in rays:
+        far = np.linalg.norm(planar.points - lines[k][1], axis=1)
+        assert set(np.argsort(far)[:2]) == set(pairs[k].tolist()), "the far end is nearest to its two sites"
+
+
+def test_collinear_sites_have_whole_lines():
+    line = SimpleNamespace(
+        points=np.array([[0.0, 0], [1, 0], [3, 0]]),
+        vertices=np.zeros((0, 2)),
+        ridge_points=np.array([[0, 1], [1, 2]]),
+        ridge_vertices=[[-1, -1], [-1, -1]],
+    )
+    drawn = plots.dual_segments(line, reach=5.0)[0]
+    assert np.allclose(drawn[:, :, 0], [[0.5, 0.5], [2, 2]]) and (np.ptp(drawn[:, :, 1], axis=1) >= 10).all()
+    assert len(collections(view.plot_voronoi(line, delaunay=True), LineCollection)) == 2
+
+
+def test_the_cavity_is_marked(planar):
+    ax = view.plot_cavity(planar, [0, 1], planar.points[planar.simplices[0]].mean(axis=0), vertices=False)
+    assert len(collections(ax, PolyCollection)[1].get_paths()) == 2
+    assert [line.get_marker() for line in ax.lines] == [view.ROLES["inserted"].marker]
+    solid = SimpleNamespace(points=np.eye(4)[:, :3], simplices=np.arange(4)[None])
+    with pytest.raises(InputError, match="view3d"):
+        view.plot_cavity(solid, [0], [0, 0, 0])
+
+
+def test_quality_histograms_share_bins_and_tell_what_is_not_finite():
+    fine = SimpleNamespace(quality=lambda name: np.array([10.0, 20.0, 60.0]))
+    flat = SimpleNamespace(quality=lambda name: np.array([30.0, np.inf]))
+    ax = view.plot_quality({"fine": fine, "flat": flat}, "min_angle")
+    shown = [t.get_text() for t in ax.get_legend().get_texts()]
+    assert shown == ["fine: least 10, mean 30", "flat: least 30, mean 30, 1 not finite"]
+    assert "degrees" in ax.get_xlabel() and len(ax.patches) == 4

@@ -1,0 +1,16 @@
+"""Pictures of meshes and of algorithms at work; needs the ``book`` extra (matplotlib, anywidget).
+
+`setup` sets the style, `plot` and its relatives draw with matplotlib, `strip` and `player` show the
+same frames on paper and step by step, `view3d` turns, and the widgets answer to sliders.
+"""
+
+from .colors import ROLES as ROLES
+from .colors import setup as setup
+from .frames import check_frame as check_frame
+from .plots import plot as plot
+from .plots import plot_cavity as plot_cavity
+from .plots import plot_circumcircles as plot_circumcircles
+from .plots import plot_quality as plot_quality
+from .plots import plot_voronoi as plot_voronoi
+from .strips import draw as draw
+from .strips import strip as strip

@@ -1,0 +1,145 @@
+"""What each kind of thing looks like, in every figure, player and widget of the book: one place.
+
+The colors are Okabe and Ito's (2008), with a few of Paul Tol's where those run out. No two roles
+differ by color alone: width, dash and marker differ too, so that a print in gray can be read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import matplotlib
+
+__all__ = ["PAPER", "ROLES", "Style", "line_style", "role", "setup", "styles"]
+
+PAPER = "#ffffff"  # behind every picture, on light and dark pages alike
+DPI = 90
+PNG: dict[str, Any] = {  # no version in the file: equal pictures are equal bytes
+    "facecolor": PAPER,
+    "metadata": {"Software": None},
+    "pil_kwargs": {"optimize": True},
+}
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a role is drawn.
+
+    Attributes
+    ----------
+    color : str
+        Color of lines and markers, ``#rrggbb``.
+    width : float
+        Width of lines, in points.
+    dash : tuple of float
+        Lengths on, off, on, … in points; empty for a solid line.
+    marker : str
+        matplotlib's letter for the marker, one of ``o s D ^ v * X P . h``.
+    size : float
+        Diameter of the marker, in points.
+    fill : str
+        Color inside polygons.
+    alpha : float
+        Opacity of that color, from 0 (none) to 1.
+    hatch : str
+        ``""``, ``"/"``, ``"x"`` or ``"."``, drawn over the fill in the role's color.
+    """
+
+    color: str
+    width: float
+    dash: tuple[float, ...]
+    marker: str
+    size: float
+    fill: str
+    alpha: float
+    hatch: str = ""
+
+
+ROLES: dict[str, Style] = {
+    "cell": Style("#8a8f94", 0.8, (), ".", 4.0, "#eef1f4", 1.0),
+    "muted": Style("#b8bcc0", 0.7, (3, 2), ".", 3.0, "#f6f7f8", 1.0),
+    "edge": Style("#55595d", 1.0, (), ".", 5.0, "#ffffff", 0.0),
+    "constrained": Style("#000000", 2.6, (), "s", 6.0, "#ffffff", 0.0),
+    "vertex": Style("#1a1a1a", 1.2, (), "o", 5.0, "#1a1a1a", 0.15),
+    "inserted": Style("#d55e00", 1.7, (), "*", 12.0, "#d55e00", 0.20),
+    "cavity": Style("#d89000", 2.2, (), "h", 7.0, "#e69f00", 0.38, "/"),
+    "circumcircle": Style("#0072b2", 1.2, (5, 3), "P", 7.0, "#0072b2", 0.05),
+    "voronoi": Style("#009e73", 1.6, (8, 2, 2, 2), "D", 5.5, "#009e73", 0.10),
+    "accepted": Style("#2f86bd", 1.4, (), "^", 7.0, "#56b4e9", 0.50),
+    "waiting": Style("#a89a00", 1.1, (1.5, 1.5), "v", 7.0, "#f0e442", 0.45, "."),
+    "front": Style("#882255", 2.8, (7, 2), "<", 7.0, "#882255", 0.15),
+    "layer": Style("#332288", 1.3, (2.5, 1.5), ">", 6.5, "#332288", 0.15),
+    "highlight": Style("#cc79a7", 3.2, (), "p", 9.0, "#cc79a7", 0.45),
+    "bad": Style("#b2182b", 2.0, (3, 1.5), "X", 9.0, "#b2182b", 0.22, "x"),
+}
+
+
+def role(name: str) -> Style:
+    """The style of a role; an unknown name raises ``KeyError`` with the known ones."""
+    try:
+        return ROLES[name]
+    except KeyError:
+        raise KeyError(f"no role {name!r}; the roles are {', '.join(sorted(ROLES))}") from None
+
+
+def line_style(name: str) -> dict[str, Any]:
+    """Keyword arguments that give a matplotlib line or collection the look of a role."""
+    style = role(name)
+    # matplotlib scales dashes by the line's width; ours are plain points, as in the players
+    dash = (0, tuple(d / style.width for d in style.dash)) if style.dash else "solid"
+    return {"color": style.color, "linewidth": style.width, "linestyle": dash}
+
+
+def styles() -> dict[str, dict[str, Any]]:
+    """All roles as plain dictionaries, for the players' JavaScript."""
+    return {name: {**asdict(style), "dash": list(style.dash)} for name, style in ROLES.items()}
+
+
+def setup() -> None:
+    """Set matplotlib as the book wants it; the first line of every notebook.
+
+    Pictures are PNG on opaque white at 90 dots per inch, with no version or date inside, so that
+    a notebook that is run twice stores the same bytes. Outside IPython only the style is set.
+    """
+    try:
+        from IPython import get_ipython
+        from IPython.core.pylabtools import select_figure_formats
+    except ImportError:  # a plain Python session: the style is all there is to set
+        shell = None
+    else:
+        shell = get_ipython()
+    if shell is not None:
+        shell.enable_matplotlib("inline")
+        select_figure_formats(shell, {"png"}, bbox_inches="tight", pad_inches=0.06, **PNG)
+    matplotlib.rcParams.update(RC)
+
+
+RC: dict[str, Any] = {
+    "figure.dpi": DPI,
+    "savefig.dpi": DPI,
+    "figure.figsize": (6.0, 3.6),
+    "figure.facecolor": PAPER,
+    "axes.facecolor": PAPER,
+    "savefig.facecolor": PAPER,
+    "savefig.transparent": False,
+    "figure.constrained_layout.use": True,
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same on every machine
+    "font.size": 9.5,
+    "axes.titlesize": 10,
+    "axes.labelsize": 9.5,
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.prop_cycle": matplotlib.cycler(
+        color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#332288", "#b07800"],
+        linestyle=["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1, 1, 1))],
+    ),
+    "image.cmap": "cividis",
+    "hatch.linewidth": 0.5,
+    "lines.scale_dashes": True,
+    "svg.hashsalt": "unstruct",
+}

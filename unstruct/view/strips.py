@@ -1,0 +1,171 @@
+"""Frames drawn by matplotlib: one picture, or a static strip of a whole history."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+
+from ..errors import InputError
+from . import frames as fr
+from .colors import PAPER, ROLES, line_style, role
+
+__all__ = ["draw", "draw_items", "flat_axes", "strip"]
+
+HALO = [patheffects.withStroke(linewidth=2.2, foreground=PAPER)]
+
+
+def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
+    """Draw the items of a frame into existing axes, from back to front."""
+    for z, item in enumerate(items, start=2):
+        style, opacity, data = role(item["role"]), item.get("opacity", 1.0), item["data"]
+        if not data:
+            continue
+        if item["kind"] == "points":
+            xy = np.asarray(data)
+            ax.plot(
+                xy[:, 0],
+                xy[:, 1],
+                linestyle="none",
+                marker=style.marker,
+                markersize=style.size,
+                zorder=z,
+                color=style.color,
+                markeredgecolor=PAPER,
+                markeredgewidth=0.4,
+                alpha=opacity,
+            )
+        elif item["kind"] == "labels":
+            for (x, y), text in zip(data, item["text"]):
+                ax.annotate(
+                    text,
+                    (x, y),
+                    xytext=(4, 4),
+                    textcoords="offset points",
+                    fontsize=8.5,
+                    color=style.color,
+                    alpha=opacity,
+                    zorder=z + 30,
+                    path_effects=HALO,
+                    annotation_clip=True,
+                )
+        elif item["kind"] == "segments":
+            ax.add_collection(LineCollection(data, zorder=z, alpha=opacity, **line_style(item["role"])))
+        else:
+            _shapes(ax, item, z)
+
+
+def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
+    """Polygons or circles: a fill, and an outline in the role's line style."""
+    style, opacity, data = role(item["role"]), item.get("opacity", 1.0), item["data"]
+    line = line_style(item["role"])
+    look = {
+        "facecolors": [to_rgba(style.fill, style.alpha * opacity)],
+        "linewidths": line["linewidth"],
+        "edgecolors": [to_rgba(style.color, opacity)],
+        "linestyles": [line["linestyle"]],
+        "zorder": z,
+    }
+    if item["kind"] == "polygons":
+        hatch = 3 * style.hatch if style.hatch != "." else "..."
+        ax.add_collection(PolyCollection([np.asarray(p) for p in data], hatch=hatch or None, **look))
+    else:
+        x, y, r = np.asarray(data).T
+        ax.add_collection(
+            EllipseCollection(
+                2 * r,
+                2 * r,
+                np.zeros_like(r),
+                units="xy",
+                transOffset=ax.transData,
+                offsets=np.column_stack([x, y]),
+                **look,
+            )
+        )
+
+
+def draw(frame: fr.Frame, ax: Axes | None = None, *, view: Sequence[float] | None = None) -> Axes:
+    """Draw one frame, without its caption.
+
+    Parameters
+    ----------
+    frame : dict
+        See `unstruct.view.frames`.
+    ax : matplotlib axes, optional
+        Where to draw; new ones by default.
+    view : (xmin, xmax, ymin, ymax), optional
+        The window; by default the frame's own, else all that it shows.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = flat_axes(ax)
+    draw_items(ax, frame["items"])
+    x0, x1, y0, y1 = fr.bounds([frame]) if view is None else view
+    ax.set(xlim=(x0, x1), ylim=(y0, y1))
+    return ax
+
+
+def strip(
+    frames: Sequence[fr.Frame],
+    columns: int | None = None,
+    *,
+    width: float = 8.0,
+    view: Sequence[float] | None = None,
+) -> Figure:
+    """A static strip of frames: what the player shows, for paper and for pages without widgets.
+
+    Parameters
+    ----------
+    frames : sequence of dict
+        The history, one change a frame.
+    columns : int, optional
+        Pictures side by side, by default at most four.
+    width : float
+        Width of the figure in inches.
+    view : (xmin, xmax, ymin, ymax), optional
+        The window of all pictures; by default what all of them together show.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if not frames:
+        raise InputError("a strip needs at least one frame")
+    columns = min(len(frames), 4) if columns is None else columns
+    rows = -(-len(frames) // columns)
+    x0, x1, y0, y1 = fr.bounds(frames) if view is None else view
+    panel = width / columns
+    letters = max(12, int(panel * 72 / 5.3))  # of 8.5 point text that fit above one picture
+    titles = [textwrap.fill(f"{k}  {f['caption']}", letters) for k, f in enumerate(frames, start=1)]
+    text = 0.17 * (max(t.count("\n") + 1 for t in titles) + any(f["number"] for f in frames))
+    figure, axes = plt.subplots(
+        rows, columns, squeeze=False, figsize=(width, rows * (panel * (y1 - y0) / (x1 - x0) + text))
+    )
+    for ax in axes.flat[len(frames) :]:
+        ax.set_axis_off()
+    for ax, one, title in zip(axes.flat, frames, titles):
+        draw(one, ax, view=(x0, x1, y0, y1))
+        ax.set_axis_on()
+        ax.set(xticks=[], yticks=[])
+        ax.spines[:].set(visible=True, color=ROLES["muted"].color, linewidth=0.6)
+        ax.set_title(title, fontsize=8.5, loc="left", pad=3)
+        ax.set_xlabel(one["number"], fontsize=8.5, labelpad=2)
+    return figure
+
+
+def flat_axes(ax: Axes | None) -> Axes:
+    """Axes for geometry: equal scales, and no ticks, since coordinates do not matter."""
+    if ax is None:
+        ax = plt.subplots(figsize=(4.6, 3.6))[1]
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return ax
