@@ -1,1 +1,7 @@
 """Unstructured mesh generation, exact and fast: the library under the book."""
+
+from . import predicates as predicates
+from .errors import DegenerateInputError as DegenerateInputError
+from .errors import InputError as InputError
+from .errors import MeshError as MeshError
+from .errors import UnstructError as UnstructError
