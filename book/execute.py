@@ -4,7 +4,8 @@
     python book/execute.py 2.1 ledger      # those whose names start so
 
 This is the only program that writes notebooks: it keeps of the metadata what the book needs
-(kernel, tags, alt texts, folding), so that two runs differ by nothing but widget ids.
+(kernel, tags, alt texts, folding), so that two runs differ by nothing. The state of each widget that
+a cell shows is stored beside that output, under stable names: the website draws the players from it.
 """
 
 from __future__ import annotations
@@ -12,13 +13,19 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
+from nbformat import NotebookNode
 
 BOOK = Path(__file__).parent
+SCRIPTS = BOOK.parent / "unstruct" / "view"
 KEPT = ("tags", "mystnb")
 FOLDED = {"hide-cell", "hide-input"}
+STATE = "application/vnd.jupyter.widget-state+json"
+VIEW = "application/vnd.jupyter.widget-view+json"
+REFERENCE = "IPY_MODEL_"
 
 
 def notebooks(prefixes: list[str]) -> list[Path]:
@@ -29,7 +36,7 @@ def notebooks(prefixes: list[str]) -> list[Path]:
     return found
 
 
-def clean(notebook: nbformat.NotebookNode) -> None:
+def clean(notebook: NotebookNode) -> None:
     """Reduce the metadata to what the book uses, and number the cells stably."""
     notebook.metadata = nbformat.from_dict(
         {"kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}}
@@ -41,6 +48,45 @@ def clean(notebook: nbformat.NotebookNode) -> None:
             kept["jupyter"] = {"source_hidden": True}
         cell.metadata = nbformat.from_dict(kept)
         cell.id = f"c{number:03d}"
+
+
+def keep_widgets(notebook: NotebookNode) -> None:
+    """Move the state of each widget shown to the output that shows it, and name it stably."""
+    state = notebook.metadata.get("widgets", {}).get(STATE, {}).get("state", {})
+    for cell in notebook.cells:
+        for number, output in enumerate(cell.get("outputs", [])):
+            if VIEW in output.get("data", {}):
+                root = output["data"][VIEW]["model_id"]
+                output["data"][VIEW]["model_id"] = f"{cell.id}-{number}"
+                output["metadata"] = nbformat.from_dict({"widget": _model(root, state)})
+
+
+def _model(name: str, state: dict[str, Any]) -> dict[str, Any]:
+    """What a page without a kernel can draw of a widget: a box, an anywidget, a text, or a control."""
+    model = state[name]
+    traits = model["state"]
+    if "children" in traits:
+        parts = [_model(child.removeprefix(REFERENCE), state) for child in traits["children"]]
+        return {"kind": "row" if model["model_name"] == "HBoxModel" else "column", "children": parts}
+    if "_esm" in traits:
+        own = {k: v for k, v in traits.items() if not k.startswith("_") and not _refers(v)}
+        code = {"script": _file(traits["_esm"]), "style": _file(traits.get("_css", ""))}
+        return {"kind": "anywidget", **code, "traits": own}
+    if model["model_name"] in ("HTMLModel", "HTMLMathModel", "LabelModel"):
+        return {"kind": "text", "value": traits.get("value", "")}
+    return {"kind": "control", "description": traits.get("description", "")}
+
+
+def _refers(value: Any) -> bool:
+    return isinstance(value, str) and value.startswith(REFERENCE)
+
+
+def _file(text: str) -> str:
+    """The name of the library's file that holds this script or style; the text itself if there is none."""
+    for path in [*sorted(SCRIPTS.glob("*.js")), *sorted(SCRIPTS.glob("*.css"))]:
+        if path.read_text(encoding="utf-8") == text:
+            return path.name
+    return text
 
 
 def run(path: Path) -> float:
@@ -56,11 +102,12 @@ def run(path: Path) -> float:
         timeout=600,
         kernel_name="python3",
         record_timing=False,
-        store_widget_state=False,
+        store_widget_state=True,
         resources={"metadata": {"path": str(path.parent)}},
     )
     client.execute()
     seconds = time.perf_counter() - start
+    keep_widgets(notebook)
     clean(notebook)
     nbformat.write(notebook, path)
     return seconds

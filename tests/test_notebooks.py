@@ -1,0 +1,169 @@
+"""Every notebook is stored executed, clean and within its limits; every chapter has all its parts.
+
+nbval, which runs the notebooks, passes one whose outputs were stripped, and does not compare
+pictures: so what is stored is checked here.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks, tags
+
+ALL = [pytest.param(path, id=path.stem) for path in notebooks()]
+METHOD_CHAPTERS = [pytest.param(path, id=path.stem) for path in chapters() if path.name.startswith("2.")]
+WIDGET = "application/vnd.jupyter.widget-view+json"
+PICTURES = ("image/png", "image/svg+xml", "image/jpeg")
+PARTS = ("predict", "by hand", "algorithm", "theorem", "break", "in earnest", "exercises", "sources")
+
+
+def has_picture(cell) -> bool:
+    return any(kind in output.get("data", {}) for output in cell.outputs for kind in PICTURES)
+
+
+def without_magics(source: str) -> str:
+    return "\n".join(line for line in source.splitlines() if not line.startswith(("%", "!")))
+
+
+def must_show(source: str) -> bool:
+    """Whether a cell certainly has an output: it prints, shows a picture, or ends with a name."""
+    statements = ast.parse(without_magics(source)).body
+    calls = [s.value for s in statements if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
+    shown = {"print", "plt.show", "display"} & {ast.unparse(call.func) for call in calls}
+    last_is_name = bool(statements) and isinstance(statements[-1], ast.Expr)
+    last_is_name = last_is_name and isinstance(statements[-1].value, ast.Name | ast.Attribute | ast.Tuple)
+    return bool(shown) or (last_is_name and not source.rstrip().endswith(";"))
+
+
+def test_there_is_a_book() -> None:
+    names = {path.stem for path in notebooks()}
+    pages = {"index", "ledger", "errata", "references", "reference", "benchmarks"}
+    assert pages <= names, f"missing pages: {sorted(pages - names)}"
+    for section in ("1-", "2.0-", "2.1-", "2.2-", "2.4a-"):
+        assert any(name.startswith(section) for name in names), f"no chapter {section.rstrip('-')}"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_stored_executed(path: Path) -> None:
+    cells = code_cells(path)
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1)), (
+        "not one clean run in order"
+    )
+    for cell in cells:
+        for output in cell.outputs:
+            assert output.output_type != "error", f"{cell.id} stores an error"
+            assert output.get("name") != "stderr", (
+                f"{cell.id} writes to stderr: {output.get('text', '')[:200]}"
+            )
+        if must_show(cell.source):
+            assert cell.outputs, f"{cell.id} shows something, but its output is not stored"
+        if re.search(r"^plt\.show\(\)", cell.source, flags=re.M):
+            assert has_picture(cell), f"{cell.id} shows a picture that is not stored"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_metadata_is_clean(path: Path) -> None:
+    assert set(notebook(path).metadata) == {"kernelspec"}
+    assert notebook(path).metadata.kernelspec.name == "python3"
+    for number, cell in enumerate(notebook(path).cells):
+        assert cell.id == f"c{number:03d}"
+        assert set(cell.metadata) <= {"tags", "mystnb", "jupyter"}, f"{cell.id}: {sorted(cell.metadata)}"
+        for output in cell.get("outputs", []):
+            allowed = {"widget"} if WIDGET in output.get("data", {}) else set()
+            stored = set(output.get("metadata", {}))
+            assert stored == allowed, f"{cell.id}: stored by something else than book/execute.py"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_limits(path: Path) -> None:
+    cells = notebook(path).cells
+    words = sum(len(cell.source.split()) for cell in cells if cell.cell_type == "markdown")
+    figures = sum(has_picture(cell) for cell in code_cells(path))
+    assert len(cells) <= 100
+    assert words <= 5000
+    assert figures <= 20
+    assert path.stat().st_size <= 2_000_000
+    for cell in code_cells(path):
+        assert len(cell.source.splitlines()) <= 25, f"{cell.id} has {len(cell.source.splitlines())} lines"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_few_outputs_are_ignored_and_those_assert(path: Path) -> None:
+    ignored = [cell for cell in code_cells(path) if "nbval-ignore-output" in tags(cell)]
+    assert len(ignored) <= max(1, 0.15 * len(code_cells(path))), [cell.id for cell in ignored]
+    for cell in ignored:
+        assert re.search(r"^\s*assert\b", cell.source, flags=re.M), (
+            f"{cell.id}: ignored by nbval, asserts nothing"
+        )
+    for cell in code_cells(path):
+        others = {"nbval-skip", "skip-execution", "nbval-raises-exception", "raises-exception"} & set(
+            tags(cell)
+        )
+        assert not others, f"{cell.id}: {others}"
+        assert not re.search(r"#\s*NBVAL_", cell.source), f"{cell.id}: a comment that steers nbval"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_every_picture_has_a_text(path: Path) -> None:
+    for cell in code_cells(path):
+        if has_picture(cell):
+            alt = cell.metadata.get("mystnb", {}).get("image", {}).get("alt", "")
+            assert len(alt) >= 20, f"{cell.id}: a picture without alt text"
+    for cell in notebook(path).cells:
+        if cell.cell_type == "markdown":
+            assert "![](" not in cell.source and "<img" not in cell.source, (
+                f"{cell.id}: a picture without alt text"
+            )
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_headings(path: Path) -> None:
+    levels = [level for level, _ in headings(path)]
+    assert levels and levels[0] == 1 and levels.count(1) == 1, "one title, and it comes first"
+    assert all(after <= before + 1 for before, after in pairwise(levels)), "a level is jumped"
+    for cell in notebook(path).cells:
+        if cell.cell_type == "markdown":
+            for target in re.findall(r"\]\(([^)#:]+\.(?:ipynb|md|py|toml|cfg))(?:#[^)]*)?\)", cell.source):
+                assert (path.parent / target).is_file(), f"{cell.id}: link to {target}, which does not exist"
+
+
+@pytest.mark.parametrize("path", METHOD_CHAPTERS)
+def test_method_chapters_have_all_parts(path: Path) -> None:
+    second = [title.lower() for level, title in headings(path) if level == 2]
+    missing = [part for part in PARTS if not any(part in title for title in second)]
+    assert not missing, f"no section on {missing} in {second}"
+
+
+@pytest.mark.parametrize("path", METHOD_CHAPTERS)
+def test_exercises_have_folded_executed_solutions(path: Path) -> None:
+    numbers, solved = [], {}
+    for cell in notebook(path).cells:
+        if cell.cell_type == "markdown":
+            numbers += [int(n) for n in re.findall(r"^###\s+Exercise (\d+)", cell.source, flags=re.M)]
+        elif numbers and {"hide-cell", "hide-input"} & set(tags(cell)):
+            solved[numbers[-1]] = cell.execution_count
+    assert numbers == list(range(1, len(numbers) + 1)) and 4 <= len(numbers) <= 8, numbers
+    assert sorted(solved) == numbers, f"without a folded solution: {sorted(set(numbers) - set(solved))}"
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    names = [*project["dependencies"], *project["optional-dependencies"]["book"]]
+    installed = {re.split(r"[<>=\[ ]", name)[0].replace("-", "_") for name in names}
+    allowed = (
+        installed
+        | set(sys.stdlib_module_names)
+        | {"unstruct", "benchmarks", "IPython", "mpl_toolkits", "traitlets"}
+    )
+    for cell in code_cells(path):
+        for node in ast.walk(ast.parse(without_magics(cell.source))):
+            modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert {m.split(".")[0] for m in modules} <= allowed, f"{cell.id} imports {modules}"
