@@ -117,9 +117,9 @@ def test_limb_arithmetic_against_python_integers():
             load(w, n, 0, a)
             load(w, n, 1, b)
             assert read(w, n, 0) == a and exact._sign(w, n, 0) == (a > 0) - (a < 0)
-            exact._combine(w, n, 0, 1, 1, 2)
+            exact._add(w, n, 0, 1, 2)
             assert read(w, n, 2) == a + b
-            exact._combine(w, n, 0, 1, -1, 2)
+            exact._subtract(w, n, 0, 1, 2)
             assert read(w, n, 2) == a - b and exact._sign(w, n, 2) == (a > b) - (a < b)
             exact._multiply(w, n, 0, 1, 2)
             assert read(w, n, 2) == a * b

@@ -52,16 +52,22 @@ def _carry(w, n, s, length):
 
 
 @kernel
-def _combine(w, n, a, b, sign, c):
-    """Number ``c`` becomes ``a + sign * b`` (``c`` may be ``a``)."""
+def _add(w, n, a, b, c):
+    """Number ``c`` becomes ``a + b`` (``c`` may be ``a``)."""
     length = max(n[a], n[b])
     for i in range(length):
-        value = 0
-        if i < n[a]:
-            value += w[a, i]
-        if i < n[b]:
-            value += sign * w[b, i]
-        w[c, i] = value
+        value = w[a, i] if i < n[a] else 0
+        w[c, i] = value + w[b, i] if i < n[b] else value
+    _carry(w, n, c, length)
+
+
+@kernel
+def _subtract(w, n, a, b, c):
+    """Number ``c`` becomes ``a - b`` (``c`` may be ``a``)."""
+    length = max(n[a], n[b])
+    for i in range(length):
+        value = w[a, i] if i < n[a] else 0
+        w[c, i] = value - w[b, i] if i < n[b] else value
     _carry(w, n, c, length)
 
 
@@ -163,6 +169,7 @@ def _differences(x, dimension, degree, slots):
 
 
 # --- determinants ---------------------------------------------------------------------------------
+# Slots beyond the differences are counted from len(s): numba would compile a helper anew for each literal.
 
 
 @kernel
@@ -170,7 +177,7 @@ def _minor(w, n, a, b, c, d, t, out):
     """Number ``out`` becomes ``a * d - b * c``; ``t`` is scratch."""
     _multiply(w, n, a, d, out)
     _multiply(w, n, b, c, t)
-    _combine(w, n, out, t, -1, out)
+    _subtract(w, n, out, t, out)
 
 
 @kernel
@@ -180,8 +187,9 @@ def exact_orient2(ax, ay, bx, by, cx, cy):
     if fits:
         value = s[0] * s[3] - s[1] * s[2]
         return (value > 0) - (value < 0)
-    _minor(w, n, 0, 1, 2, 3, 4, 5)
-    return _sign(w, n, 5)
+    free = len(s)
+    _minor(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
+    return _sign(w, n, free + 1)
 
 
 @kernel
@@ -195,16 +203,17 @@ def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
             + (s[4] * s[4] + s[5] * s[5]) * (s[0] * s[3] - s[1] * s[2])
         )
         return (value > 0) - (value < 0)
-    lift, cross, t, total = 6, 7, 8, 9
+    free = len(s)
+    lift, cross, t, total = free, free + 1, free + 2, free + 3
     n[total] = 0
     for k in range(3):
         u, v = (2 * k + 2) % 6, (2 * k + 4) % 6  # the two other rows, in cyclic order
         _multiply(w, n, 2 * k, 2 * k, lift)
         _multiply(w, n, 2 * k + 1, 2 * k + 1, t)
-        _combine(w, n, lift, t, 1, lift)
+        _add(w, n, lift, t, lift)
         _minor(w, n, u, u + 1, v, v + 1, t, cross)
         _multiply(w, n, lift, cross, t)
-        _combine(w, n, total, t, 1, total)
+        _add(w, n, total, t, total)
     return _sign(w, n, total)
 
 
@@ -219,13 +228,14 @@ def exact_orient3(x):
             + s[2] * (s[3] * s[7] - s[4] * s[6])
         )
         return (value > 0) - (value < 0)
-    cross, t, total = 9, 10, 11
+    free = len(s)
+    cross, t, total = free, free + 1, free + 2
     n[total] = 0
     for k in range(3):
         u, v = (k + 1) % 3, (k + 2) % 3
         _minor(w, n, 3 + u, 3 + v, 6 + u, 6 + v, t, cross)
         _multiply(w, n, k, cross, t)
-        _combine(w, n, total, t, 1, total)
+        _add(w, n, total, t, total)
     return _sign(w, n, total)
 
 
@@ -246,7 +256,8 @@ def exact_insphere(x):
             lift = s[3 * k] * s[3 * k] + s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2]
             value += minor * lift if k % 2 == 1 else -minor * lift
         return (value > 0) - (value < 0)
-    cross, t, minor, lift, total = 12, 13, 14, 15, 16
+    free = len(s)
+    cross, t, minor, lift, total = free, free + 1, free + 2, free + 3, free + 4
     n[total] = 0
     for k in range(4):
         a, b, c = 3 * rows[k][0], 3 * rows[k][1], 3 * rows[k][2]
@@ -256,11 +267,14 @@ def exact_insphere(x):
             u, v = (i + 1) % 3, (i + 2) % 3
             _minor(w, n, b + u, b + v, c + u, c + v, t, cross)
             _multiply(w, n, a + i, cross, t)
-            _combine(w, n, minor, t, 1, minor)
+            _add(w, n, minor, t, minor)
             _multiply(w, n, 3 * k + i, 3 * k + i, t)
-            _combine(w, n, lift, t, 1, lift)
+            _add(w, n, lift, t, lift)
         _multiply(w, n, minor, lift, t)
-        _combine(w, n, total, t, 1 if k % 2 == 1 else -1, total)
+        if k % 2 == 1:
+            _add(w, n, total, t, total)
+        else:
+            _subtract(w, n, total, t, total)
     return _sign(w, n, total)
 
 
