@@ -5,3 +5,4 @@ from .errors import DegenerateInputError as DegenerateInputError
 from .errors import InputError as InputError
 from .errors import MeshError as MeshError
 from .errors import UnstructError as UnstructError
+from .mesh import Mesh as Mesh

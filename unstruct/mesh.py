@@ -145,8 +145,8 @@ class Mesh:
             return _frozen(array)
         if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(
-                f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of vertices, "
-                f"not {array.dtype} of shape {array.shape}"
+                f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
+                f"vertices, not {array.dtype} of shape {array.shape}"
             )
         bad = ((array < 0) | (array >= len(self.points))).any(axis=1)
         if bad.any():

@@ -358,7 +358,7 @@ def _radius_edge(simplices: np.ndarray) -> np.ndarray:
 
 @_quiet
 def _aspect(simplices: np.ndarray) -> np.ndarray:
-    """Longest edge over inradius, divided by its value for the regular simplex: 1 at best, ``inf`` when flat."""
+    """Longest edge over inradius, divided by the regular simplex's: 1 at best, ``inf`` when flat."""
     k = np.shape(simplices)[-2] - 1
     regular = np.sqrt(2 * k * (k + 1))
     ratio = edge_lengths(simplices).max(axis=-1) / inradius(simplices) / regular

@@ -233,7 +233,7 @@ def neighbors(simplices: np.ndarray) -> np.ndarray:
         cells = np.nonzero((number == f).any(axis=1))[0]
         raise MeshError(
             f"the facet {found[f].tolist()} is shared by {len(cells)} cells, {cells.tolist()[:6]}: "
-            "neighbors exist only where at most two cells meet; drop cells, or use unstruct.check for the whole list"
+            "neighbors exist only where at most two cells meet; drop cells (unstruct.check lists them all)"
         )
     return result
 

@@ -1,0 +1,81 @@
+"""The picture of a mesh in a notebook: counts and a small inline SVG, without matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .cells import CELL_TYPES
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+__all__ = ["html"]
+
+SIZE, MARGIN, MOST = 200, 6, 400  # pixels, pixels, cells drawn
+
+
+def html(mesh: Mesh) -> str:
+    """An HTML card: a picture of at most a few hundred cells, and the counts."""
+    rows = [("points", len(mesh.points)), *((name, len(block)) for name, block in mesh.cells.items())]
+    rows += [("edges", len(mesh.edges)), ("dimensions", mesh.points.shape[1])]
+    if len(mesh.duplicates):
+        rows.append(("duplicates", len(mesh.duplicates)))
+    table = "".join(
+        f"<tr><td style='text-align:left'>{name}</td><td style='text-align:right'>{value:,}</td></tr>"
+        for name, value in rows
+    )
+    return (
+        f"<div style='display:flex;align-items:center;gap:1em'>{_picture(mesh)}<table>{table}</table></div>"
+    )
+
+
+def _picture(mesh: Mesh) -> str:
+    segments, shown = _segments(mesh)
+    label = f"Mesh of {mesh.size} cells" + ("" if shown == mesh.size else f", {shown} of them drawn")
+    lines = " ".join(f"M{a:g} {b:g}L{c:g} {d:g}" for (a, b), (c, d) in segments.tolist())
+    return (
+        f"<svg role='img' aria-label='{label}' width='{SIZE}' height='{SIZE}' viewBox='0 0 {SIZE} {SIZE}' "
+        f"style='background:white'><title>{label}</title>"
+        f"<path d='{lines}' stroke='#333333' stroke-width='0.7' fill='none'/></svg>"
+    )
+
+
+def _segments(mesh: Mesh) -> tuple[np.ndarray, int]:
+    """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
+    cells = [row for block in mesh.cells.values() for row in block]
+    if len(cells) > MOST:
+        cells = [cells[i] for i in np.linspace(0, len(cells) - 1, MOST).astype(int)]
+    pairs = set()
+    for row in cells:
+        pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(row.tolist(), mesh)}
+    ends = _project(mesh.points)[np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)]
+    if len(ends) == 0:
+        return np.empty((0, 2, 2)), 0
+    low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
+    span = (high - low).max()
+    scale = (SIZE - 2 * MARGIN) / span if span > 0 else 1.0
+    pixels = (ends - (low + high) / 2) * scale * [1, -1] + SIZE / 2
+    return np.round(pixels, 1), len(cells)
+
+
+def _edges_of(row: list[int], mesh: Mesh) -> list[tuple[int, int]]:
+    for name, block in mesh.cells.items():
+        if name in CELL_TYPES and block.shape[1] == len(row):
+            return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]
+    if "polygon" in mesh.cells:
+        return list(zip(row, [*row[1:], row[0]]))
+    return [(a, b) for i, a in enumerate(row) for b in row[i + 1 :]]
+
+
+def _project(points: np.ndarray) -> np.ndarray:
+    """Any dimension onto paper, scaled against overflow; space in an oblique view, more axes are left out."""
+    largest = np.abs(points).max(initial=0.0)
+    points = points / largest if largest > 0 else points
+    if points.shape[1] == 1:
+        return np.column_stack([points[:, 0], np.zeros(len(points))])
+    if points.shape[1] == 2:
+        return points
+    x, y, z = points[:, :3].T
+    return np.column_stack([0.866 * (x - y), z + 0.35 * (x + y)])
