@@ -1,0 +1,69 @@
+"""Turn the stored notebooks into the pages that Sphinx reads, and widgets into what a page can run."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+VIEW = "application/vnd.jupyter.widget-view+json"
+FRONT = "index"
+BACK = ["benchmarks", "ledger", "errata", "reference", "references"]  # after the chapters, in this order
+
+
+def write_pages(book: Path, site: Path) -> None:
+    """Write one page for each notebook of ``book`` into ``site``; remove pages of notebooks now gone."""
+    names = [path.stem for path in sorted(book.glob("*.ipynb"))]
+    for old in site.glob("*.ipynb"):
+        if old.stem not in names:
+            old.unlink()
+    for name in names:
+        notebook = nbformat.read(book / f"{name}.ipynb", as_version=4)
+        for cell in notebook.cells:
+            if cell.cell_type == "code":
+                for output in cell.outputs:
+                    show_widget(output)
+                cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
+            else:
+                cell.source = re.sub(r"^(\$\$.+?\$\$)$", r"\n\1\n", cell.source, flags=re.M | re.S)
+        if name == FRONT:
+            notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
+        write(site / f"{name}.ipynb", nbformat.writes(notebook))
+
+
+def contents(names: list[str]) -> str:
+    """The table of contents that makes the site's navigation: chapters by number, then the other pages."""
+    chapters = [name for name in names if name[0].isdigit()]
+    others = [name for name in BACK if name in names]
+    others += [name for name in names if name not in [FRONT, *chapters, *others]]
+    trees = []
+    for caption, group in (("Chapters", chapters), ("Beside the chapters", others)):
+        if group:
+            trees.append("\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *group, "```"]))
+    return "\n\n".join(trees)
+
+
+def show_widget(output: Any) -> None:
+    """Put the stored state of a widget, if this output is one, in the place of the live view."""
+    if VIEW not in output.get("data", {}):
+        return
+    state = json.dumps(output["metadata"]["widget"], separators=(",", ":")).replace("</", "<\\/")
+    place = f'<div class="unstruct-widget"><script type="application/json">{state}</script></div>'
+    output["data"] = nbformat.from_dict({"text/html": place})
+    output["metadata"] = nbformat.from_dict({})
+
+
+def write_scripts(view: Path, made: Path) -> None:
+    """Put the library's own scripts and styles of widgets into one file that a page loads."""
+    files = {p.name: p.read_text(encoding="utf-8") for p in [*view.glob("*.js"), *view.glob("*.css")]}
+    made.mkdir(exist_ok=True)
+    write(made / "scripts.js", f"window.unstructFiles = {json.dumps(dict(sorted(files.items())))};\n")
+
+
+def write(path: Path, text: str) -> None:
+    """Write only what has changed, so that a second build is quick."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")

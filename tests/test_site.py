@@ -1,0 +1,94 @@
+"""The website builds without a warning, and stands alone: no network, no dead link, no bare picture."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from book_files import code_cells, notebooks
+
+
+class Page(HTMLParser):
+    """What a page loads, shows and links to."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+        self.links: list[str] = []
+        self.ids: set[str] = set()
+        self.bare_pictures: list[str] = []
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        found = {name: value or "" for name, value in attributes}
+        self.ids |= {found[name] for name in ("id", "name") if name in found}
+        if tag in ("script", "img", "iframe", "source") and "src" in found:
+            self.loads.append(found["src"])
+        if tag == "link" and found.get("rel") in ("stylesheet", "preload", "icon", "shortcut icon"):
+            self.loads.append(found["href"])
+        if tag == "a" and "href" in found:
+            self.links.append(found["href"])
+        if tag == "img" and len(found.get("alt", "")) < 20:
+            self.bare_pictures.append(found.get("src", ""))
+
+
+def pages(site: Path) -> dict[str, Page]:
+    return {path.name: Page(path) for path in sorted(site.glob("*.html"))}
+
+
+def test_every_notebook_is_a_page(site: Path) -> None:
+    assert {f"{path.stem}.html" for path in notebooks()} <= set(pages(site))
+
+
+def test_nothing_comes_from_elsewhere(site: Path) -> None:
+    for name, page in pages(site).items():
+        outside = [source for source in page.loads if urlsplit(source).scheme or source.startswith("//")]
+        assert not outside, f"{name} loads {outside}"
+        for source in page.loads:
+            assert (site / unquote(urlsplit(source).path)).is_file(), f"{name} loads {source}: not there"
+    for style in (site / "_static").rglob("*.css"):
+        text = style.read_text(encoding="utf-8")
+        assert not re.search(r"(@import|url\()\s*[\"']?(https?:)?//", text), style.name
+
+
+def test_no_dead_link(site: Path) -> None:
+    found = pages(site)
+    dead = []
+    for name, page in found.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if not parts.scheme and parts.path in ("", *found):
+                target = found[parts.path or name]
+                if parts.fragment and unquote(parts.fragment) not in target.ids:
+                    dead.append(f"{name}: {link}")
+            elif not parts.scheme and not (site / unquote(parts.path)).exists():
+                dead.append(f"{name}: {link}")
+    assert not dead, "\n".join(dead)
+
+
+def test_every_picture_has_a_text(site: Path) -> None:
+    bare = {name: page.bare_pictures for name, page in pages(site).items() if page.bare_pictures}
+    assert not bare, bare
+
+
+def test_search_mathematics_and_dark_mode(site: Path) -> None:
+    assert "circumcent" in (site / "searchindex.js").read_text(encoding="utf-8")
+    front = (site / "index.html").read_text(encoding="utf-8")
+    assert "theme-switch" in front
+    with_mathematics = [
+        p for p in site.glob("2*.html") if "math notranslate" in p.read_text(encoding="utf-8")
+    ]
+    assert with_mathematics
+    assert all("tex-svg.js" in text for text in with_mathematics)
+
+
+def test_every_widget_has_its_place(site: Path) -> None:
+    for path in notebooks():
+        stored = [o for cell in code_cells(path) for o in cell.outputs if "widget" in o.get("metadata", {})]
+        text = (site / f"{path.stem}.html").read_text(encoding="utf-8")
+        states = re.findall(r'class="unstruct-widget"><script type="application/json">(.*?)</script>', text)
+        assert len(states) == len(stored), path.name
+        assert [json.loads(state) for state in states] == [o.metadata["widget"] for o in stored]
