@@ -259,3 +259,40 @@ def test_quality_histograms_share_bins_and_tell_what_is_not_finite():
     shown = [t.get_text() for t in ax.get_legend().get_texts()]
     assert shown == ["fine: least 10, mean 30", "flat: least 30, mean 30, 1 not finite"]
     assert "degrees" in ax.get_xlabel() and len(ax.patches) == 4
+
+
+def test_huge_circles_are_arcs_that_pass_where_they_should():
+    """Every point of the arc keeps its distance from the center, to a pixel of the window."""
+    for r in (10.0, 1e3, 1e8, 1e15):
+        line = frames.arc([0.5 + r, 0.5, r], (0, 1, 0, 1))
+        assert np.allclose(np.hypot(line[:, 0] - 0.5 - r, line[:, 1] - 0.5), r, rtol=1e-12)
+        assert np.abs(line[24] - 0.5).max() < 1e-9 or r > 1e14
+    huge = frames.frame("", frames.circles("circumcircle", [[1e9, 0], [0, 0]], [1e9, 1]), view=(-1, 1, -1, 1))
+    ax = view.draw(huge)
+    assert len(collections(ax, LineCollection)[0].get_segments()) == 1
+    assert len(collections(ax, EllipseCollection)[0].get_offsets()) == 1
+
+
+# ---- the player --------------------------------------------------------------------------------
+
+
+def test_the_player_holds_all_that_it_draws():
+    history = [frames.frame(f"step {k}", frames.dots("vertex", [[k / 3, 1 / 7]])) for k in range(3)]
+    shown = view.player(history, alt=" Three points. ")
+    assert shown.index == 0 and shown.alt == "Three points." and set(shown.styles) == set(view.ROLES)
+    assert [f["caption"] for f in shown.frames] == ["step 0", "step 1", "step 2"]
+    assert shown.frames[1]["items"][0]["data"] == [[0.33333, 0.14286]], "coordinates to a part of a pixel"
+    assert history[1]["items"][0]["data"] == [[1 / 3, 1 / 7]], "the frames given are left alone"
+    assert len(repr(shown)) < 100, "what a page without widgets shows is short"
+    shown.show(history[:2], index=5)
+    assert shown.index == 1 and len(shown.frames) == 2
+
+
+def test_the_player_refuses_what_it_cannot_show():
+    good = frames.frame("x", frames.dots("vertex", [[0, 0]]))
+    with pytest.raises(InputError, match="at least one frame"):
+        view.player([], alt="x")
+    with pytest.raises(InputError, match="alt"):
+        view.player([good], alt=" ")
+    with pytest.raises(InputError, match="item 0"):
+        view.player([good, {**good, "items": [{"kind": "blobs"}]}], alt="x")

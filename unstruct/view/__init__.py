@@ -7,6 +7,8 @@ same frames on paper and step by step, `view3d` turns, and the widgets answer to
 from .colors import ROLES as ROLES
 from .colors import setup as setup
 from .frames import check_frame as check_frame
+from .player import Player as Player
+from .player import player as player
 from .plots import plot as plot
 from .plots import plot_cavity as plot_cavity
 from .plots import plot_circumcircles as plot_circumcircles

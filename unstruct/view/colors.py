@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import matplotlib
+from cycler import cycler
 
 __all__ = ["PAPER", "ROLES", "Style", "line_style", "role", "setup", "styles"]
 
@@ -115,7 +116,7 @@ def setup() -> None:
     matplotlib.rcParams.update(RC)
 
 
-RC: dict[str, Any] = {
+RC: Any = {
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
     "figure.figsize": (6.0, 3.6),
@@ -134,7 +135,7 @@ RC: dict[str, Any] = {
     "legend.frameon": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.prop_cycle": matplotlib.cycler(
+    "axes.prop_cycle": cycler(
         color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#332288", "#b07800"],
         linestyle=["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1, 1, 1))],
     ),

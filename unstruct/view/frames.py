@@ -118,6 +118,19 @@ def bounds(frames: Iterable[Frame], margin: float = 0.08) -> View:
     return [float(low[0]), float(high[0]), float(low[1]), float(high[1])]
 
 
+def arc(circle: Sequence[float], view: Sequence[float]) -> np.ndarray:
+    """The part of a huge circle near the window, as a polyline ``(49, 2)``: whole ones draw slowly."""
+    x, y, r = circle
+    middle = np.array([(view[0] + view[1]) / 2, (view[2] + view[3]) / 2])
+    toward = middle - [x, y]
+    far = float(np.hypot(*toward))
+    turn = np.array([toward, [-toward[1], toward[0]]]) / far
+    half = min(math.pi, 2 * (view[1] - view[0] + view[3] - view[2]) / r)
+    angle = np.linspace(-half, half, 49)
+    # relative to the window, so that no two huge numbers are subtracted but r and the distance
+    return middle + np.column_stack([(r - far) - 2 * r * np.sin(angle / 2) ** 2, r * np.sin(angle)]) @ turn
+
+
 def check_frame(one: Any) -> None:
     """Raise `InputError`, naming the item, unless ``one`` is a frame that every renderer can draw."""
     if not isinstance(one, dict) or not {"caption", "number", "items"} <= set(one):

@@ -153,8 +153,8 @@ def plot_circumcircles(
     middle, radius = circumcenter(points[chosen]), circumradius(points[chosen])
     solid = np.isfinite(radius)
     items = [fr.circles("circumcircle", middle[solid], radius[solid])]
-    draw_items(ax, [*items, fr.dots("circumcircle", middle[solid])] if centers else items)
     fit(ax, points, margin)
+    draw_items(ax, [*items, fr.dots("circumcircle", middle[solid])] if centers else items)
     return ax
 
 
@@ -168,8 +168,8 @@ def plot_cavity(
     items = [fr.polygons("cavity", points[chosen])]
     if circles:
         items.append(fr.circles("circumcircle", circumcenter(points[chosen]), circumradius(points[chosen])))
-    draw_items(ax, [*items, fr.dots("inserted", point)])
     fit(ax, np.vstack([points, np.reshape(point, (1, 2))]), 0.1)
+    draw_items(ax, [*items, fr.dots("inserted", point)])
     return ax
 
 

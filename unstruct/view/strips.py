@@ -77,7 +77,12 @@ def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
         hatch = 3 * style.hatch if style.hatch != "." else "..."
         ax.add_collection(PolyCollection([np.asarray(p) for p in data], hatch=hatch or None, **look))
     else:
-        x, y, r = np.asarray(data).T
+        x0, x1, y0, y1 = *ax.get_xlim(), *ax.get_ylim()
+        huge = [row for row in data if row[2] > 6 * (abs(x1 - x0) + abs(y1 - y0))]
+        arcs = [fr.arc(row, (x0, x1, y0, y1)) for row in huge]
+        if arcs:
+            ax.add_collection(LineCollection(arcs, zorder=z, alpha=opacity, **line))
+        x, y, r = np.reshape([row for row in data if row not in huge], (-1, 3)).T
         ax.add_collection(
             EllipseCollection(
                 2 * r,
@@ -108,9 +113,9 @@ def draw(frame: fr.Frame, ax: Axes | None = None, *, view: Sequence[float] | Non
     matplotlib.axes.Axes
     """
     ax = flat_axes(ax)
-    draw_items(ax, frame["items"])
     x0, x1, y0, y1 = fr.bounds([frame]) if view is None else view
     ax.set(xlim=(x0, x1), ylim=(y0, y1))
+    draw_items(ax, frame["items"])
     return ax
 
 

@@ -1,0 +1,191 @@
+"""The JavaScript of the player and of the rotating view, run in headless Chromium without a kernel."""
+
+import base64
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from unstruct import view
+from unstruct.view import frames
+
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason="playwright is not installed: pip install playwright"
+)
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium on the path: apt-get install chromium")
+
+PAGE = """<!doctype html><meta charset="utf-8"><style>CSS</style><div id="here"></div><script>
+const state = STATE, heard = {};
+window.model = {
+  get: (key) => state[key],
+  set(key, value) {
+    if (JSON.stringify(state[key]) === JSON.stringify(value)) return;
+    state[key] = value;
+    for (const call of heard["change:" + key] ?? []) call();
+  },
+  save_changes() {},
+  on(event, call) { (heard[event] ??= []).push(call); },
+  off(event, call) { heard[event] = heard[event].filter((c) => c !== call); },
+};
+import("data:text/javascript;base64,MODULE").then((made) => {
+  window.stop = made.default.render({ model: window.model, el: document.getElementById("here") });
+  window.heard = heard;
+  window.ready = true;
+});
+</script>"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as p:
+        made = p.chromium.launch(
+            executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu", "--no-first-run"]
+        )
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def show(browser):
+    """Open a page with one widget on it; at the end of the test nothing may have gone wrong in it."""
+    errors, pages = [], []
+
+    def open_page(widget):
+        hidden = ("layout", "comm", "keys", "tabbable", "tooltip")
+        state = {k: getattr(widget, k) for k in widget.traits(sync=True) if k[0] != "_" and k not in hidden}
+        page = browser.new_page(viewport={"width": 900, "height": 800})
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+        page.on("request", lambda r: errors.append(r.url) if r.url.startswith("http") else None)
+        module = base64.b64encode(str(widget._esm).encode()).decode()
+        page.set_content(
+            PAGE.replace("CSS", str(widget._css))
+            .replace("STATE", json.dumps(state))
+            .replace("MODULE", module)
+        )
+        page.wait_for_function("window.ready", timeout=20000)
+        pages.append(page)
+        return page
+
+    yield open_page
+    for page in pages:
+        page.close()
+    assert not errors
+
+
+def history(length=5):
+    rng = np.random.default_rng(0)
+    return [
+        frames.frame(
+            f"step {k} of <b>",
+            frames.polygons("cavity", rng.random((k + 1, 3, 2))),
+            frames.circles("circumcircle", [[0.5, 0.5], [1e12, 0]], [0.3, 1e12 - 0.25]),
+            frames.segments("edge", rng.random((k, 2, 2))),
+            frames.dots("inserted", [0.5, 0.5], handles=["P"]),
+            frames.labels("vertex", [[0.2, 0.2]], ["A & <B>"]),
+            number=f"k = {k}",
+            view=(0, 1, 0, 1),
+        )
+        for k in range(length)
+    ]
+
+
+def test_buttons_slider_and_keys_step_the_player(show):
+    page = show(view.player(history(), alt="a test."))
+    index = lambda: page.evaluate("model.get('index')")  # noqa: E731
+    page.click("[data-do=next]")
+    page.click("[data-do=next]")
+    assert index() == 2 and page.inner_text(".unstruct-caption") == "step 2 of <b>"
+    assert page.inner_text(".unstruct-number") == "k = 2" and page.inner_text("output") == "3/5"
+    page.focus(".unstruct-player")
+    for key, wanted in (("ArrowLeft", 1), ("End", 4), ("ArrowRight", 4), ("Home", 0), ("ArrowLeft", 0)):
+        page.keyboard.press(key)
+        assert index() == wanted, key
+    assert page.is_disabled("[data-do=back]") and page.is_enabled("[data-do=last]")
+    page.fill("input[type=range]", "3")
+    assert index() == 3
+    page.click("[data-do=first]")
+    page.click("[data-do=last]")
+    assert index() == 4
+
+
+def test_it_plays_to_the_end_and_stops(show):
+    page = show(view.player(history(4), alt="a test.", interval=20))
+    page.click("[data-do=play]")
+    page.wait_for_function("model.get('index') === 3 && document.querySelector('[aria-label=play]')")
+    page.click("[data-do=play]")
+    page.wait_for_function("document.querySelector('[aria-label=pause]')")
+    page.evaluate("stop()")
+    assert page.evaluate("Object.values(heard).flat().length") == 0, "a closed player must not listen"
+
+
+def test_every_item_is_drawn_and_described(show):
+    page = show(view.player(history(), alt="a test."))
+    page.keyboard.press("Tab")
+    page.evaluate("model.set('index', 4)")
+    assert page.locator("[data-kind=polygons] > path").count() == 5
+    assert page.locator("[data-kind=polygons] > g > path").count() == 5, "the cavity is hatched"
+    assert page.locator("[data-kind=circles] circle").count() == 1
+    assert page.locator("[data-kind=circles] path").count() == 1, "the huge circle is cut to an arc"
+    assert page.locator("[data-kind=labels] text").text_content() == "A & <B>"
+    assert page.get_attribute(".unstruct-picture", "aria-label") == "a test. Step 5 of 5: step 4 of <b> k = 4"
+    path = page.get_attribute("[data-kind=circles] path", "d")
+    across = [float(p.split()[0]) for p in path[1:].split("L")]
+    size = page.evaluate("document.querySelector('.unstruct-picture').viewBox.baseVal.width")
+    assert np.allclose(across, size / 4, atol=0.05), "a circle of radius 1e12 through x = 1/4 is a line there"
+
+
+def test_a_dragged_point_is_told_to_python(show):
+    page = show(view.player(history(1), alt="a test."))
+    assert page.is_hidden(".unstruct-bar"), "one frame has nothing to step"
+    box = page.locator(".unstruct-grip").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    picture = page.locator(".unstruct-picture").bounding_box()
+    page.mouse.move(picture["x"] + 0.25 * picture["width"], picture["y"] + 0.25 * picture["height"])
+    page.wait_for_function("model.get('dragged').handle")
+    page.mouse.up()
+    dragged = page.evaluate("model.get('dragged')")
+    assert dragged["handle"] == "P" and abs(dragged["x"] - 0.25) < 0.02 and abs(dragged["y"] - 0.75) < 0.02
+
+
+def test_a_step_takes_less_than_a_tenth_of_a_second(show):
+    """With a thousand triangles and their circles in the picture."""
+    rng = np.random.default_rng(1)
+    big = [
+        frames.frame(
+            "",
+            frames.polygons("cell", rng.random((1000, 3, 2))),
+            frames.circles("circumcircle", rng.random((1000, 2)), rng.random(1000)),
+        )
+        for _ in range(2)
+    ]
+    page = show(view.player(big, alt="a test."))
+    took = page.evaluate(
+        """() => [1, 0, 1].map((i) => {
+            const start = performance.now();
+            model.set("index", i);
+            return performance.now() - start;
+        })"""
+    )
+    assert sorted(took)[1] < 100, took
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_words_can_be_read_on_light_and_dark_pages(show, dark):
+    page = show(view.player(history(), alt="a test."))
+    page.evaluate(
+        f"document.body.style = 'background: {'#111; color: #eee' if dark else '#fff; color: #111'}'"
+    )
+    words, button, paper = (
+        page.evaluate(f"getComputedStyle(document.querySelector('{where}')).{what}")
+        for where, what in (
+            (".unstruct-caption", "color"),
+            ("button", "color"),
+            (".unstruct-picture", "backgroundColor"),
+        )
+    )
+    assert words == button == ("rgb(238, 238, 238)" if dark else "rgb(17, 17, 17)")
+    assert paper == "rgb(255, 255, 255)"

@@ -1,0 +1,248 @@
+// Draws frames (see frames.py) as SVG and steps through them. All state is in the widget's model,
+// so that it works with a live kernel and, without one, on a static page.
+
+const SCALE = 96 / 72; // the styles are in points, the picture in pixels
+const ICONS = {
+  first: "M1 1h2v10H1zM11 1v10L4 6z",
+  back: "M9 1l1.5 1.5L6 6l4.5 3.5L9 11 3 6z",
+  play: "M2 0.5l9.5 5.5L2 11.5z",
+  pause: "M2 1h3v10H2zM7 1h3v10H7z",
+  next: "M3 1L1.5 2.5 6 6 1.5 9.5 3 11l6-5z",
+  last: "M9 1h2v10H9zM1 1v10l7-5z",
+};
+let players = 0;
+
+const escape = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
+const n = (value) => Number(value).toFixed(2);
+
+// The path of a matplotlib marker of diameter s about the origin.
+function marker(letter, s) {
+  const r = s / 2;
+  const ring = (count, turn, inner = 1) => {
+    const corners = [];
+    for (let k = 0; k < count; k++) {
+      const a = turn + (2 * Math.PI * k) / count;
+      const q = k % 2 ? r * inner : r;
+      corners.push(`${n(q * Math.sin(a))} ${n(-q * Math.cos(a))}`);
+    }
+    return `M${corners.join("L")}Z`;
+  };
+  const bar = (w) => `M${-w} ${-r}H${w}V${-w}H${r}V${w}H${w}V${r}H${-w}V${w}H${-r}V${-w}H${-w}Z`;
+  const q = 0.7 * r;
+  const shapes = {
+    s: () => `M${-q} ${-q}H${q}V${q}H${-q}Z`,
+    D: () => `M0 ${-r}L${r} 0L0 ${r}L${-r} 0Z`,
+    "^": () => `M0 ${-r}L${r} ${r}H${-r}Z`,
+    v: () => `M0 ${r}L${r} ${-r}H${-r}Z`,
+    "<": () => `M${-r} 0L${r} ${-r}V${r}Z`,
+    ">": () => `M${r} 0L${-r} ${-r}V${r}Z`,
+    "*": () => ring(10, 0, 0.4),
+    p: () => ring(5, 0),
+    h: () => ring(6, 0),
+    P: () => bar(r / 3),
+    X: () => `M0 ${-r / 3}L${q / 2} ${-r}L${r} ${-q / 2}L${r / 3} 0L${r} ${q / 2}L${q / 2} ${r}L0 ${r / 3}L${-q / 2} ${r}L${-r} ${q / 2}L${-r / 3} 0L${-r} ${-q / 2}L${-q / 2} ${-r}Z`,
+  };
+  const dot = letter === "." ? r / 2 : r;
+  return (shapes[letter] ?? (() => `M${dot} 0A${dot} ${dot} 0 1 0 ${-dot} 0A${dot} ${dot} 0 1 0 ${dot} 0Z`))();
+}
+
+function hatches(styles, id) {
+  const lines = { "/": "M0 7L7 0M-1 1L1 -1M6 8L8 6", x: "M0 7L7 0M0 0L7 7", ".": "M3 3.5h1" };
+  return Object.entries(styles)
+    .filter(([, style]) => style.hatch)
+    .map(([role, style]) => `<pattern id="${id}-${role}" width="7" height="7" patternUnits="userSpaceOnUse"><path d="${lines[style.hatch]}" stroke="${style.color}" stroke-width="0.7" fill="none"/></pattern>`)
+    .join("");
+}
+
+// One item of a frame as SVG text. `to` maps a point to pixels, `unit` is the pixels of length one.
+function draw(item, styles, to, unit, size, id) {
+  const style = styles[item.role];
+  const dash = style.dash.length ? ` stroke-dasharray="${style.dash.map((d) => n(d * SCALE)).join(" ")}"` : "";
+  const stroke = `stroke="${style.color}" stroke-width="${n(style.width * SCALE)}" stroke-linejoin="round"${dash}`;
+  const open = `<g data-kind="${item.kind}" data-role="${item.role}" opacity="${item.opacity ?? 1}"`;
+  const path = (points, close) => `M${points.map((p) => to(p).map(n).join(" ")).join("L")}${close}`;
+  if (item.kind === "points") {
+    const shape = marker(style.marker, style.size * SCALE);
+    const marks = item.data.map((p, k) => {
+      const place = `transform="translate(${to(p).map(n).join(" ")})"`;
+      const name = item.handles?.[k];
+      const grip = name === undefined ? "" : `<circle class="unstruct-grip" data-handle="${escape(name)}" r="15" ${place}/>`;
+      return `<path d="${shape}" ${place}/>${grip}`;
+    });
+    return `${open} fill="${style.color}" stroke="#fff" stroke-width="0.6">${marks.join("")}</g>`;
+  }
+  if (item.kind === "labels") {
+    const texts = item.data.map((p, k) => {
+      const [x, y] = to(p);
+      return `<text x="${n(x + 6)}" y="${n(y - 6)}">${escape(item.text[k])}</text>`;
+    });
+    return `${open} class="unstruct-label" fill="${style.color}">${texts.join("")}</g>`;
+  }
+  if (item.kind === "segments") {
+    return `${open} fill="none" ${stroke}><path d="${item.data.map((s) => path(s, "")).join("")}"/></g>`;
+  }
+  const fill = `fill="${style.fill}" fill-opacity="${style.alpha}"`;
+  if (item.kind === "polygons") {
+    const all = item.data.map((p) => `<path d="${path(p, "Z")}"/>`).join("");
+    const over = style.hatch ? `<g fill="url(#${id}-${item.role})" fill-opacity="1" stroke="none">${all}</g>` : "";
+    return `${open} ${fill} ${stroke}>${all}${over}</g>`;
+  }
+  const round = item.data.map(([x, y, r]) => {
+    const [cx, cy] = to([x, y]);
+    if (r * unit < 6 * (size[0] + size[1])) return `<circle cx="${n(cx)}" cy="${n(cy)}" r="${n(r * unit)}"/>`;
+    return `<path fill="none" d="${arc(cx, cy, r * unit, size)}"/>`;
+  });
+  return `${open} ${fill} ${stroke}>${round.join("")}</g>`;
+}
+
+// The part of a huge circle near the picture: browsers draw whole ones slowly and inexactly.
+function arc(cx, cy, r, [width, height]) {
+  const middle = Math.atan2(height / 2 - cy, width / 2 - cx);
+  const far = Math.hypot(height / 2 - cy, width / 2 - cx);
+  const half = Math.min(Math.PI, (width + height) / r);
+  const points = [];
+  for (let k = -24; k <= 24; k++) {
+    const a = (half * k) / 24;
+    // along the direction of the picture and across it, without the difference of huge numbers
+    const along = r - far - 2 * r * Math.sin(a / 2) ** 2;
+    const across = r * Math.sin(a);
+    const [c, s] = [Math.cos(middle), Math.sin(middle)];
+    points.push(`${n(width / 2 + along * c - across * s)} ${n(height / 2 + along * s + across * c)}`);
+  }
+  return `M${points.join("L")}`;
+}
+
+function build(el, id) {
+  const bar = ["first", "back", "play", "next", "last"]
+    .map((name) => `<button type="button" data-do="${name}" aria-label="${name}" title="${name}"><svg viewBox="0 0 12 12"><path d="${ICONS[name]}"/></svg></button>`)
+    .join("");
+  el.innerHTML = `<div class="unstruct-player" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
+    <div class="unstruct-caption" aria-live="polite"></div>
+    <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
+    <div class="unstruct-number" aria-live="polite"></div>
+    <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
+  </div>`;
+  const root = el.querySelector(".unstruct-player");
+  root.id = id;
+  return root;
+}
+
+function render({ model, el }) {
+  const id = `unstruct-player-${(players += 1)}-${Math.floor(performance.now())}`;
+  const root = build(el, id);
+  const part = (name) => root.querySelector(name);
+  const [svg, slider] = [part(".unstruct-picture"), part("input")];
+  let timer = null;
+  let grabbed = null;
+
+  const count = () => model.get("frames").length;
+  const at = () => Math.min(Math.max(model.get("index"), 0), count() - 1);
+  const size = () => {
+    const [x0, x1, y0, y1] = model.get("view");
+    const width = Math.min(model.get("width"), (model.get("height") * (x1 - x0)) / (y1 - y0));
+    return [width, (width * (y1 - y0)) / (x1 - x0)];
+  };
+
+  function paint() {
+    const frame = model.get("frames")[at()];
+    const [x0, x1, , y1] = model.get("view");
+    const [width, height] = size();
+    const unit = width / (x1 - x0);
+    const to = ([x, y]) => [(x - x0) * unit, (y1 - y) * unit];
+    const styles = model.get("styles");
+    svg.setAttribute("viewBox", `0 0 ${n(width)} ${n(height)}`);
+    svg.style.width = `${n(width)}px`;
+    root.style.width = `${n(Math.max(width, 330) + 10)}px`; // nothing moves when captions change
+    svg.querySelector("defs").innerHTML = hatches(styles, id);
+    svg.querySelector("g").innerHTML = frame.items.map((i) => draw(i, styles, to, unit, [width, height], id)).join("");
+    part(".unstruct-caption").textContent = frame.caption;
+    part(".unstruct-number").textContent = frame.number;
+    root.setAttribute("aria-label", model.get("alt"));
+    svg.setAttribute("aria-label", `${model.get("alt")} Step ${at() + 1} of ${count()}: ${frame.caption} ${frame.number}`);
+    slider.max = count() - 1;
+    slider.value = at();
+    part("output").textContent = `${at() + 1}/${count()}`;
+    part(".unstruct-bar").hidden = count() < 2;
+    for (const name of ["first", "back"]) part(`[data-do=${name}]`).disabled = at() === 0;
+    for (const name of ["next", "last"]) part(`[data-do=${name}]`).disabled = at() === count() - 1;
+  }
+
+  function go(index) {
+    model.set("index", Math.min(Math.max(index, 0), count() - 1));
+    model.save_changes();
+  }
+  function label(name) {
+    const button = part("[data-do=play]");
+    button.querySelector("path").setAttribute("d", ICONS[name]);
+    button.setAttribute("aria-label", name);
+    button.title = name;
+  }
+  function stop() {
+    clearInterval(timer);
+    timer = null;
+    label("play");
+  }
+  function play() {
+    if (timer !== null) return stop();
+    if (at() === count() - 1) go(0);
+    label("pause");
+    timer = setInterval(() => (at() < count() - 1 ? go(at() + 1) : stop()), model.get("interval"));
+  }
+  const acts = { first: () => go(0), back: () => go(at() - 1), play, next: () => go(at() + 1), last: () => go(count() - 1) };
+  const keys = { ArrowLeft: "back", ArrowRight: "next", Home: "first", End: "last", " ": "play" };
+
+  root.addEventListener("click", (event) => {
+    const name = event.target.closest("button")?.dataset.do;
+    if (!name) return;
+    if (name !== "play") stop();
+    acts[name]();
+  });
+  slider.addEventListener("input", () => {
+    stop();
+    go(Number(slider.value));
+  });
+  root.addEventListener("keydown", (event) => {
+    const name = keys[event.key];
+    const own = event.target === slider || (event.key === " " && event.target.closest("button"));
+    if (!name || own || count() < 2) return; // the slider and the buttons know these keys themselves
+    event.preventDefault();
+    if (name !== "play") stop();
+    acts[name]();
+  });
+
+  // Points with handles can be dragged; Python answers with new frames.
+  const where = (event) => {
+    const [x0, x1, , y1] = model.get("view");
+    const box = svg.getBoundingClientRect();
+    const unit = box.width / (x1 - x0);
+    return { x: x0 + (event.clientX - box.left) / unit, y: y1 - (event.clientY - box.top) / unit };
+  };
+  svg.addEventListener("pointerdown", (event) => {
+    grabbed = event.target.dataset?.handle ?? null;
+    if (grabbed === null) return;
+    event.preventDefault();
+    svg.setPointerCapture(event.pointerId);
+  });
+  let waiting = false;
+  svg.addEventListener("pointermove", (event) => {
+    if (grabbed === null || waiting) return;
+    waiting = true; // one message a picture, not one a pixel
+    const place = { handle: grabbed, ...where(event) };
+    requestAnimationFrame(() => {
+      waiting = false;
+      model.set("dragged", place);
+      model.save_changes();
+    });
+  });
+  for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (grabbed = null));
+
+  const changes = ["frames", "index", "view", "alt"].map((name) => `change:${name}`);
+  for (const change of changes) model.on(change, paint);
+  paint();
+  return () => {
+    stop();
+    for (const change of changes) model.off(change, paint);
+  };
+}
+
+export default { render };
