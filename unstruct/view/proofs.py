@@ -48,7 +48,7 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
     d_in_abc = in_sphere(np.array([a, b, c]), d) > 0
     p_in_acd = in_sphere(np.array([a, c, d]), p) > 0
     if not p_in_abc:
-        caption = "P is outside circle ABC: the triangle stays"
+        caption = "P is not in circle ABC: the triangle ABC stays"
     elif d_in_abc:
         caption = "D is inside circle ABC: no Delaunay start, and " + (
             "P happens to be in circle ACD" if p_in_acd else "ACD stays and hides P"
@@ -66,8 +66,8 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
         fr.dots("inserted", p),
         fr.labels("vertex", [a, b, c, d, p], "ABCDP"),
     ]
-    number = f"angle APC − angle ADC = {angle_p:.0f}° − {angle_d:.0f}° = {angle_p - angle_d:.0f}°"
-    return fr.frame(caption, *items, number=number, view=[-2.1, 2.1, -1.9, 2.6])
+    number = f"∠APC − ∠ADC = {angle_p - angle_d:.0f}°"
+    return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.6, 1.9])
 
 
 def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> fr.Frame:
@@ -119,11 +119,11 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
         items = [*beyond, fr.circles("voronoi", [[0.0, CENTER_F]], [np.hypot(1.0, CENTER_F)]), *items]
     missing = hull and not above
     number = "" if missing else f"power of D in circle AB{'E' if above else 'F'} = {power:.2f}"
-    return fr.frame(caption, *items, number=number, view=[-2.1, 2.1, -2.0, 2.6])
+    return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.9, 2.5])
 
 
 def _on_upper_arc(angle: float, share: float) -> np.ndarray:
-    """The point above (-1, 0), (1, 0) that sees them under ``angle``, at a share of its arc from the right."""
+    """The point above that sees (-1, 0), (1, 0) under ``angle``, at a share of its arc from the right."""
     center = 1.0 / np.tan(np.radians(angle))
     right = np.arctan2(-center, 1.0)
     turn = right + share * (np.pi - 2 * right)
