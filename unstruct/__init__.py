@@ -1,6 +1,7 @@
 """Unstructured mesh generation, exact and fast: the library under the book."""
 
 from . import predicates as predicates
+from .delaunay.swapping import swap_diagonals as swap_diagonals
 from .errors import DegenerateInputError as DegenerateInputError
 from .errors import InputError as InputError
 from .errors import MeshError as MeshError

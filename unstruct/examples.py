@@ -13,9 +13,21 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .delaunay.swapping import corner_facing, flip
+from .errors import DegenerateInputError, InputError
+from .exact import exact_orient2
+from .jit import kernel
+from .mesh import Mesh, as_points
+from .predicates import orient2, scaled
+from .topology import neighbors
 
-__all__ = ["running_points", "running_region", "running_size"]
+__all__ = [
+    "random_triangulation",
+    "running_points",
+    "running_region",
+    "running_size",
+    "sweep_triangulation",
+]
 
 Array = NDArray[np.float64]
 
@@ -149,3 +161,131 @@ def inside_polygon(x: Array, points: Array, segments: NDArray[np.int32]) -> NDAr
         with np.errstate(divide="ignore", invalid="ignore"):
             inside ^= crosses & (x[:, 0] < ax + (x[:, 1] - ay) * (bx - ax) / (by - ay))
     return inside
+
+
+# --- bad triangulations ----------------------------------------------------------------------------
+
+
+def sweep_triangulation(points: ArrayLike) -> Mesh:
+    """Join points from left to right, each to all hull edges that it sees: valid, and full of slivers.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Copies are allowed: the first of each is used, the others are listed in `Mesh.duplicates`.
+
+    Returns
+    -------
+    Mesh
+        A triangulation of the convex hull that uses every distinct point; far from Delaunay.
+
+    Raises
+    ------
+    InputError
+        For other shapes and for coordinates that are not finite.
+    DegenerateInputError
+        Where all points lie on a line.
+
+    Notes
+    -----
+    Exact; O(n log n). Book: 2.0, where diagonal swapping mends it.
+    """
+    points = as_points(points)
+    if points.shape[1] != 2:
+        raise InputError(f"points must have shape (n, 2), not {points.shape}")
+    P, exact = scaled(points)
+    P = P if exact else points
+    order = np.lexsort((np.arange(len(P)), P[:, 1], P[:, 0]))
+    copy = np.zeros(len(P), dtype=bool)
+    copy[1:] = (P[order[1:]] == P[order[:-1]]).all(axis=1)
+    kept = order[~copy]
+    T, m = _sweep(P, kept, not exact)
+    if m == 0:
+        dimension = min(len(kept) - 1, 1)
+        raise DegenerateInputError(
+            f"all {len(P)} points lie on a line or coincide (dimension {dimension}): no triangle exists",
+            dimension,
+        )
+    leader = order[np.maximum.accumulate(np.where(copy, 0, np.arange(len(P))))]
+    duplicates = np.stack([order[copy], leader[copy]], axis=1)
+    return Mesh(points, T[:m], duplicates=duplicates[np.argsort(duplicates[:, 0])])
+
+
+def random_triangulation(
+    points: ArrayLike, rng: int | np.random.Generator = 0, *, swaps: int | None = None
+) -> Mesh:
+    """A triangulation of the convex hull after random diagonal swaps of `sweep_triangulation`.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+    rng : int or numpy Generator
+    swaps : int, optional
+        How many edges are tried; those of strictly convex quadrilaterals are swapped. 10 n by default.
+    """
+    mesh = sweep_triangulation(points)
+    P, exact = scaled(mesh.points)
+    T, N = mesh.simplices.copy(), neighbors(mesh.simplices)
+    tries = 10 * len(P) if swaps is None else swaps
+    slots = np.random.default_rng(rng).integers(T.size, size=tries)
+    _swap_at(P if exact else np.array(mesh.points), T, N, slots, not exact)
+    return Mesh(mesh.points, T, neighbors=N, duplicates=mesh.duplicates)
+
+
+@kernel
+def _turn(P, u, v, w, wide):
+    a, b, c = P[u], P[v], P[w]
+    if wide:
+        return exact_orient2(a[0], a[1], b[0], b[1], c[0], c[1])
+    return orient2(a[0], a[1], b[0], b[1], c[0], c[1])
+
+
+@kernel
+def _sweep(P, order, wide):
+    """Triangles of the sweep over distinct sorted points, and their number (0: all collinear)."""
+    n = len(order)
+    T = np.empty((2 * n, 3), dtype=np.int32)
+    following, preceding = np.empty(len(P), dtype=np.int64), np.empty(len(P), dtype=np.int64)
+    k = 2
+    while k < n and _turn(P, order[0], order[1], order[k], wide) == 0:
+        k += 1
+    if k >= n:
+        return T, 0
+    left = _turn(P, order[0], order[1], order[k], wide) > 0
+    m = 0
+    for r in range(k):  # the first k points lie on a line; the hull runs along them and over point k
+        u, v = order[r], order[r + 1]
+        if r + 1 < k:
+            T[m, 0], T[m, 1], T[m, 2] = (u, v, order[k]) if left else (v, u, order[k])
+            m += 1
+        if left:
+            following[u], preceding[v] = v, u
+        else:
+            following[v], preceding[u] = u, v
+    if left:
+        following[order[k]], preceding[order[0]] = order[0], order[k]
+    else:
+        following[order[0]], preceding[order[k]] = order[k], order[0]
+    for r in range(k + 1, n):
+        p, right, back = order[r], order[r - 1], order[r - 1]
+        while _turn(P, right, following[right], p, wide) < 0:
+            T[m, 0], T[m, 1], T[m, 2] = right, p, following[right]
+            m, right = m + 1, following[right]
+        while _turn(P, preceding[back], back, p, wide) < 0:
+            T[m, 0], T[m, 1], T[m, 2] = back, preceding[back], p
+            m, back = m + 1, preceding[back]
+        following[back], preceding[p], following[p], preceding[right] = p, back, right, p
+    return T, m
+
+
+@kernel
+def _swap_at(P, T, N, slots, wide):
+    """Swap the edges at the given slots (3 t + i) where that leaves two proper triangles."""
+    for code in slots:
+        t, i = code // 3, code % 3
+        s = N[t, i]
+        if s < 0:
+            continue
+        p, u, v, q = T[t, i], T[t, (i + 1) % 3], T[t, (i + 2) % 3], T[s, corner_facing(N, s, t)]
+        if _turn(P, p, u, q, wide) > 0 and _turn(P, q, v, p, wide) > 0:
+            flip(T, N, t, i)

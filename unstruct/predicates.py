@@ -146,7 +146,7 @@ def scaled(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
 
 def _factors(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
     """`power_of_two` for each of the arrays (m, ...)."""
-    largest = np.abs(blocks).reshape(len(blocks), -1).max(axis=1, initial=0.0)
+    largest = np.abs(blocks).max(axis=tuple(range(1, blocks.ndim)), initial=0.0)
     return np.ldexp(1.0, np.minimum(-np.frexp(largest)[1], 1023))
 
 
