@@ -11,35 +11,44 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError, MeshError
-from .jit import kernel
+from .jit import inline, kernel
 from .predicates import orient
 
 if TYPE_CHECKING:
     from .mesh import Mesh
 
-__all__ = ["Locator"]
+__all__ = ["BoxTree", "Locator"]
 
-LEAF = 4  # cells in a leaf of the tree
+LEAF = 4  # boxes in a leaf of the tree
 CHUNK = 1 << 16  # queries at a time: bounds the memory
 
 
+@inline
+def _touch(low, high, other_low, other_high):
+    """Whether two closed boxes meet."""
+    for j in range(low.shape[0]):
+        if low[j] > other_high[j] or high[j] < other_low[j]:
+            return False
+    return True
+
+
 @kernel
-def _candidates(queries, low, high, order, cell_low, cell_high, start, cells):
-    """Cells whose (closed) bounding boxes hold each query; counts only, while ``cells`` is empty.
+def _candidates(query_low, query_high, low, high, order, box_low, box_high, start, boxes):
+    """Boxes that meet each query box; counts only, while ``boxes`` is empty.
 
     Node i of the tree has the children 2 i and 2 i + 1; the second half of the nodes are leaves.
-    ``start[q + 1]`` receives the number of candidates of the queries up to q.
+    ``start[q + 1]`` receives the number of pairs of the queries up to q.
     """
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     count = 0
-    for q in range(queries.shape[0]):
+    for q in range(query_low.shape[0]):
         top = 1
         stack[0] = 1
         while top > 0:
             top -= 1
             node = stack[top]
-            if not _inside(queries[q], low[node], high[node]):
+            if not _touch(query_low[q], query_high[q], low[node], high[node]):
                 continue
             if node < leaves:
                 stack[top] = 2 * node
@@ -49,19 +58,11 @@ def _candidates(queries, low, high, order, cell_low, cell_high, start, cells):
             first = (node - leaves) * 4
             for i in range(first, min(first + 4, order.shape[0])):
                 t = order[i]
-                if _inside(queries[q], cell_low[t], cell_high[t]):
-                    if cells.shape[0] > 0:
-                        cells[count] = t
+                if _touch(query_low[q], query_high[q], box_low[t], box_high[t]):
+                    if boxes.shape[0] > 0:
+                        boxes[count] = t
                     count += 1
         start[q + 1] = count
-
-
-@kernel
-def _inside(x, low, high):
-    for j in range(x.shape[0]):
-        if x[j] < low[j] or x[j] > high[j]:
-            return False
-    return True
 
 
 @kernel
@@ -76,50 +77,60 @@ def _morton(grid, bits, keys):
 
 
 def _curve_order(centers: np.ndarray) -> np.ndarray:
-    d = centers.shape[1]
-    bits = max(1, 62 // d)
-    low = centers.min(axis=0)
-    # Halves: the span of the largest doubles would overflow. Subnormal spans all fall into cell 0.
-    span = np.maximum((centers.max(axis=0) / 2 - low / 2).max(), np.finfo(float).tiny)
-    unit = (centers / 2 - low / 2) / span
-    grid = np.minimum(unit * 2.0**bits, 2.0**bits - 1).astype(np.int64)[:, :62]
+    bits = max(1, 62 // centers.shape[1])
+    # Halves: the span of the largest doubles would overflow. The order need not be exact.
+    half = centers / 2 - centers.min(axis=0) / 2
+    span = max(half.max(), np.finfo(float).tiny)
+    grid = np.minimum(half / span * 2.0**bits, 2.0**bits - 1).astype(np.int64)[:, :62]
     keys = np.empty(len(grid), dtype=np.int64)
     _morton(grid, bits, keys)
     return np.argsort(keys, kind="stable")
 
 
+class BoxTree:
+    """A static tree over axis-parallel closed boxes, sorted along a space-filling curve; O(m log m)."""
+
+    def __init__(self, low: np.ndarray, high: np.ndarray):
+        m, d = low.shape
+        self.box_low, self.box_high = np.ascontiguousarray(low), np.ascontiguousarray(high)
+        self.order = _curve_order(low / 2 + high / 2) if m else np.empty(0, dtype=np.int64)
+        blocks = -(-m // LEAF)
+        leaves = 1 << max(0, (blocks - 1).bit_length())
+        self.low, self.high = np.full((2 * leaves, d), np.inf), np.full((2 * leaves, d), -np.inf)
+        if blocks:
+            firsts = np.arange(0, m, LEAF)
+            self.low[leaves : leaves + blocks] = np.minimum.reduceat(self.box_low[self.order], firsts)
+            self.high[leaves : leaves + blocks] = np.maximum.reduceat(self.box_high[self.order], firsts)
+        while leaves > 1:
+            half = leaves // 2
+            left, right = slice(leaves, 2 * leaves, 2), slice(leaves + 1, 2 * leaves, 2)
+            self.low[half:leaves] = np.minimum(self.low[left], self.low[right])
+            self.high[half:leaves] = np.maximum(self.high[left], self.high[right])
+            leaves = half
+
+    def pairs(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All pairs (query, box) that meet, sorted by query."""
+        queries = (np.ascontiguousarray(low), np.ascontiguousarray(high))
+        tree = (self.low, self.high, self.order, self.box_low, self.box_high)
+        start = np.zeros(len(low) + 1, dtype=np.int64)
+        _candidates(*queries, *tree, start, np.empty(0, dtype=np.int64))
+        boxes = np.empty(start[-1], dtype=np.int64)
+        if len(boxes):
+            _candidates(*queries, *tree, start, boxes)
+        return np.repeat(np.arange(len(low)), np.diff(start)), boxes
+
+
 class Locator:
-    """The tree of a mesh; `find` is what `Mesh.find_simplex` calls."""
+    """The tree of a mesh's cells; `find` is what `Mesh.find_simplex` calls."""
 
     def __init__(self, mesh: Mesh):
         d = mesh.points.shape[1]
         if mesh.dimension != d:
-            raise MeshError(
-                f"cells of dimension {mesh.dimension} in {d} dimensions do not fill space: no cell holds x"
-            )
+            raise MeshError(f"cells of dimension {mesh.dimension} do not fill {d} dimensions")
         self.points, self.simplices = mesh.points, mesh.simplices
-        self.sign = np.atleast_1d(orient(mesh.corners)) if mesh.size else np.empty(0, dtype=np.int8)
         corners = mesh.corners
-        self.cell_low, self.cell_high = corners.min(axis=1), corners.max(axis=1)
-        self.order = np.empty(0, dtype=np.int64)
-        if mesh.size:
-            self.order = _curve_order(self.cell_low / 2 + self.cell_high / 2)
-        blocks = -(-mesh.size // LEAF)
-        leaves = 1 << max(0, (blocks - 1).bit_length())
-        self.low, self.high = np.full((2 * leaves, d), np.inf), np.full((2 * leaves, d), -np.inf)
-        if blocks:
-            firsts = np.arange(0, mesh.size, LEAF)
-            self.low[leaves : leaves + blocks] = np.minimum.reduceat(self.cell_low[self.order], firsts)
-            self.high[leaves : leaves + blocks] = np.maximum.reduceat(self.cell_high[self.order], firsts)
-        while leaves > 1:
-            half = leaves // 2
-            self.low[half:leaves] = np.minimum(
-                self.low[leaves : 2 * leaves : 2], self.low[leaves + 1 : 2 * leaves : 2]
-            )
-            self.high[half:leaves] = np.maximum(
-                self.high[leaves : 2 * leaves : 2], self.high[leaves + 1 : 2 * leaves : 2]
-            )
-            leaves = half
+        self.sign = np.atleast_1d(orient(corners)) if mesh.size else np.empty(0, dtype=np.int8)
+        self.tree = BoxTree(corners.min(axis=1), corners.max(axis=1))
 
     def find(self, x: Any) -> np.ndarray:
         """The lowest-numbered cell that holds each point of ``x`` (..., d), -1 for none."""
@@ -135,27 +146,24 @@ class Locator:
         if not finite.all():
             row = int(np.argmin(finite))
             raise InputError(f"x[{row}] = {rows[row].tolist()} is not finite; drop or mend it")
-        found = [self._find(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
-        return np.concatenate([*found, np.empty(0, dtype=np.int32)]).reshape(queries.shape[:-1])
+        none = len(self.simplices)
+        result = np.full(len(rows), none, dtype=np.int64)
+        for i in range(0, len(rows), CHUNK):
+            query, cells = self.holding(rows[i : i + CHUNK])
+            np.minimum.at(result, query + i, cells)
+        result[result == none] = -1
+        return result.astype(np.int32).reshape(queries.shape[:-1])
 
-    def _find(self, rows: np.ndarray) -> np.ndarray:
-        tree = (rows, self.low, self.high, self.order, self.cell_low, self.cell_high)
-        start = np.zeros(len(rows) + 1, dtype=np.int64)
-        _candidates(*tree, start, np.empty(0, dtype=np.int64))
-        cells = np.empty(start[-1], dtype=np.int64)
-        if len(cells):
-            _candidates(*tree, start, cells)
-        query = np.repeat(np.arange(len(rows)), np.diff(start))
-        solid = self.sign[cells] != 0  # a flat cell holds no point
-        cells, query = cells[solid], query[solid]
+    def holding(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All pairs (row, closed cell that holds it); flat cells hold nothing."""
+        query, cells = self.tree.pairs(rows, rows)
+        solid = self.sign[cells] != 0
+        query, cells = query[solid], cells[solid]
         for i in range(self.simplices.shape[1]):
             if len(cells) == 0:
                 break
             corners = self.points[self.simplices[cells]]
             corners[:, i] = rows[query]
-            holds = orient(corners) * self.sign[cells] >= 0
-            cells, query = cells[holds], query[holds]
-        result = np.full(len(rows), len(self.simplices), dtype=np.int64)
-        np.minimum.at(result, query, cells)
-        result[result == len(self.simplices)] = -1
-        return result.astype(np.int32)
+            keep = orient(corners) * self.sign[cells] >= 0
+            query, cells = query[keep], cells[keep]
+        return query, cells
