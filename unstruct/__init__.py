@@ -1,6 +1,8 @@
 """Unstructured mesh generation, exact and fast: the library under the book."""
 
 from . import predicates as predicates
+from .delaunay.insertion import Triangulation as Triangulation
+from .delaunay.insertion import delaunay as delaunay
 from .delaunay.swapping import swap_diagonals as swap_diagonals
 from .errors import DegenerateInputError as DegenerateInputError
 from .errors import InputError as InputError
