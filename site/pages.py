@@ -26,9 +26,11 @@ def write_pages(book: Path, site: Path) -> None:
             if cell.cell_type == "code":
                 for output in cell.outputs:
                     show_widget(output)
+                    link_to_cells(output)
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
             else:
                 cell.source = re.sub(r"^(\$\$.+?\$\$)$", r"\n\1\n", cell.source, flags=re.M | re.S)
+        notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell), cell)]
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
@@ -44,6 +46,21 @@ def contents(names: list[str]) -> str:
         if group:
             trees.append("\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *group, "```"]))
     return "\n\n".join(trees)
+
+
+def anchor(cell: Any) -> list[Any]:
+    """A place to link to, before each cell that checks a claim."""
+    if not any(tag.startswith("C12") for tag in cell.metadata.get("tags", [])):
+        return []
+    return [nbformat.v4.new_markdown_cell(f'<span id="{cell.id}"></span>', id=f"{cell.id}-anchor")]
+
+
+def link_to_cells(output: Any) -> None:
+    """Turn JupyterLab's links to cells of other notebooks into links to their anchors."""
+    text = output.get("data", {}).get("text/html")
+    if text:
+        text = "".join(text)
+        output["data"]["text/html"] = re.sub(r"\.ipynb#cell-id=(\w+)", r".html#\1", text)
 
 
 def show_widget(output: Any) -> None:
