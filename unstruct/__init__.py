@@ -4,6 +4,8 @@ from . import predicates as predicates
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
 from .delaunay.swapping import swap_diagonals as swap_diagonals
+from .delaunay.voronoi import Voronoi as Voronoi
+from .delaunay.voronoi import voronoi as voronoi
 from .errors import DegenerateInputError as DegenerateInputError
 from .errors import InputError as InputError
 from .errors import MeshError as MeshError

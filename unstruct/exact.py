@@ -186,7 +186,7 @@ def exact_orient2(ax, ay, bx, by, cx, cy):
     fits, s, w, n = _differences(np.array([ax, ay, bx, by, cx, cy]), 2, 2, 6)
     if fits:
         value = s[0] * s[3] - s[1] * s[2]
-        return (value > 0) - (value < 0)
+        return int(value > 0) - int(value < 0)
     free = len(s)
     _minor(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
     return _sign(w, n, free + 1)
@@ -202,7 +202,7 @@ def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
             + (s[2] * s[2] + s[3] * s[3]) * (s[4] * s[1] - s[5] * s[0])
             + (s[4] * s[4] + s[5] * s[5]) * (s[0] * s[3] - s[1] * s[2])
         )
-        return (value > 0) - (value < 0)
+        return int(value > 0) - int(value < 0)
     free = len(s)
     lift, cross, t, total = free, free + 1, free + 2, free + 3
     n[total] = 0
@@ -227,7 +227,7 @@ def exact_orient3(x):
             - s[1] * (s[3] * s[8] - s[5] * s[6])
             + s[2] * (s[3] * s[7] - s[4] * s[6])
         )
-        return (value > 0) - (value < 0)
+        return int(value > 0) - int(value < 0)
     free = len(s)
     cross, t, total = free, free + 1, free + 2
     n[total] = 0
@@ -255,7 +255,7 @@ def exact_insphere(x):
             )
             lift = s[3 * k] * s[3 * k] + s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2]
             value += minor * lift if k % 2 == 1 else -minor * lift
-        return (value > 0) - (value < 0)
+        return int(value > 0) - int(value < 0)
     free = len(s)
     cross, t, minor, lift, total = free, free + 1, free + 2, free + 3, free + 4
     n[total] = 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -14,15 +13,15 @@ from ..errors import InputError
 from ..mesh import Mesh
 from ..predicates import power_of_two
 from .insertion import delaunay
-from .voronoi_cells import as_window, clip_cells, local_circumcenters, outward_normals
+from .nearest import NearestSite
+from .voronoi_centers import local_circumcenters, outward_normals
+from .voronoi_clip import as_window, clip_cells
 from .voronoi_dual import cospherical_groups, find_ridges, planar_rings
 
 __all__ = ["Relaxation", "Voronoi", "voronoi"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-
-NEAR = 1e-10  # relative difference of two distances above which rounding cannot exchange them
 
 
 def voronoi(points: ArrayLike) -> Voronoi:
@@ -179,7 +178,12 @@ class Voronoi:
 
     @cached_property
     def ridge_vertices(self) -> list[list[int]]:
-        """Vertices of each ridge, in space in cyclic order; -1, first, stands for infinity."""
+        """Vertices of each ridge, in space in cyclic order; -1, first, stands for infinity.
+
+        In space and beyond SciPy leaves out unbounded ridges with few vertices; here none is missing.
+        """
+        if self.points.shape[1] == 2:
+            return self._ridges.vertices.reshape(-1, 2).tolist()
         return _lists(self._ridges.start, self._ridges.vertices)
 
     @cached_property
@@ -227,8 +231,8 @@ class Voronoi:
             raise InputError(f"areas are computed in at most three dimensions, not in {d}")
         pairs, own = self._ridges.points, self.points[self._sites] * self._scale
         height = np.sqrt(((own[pairs[:, 1]] - own[pairs[:, 0]]) ** 2).sum(axis=1)) / 2
-        part = self._ridge_sizes(own) * height / d
-        total = np.bincount(pairs.ravel(), np.repeat(part, 2), minlength=len(self._sites))
+        part = self._ridge_sizes(own) * height
+        total = np.bincount(pairs.ravel(), np.repeat(part, 2), minlength=len(self._sites)) / d
         total[self.unbounded] = np.inf
         return self._unscaled(total, d)
 
@@ -331,10 +335,10 @@ class Voronoi:
     # --- queries -----------------------------------------------------------------------------------
 
     @cached_property
-    def _tree(self) -> Any:
-        from scipy.spatial import cKDTree
-
-        return cKDTree(self.points[self._sites] * self._scale)
+    def _search(self) -> NearestSite:
+        lowest = np.full(len(self._sites), len(self.points), dtype=np.intp)
+        np.minimum.at(lowest, self.point_region, np.arange(len(self.points)))
+        return NearestSite(self.points, lowest)
 
     def nearest(self, x: ArrayLike) -> Any:
         """The nearest site, exactly; of several at the same distance the first.
@@ -354,37 +358,7 @@ class Voronoi:
         A search tree finds the candidates in O(log n); where two distances agree to ten figures rational
         arithmetic decides.
         """
-        query = np.asarray(x, dtype=np.float64)
-        d = self.points.shape[1]
-        if query.ndim == 0 or query.shape[-1] != d:
-            raise InputError(f"x has shape {query.shape}; with sites in {d} dimensions it must be (..., {d})")
-        flat = query.reshape(-1, d)
-        bad = np.flatnonzero(~np.isfinite(flat).all(axis=1))
-        if len(bad):
-            raise InputError(f"query {bad[0]} is {flat[bad[0]].tolist()}, not finite; drop it")
-        with np.errstate(over="ignore"):
-            scaled = flat * self._scale
-        lowest = np.full(len(self._sites), len(self.points), dtype=np.intp)
-        np.minimum.at(lowest, self.point_region, np.arange(len(self.points)))
-        far = ~(np.abs(scaled) < 1e100).all(axis=1)
-        distance, region = self._tree.query(np.where(far[:, None], 0.0, scaled), k=2)
-        found = lowest[region[:, 0]]
-        near = far | (distance[:, 1] * (1 - NEAR) <= distance[:, 0]) | (distance[:, 1] < 1e-140)
-        for q in np.flatnonzero(near).tolist():
-            if far[q]:
-                candidates = range(len(self._sites))
-            else:
-                candidates = self._tree.query_ball_point(scaled[q], distance[q, 0] * (1 + NEAR) + 1e-140)
-            found[q] = self._nearest_of(flat[q], lowest[candidates])
-        return int(found[0]) if query.ndim == 1 else found.reshape(query.shape[:-1])
-
-    def _nearest_of(self, x: Floats, candidates: NDArray[np.intp]) -> int:
-        exact = [Fraction(c) for c in x.tolist()]
-        square = {
-            i: sum((Fraction(a) - b) ** 2 for a, b in zip(self.points[i].tolist(), exact))
-            for i in candidates.tolist()
-        }
-        return min(square, key=lambda i: (square[i], i))
+        return self._search(x)
 
     # --- display -----------------------------------------------------------------------------------
 

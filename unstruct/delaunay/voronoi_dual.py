@@ -296,12 +296,12 @@ def general_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints
     around: dict[tuple[int, ...], set[int]] = {}
     for g, row in zip(group.tolist(), np.sort(simplices, axis=1).tolist()):
         body.setdefault(g, set()).update(row)
-        for pair in combinations(row, 2):
-            around.setdefault(pair, set()).add(g)
+        for edge in combinations(row, 2):
+            around.setdefault(edge, set()).add(g)
     beyond: dict[tuple[int, ...], list[int]] = {}
     for place, facet in enumerate(facets):
-        for pair in combinations(sorted(facet), 2):
-            beyond.setdefault(pair, []).append(place)
+        for side in combinations(sorted(facet), 2):
+            beyond.setdefault(side, []).append(place)
     pairs, rings, rays = [], [], []
     for pair, groups in around.items():
         hull = beyond.get(pair, [])

@@ -1,13 +1,10 @@
-"""The numbers of a Voronoi diagram: centers, rays, and planar cells cut by a convex window.
+"""Planar Voronoi cells cut by a convex window, with their areas and moments.
 
-The combinatorics are exact; coordinates are rounded, but carefully. Everything is computed relative to
-a nearby site, so that a far offset costs nothing, and flat simplices go through integer arithmetic.
+Each cell is treated relative to its site, so that a far offset costs no figures.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,112 +14,10 @@ from ..errors import InputError
 from ..jit import inline, kernel
 from ..predicates import orient
 
-__all__ = ["as_window", "clip_cells", "local_circumcenters", "outward_normals"]
+__all__ = ["as_window", "clip_cells"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-
-FLAT = 1e-3  # determinant over the product of edge lengths, below which integers take over
-
-
-# --- centers and rays -----------------------------------------------------------------------------
-
-
-def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
-    """Circumcenters of the points times ``scale``, as (corner, offset from that corner).
-
-    For each simplex the corner is tried from which its edges are least parallel; errors are then about
-    1e-12 of the circumradius. Where all are nearly parallel the offset is computed exactly and rounded
-    once; beyond the range of doubles it is infinite. ``scale``: a power of two that makes them at most 1.
-    """
-    m, width = simplices.shape
-    scaled = points * scale
-    base, offset = simplices[:, 0].copy(), np.empty((m, width - 1))
-    todo = np.arange(m)
-    for k in range(width):
-        corner = simplices[todo, k]
-        rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
-        square = (rows**2).sum(axis=2)
-        size = np.sqrt(square).prod(axis=1)
-        solid = (np.abs(np.linalg.det(rows)) > FLAT * size) & (size > 1e-200)
-        done = todo[solid]
-        base[done] = corner[solid]
-        offset[done] = np.linalg.solve(rows[solid], square[solid][..., None] / 2)[..., 0]
-        todo = todo[~solid]
-        if not len(todo):
-            break
-    for t in todo.tolist():
-        offset[t] = _exact_offset(points[simplices[t]].tolist(), scale)
-    return base, offset
-
-
-def _exact_offset(corners: list[list[float]], factor: float) -> list[float]:
-    """Circumcenter minus first corner, times ``factor``, by Cramer's rule for a_i . c = |a_i|^2 / 2."""
-    rows, scale = _integer_rows(corners)
-    up, down = factor.as_integer_ratio()
-    squares = [sum(x * x for x in row) for row in rows]
-    whole = 2 * _determinant(rows) * scale * down
-    result = []
-    for k in range(len(rows)):
-        part = _determinant([[*row[:k], s, *row[k + 1 :]] for row, s in zip(rows, squares)])
-        result.append(_quotient(part * up, whole))
-    return result
-
-
-def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], scale: float) -> Floats:
-    """Unit normals, away from the cell, of facets given as cell (d + 1) + corner."""
-    width = simplices.shape[1]
-    cell, corner = facets // width, facets % width
-    keep = np.array([[j for j in range(width) if j != i] for i in range(width)])
-    sites = simplices[cell[:, None], keep[corner]]
-    rows = (points[sites[:, 1:]] - points[sites[:, :1]]) * scale
-    normal = np.empty((len(cell), width - 1))
-    for k in range(width - 1):
-        normal[:, k] = (-1) ** k * np.linalg.det(np.delete(rows, k, axis=2))
-    size = np.sqrt((rows**2).sum(axis=2)).prod(axis=1)
-    length = np.sqrt((normal**2).sum(axis=1))
-    weak = ~((length > FLAT * size) & (size > 1e-100))
-    for r in np.flatnonzero(weak).tolist():
-        normal[r] = _exact_normal(points[sites[r]].tolist())
-        length[r] = math.hypot(*normal[r])
-    return np.where(corner % 2 == 0, 1.0, -1.0)[:, None] * normal / length[:, None]
-
-
-def _exact_normal(corners: list[list[float]]) -> list[float]:
-    """The minors of the edges from the first corner, divided by the largest of them."""
-    rows, _ = _integer_rows(corners)
-    minors = [
-        (-1) ** k * _determinant([[*row[:k], *row[k + 1 :]] for row in rows]) for k in range(len(corners[0]))
-    ]
-    most = max(abs(x) for x in minors)
-    return [x / most for x in minors]
-
-
-def _integer_rows(corners: list[list[float]]) -> tuple[list[list[int]], int]:
-    """The corners minus the first, times the common denominator of their coordinates, and that number."""
-    ratios = [[x.as_integer_ratio() for x in p] for p in corners]
-    scale = max(q for p in ratios for _, q in p)  # denominators are powers of two
-    first, *others = [[n * (scale // q) for n, q in p] for p in ratios]
-    return [[x - y for x, y in zip(p, first)] for p in others], scale
-
-
-def _determinant(rows: Sequence[Sequence[int]]) -> int:
-    """By minors of the first row: small integer matrices."""
-    if not rows:
-        return 1
-    head, rest = rows[0], rows[1:]
-    minors = ([[*row[:k], *row[k + 1 :]] for row in rest] for k in range(len(head)))
-    return sum((-1) ** k * x * _determinant(minor) for k, (x, minor) in enumerate(zip(head, minors)) if x)
-
-
-def _quotient(a: int, b: int) -> float:
-    try:
-        return a / b  # correctly rounded
-    except OverflowError:
-        return math.inf if (a > 0) == (b > 0) else -math.inf
-
-
-# --- cutting planar cells -------------------------------------------------------------------------
 
 
 def as_window(clip: ArrayLike) -> Floats:
@@ -233,15 +128,14 @@ def _clip(points, window, start, ring, base, offset, link, linked, v, ends, corn
                 size = _cut(x, y, size, nx, ny, (nx * nx + ny * ny) / 2, newx, newy)
                 x, newx = newx, x
                 y, newy = newy, y
-            if size < 3:
-                size = 0
         if used + size > corners.shape[0]:
             break
+        if _integrate(x, y, size, moments, v) <= 0.0:  # the window only touches the cell
+            size = 0
         for k in range(size):
             corners[used + k, 0], corners[used + k, 1] = px + x[k], py + y[k]
         used += size
         ends[v] = used
-        _integrate(x, y, size, moments, v)
         v += 1
     return v
 
@@ -259,7 +153,10 @@ def _integrate(x, y, size, moments, v):
         mx += part * sx / 3
         my += part * sy / 3
         inertia += part * (square + sx * sx + sy * sy) / 12
+    if area <= 0.0:
+        area, mx, my, inertia = 0.0, 0.0, 0.0, 0.0
     moments[v, 0], moments[v, 1], moments[v, 2], moments[v, 3] = area, mx, my, inertia
+    return area
 
 
 def clip_cells(
