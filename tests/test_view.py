@@ -15,9 +15,10 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.colors import to_rgb
 from scipy.spatial import Delaunay, Voronoi
 
-from unstruct import view
+from unstruct import Mesh, view
 from unstruct.errors import InputError
-from unstruct.view import colors, frames, plots
+from unstruct.view import colors, frames, plots, space
+from unstruct.view.space import axes3
 
 
 @pytest.fixture(autouse=True)
@@ -296,3 +297,101 @@ def test_the_player_refuses_what_it_cannot_show():
         view.player([good], alt=" ")
     with pytest.raises(InputError, match="item 0"):
         view.player([good, {**good, "items": [{"kind": "blobs"}]}], alt="x")
+
+
+# ---- space -------------------------------------------------------------------------------------
+
+SOLID = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], [[0, 1, 2, 3], [1, 4, 2, 3]])
+
+
+def test_the_axes_of_a_view_are_orthonormal_and_right_handed():
+    for azimuth, elevation in ((0, 0), (-55, 22), (200, -90), (30, 90)):
+        turn = axes3(azimuth, elevation)
+        assert np.allclose(turn @ turn.T, np.eye(3)) and np.isclose(np.linalg.det(turn), 1)
+    assert np.allclose(axes3(0, 0)[2], [1, 0, 0]), "azimuth 0 looks along the x axis"
+
+
+def test_a_view_in_space_holds_the_cells_and_their_ball():
+    shown = view.view3d(SOLID, alt="Two tetrahedra.", caption="two", explode=0.5)
+    (item,) = shown.scene["items"]
+    assert item["kind"] == "cells" and item["data"] == SOLID.simplices.tolist()
+    assert np.allclose(shown.scene["ball"], [0.5, 0.5, 0.5, 3**0.5 / 2])
+    assert (shown.explode, shown.caption, repr(shown)) == (0.5, "two", "Space(Two tetrahedra.)")
+
+
+def test_items_in_space_follow_the_kind_of_cells():
+    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    mixed = Mesh([*square, [2, 0.5]], cells={"quad": [[0, 1, 2, 3]], "triangle": [[1, 4, 2]]})
+    assert [len(i["data"][0]) for i in view.mesh_items3(mixed)] == [4, 3]
+    assert {i["kind"] for i in view.mesh_items3(mixed)} == {"polygons"}
+    cube = Mesh([[*p, z] for z in (0, 1) for p in square], cells={"hexahedron": [range(8)]})
+    assert len(view.mesh_items3(cube)[0]["data"]) == 6, "of other solids, the boundary"
+    curve = Mesh([[0.0, 0, 0], [1, 0, 1]], [[0, 1]])
+    assert view.mesh_items3(curve)[0]["kind"] == "segments"
+    assert len(view.mesh_items3(SOLID, only=[1])[0]["data"]) == 1
+
+
+def test_a_large_solid_is_its_boundary():
+    points = np.random.default_rng(0).random((700, 3))
+    large = Mesh(points, Delaunay(points).simplices)
+    (item,) = view.mesh_items3(large)
+    assert large.size > 2500 and item["kind"] == "polygons" and len(item["data"]) == len(large.boundary)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (("blobs", "edge", []), "no kind"),
+        (("polygons", "edge", [[0, 1, 2]], [[0, 0, 0]]), "row 0"),
+        (("segments", "edge", [[-1, 0]], [[0, 0, 0]]), "row 0"),
+        (("points", "edge", [[0, 0, np.nan]]), "finite"),
+        (("labels", "edge", [[0, 0, 0]]), "texts"),
+    ],
+)
+def test_bad_items_in_space_are_named(arguments, word):
+    with pytest.raises(InputError, match=word):
+        view.item3(*arguments)
+
+
+def test_a_view_refuses_what_it_cannot_turn():
+    with pytest.raises(InputError, match="alt"):
+        view.view3d(SOLID, alt="")
+    with pytest.raises(InputError, match="faces"):
+        view.view3d([view.item3("polygons", "cell", [[0, 1, 2]] * 20001, np.eye(3))], alt="x")
+    with pytest.raises(InputError, match="4 dimensions"):
+        view.view3d(SimpleNamespace(points=np.zeros((5, 4)), simplices=np.arange(5)[None]), alt="x")
+    with pytest.raises(InputError, match="one a cell"):
+        view.view3d(SOLID, alt="x", values=[1])
+
+
+def test_the_static_picture_paints_the_near_face_last():
+    for azimuth, near in ((0, 1.0), (180, 0.0)):
+        walls = view.item3(
+            "polygons",
+            "accepted",
+            [[0, 1, 2], [3, 4, 5]],
+            [[0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0], [1, 1, 0], [1, 0, 1]],
+        )
+        things = space._things([walls], np.zeros(3), 1.0, axes3(azimuth, 0), 0.0)
+        assert max(things, key=lambda t: t[0])[3][0][0] == near
+    ax = view.plot(SOLID, explode=0.3)
+    assert sum(len(c.get_paths()) for c in collections(ax, PolyCollection)) == 8
+
+
+def test_every_kind_of_item_in_space_is_drawn():
+    corners = np.eye(4)[:, :3]
+    items = [
+        view.item3("cells", "accepted", [[3, 0, 1, 2]], corners),
+        view.item3("segments", "front", [[0, 1]], corners),
+        view.item3("points", "vertex", corners),
+        view.item3("labels", "vertex", corners, text="ABCD"),
+        view.item3("spheres", "circumcircle", [[0.5, 0.5, 0.5, 0.75**0.5]]),
+    ]
+    ax = view.picture(items)
+    assert sorted(t.get_text() for t in ax.texts) == list("ABCD")
+    assert len(collections(ax, LineCollection)) == 1 and len(ax.patches) == 1
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    assert x1 - x0 > 3**0.5 and y1 - y0 > 3**0.5, "the whole sphere is in the picture"
+    colored = view.plot(SOLID, values=[1, 2], label="cell")
+    assert colored.figure.axes[1].get_ylabel() == "cell"
+    assert len(view.picture([]).collections) == 0

@@ -115,8 +115,16 @@ def test_it_plays_to_the_end_and_stops(show):
     page = show(view.player(history(4), alt="a test.", interval=20))
     page.click("[data-do=play]")
     page.wait_for_function("model.get('index') === 3 && document.querySelector('[aria-label=play]')")
-    page.click("[data-do=play]")
-    page.wait_for_function("document.querySelector('[aria-label=pause]')")
+    once = """() => {
+        const button = document.querySelector("[data-do=play]");
+        button.click();
+        return button.getAttribute("aria-label");
+    }"""
+    assert page.evaluate(once) == "pause"
+    page.wait_for_function("model.get('index') === 3 && document.querySelector('[aria-label=play]')")
+    page.click("[data-do=first]")
+    assert page.evaluate(once) == "pause" and page.evaluate(once) == "play", "a second click halts it"
+    page.evaluate(once)
     page.evaluate("stop()")
     assert page.evaluate("Object.values(heard).flat().length") == 0, "a closed player must not listen"
 
@@ -189,3 +197,81 @@ def test_the_words_can_be_read_on_light_and_dark_pages(show, dark):
     )
     assert words == button == ("rgb(238, 238, 238)" if dark else "rgb(17, 17, 17)")
     assert paper == "rgb(255, 255, 255)"
+
+
+def solid():
+    corners = np.eye(4)[:, :3]
+    return [
+        view.item3("cells", "accepted", [[3, 0, 1, 2]], corners),
+        view.item3("points", "vertex", corners),
+        view.item3("labels", "vertex", corners, text="ABCD"),
+        view.item3("segments", "front", [[0, 1]], corners),
+        view.item3("spheres", "circumcircle", [[0.5, 0.5, 0.5, 0.75**0.5]]),
+    ]
+
+
+def pixels(page):
+    """How many pixels of the picture are not white, and a number that changes with the picture."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return page.evaluate(
+        """() => {
+        const canvas = document.querySelector("canvas");
+        const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+        let [ink, sum] = [0, 0];
+        for (let k = 0; k < data.length; k += 4) {
+            if (data[k] + data[k + 1] + data[k + 2] < 765) ink += 1;
+            sum = (sum * 31 + data[k] * 3 + data[k + 1] * 5 + data[k + 2] * 7) % 1000003;
+        }
+        return [ink, sum];
+    }"""
+    )
+
+
+def test_the_view_turns_by_drag_and_keys_and_resets(show):
+    page = show(view.view3d(solid(), alt="a tetrahedron.", caption="one"))
+    first = pixels(page)
+    assert first[0] > 2000 and page.get_attribute("canvas", "aria-label") == "a tetrahedron. one"
+    box = page.locator("canvas").bounding_box()
+    page.mouse.move(box["x"] + 200, box["y"] + 200)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 260, box["y"] + 180, steps=3)
+    page.mouse.up()
+    turned = pixels(page)
+    assert turned != first and page.evaluate("model.get('azimuth')") == pytest.approx(275)
+    assert page.evaluate("model.get('elevation')") == pytest.approx(12)
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        before = pixels(page)
+        page.keyboard.press(key)
+        assert pixels(page) != before, key
+    page.click("[data-do=reset]")
+    assert pixels(page) == first
+    page.evaluate("stop()")
+    assert page.evaluate("Object.values(heard).flat().length") == 0
+
+
+def test_the_slider_explodes_cells_and_hides_where_there_are_none(show):
+    page = show(view.view3d(solid()[:1], alt="a tetrahedron."))
+    before = pixels(page)
+    page.fill("input[type=range]", "1")
+    assert page.evaluate("model.get('explode')") == 1 and pixels(page) != before
+    surface = show(view.view3d(solid()[1:], alt="points."))
+    assert surface.is_hidden("label")
+
+
+def test_two_thousand_cells_turn_in_a_tenth_of_a_second(show):
+    rng = np.random.default_rng(0)
+    points = rng.random((8000, 3)) * 0.1 + np.repeat(rng.random((2000, 3)), 4, axis=0)
+    page = show(
+        view.view3d([view.item3("cells", "cell", np.arange(8000).reshape(-1, 4), points)], alt="many.")
+    )
+    page.evaluate(
+        "() => { window.requestAnimationFrame = (call) => call(); }"
+    )  # without the wait for the screen
+    took = page.evaluate(
+        """() => [10, 20, 30, 40, 50].map((azimuth) => {
+        const start = performance.now();
+        model.set("azimuth", azimuth);
+        return performance.now() - start;
+    })"""
+    )
+    assert sorted(took)[1] < 100, took

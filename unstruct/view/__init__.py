@@ -14,5 +14,10 @@ from .plots import plot_cavity as plot_cavity
 from .plots import plot_circumcircles as plot_circumcircles
 from .plots import plot_quality as plot_quality
 from .plots import plot_voronoi as plot_voronoi
+from .space import Space as Space
+from .space import item3 as item3
+from .space import mesh_items3 as mesh_items3
+from .space import picture as picture
+from .space import view3d as view3d
 from .strips import draw as draw
 from .strips import strip as strip

@@ -15,7 +15,7 @@ from ..simplex import circumcenter, circumradius
 from . import frames as fr
 from .colors import PAPER, ROLES, line_style
 from .colors import role as style_of
-from .strips import draw_items, flat_axes
+from .strips import draw_items, fit, flat_axes
 
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
@@ -115,13 +115,6 @@ def planar_cells(mesh: Any) -> list[np.ndarray]:
     types = getattr(mesh, "cells", None)
     blocks = list(types.values()) if isinstance(types, Mapping) and types else [mesh.simplices]
     return [np.asarray(row, dtype=int) for block in blocks for row in block if len(row) > 1]
-
-
-def fit(ax: Axes, points: np.ndarray, margin: float = 0.05) -> None:
-    """Let the axes show all points, with a margin in parts of the larger side."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    pad = margin * max(float((high - low).max()), 1e-300)
-    ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - pad, high[1] + pad))
 
 
 def _planar(mesh: Any, what: str) -> tuple[np.ndarray, np.ndarray]:

@@ -17,7 +17,7 @@ from ..errors import InputError
 from . import frames as fr
 from .colors import PAPER, ROLES, line_style, role
 
-__all__ = ["draw", "draw_items", "flat_axes", "strip"]
+__all__ = ["draw", "draw_items", "fit", "flat_axes", "strip"]
 
 HALO = [patheffects.withStroke(linewidth=2.2, foreground=PAPER)]
 
@@ -174,3 +174,10 @@ def flat_axes(ax: Axes | None) -> Axes:
     ax.set_aspect("equal")
     ax.set_axis_off()
     return ax
+
+
+def fit(ax: Axes, points: np.ndarray, margin: float = 0.05) -> None:
+    """Let the axes show all points, with a margin in parts of the larger side."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    pad = margin * max(float((high - low).max()), 1e-300)
+    ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - pad, high[1] + pad))

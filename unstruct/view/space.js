@@ -1,0 +1,256 @@
+// The one view of things in space: turned by drag and arrow keys, drawn back to front on a canvas.
+
+const SCALE = 96 / 72; // the styles are in points, the picture in pixels
+const THIN = 0.6; // edges of faces, in parts of a role's width: many are seen at once
+const START = ["azimuth", "elevation", "zoom", "explode"];
+let views = 0;
+
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((v) => v / (Math.hypot(...a) || 1));
+const mean = (rows) => [0, 1, 2].map((k) => rows.reduce((sum, row) => sum + row[k], 0) / rows.length);
+const FACES = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+// Directions right, up and toward the reader, as in space.py.
+function axes(azimuth, elevation) {
+  const [a, e] = [(azimuth * Math.PI) / 180, (elevation * Math.PI) / 180];
+  return {
+    right: [-Math.sin(a), Math.cos(a), 0],
+    up: [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)],
+    toward: [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)],
+  };
+}
+
+// Everything that is drawn, each with its corners in space, their mean, and the normal of a face.
+function primitives(scene, explode) {
+  const made = [];
+  const [x, y, z, r] = scene.ball;
+  const add = (item, kind, corners, lift = 0, more = {}) =>
+    made.push({ item, kind, corners, middle: mean(corners), lift: lift * r, ...more });
+  const face = (item, corners, color, inside) => {
+    let normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+    if (inside && dot(normal, sub(corners[0], inside)) < 0) normal = normal.map((v) => -v);
+    add(item, "polygons", corners, 0, { color, normal, solid: inside && (item.opacity ?? 1) === 1 });
+  };
+  for (const item of scene.items) {
+    const at = (k) => item.points[k];
+    item.data.forEach((row, j) => {
+      const color = item.colors?.[j];
+      if (item.kind === "cells") {
+        const corners = row.map(at);
+        const center = mean(corners);
+        const shift = sub(center, [x, y, z]).map((v) => v * explode);
+        const moved = corners.map((c) => c.map((v, k) => v + shift[k]));
+        for (const ends of FACES) face(item, ends.map((k) => moved[k]), color, mean(moved));
+      } else if (item.kind === "polygons") face(item, row.map(at), color);
+      else if (item.kind === "segments") add(item, "segments", row.map(at), 0.01);
+      else if (item.kind === "points") add(item, "points", [row], 0.03);
+      else if (item.kind === "labels") add(item, "labels", [row], 0.04, { text: item.text[j] });
+      else add(item, "spheres", [row.slice(0, 3)], 9, { r: row[3] });
+    });
+  }
+  return made;
+}
+
+// What can be seen, from back to front: the faces of a solid cell that look away are hidden by it.
+function ordered(things, toward) {
+  const seen = things.filter((thing) => !thing.solid || dot(thing.normal, toward) > 0);
+  for (const thing of seen) thing.depth = dot(thing.middle, toward) + thing.lift;
+  return seen.sort((a, b) => a.depth - b.depth);
+}
+
+const parse = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+
+function shaded(style, color, normal, light) {
+  const bright = 0.66 + 0.34 * Math.abs(dot(normal, light));
+  const base = color ? parse(color) : parse(style.fill).map((v) => 255 + (v - 255) * Math.max(style.alpha, 0.35));
+  return `rgb(${base.map((v) => Math.round(v * bright)).join(" ")})`;
+}
+
+function marker(pen, letter, x, y, s) {
+  pen.beginPath();
+  if (letter === "s") pen.rect(x - s / 2, y - s / 2, s, s);
+  else if (letter === "*") {
+    for (let k = 0; k < 10; k++) {
+      const q = (k % 2 ? 0.2 : 0.5) * s;
+      pen.lineTo(x + q * Math.sin((k * Math.PI) / 5), y - q * Math.cos((k * Math.PI) / 5));
+    }
+    pen.closePath();
+  } else if (letter === "D") {
+    for (const [dx, dy] of [[0, -1], [1, 0], [0, 1], [-1, 0]]) pen.lineTo(x + (dx * s) / 2, y + (dy * s) / 2);
+    pen.closePath();
+  } else pen.arc(x, y, letter === "." ? s / 4 : s / 2, 0, 2 * Math.PI);
+  pen.fill();
+  pen.stroke();
+}
+
+function paint(pen, scene, things, styles, state, size) {
+  const { right, up, toward } = axes(state.azimuth, state.elevation);
+  const light = unit(toward.map((v, k) => v + 0.5 * up[k] - 0.35 * right[k]));
+  const [x, y, z, r] = scene.ball;
+  const scale = (0.46 * size * state.zoom) / (r * (1 + state.explode));
+  const flat = (p) => {
+    const q = sub(p, [x, y, z]);
+    return [size / 2 + scale * dot(q, right), size / 2 - scale * dot(q, up)];
+  };
+  pen.fillStyle = "#fff";
+  pen.fillRect(0, 0, size, size);
+  pen.lineJoin = "round";
+  for (const thing of ordered(things, toward)) {
+    const style = styles[thing.item.role];
+    const points = thing.corners.map(flat);
+    const [px, py] = points[0];
+    pen.globalAlpha = thing.item.opacity ?? 1;
+    pen.strokeStyle = style.color;
+    pen.lineWidth = style.width * SCALE;
+    pen.setLineDash(style.dash.map((d) => d * SCALE));
+    if (thing.kind === "polygons" || thing.kind === "segments") {
+      pen.beginPath();
+      for (const [a, b] of points) pen.lineTo(a, b);
+      if (thing.kind === "polygons") {
+        pen.closePath();
+        pen.fillStyle = shaded(style, thing.color, thing.normal, light);
+        pen.fill();
+        pen.lineWidth *= THIN;
+      }
+      pen.stroke();
+    } else if (thing.kind === "spheres") {
+      ball(pen, style, px, py, thing.r * scale, state.elevation);
+    } else if (thing.kind === "points") {
+      pen.fillStyle = style.color;
+      pen.strokeStyle = "#fff";
+      pen.lineWidth = 0.7;
+      pen.setLineDash([]);
+      marker(pen, style.marker, px, py, style.size * SCALE);
+    } else {
+      pen.font = '13px "DejaVu Sans", Verdana, sans-serif';
+      pen.setLineDash([]);
+      pen.strokeStyle = "#fff";
+      pen.lineWidth = 3;
+      pen.strokeText(thing.text, px + 6, py - 6);
+      pen.fillStyle = style.color;
+      pen.fillText(thing.text, px + 6, py - 6);
+    }
+  }
+  pen.globalAlpha = 1;
+}
+
+// A sphere is its outline, a veil, and its equator for the sense of depth.
+function ball(pen, style, x, y, r, elevation) {
+  pen.beginPath();
+  pen.arc(x, y, r, 0, 2 * Math.PI);
+  pen.stroke();
+  const alpha = pen.globalAlpha;
+  pen.globalAlpha = alpha * 0.1;
+  pen.fillStyle = style.fill;
+  pen.fill();
+  pen.globalAlpha = alpha * 0.6;
+  pen.lineWidth *= 0.6;
+  pen.beginPath();
+  pen.ellipse(x, y, r, Math.abs(r * Math.sin((elevation * Math.PI) / 180)), 0, 0, 2 * Math.PI);
+  pen.stroke();
+  pen.globalAlpha = alpha;
+}
+
+function render({ model, el }) {
+  const solid = () => model.get("scene").items.some((item) => item.kind === "cells");
+  el.innerHTML = `<div class="unstruct-player unstruct-space" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
+    <div class="unstruct-caption"></div>
+    <canvas class="unstruct-picture" role="img"></canvas>
+    <div class="unstruct-number"></div>
+    <div class="unstruct-bar">
+      <button type="button" data-do="out" aria-label="zoom out" title="zoom out">−</button>
+      <button type="button" data-do="in" aria-label="zoom in" title="zoom in">+</button>
+      <button type="button" data-do="reset" aria-label="reset" title="reset">↺</button>
+      <label>explode <input type="range" min="0" max="1.5" step="0.05" aria-label="explode"></label>
+    </div>
+  </div>`;
+  const root = el.querySelector(".unstruct-space");
+  root.id = `unstruct-space-${(views += 1)}`;
+  const canvas = root.querySelector("canvas");
+  const slider = root.querySelector("input");
+  const first = Object.fromEntries(START.map((name) => [name, model.get(name)]));
+  let due = false;
+  let [things, exploded] = [null, 0]; // computed once, not at every turn
+
+  function draw() {
+    due = false;
+    const size = model.get("size");
+    const sharp = window.devicePixelRatio || 1;
+    canvas.width = canvas.height = Math.round(size * sharp);
+    canvas.style.width = `${size}px`;
+    root.style.width = `${Math.max(size, 300) + 10}px`;
+    const pen = canvas.getContext("2d");
+    pen.scale(sharp, sharp);
+    const state = Object.fromEntries(START.map((name) => [name, model.get(name)]));
+    if (things === null || exploded !== state.explode) {
+      exploded = state.explode;
+      things = primitives(model.get("scene"), exploded);
+    }
+    paint(pen, model.get("scene"), things, model.get("styles"), state, size);
+    root.querySelector(".unstruct-caption").textContent = model.get("caption");
+    root.querySelector(".unstruct-number").textContent = model.get("number");
+    root.setAttribute("aria-label", model.get("alt"));
+    canvas.setAttribute("aria-label", `${model.get("alt")} ${model.get("caption")} ${model.get("number")}`.trim());
+    slider.value = state.explode;
+    root.querySelector("label").hidden = !solid();
+  }
+  const later = () => {
+    if (due) return; // many changes, one picture
+    due = true;
+    requestAnimationFrame(draw);
+  };
+  function change(values) {
+    for (const [name, value] of Object.entries(values)) model.set(name, value);
+    model.save_changes();
+  }
+  const turn = (da, de) =>
+    change({
+      azimuth: (((model.get("azimuth") + da) % 360) + 360) % 360,
+      elevation: Math.min(90, Math.max(-90, model.get("elevation") + de)),
+    });
+  const zoom = (by) => change({ zoom: Math.min(8, Math.max(0.3, model.get("zoom") * by)) });
+  const acts = { in: () => zoom(1.25), out: () => zoom(0.8), reset: () => change(first) };
+  const keys = {
+    ArrowLeft: () => turn(6, 0), ArrowRight: () => turn(-6, 0), ArrowUp: () => turn(0, -6), ArrowDown: () => turn(0, 6),
+    "+": acts.in, "=": acts.in, "-": acts.out, Home: acts.reset,
+  };
+
+  root.addEventListener("keydown", (event) => {
+    if (!keys[event.key] || event.target === slider) return;
+    event.preventDefault();
+    keys[event.key]();
+  });
+  root.addEventListener("click", (event) => acts[event.target.closest("button")?.dataset.do]?.());
+  slider.addEventListener("input", () => change({ explode: Number(slider.value) }));
+  let from = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    from = [event.clientX, event.clientY];
+    canvas.setPointerCapture(event.pointerId);
+    root.focus({ preventScroll: true });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (from === null) return;
+    turn((from[0] - event.clientX) * 0.5, (event.clientY - from[1]) * 0.5);
+    from = [event.clientX, event.clientY];
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (from = null));
+  canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== root) return; // a page must scroll past
+    event.preventDefault();
+    zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
+  });
+
+  const changes = [...START, "scene", "caption", "number", "alt", "size"].map((name) => `change:${name}`);
+  const forget = () => (things = null);
+  model.on("change:scene", forget);
+  for (const name of changes) model.on(name, later);
+  draw();
+  return () => {
+    model.off("change:scene", forget);
+    for (const name of changes) model.off(name, later);
+  };
+}
+
+export default { render };
