@@ -47,6 +47,13 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
     if not finite.all():
         row = int(np.argmin(finite))
         raise InputError(f"{name}[{row}] = {result[row].tolist()} is not finite; drop or mend it")
+    if array.dtype.kind in "iu" and result.size and np.abs(result).max() >= 2.0**53:
+        rounded = (result.astype(object) != array.astype(object)).any(axis=1)
+        if rounded.any():
+            row = int(np.argmax(rounded))
+            raise InputError(
+                f"{name}[{row}] = {array[row].tolist()} is no double; subtract an offset or scale first"
+            )
     return result
 
 
