@@ -1,0 +1,183 @@
+"""A reader's browser: the built website, stepped without a kernel; a notebook live in JupyterLab."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from book_files import BOOK, chapters, code_cells
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason=f"no browser: none of {', '.join(NAMES)} is installed"
+)
+QUIET = ["disable-gpu", "disable-quic", "no-first-run", "disable-background-networking", "disable-sync"]
+FLAGS = ["--no-sandbox", "--disable-component-update", *(f"--{flag}" for flag in QUIET)]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser: Any) -> Iterator[Any]:
+    """A page of the website, read from the disk: it may fetch nothing and report no error."""
+    page = browser.new_page(viewport={"width": 1200, "height": 900})
+    wrong: list[str] = []
+    page.on("request", lambda r: wrong.append(r.url) if r.url.startswith("http") else None)
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda m: wrong.append(m.text) if m.type == "error" else None)
+    yield page
+    page.close()
+    assert not wrong, wrong
+
+
+def widgets(cell: nbformat.NotebookNode) -> list[dict[str, Any]]:
+    return [o.metadata["widget"] for o in cell.outputs if "widget" in o.get("metadata", {})]
+
+
+def parts(widget: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    yield widget
+    for child in widget.get("children", []):
+        yield from parts(child)
+
+
+def shows_player(cell: nbformat.NotebookNode) -> bool:
+    tops = widgets(cell)
+    return any(w["kind"] == "anywidget" and len(w["traits"].get("frames", [])) > 1 for w in tops)
+
+
+def answers_to_a_slider(cell: nbformat.NotebookNode) -> bool:
+    kinds = [{part["kind"] for part in parts(widget)} for widget in widgets(cell)]
+    return any({"anywidget", "control"} <= found for found in kinds) and "Slider" in str(cell.outputs)
+
+
+def test_front_page_leads_to_the_chapters(site: Path, page: Any) -> None:
+    page.goto((site / "index.html").as_uri())
+    assert "Unstructured mesh generation" in page.title()
+    for chapter in chapters():
+        assert page.locator(f"article a[href='{chapter.stem}.html']").count() > 0, chapter.name
+    page.locator("article a[href^='2.']").first.click()
+    page.wait_for_selector("mjx-container svg")
+    assert page.evaluate("document.querySelectorAll('.merror, mjx-merror, [data-mjx-error]').length") == 0
+    page.locator("button.theme-switch-button").last.click()
+    page.locator("button.theme-switch-button").last.click()
+    assert page.evaluate("document.documentElement.dataset.theme") in ("dark", "light")
+
+
+def test_search_finds_a_chapter(site: Path, page: Any) -> None:
+    page.goto((site / "search.html").as_uri() + "?q=circumcircle")
+    page.wait_for_selector("#search-results li a")
+    hits = [a.get_attribute("href") for a in page.locator("#search-results li a").all()]
+    assert any(hit.startswith("2.") for hit in hits), hits
+
+
+def test_mathematics_is_typeset_without_an_error(site: Path, page: Any) -> None:
+    for chapter in chapters():
+        page.goto((site / f"{chapter.stem}.html").as_uri())
+        page.wait_for_function("window.MathJax?.startup?.promise", timeout=60_000)
+        page.evaluate("window.MathJax.startup.promise")
+        errors = page.locator("[data-mml-node='merror']")
+        assert errors.count() == 0, f"{chapter.name}: {errors.first.inner_text()}"
+
+
+def test_players_step_without_a_kernel(site: Path, page: Any) -> None:
+    with_player = [path for path in chapters() if any(map(shows_player, code_cells(path)))]
+    assert with_player, "no chapter has a player"
+    page.goto((site / f"{with_player[0].stem}.html").as_uri())
+    page.wait_for_selector(".unstruct-widget[data-state=drawn] .unstruct-player")
+    assert page.locator(".unstruct-widget:not([data-state=drawn])").count() == 0
+    player = page.locator(".unstruct-player:has(input[max]:not([max='0']))").first
+    picture = player.locator(".unstruct-picture")
+    first = picture.inner_html()
+    player.locator("[data-do=next]").click()
+    assert picture.inner_html() != first, "the picture of the second step is the picture of the first"
+    player.locator("[data-do=back]").click()
+    assert picture.inner_html() == first
+
+
+def test_every_widget_of_the_site_is_drawn(site: Path, page: Any) -> None:
+    for chapter in chapters():
+        count = sum(len(widgets(cell)) for cell in code_cells(chapter))
+        page.goto((site / f"{chapter.stem}.html").as_uri())
+        page.wait_for_function(f"document.querySelectorAll('[data-state=drawn]').length == {count}")
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[str]:
+    """The address of a JupyterLab that serves a folder with a copy of one widget of the book."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    home = tmp_path / "home"
+    own = {f"JUPYTER_{kind}_DIR": str(home / kind) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    environment = {**os.environ, **own, "JUPYTERLAB_SETTINGS_DIR": str(home), "IPYTHONDIR": str(home)}
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--ip=127.0.0.1"]
+    command += [f"--port={port}", "--IdentityProvider.token=", f"--notebook-dir={tmp_path}"]
+    command += ["--LabApp.news_url=", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
+    with open(tmp_path / "lab.log", "w") as log:
+        server = subprocess.Popen(command, env=environment, stdout=log, stderr=log, cwd=tmp_path)
+    address = f"http://127.0.0.1:{port}"
+    try:
+        for _ in range(240):
+            try:
+                urllib.request.urlopen(f"{address}/api", timeout=5).close()
+                break
+            except (urllib.error.URLError, ConnectionError):
+                assert server.poll() is None, (tmp_path / "lab.log").read_text()
+                time.sleep(0.25)
+        yield address
+    finally:
+        server.terminate()
+        server.wait(timeout=30)
+
+
+def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
+    """Run the cell of the book's first widget with a slider, move the slider, see the picture change."""
+    found = [(path, cell) for path in chapters() for cell in code_cells(path) if answers_to_a_slider(cell)]
+    assert found, "no chapter has a widget with a slider"
+    path, cell = found[0]
+    setup = code_cells(path)[0]
+    sources = [setup.source] if cell.id != setup.id else []
+    cells = [nbformat.v4.new_code_cell(source) for source in [*sources, cell.source]]
+    metadata = json.loads((BOOK / path.name).read_text(encoding="utf-8"))["metadata"]
+    nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=metadata), tmp_path / "widget.ipynb")
+
+    page = browser.new_page(viewport={"width": 1200, "height": 1400})
+    page.goto(f"{lab}/lab/tree/widget.ipynb?reset")
+    page.wait_for_selector("text=| Idle", timeout=90_000)
+    page.click("text=Run >> nth=0")
+    page.click("text=Run All Cells")
+    page.wait_for_selector(".unstruct-picture, canvas", timeout=120_000)
+    error = page.locator(".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.stderr']")
+    assert error.count() == 0, error.first.inner_text()
+    picture = page.locator(".unstruct-picture").first
+    before = picture.inner_html()
+    slider = page.locator(".noUi-handle").first
+    slider.focus()
+    for key in ("ArrowRight", "ArrowRight", "PageDown", "PageDown"):
+        slider.press(key)
+    page.wait_for_function(
+        "before => document.querySelector('.unstruct-picture').innerHTML != before",
+        arg=before,
+        timeout=30_000,
+    )
+    page.close()
