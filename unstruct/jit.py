@@ -15,7 +15,7 @@ try:
     import numba
     from numba.core.dispatcher import Dispatcher
 except ImportError:  # the kernels then run as plain Python
-    numba = None
+    numba = None  # type: ignore[assignment]
 
 __all__ = ["inline", "kernel"]
 
