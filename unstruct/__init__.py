@@ -1,6 +1,7 @@
 """Unstructured mesh generation, exact and fast: the library under the book."""
 
 from . import predicates as predicates
+from .check import check as check
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
 from .delaunay.swapping import swap_diagonals as swap_diagonals

@@ -40,13 +40,11 @@ class RidgeFans:
         ridges, a, b, open_a, open_b, cells = [], [], [], [], [], []
         for i, j in combinations(range(width), 2):
             columns = np.array([c for c in range(width) if c not in (i, j)])
-            order = columns[np.argsort(simplices[:, columns], axis=1)] if width > 3 else None
-            odd = _odd(
-                np.broadcast_to(columns, (len(simplices), width - 2)) if order is None else order, i, j
-            )
+            order = columns[np.argsort(simplices[:, columns], axis=1)]
+            odd = _odd(order, i, j)
             first, second = np.where(odd, j, i), np.where(odd, i, j)
             row = np.arange(len(simplices))
-            ridges.append(simplices[:, columns] if order is None else np.take_along_axis(simplices, order, 1))
+            ridges.append(np.take_along_axis(simplices, order, axis=1))
             a.append(simplices[row, first])
             b.append(simplices[row, second])
             # The facet through the ridge and a lies opposite b: nothing beyond it means that the fan starts.
@@ -62,7 +60,7 @@ class RidgeFans:
         self.begin[self.group[self.starts]] = np.nonzero(self.starts)[0]
 
     def overlaps(self) -> np.ndarray:
-        """Incidences whose wedge holds the half-plane in which their fan begins, though it is not the first."""
+        """Incidences, not the first of their fan, whose wedge holds the half-plane where the fan begins."""
         reference = self.a[self.begin][self.group]
         row = np.nonzero((self.a != reference) & (self.b != reference))[0]
         row = row[self._sign(row, self.a[row], reference[row]) >= 0]
@@ -143,9 +141,8 @@ def _edges_meet_triangles(points: np.ndarray, edges: np.ndarray, triangles: np.n
     shared = (edges[:, :, None] == triangles[:, None, :]).any(axis=2)
     (p, q), (a, b, c) = edges.T, triangles.T
     sp, sq = (orient_rows(points, np.column_stack([a, b, c, v])) for v in (p, q))
-    volumes = np.array(
-        [orient_rows(points, np.column_stack([p, q, u, v])) for u, v in ((a, b), (b, c), (c, a))]
-    )
+    sides = ((a, b), (b, c), (c, a))
+    volumes = np.array([orient_rows(points, np.column_stack([p, q, u, v])) for u, v in sides])
     through = (volumes >= 0).all(axis=0) | (volumes <= 0).all(axis=0)
     plane = (sp == 0) & (sq == 0)
     meet = (sp * sq <= 0) & through & ~plane & (shared.sum(axis=1) == 0)
