@@ -5,6 +5,8 @@ from .check import check as check
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
 from .delaunay.swapping import swap_diagonals as swap_diagonals
+from .delaunay.terrain import Terrain as Terrain
+from .delaunay.terrain import greedy_terrain as greedy_terrain
 from .delaunay.voronoi import Voronoi as Voronoi
 from .delaunay.voronoi import voronoi as voronoi
 from .errors import DegenerateInputError as DegenerateInputError
