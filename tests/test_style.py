@@ -179,7 +179,7 @@ def test_no_module_and_no_test_is_left_out() -> None:
     for name in set(files) - set(tests) - {"__init__.py", "conftest.py"}:
         assert not re.search(r"^def test_", files[name], flags=re.M), f"{name} is not collected"
         stem = name.removesuffix(".py")
-        assert any(re.search(rf"\bimport.*\b{stem}\b|from {stem}\b", t) for t in tests.values()), (
+        assert any(re.search(rf"\bimport.*\b{stem}\b|from (tests\.)?{stem}\b", t) for t in tests.values()), (
             f"{name} is unused"
         )
     for path in MODULES:

@@ -1,0 +1,87 @@
+"""Compiled kernels: an honest cache, and the same answers where numba is off or missing."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import unstruct.jit
+
+MISSING = "import sys; sys.modules['numba'] = None\n"
+LATTICE = """
+import json, numpy as np, unstruct, unstruct.jit
+from unstruct.predicates import in_sphere, orient
+points = np.array([[x, y] for x in range(4) for y in range(3)], dtype=float)
+points = np.vstack([points, [[0.5, 0.25], [1.0, 1.0], [1e-20, 1e20]]])
+space = np.array([[x, y, z] for x in range(2) for y in range(2) for z in range(3)], dtype=float)
+meshes = [unstruct.delaunay(points), unstruct.delaunay(space)]
+signs = [int(orient(points[[0, 1, 5]])), int(in_sphere(points[[0, 3, 1]], points[4]))]
+print(json.dumps([unstruct.jit.numba is None, [m.simplices.tolist() for m in meshes], signs]))
+"""
+
+
+def run(code: str, folder: Path | None = None, **environment: str) -> str:
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+    )
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+def test_without_numba_the_answers_are_the_same() -> None:
+    compiled = json.loads(run(LATTICE))
+    missing = json.loads(run(MISSING + LATTICE))
+    switched_off = json.loads(run(LATTICE, NUMBA_DISABLE_JIT="1"))
+    assert [compiled[0], missing[0], switched_off[0]] == [False, True, False]
+    assert missing[1:] == compiled[1:]
+    assert switched_off[1:] == compiled[1:]
+
+
+HELPER = """
+from unstruct.jit import inline
+
+@inline
+def step(x):
+    return x + {amount}
+"""
+MIDDLE = """
+from unstruct.jit import kernel
+from helper import step
+
+@kernel
+def twice(x):
+    return step(step(x))
+"""
+CALLER = """
+from unstruct.jit import kernel
+from middle import twice
+
+@kernel
+def four_times(x):
+    return twice(twice(x))
+"""
+
+
+@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+def test_the_cache_sees_edits_two_files_away(tmp_path: Path) -> None:
+    """numba's own cache would answer 4 again after the helper's edit."""
+    (tmp_path / "middle.py").write_text(MIDDLE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    code = "from caller import four_times\n"
+    code += "print(four_times(0), sum(four_times.stats.cache_hits.values()))"
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    (tmp_path / "helper.py").write_text(HELPER.format(amount=1))
+    assert run(code, tmp_path, **cache).split() == ["4", "0"]
+    assert run(code, tmp_path, **cache).split() == ["4", "1"], "the second run compiles again"
+    (tmp_path / "helper.py").write_text(HELPER.format(amount=10))
+    assert run(code, tmp_path, **cache).split() == ["40", "0"], "old machine code after an edit"
