@@ -202,28 +202,29 @@ def _vertices(mesh: Mesh, report: Report) -> None:
 
 def _topology(mesh: Mesh, report: Report) -> bool:
     simplices, k, n = mesh.simplices, mesh.dimension, len(mesh.points)
-    facets, cells = crowded_facets(simplices)
+    table = topology.FaceTable(simplices)
+    facets, cells = crowded_facets(table)
     crowded = _problem("facet", "shared by more than two cells", cells, facets.ravel())
     if not report.note("at most two cells at a facet", crowded):
         return False
-    neighbors = topology.neighbors(simplices)
+    neighbors = table.neighbors()
     differ = (neighbors != mesh.neighbors).any(axis=1)
     text = "neighbors do not lie across the facet opposite each vertex"
     wrong = _problem("neighbors", text, cells=np.nonzero(differ)[0])
     well = report.note("neighbors mutual and across the right facets", wrong)
-    facets, cells = incoherent_facets(simplices)
+    facets, cells = incoherent_facets(table)
     text = "two cells on the same side of a facet, or against its orientation"
     folded = _problem("orientation", text, cells, facets.ravel())
     well &= report.note("coherent orientation: the two cells of a facet on opposite sides", folded)
     pinched = []
-    for faces, fans in pinched_faces(simplices, neighbors):
+    for faces, fans in pinched_faces(table, neighbors):
         kind = {1: "pinched vertex", 2: "pinched edge"}.get(faces.shape[1], "pinched face")
         text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
         pinched.append(_problem(kind, text, vertices=faces.ravel()))
     manifold = report.note("cells around every vertex hang together", *pinched)
     boundary = topology.boundary(simplices, neighbors)
     if manifold and k == 3:
-        bad = bad_vertex_links(simplices, boundary, n)
+        bad = bad_vertex_links(table, boundary, n)
         manifold = report.note(
             "the link of every vertex is a sphere or a disc",
             _problem("link", "the cells around the vertex form neither a ball nor a half-ball", vertices=bad),
@@ -231,14 +232,14 @@ def _topology(mesh: Mesh, report: Report) -> bool:
     elif k > 3:
         report.skipped.append("whether vertex links are spheres (decided up to dimension 3 only)")
     if manifold:
-        well &= _euler(simplices, boundary, report)
+        well &= _euler(table, boundary, report)
     return well and manifold
 
 
-def _euler(simplices: np.ndarray, boundary: np.ndarray, report: Report) -> bool:
+def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> bool:
     """For every compact manifold of dimension k: chi(boundary) = (1 - (-1)^k) chi."""
-    k = simplices.shape[1] - 1
-    inside = topology.euler(simplices)
+    k = table.simplices.shape[1] - 1
+    inside = sum((-1) ** j * count for j, count in enumerate(table.counts()))
     around = 0
     if len(boundary):
         around = len(np.unique(boundary)) if k == 1 else topology.euler(boundary)

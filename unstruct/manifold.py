@@ -7,24 +7,25 @@ from itertools import combinations
 import numpy as np
 
 from .jit import kernel
-from .topology import facet_numbers, incident_faces
+from .topology import FaceTable
 
 __all__ = ["bad_vertex_links", "crowded_facets", "incoherent_facets", "pinched_faces"]
 
 
-def crowded_facets(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def crowded_facets(faces: FaceTable) -> tuple[np.ndarray, np.ndarray]:
     """Facets shared by more than two cells, and those cells."""
-    found, number = facet_numbers(simplices)
+    found, number = faces.facets()
     crowded = np.bincount(number.ravel(), minlength=len(found)) > 2
     return found[crowded], np.nonzero(crowded[number].any(axis=1))[0]
 
 
-def incoherent_facets(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def incoherent_facets(faces: FaceTable) -> tuple[np.ndarray, np.ndarray]:
     """Facets on which their two cells induce the *same* orientation, and those cells.
 
     Two positively oriented cells induce opposite orientations exactly when they lie on opposite sides.
     """
-    found, number = facet_numbers(simplices)
+    simplices = faces.simplices
+    found, number = faces.facets()
     width = simplices.shape[1]
     signs = np.empty(simplices.shape)
     for i in range(width):
@@ -70,7 +71,7 @@ def _root(parent, x):
     return x
 
 
-def pinched_faces(simplices: np.ndarray, neighbors: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+def pinched_faces(table: FaceTable, neighbors: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Faces whose cells do not hang together through facets around them: vertices, edges, ...
 
     Returns
@@ -83,10 +84,10 @@ def pinched_faces(simplices: np.ndarray, neighbors: np.ndarray) -> list[tuple[np
     In a surface, a vertex is well when its link is one path or one cycle: exactly this test. In higher
     dimensions it is necessary; `bad_vertex_links` completes it for k = 3.
     """
-    width = simplices.shape[1]
+    width = table.simplices.shape[1]
     result = []
     for j in range(width - 2):
-        found, number = incident_faces(simplices, j)
+        found, number = table(j)
         holds = np.array(
             [[i in columns for i in range(width)] for columns in combinations(range(width), j + 1)]
         )
@@ -98,7 +99,7 @@ def pinched_faces(simplices: np.ndarray, neighbors: np.ndarray) -> list[tuple[np
     return result
 
 
-def bad_vertex_links(simplices: np.ndarray, boundary: np.ndarray, n: int) -> np.ndarray:
+def bad_vertex_links(table: FaceTable, boundary: np.ndarray, n: int) -> np.ndarray:
     """Vertices of a three-dimensional complex whose link is no disc (on the boundary) or sphere (inside).
 
     The link of a vertex in a complex without pinched edges or vertices is a connected surface; by the
@@ -106,10 +107,10 @@ def bad_vertex_links(simplices: np.ndarray, boundary: np.ndarray, n: int) -> np.
     """
     link = np.zeros(n, dtype=np.int64)
     for j in (1, 2, 3):
-        found, _ = incident_faces(simplices, j)
+        found = table(j)[0] if j < 3 else table.simplices
         link += (1 if j != 2 else -1) * np.bincount(found.ravel(), minlength=n)
     wanted = np.full(n, 2)
     wanted[boundary.ravel()] = 1
     used = np.zeros(n, dtype=bool)
-    used[simplices.ravel()] = True
+    used[table.simplices.ravel()] = True
     return np.nonzero(used & (link != wanted))[0]

@@ -179,10 +179,44 @@ def facets(simplices: np.ndarray) -> np.ndarray:
     return faces(simplices, np.shape(simplices)[1] - 2)
 
 
-def facet_numbers(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """As `incident_faces` for facets, but ``number[t, i]`` is the facet *opposite* vertex i."""
-    found, number = incident_faces(simplices, simplices.shape[1] - 2)
-    return found, number[:, ::-1]  # the combination that leaves out column i comes i-th from the end
+class FaceTable:
+    """The faces of a complex in every dimension, each looked up once: see `incident_faces`."""
+
+    def __init__(self, simplices: np.ndarray):
+        self.simplices = simplices
+        self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def __call__(self, dimension: int) -> tuple[np.ndarray, np.ndarray]:
+        """(faces, number) as `incident_faces`; for dimension 0 face v is vertex v, used or not."""
+        if dimension == 0:
+            return np.arange(self.simplices.max(initial=-1) + 1, dtype=np.int32)[:, None], self.simplices
+        if dimension not in self._known:
+            self._known[dimension] = incident_faces(self.simplices, dimension)
+        return self._known[dimension]
+
+    def facets(self) -> tuple[np.ndarray, np.ndarray]:
+        """(facets, number) as `facet_numbers`: ``number[t, i]`` lies opposite vertex i."""
+        found, number = self(self.simplices.shape[1] - 2)
+        return found, number[:, ::-1]  # the combination that leaves out column i comes i-th from the end
+
+    def counts(self) -> tuple[int, ...]:
+        """(f_0, ..., f_k)."""
+        k = self.simplices.shape[1] - 1
+        middle = [len(self(j)[0]) for j in range(1, k)]
+        return (len(np.unique(self.simplices)), *middle, len(self.simplices))
+
+    def neighbors(self) -> np.ndarray:
+        """As `neighbors`."""
+        found, number = self.facets()
+        result = np.full(self.simplices.shape, -1, dtype=np.int32)
+        f, _ = _link(number, np.full(len(found), -1, dtype=np.int64), result)
+        if f >= 0:
+            cells = np.nonzero((number == f).any(axis=1))[0]
+            raise MeshError(
+                f"the facet {found[f].tolist()} is shared by {len(cells)} cells, {cells.tolist()[:6]}: "
+                "neighbors exist only where at most two cells meet; drop some (unstruct.check lists all)"
+            )
+        return result
 
 
 @kernel
@@ -225,17 +259,7 @@ def neighbors(simplices: np.ndarray) -> np.ndarray:
     MeshError
         Where more than two cells share a facet; the message names the facet and its cells.
     """
-    simplices = as_simplices(simplices)
-    found, number = facet_numbers(simplices)
-    result = np.full(simplices.shape, -1, dtype=np.int32)
-    f, _ = _link(number, np.full(len(found), -1, dtype=np.int64), result)
-    if f >= 0:
-        cells = np.nonzero((number == f).any(axis=1))[0]
-        raise MeshError(
-            f"the facet {found[f].tolist()} is shared by {len(cells)} cells, {cells.tolist()[:6]}: "
-            "neighbors exist only where at most two cells meet; drop cells (unstruct.check lists them all)"
-        )
-    return result
+    return FaceTable(as_simplices(simplices)).neighbors()
 
 
 def oriented_facet(simplices: np.ndarray, cells: np.ndarray, corner: np.ndarray) -> np.ndarray:
@@ -328,10 +352,7 @@ def components(neighbors: np.ndarray) -> tuple[int, np.ndarray]:
 
 def face_counts(simplices: np.ndarray) -> tuple[int, ...]:
     """(f_0, ..., f_k): the numbers of used vertices, edges, ..., cells."""
-    simplices = as_simplices(simplices)
-    k = simplices.shape[1] - 1
-    middle = [len(incident_faces(simplices, j)[0]) for j in range(1, k)]
-    return (len(np.unique(simplices)), *middle, len(simplices))
+    return FaceTable(as_simplices(simplices)).counts()
 
 
 def euler(simplices: np.ndarray) -> int:
