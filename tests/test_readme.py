@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from book_files import BOOK, ROOT, chapters
+from book_files import BOOK, ROOT, chapters, notebooks
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -36,6 +36,12 @@ def test_every_chapter_is_listed() -> None:
     linked = re.findall(r"^\| \[.*?\]\(book/(.*?\.ipynb)\)", README, flags=re.M)
     assert [name for name in linked if name[0].isdigit()] == [path.name for path in chapters()]
     assert {"index.ipynb", "ledger.ipynb", "errata.ipynb", "benchmarks.ipynb"} <= set(linked)
+
+
+def test_the_front_page_leads_to_every_notebook() -> None:
+    page = (BOOK / "index.ipynb").read_text(encoding="utf-8")
+    linked = set(re.findall(r"\]\(([^()\s]+\.ipynb)\)", page))
+    assert linked == {path.name for path in notebooks()} - {"index.ipynb"}
 
 
 def test_the_cover_is_a_picture() -> None:
