@@ -7,6 +7,10 @@ same frames on paper and step by step, `view3d` turns, and the widgets answer to
 from .colors import ROLES as ROLES
 from .colors import setup as setup
 from .frames import check_frame as check_frame
+from .histories import baker_frames as baker_frames
+from .histories import flip_frames as flip_frames
+from .histories import gift_wrap_frames as gift_wrap_frames
+from .histories import insertion_frames as insertion_frames
 from .player import Player as Player
 from .player import player as player
 from .plots import plot as plot
