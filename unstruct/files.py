@@ -1,0 +1,306 @@
+"""Meshes in files and in other libraries: meshio, Triangle's .node/.ele, scikit-fem.
+
+What goes along: points, cells, `origin`, `duplicates`, cell markers, and named faces (as cells of lower
+dimension with the data "faces:<name>"), as far as the format can hold them. See the book, chapter 1.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .cells import cell_dimension
+from .errors import InputError, MeshError
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+__all__ = ["read", "to_meshio", "to_skfem", "write"]
+
+FACES = "faces:"
+FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
+WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
+GMSH = {".msh"}  # meshio would take the suffix for Ansys; version 2.2 of Gmsh's holds all that we have
+
+
+def to_meshio(mesh: Mesh) -> Any:
+    """The mesh as a `meshio.Mesh`.
+
+    Returns
+    -------
+    meshio.Mesh
+        Polygons are grouped by their number of corners. ``point_data`` holds "origin" and "kept" (the vertex
+        itself, or the one of which it is a duplicate); ``cell_data`` the markers; named faces follow as
+        blocks of lower dimension, with "faces:<name>" 1 on them and 0 elsewhere.
+    """
+    import meshio
+
+    blocks: list[tuple[str, np.ndarray]] = []
+    rows: list[np.ndarray] = []  # which cells a block holds
+    start = 0
+    for name, block in mesh.cells.items():
+        if name == "polygon":
+            sizes = np.array([len(row) for row in block])
+            for size in np.unique(sizes):
+                chosen = np.nonzero(sizes == size)[0]
+                blocks.append(("polygon", np.array([block[i] for i in chosen])))
+                rows.append(start + chosen)
+        else:
+            if name.startswith("simplex"):
+                raise MeshError(
+                    f"meshio has no cells of dimension {mesh.dimension}: write .node/.ele instead"
+                )
+            blocks.append((name, np.asarray(block)))
+            rows.append(start + np.arange(len(block)))
+        start += len(block)
+    faces = list(_named_faces(mesh).items())
+    for _, array in faces:
+        blocks.append((FACE_NAMES[array.shape[1]], np.asarray(array)))
+    data: dict[str, list[np.ndarray]] = {}
+    for name, values in mesh.markers.items():
+        if values.ndim == 1:
+            values = values.astype(np.int8) if values.dtype == bool else values
+            missing = np.zeros(1, dtype=values.dtype)
+            data[name] = [values[r] for r in rows] + [np.repeat(missing, len(a)) for _, a in faces]
+    for i, (name, _) in enumerate(faces):
+        flags = [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
+        flags[len(rows) + i][:] = 1
+        data[FACES + name] = flags
+    kept = np.arange(len(mesh.points), dtype=np.int32)
+    kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]
+    return meshio.Mesh(
+        np.asarray(mesh.points),
+        blocks,
+        point_data={"origin": np.asarray(mesh.origin), "kept": kept},
+        cell_data=data,
+    )
+
+
+def write(mesh: Mesh, path: str | Path) -> None:
+    """Write a file; see `Mesh.write`.
+
+    Raises
+    ------
+    InputError
+        For a suffix that no format has, and for meshes that a format cannot hold.
+    """
+    path = Path(path)
+    if path.suffix in (".node", ".ele"):
+        return _write_node_ele(mesh, path)
+    other = to_meshio(mesh)
+    if (
+        mesh.points.shape[1] < 3
+    ):  # most formats know only space; a zero third coordinate is dropped on reading
+        other.points = np.pad(other.points, ((0, 0), (0, 3 - mesh.points.shape[1])))
+    if path.suffix not in WITH_DATA:
+        _drop(mesh, f"{path.suffix} holds points and cells only", mesh.markers)
+        other.point_data, other.cell_data = {}, {}
+        other.cells = other.cells[: len(other.cells) - len(_named_faces(mesh))]
+    if path.suffix in GMSH:
+        _for_gmsh(mesh, other)
+    try:
+        other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
+    except Exception as error:  # meshio raises many kinds, for unknown suffixes and unfit cells alike
+        raise InputError(f"meshio cannot write this mesh as {path.suffix or path.name!r}: {error}") from error
+    return None
+
+
+def _named_faces(mesh: Mesh) -> dict[str, np.ndarray]:
+    return {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2 and len(rows)}
+
+
+def _drop(mesh: Mesh, why: str, names: Any) -> None:
+    lost = [repr(name) for name in names]
+    if len(mesh.duplicates) and names is mesh.markers:
+        lost.append("duplicates")
+    if lost:
+        warnings.warn(f"not written: {', '.join(lost)}; {why}", stacklevel=5)
+
+
+def _for_gmsh(mesh: Mesh, other: Any) -> None:
+    """Named faces become physical groups; data must be real numbers, and of one block of cells only."""
+    faces = _named_faces(mesh)
+    first = len(other.cells) - len(faces)
+    other.point_data = {name: values.astype(float) for name, values in other.point_data.items()}
+    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES)}
+    if len(other.cells) > 1:  # meshio would read back the data of the last block for all
+        _drop(mesh, ".msh keeps cell data only where there is one kind of cell and no named face", data)
+        data = {}
+    other.cell_data = {name: [v.astype(float) for v in values] for name, values in data.items()}
+    tags = [np.full(len(block.data), max(0, i - first + 1)) for i, block in enumerate(other.cells)]
+    other.cell_data["gmsh:physical"] = other.cell_data["gmsh:geometrical"] = tags
+    other.field_data = {
+        name: np.array([i + 1, rows.shape[1] - 1]) for i, (name, rows) in enumerate(faces.items())
+    }
+
+
+def read(path: str | Path) -> Mesh:
+    """Read a file; see `Mesh.read`.
+
+    The cells of the highest dimension are the mesh; lower ones become markers. A third coordinate that is
+    zero throughout is dropped when the cells are plane.
+    """
+    from .mesh import Mesh
+
+    path = Path(path)
+    if path.suffix in (".node", ".ele"):
+        return _read_node_ele(path)
+    import meshio
+
+    try:
+        other = meshio.read(path, file_format="gmsh" if path.suffix in GMSH else None)
+    except FileNotFoundError:
+        raise
+    except (Exception, SystemExit) as error:  # meshio exits on what it cannot read
+        raise InputError(f"meshio cannot read {path.name}: {error}") from None
+    kinds = [block.type for block in other.cells]
+    dimensions = [0 if kind == "vertex" else cell_dimension(kind) for kind in kinds]
+    if not kinds or max(dimensions) == 0:
+        raise InputError(f"{path.name} holds no cells")
+    top = max(dimensions)
+    points = np.asarray(other.points, dtype=np.float64)
+    while points.shape[1] > max(top, 1) and not points[:, -1].any():
+        points = points[:, :-1]
+    main = [i for i, dimension in enumerate(dimensions) if dimension == top]
+    cells: dict[str, Any] = {}
+    for i in main:
+        rows = np.asarray(other.cells[i].data)
+        if kinds[i] == "polygon":
+            cells.setdefault("polygon", []).extend(rows)
+        else:
+            cells[kinds[i]] = np.concatenate([cells[kinds[i]], rows]) if kinds[i] in cells else rows
+    order = sorted(main, key=lambda i: list(cells).index(kinds[i]))
+    n = len(points)
+    origin = other.point_data.get("origin", np.arange(n)).astype(np.int32)
+    kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
+    copies = np.nonzero(kept != np.arange(n))[0]
+    duplicates = np.column_stack([copies, kept[copies]])
+    return Mesh(
+        points,
+        cells=cells,
+        origin=origin,
+        duplicates=duplicates,
+        markers=_markers(other, order, dimensions, top),
+    )
+
+
+def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
+    markers: dict[str, np.ndarray] = {}
+    lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
+    for name, values in other.cell_data.items():
+        if name.startswith(FACES):
+            rows = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
+            markers[name.removeprefix(FACES)] = np.concatenate([r for r in rows if len(r)])
+            continue
+        column = np.concatenate([np.asarray(values[i]) for i in main])
+        if column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
+            warnings.warn(
+                f"cell data {name!r} of shape {column.shape} is not read: one value a cell", stacklevel=4
+            )
+        elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
+            whole = (
+                column.dtype.kind == "f" and np.isfinite(column).all() and (column == np.round(column)).all()
+            )
+            markers[name] = column.astype(np.int64) if whole else column
+    if any(name.startswith(FACES) for name in other.cell_data):
+        return markers
+    names = {(int(tag), int(dimension)): name for name, (tag, dimension) in other.field_data.items()}
+    physical = other.cell_data.get("gmsh:physical")
+    for i in lower:  # files of others: Gmsh's physical groups by their names, the rest by the kind of cell
+        rows, kind = np.asarray(other.cells[i].data), other.cells[i].type
+        tags = np.zeros(len(rows), dtype=int) if physical is None else np.asarray(physical[i])
+        for tag in np.unique(tags).tolist():
+            name = names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}")
+            part = rows[tags == tag]
+            markers[name] = np.concatenate([markers[name], part]) if name in markers else part
+    return markers
+
+
+# ---------------------------------------------------------------------- Triangle and TetGen
+
+
+def _write_node_ele(mesh: Mesh, path: Path) -> None:
+    """`path`.node and `path`.ele, numbered from 0, with 17 significant digits: doubles survive."""
+    simplices = mesh.simplices
+    _drop(mesh, ".node and .ele hold points and cells only", mesh.markers)
+    n, d = mesh.points.shape
+    lines = [f"{n} {d} 0 0"]
+    lines += [f"{i} {' '.join(map(repr, row))}" for i, row in enumerate(mesh.points.tolist())]
+    path.with_suffix(".node").write_text("\n".join(lines) + "\n")
+    lines = [f"{mesh.size} {simplices.shape[1]} 0"]
+    lines += [f"{t} {' '.join(map(str, row))}" for t, row in enumerate(simplices.tolist())]
+    path.with_suffix(".ele").write_text("\n".join(lines) + "\n")
+
+
+def _read_node_ele(path: Path) -> Mesh:
+    """Numbered from 0 or 1, as the first vertex says; attributes and boundary marks become markers."""
+    from .mesh import Mesh
+
+    header, rows = _table(path.with_suffix(".node"))
+    d, attributes, marks = header[1], header[2], header[3] if len(header) > 3 else 0
+    base = int(rows[0, 0]) if len(rows) else 0
+    points = rows[:, 1 : 1 + d]
+    head, elements = _table(path.with_suffix(".ele"))
+    corners = elements[:, 1 : 1 + d + 1].astype(np.int64) - base
+    markers: dict[str, np.ndarray] = {}
+    for i in range(head[2] if len(head) > 2 else 0):
+        markers["attribute" if i == 0 else f"attribute{i}"] = elements[:, 1 + head[1] + i]
+    if marks:
+        values = rows[:, 1 + d + attributes].astype(np.int64)
+        for value in np.unique(values[values != 0]).tolist():
+            markers[f"vertices {value}"] = np.nonzero(values == value)[0][:, None]
+    return Mesh(points, corners, markers=markers)
+
+
+def _table(path: Path) -> tuple[list[int], np.ndarray]:
+    """Header and rows of numbers of a file in Triangle's manner; # starts a comment."""
+    lines = [line.split("#")[0].split() for line in path.read_text().splitlines()]
+    lines = [line for line in lines if line]
+    try:
+        header = [int(word) for word in lines[0]]
+        rows = np.array([[float(word) for word in line] for line in lines[1 : 1 + header[0]]])
+    except (IndexError, ValueError) as error:
+        raise InputError(f"{path.name} is not in Triangle's format: {error}") from None
+    if len(rows) != header[0]:
+        raise InputError(f"{path.name} announces {header[0]} rows but holds {len(rows)}")
+    return header, rows
+
+
+# ---------------------------------------------------------------------- scikit-fem
+
+
+def to_skfem(mesh: Mesh) -> Any:
+    """The mesh as a scikit-fem mesh; named facets become boundaries, boolean cell markers subdomains."""
+    import skfem
+
+    kinds = {
+        ("line", 1): "MeshLine",
+        ("triangle", 2): "MeshTri",
+        ("quad", 2): "MeshQuad",
+        ("tetra", 3): "MeshTet",
+    }
+    name = next(iter(mesh.cells))
+    kind = kinds.get((name, mesh.points.shape[1]))
+    if len(mesh.cells) > 1 or kind is None:
+        what = ", ".join(mesh.cells)
+        raise MeshError(
+            f"scikit-fem has no mesh for cells of kind {what} in {mesh.points.shape[1]} dimensions"
+        )
+    used, rows = np.unique(mesh.cells[name], return_inverse=True)
+    rows = rows.reshape(mesh.size, -1)
+    result = getattr(skfem, kind)(mesh.points[used].T.copy(), rows.T.copy())
+    number = np.full(len(mesh.points), -1)
+    number[used] = np.arange(len(used))
+    boundaries, subdomains = {}, {}
+    lookup = {tuple(sorted(facet)): i for i, facet in enumerate(result.facets.T.tolist())}
+    for marker, values in mesh.markers.items():
+        if values.ndim == 2 and values.shape[1] == mesh.dimension:
+            boundaries[marker] = np.array([lookup[tuple(sorted(row))] for row in number[values].tolist()])
+        elif values.ndim == 1 and values.dtype == bool:
+            subdomains[marker] = np.nonzero(values)[0]
+    if boundaries:
+        result = result.with_boundaries(boundaries)
+    return result.with_subdomains(subdomains) if subdomains else result
