@@ -178,6 +178,12 @@ def _center(rows: np.ndarray) -> np.ndarray:
             square[..., :1] * _cross(b, c) + square[..., 1:2] * _cross(c, a) + square[..., 2:] * _cross(a, b)
         )
         return top / (2 * _determinant(rows))[..., None]
+    if k == 2:
+        a, b = rows[..., 0, :], rows[..., 1, :]
+        along_a = square[..., 0] * (b * (b - a)).sum(axis=-1)
+        along_b = square[..., 1] * (a * (a - b)).sum(axis=-1)
+        top = along_a[..., None] * a + along_b[..., None] * b
+        return top / (2 * _content(rows) ** 2)[..., None]
     q, r = np.linalg.qr(np.swapaxes(rows, -1, -2))
     y = np.empty(square.shape)
     for i in range(k):  # forward substitution: a flat simplex divides by zero, and is inf or nan after
@@ -192,7 +198,8 @@ def circumcenter(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (..., d)
-        ``nan`` for flat simplices, which have none (equal or nearly cospherical corners included).
+        ``nan`` for flat simplices, which have none. (Where k < d and d > 3, rounding may hide flatness: the
+        center is then far away instead.)
     """
     points = _as_simplices(simplices)
     rows, exponent = _local(points)
