@@ -13,12 +13,12 @@ limits given with each function. See the book, chapter 1.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
 from itertools import combinations
 from math import factorial
 
 import numpy as np
 
+from .edge_vectors import as_corners, content, cross, determinant, exponents, local_edges, quiet
 from .errors import InputError
 
 __all__ = [
@@ -36,79 +36,7 @@ __all__ = [
 ]
 
 
-def _quiet(function: Callable) -> Callable:
-    """Divisions by zero mean something here (flat simplices): no warnings."""
-
-    @wraps(function)
-    def quiet(*args, **kwargs):
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
-            return function(*args, **kwargs)
-
-    return quiet
-
-
-def _as_simplices(simplices: np.ndarray) -> np.ndarray:
-    points = np.asarray(simplices, dtype=np.float64)
-    if points.ndim < 2 or not 2 <= points.shape[-2] <= points.shape[-1] + 1:
-        raise InputError(
-            f"simplices must have shape (..., k + 1, d) with 1 <= k <= d, not {points.shape}: "
-            "index the points by the cells, points[cells]"
-        )
-    return points
-
-
-def _exponent(values: np.ndarray) -> np.ndarray:
-    """e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite."""
-    return np.frexp(np.abs(values).max(axis=(-2, -1)))[1]
-
-
-def _local(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edge vectors (..., k, d) from corner 0, scaled to at most 1, and the exponents taken out."""
-    points = _as_simplices(simplices)
-    half = np.ldexp(points, -1)  # differences of the largest doubles would overflow
-    rows = half[..., 1:, :] - half[..., :1, :]
-    exponent = _exponent(rows)
-    return np.ldexp(rows, -exponent[..., None, None]), exponent + 1
-
-
-def _gram_content(rows: np.ndarray) -> np.ndarray:
-    """sqrt(det(rows rows^T)) by QR, without squaring the condition number."""
-    r = np.linalg.qr(np.swapaxes(rows, -1, -2), mode="r")
-    return np.abs(np.diagonal(r, axis1=-2, axis2=-1)).prod(axis=-1)
-
-
-def _determinant(rows: np.ndarray) -> np.ndarray:
-    """det of (..., k, k), written out for k <= 3."""
-    k = rows.shape[-1]
-    if k == 1:
-        return rows[..., 0, 0]
-    a, b = rows[..., 0, :], rows[..., 1, :]
-    if k == 2:
-        return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    if k == 3:
-        return (a * _cross(b, rows[..., 2, :])).sum(axis=-1)
-    return np.linalg.det(rows)
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
-    y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
-    return np.stack([x, y, a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]], axis=-1)
-
-
-def _content(rows: np.ndarray) -> np.ndarray:
-    """k! times the measure of the simplices with these edge vectors, without sign."""
-    k, d = rows.shape[-2:]
-    if k == 1:
-        return np.sqrt((rows[..., 0, :] ** 2).sum(axis=-1))
-    if k == d:
-        return np.abs(_determinant(rows))
-    if k == 2 and d == 3:
-        return np.sqrt((_cross(rows[..., 0, :], rows[..., 1, :]) ** 2).sum(axis=-1))
-    return _gram_content(rows)
-
-
-@_quiet
+@quiet
 def volume(simplices: np.ndarray) -> np.ndarray:
     """Signed length, area, volume, ...: positive for positively oriented cells.
 
@@ -122,36 +50,36 @@ def volume(simplices: np.ndarray) -> np.ndarray:
         det(p_1 - p_0, ..., p_d - p_0) / d! where k = d; the unsigned `measure` where k < d. Rounded:
         the sign near zero is not a decision (that is `unstruct.predicates.orient`).
     """
-    rows, exponent = _local(simplices)
+    rows, exponent = local_edges(simplices)
     k, d = rows.shape[-2:]
-    content = _determinant(rows) if k == d else _content(rows)
-    return np.ldexp(content / factorial(k), k * exponent)
+    size = determinant(rows) if k == d else content(rows)
+    return np.ldexp(size / factorial(k), k * exponent)
 
 
-@_quiet
+@quiet
 def measure(simplices: np.ndarray) -> np.ndarray:
     """Length, area, volume, ... without sign, for simplices of dimension k in d >= k dimensions.
 
     Computed from the edge vectors: sqrt(det(E E^T)) / k! by QR, cross product or determinant.
     """
-    rows, exponent = _local(simplices)
+    rows, exponent = local_edges(simplices)
     k = rows.shape[-2]
-    return np.ldexp(_content(rows) / factorial(k), k * exponent)
+    return np.ldexp(content(rows) / factorial(k), k * exponent)
 
 
-@_quiet
+@quiet
 def edge_lengths(simplices: np.ndarray) -> np.ndarray:
     """Lengths of the k (k + 1) / 2 edges, in the order of `itertools.combinations`: (0,1), (0,2), ..."""
-    points = _as_simplices(simplices)
+    points = as_corners(simplices)
     i, j = np.array(list(combinations(range(points.shape[-2]), 2))).T
     half = np.ldexp(points, -1)
     rows = half[..., j, :] - half[..., i, :]
-    exponent = _exponent(rows)
+    exponent = exponents(rows)
     rows = np.ldexp(rows, -exponent[..., None, None])
     return np.ldexp(np.sqrt((rows**2).sum(axis=-1)), (exponent + 1)[..., None])
 
 
-@_quiet
+@quiet
 def _center(rows: np.ndarray) -> np.ndarray:
     """The circumcenter seen from corner 0, in units of the scaled rows; inf/nan where flat.
 
@@ -171,19 +99,17 @@ def _center(rows: np.ndarray) -> np.ndarray:
             ],
             axis=-1,
         )
-        return top / (2 * _determinant(rows))[..., None]
+        return top / (2 * determinant(rows))[..., None]
     if k == 3 and d == 3:
         a, b, c = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
-        top = (
-            square[..., :1] * _cross(b, c) + square[..., 1:2] * _cross(c, a) + square[..., 2:] * _cross(a, b)
-        )
-        return top / (2 * _determinant(rows))[..., None]
+        top = square[..., :1] * cross(b, c) + square[..., 1:2] * cross(c, a) + square[..., 2:] * cross(a, b)
+        return top / (2 * determinant(rows))[..., None]
     if k == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
-        along_a = square[..., 0] * (b * (b - a)).sum(axis=-1)
-        along_b = square[..., 1] * (a * (a - b)).sum(axis=-1)
+        along_a = square[..., 1] * (a * (a - b)).sum(axis=-1)
+        along_b = square[..., 0] * (b * (b - a)).sum(axis=-1)
         top = along_a[..., None] * a + along_b[..., None] * b
-        return top / (2 * _content(rows) ** 2)[..., None]
+        return top / (2 * content(rows) ** 2)[..., None]
     q, r = np.linalg.qr(np.swapaxes(rows, -1, -2))
     y = np.empty(square.shape)
     for i in range(k):  # forward substitution: a flat simplex divides by zero, and is inf or nan after
@@ -191,7 +117,7 @@ def _center(rows: np.ndarray) -> np.ndarray:
     return (q * y[..., None, :]).sum(axis=-1)
 
 
-@_quiet
+@quiet
 def circumcenter(simplices: np.ndarray) -> np.ndarray:
     """Center of the sphere through all corners, in their affine hull.
 
@@ -201,55 +127,55 @@ def circumcenter(simplices: np.ndarray) -> np.ndarray:
         ``nan`` for flat simplices, which have none. (Where k < d and d > 3, rounding may hide flatness: the
         center is then far away instead.)
     """
-    points = _as_simplices(simplices)
-    rows, exponent = _local(points)
+    points = as_corners(simplices)
+    rows, exponent = local_edges(points)
     center = _center(rows)
     center = np.where(np.isfinite(center).all(axis=-1)[..., None], center, np.nan)
     return points[..., 0, :] + np.ldexp(center, exponent[..., None])
 
 
-@_quiet
+@quiet
 def _radius(rows: np.ndarray) -> np.ndarray:
     """Circumradius in scaled units. Triangles: abc / 4A, which holds figures where the center is far."""
     k = rows.shape[-2]
     if k == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
         lengths = [np.sqrt((v**2).sum(axis=-1)) for v in (a, b, b - a)]
-        radius = (lengths[0] * lengths[1]) * lengths[2] / (2 * _content(rows))
+        radius = (lengths[0] * lengths[1]) * lengths[2] / (2 * content(rows))
     else:
         radius = np.sqrt((_center(rows) ** 2).sum(axis=-1))
     return np.where(np.isnan(radius) & np.isfinite(rows).all(axis=(-2, -1)), np.inf, radius)
 
 
-@_quiet
+@quiet
 def circumradius(simplices: np.ndarray) -> np.ndarray:
     """Radius of the sphere through all corners; ``inf`` for flat simplices."""
-    rows, exponent = _local(simplices)
+    rows, exponent = local_edges(simplices)
     return np.ldexp(_radius(rows), exponent)
 
 
-@_quiet
+@quiet
 def _facet_contents(rows: np.ndarray) -> np.ndarray:
     """(k - 1)! times the measures of the facets opposite corner 0, 1, ..., k, in scaled units."""
     k = rows.shape[-2]
     if k == 1:
         return np.ones((*rows.shape[:-2], 2))
-    first = _content(rows[..., 1:, :] - rows[..., :1, :])
-    others = [_content(np.delete(rows, i, axis=-2)) for i in range(k)]
+    first = content(rows[..., 1:, :] - rows[..., :1, :])
+    others = [content(np.delete(rows, i, axis=-2)) for i in range(k)]
     return np.stack([first, *others], axis=-1)
 
 
-@_quiet
+@quiet
 def _inner(rows: np.ndarray) -> np.ndarray:
     """Inradius in scaled units: k V / sum of facets; 0 where V = 0."""
-    content = _content(rows)
-    return np.where(content == 0, 0.0, content / _facet_contents(rows).sum(axis=-1))
+    size = content(rows)
+    return np.where(size == 0, 0.0, size / _facet_contents(rows).sum(axis=-1))
 
 
-@_quiet
+@quiet
 def inradius(simplices: np.ndarray) -> np.ndarray:
     """Radius of the largest inscribed sphere, k V / (sum of the facets' measures); 0 for flat simplices."""
-    rows, exponent = _local(simplices)
+    rows, exponent = local_edges(simplices)
     return np.ldexp(_inner(rows), exponent)
 
 
@@ -263,7 +189,7 @@ def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))
 
 
-@_quiet
+@quiet
 def angles(simplices: np.ndarray) -> np.ndarray:
     """Plane angles of all triangular faces, in radians.
 
@@ -273,12 +199,12 @@ def angles(simplices: np.ndarray) -> np.ndarray:
         shape (..., C(k + 1, 3), 3) for k >= 3: per face, in the order of `itertools.combinations`.
         0 and pi are reached by flat triangles; ``nan`` where two corners coincide.
     """
-    points = _as_simplices(simplices)
+    points = as_corners(simplices)
     if points.shape[-2] < 3:
         raise InputError("segments have no angles; pass simplices with at least three corners")
     triples = np.array(list(combinations(range(points.shape[-2]), 3)))
     half = np.ldexp(points, -1)
-    triangles = np.ldexp(half, -_exponent(half - half[..., :1, :])[..., None, None])[..., triples, :]
+    triangles = np.ldexp(half, -exponents(half - half[..., :1, :])[..., None, None])[..., triples, :]
     result = np.stack(
         [
             _angle(triangles[..., j, :] - triangles[..., i, :], triangles[..., k, :] - triangles[..., i, :])
@@ -289,7 +215,7 @@ def angles(simplices: np.ndarray) -> np.ndarray:
     return result[..., 0, :] if points.shape[-2] == 3 else result
 
 
-@_quiet
+@quiet
 def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
     """Angles between facets, in radians, one for each pair of facets.
 
@@ -306,14 +232,14 @@ def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
     With n_i the component of an edge vector orthogonal to the ridge, the angle at a ridge is that between
     the two altitudes on it: no normals are needed, so it works in any dimension k <= d.
     """
-    points = _as_simplices(simplices)
+    points = as_corners(simplices)
     corners = points.shape[-2]
     if corners < 3:
         raise InputError("segments have no dihedral angles; pass simplices with at least three corners")
     result = []
     for i, j in combinations(range(corners), 2):
         ridge = [v for v in range(corners) if v not in (i, j)]
-        rows, _ = _local(points[..., [*ridge, i, j], :])
+        rows, _ = local_edges(points[..., [*ridge, i, j], :])
         a, b = rows[..., -2, :], rows[..., -1, :]
         if len(ridge) > 1:
             q = np.linalg.qr(np.swapaxes(rows[..., :-2, :], -1, -2))[0]
@@ -323,47 +249,47 @@ def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
     return np.stack(result, axis=-1)
 
 
-@_quiet
+@quiet
 def solid_angles(simplices: np.ndarray) -> np.ndarray:
     """Solid angles at the four corners of tetrahedra in space, in steradians: shape (..., 4).
 
     tan(omega / 2) = |det(a, b, c)| / (abc + (a.b) c + (b.c) a + (c.a) b), the formula of Van Oosterom and
     Strackee (IEEE Trans. Biomed. Eng. 30, 1983), by atan2. 0 or 2 pi for flat tetrahedra.
     """
-    points = _as_simplices(simplices)
+    points = as_corners(simplices)
     if points.shape[-2:] != (4, 3):
         raise InputError(f"solid angles are for tetrahedra in space, shape (..., 4, 3), not {points.shape}")
     result = []
     for i in range(4):
-        rows, _ = _local(points[..., [i, *[j for j in range(4) if j != i]], :])
+        rows, _ = local_edges(points[..., [i, *[j for j in range(4) if j != i]], :])
         unit = rows / np.sqrt((rows**2).sum(axis=-1))[..., None]
         a, b, c = unit[..., 0, :], unit[..., 1, :], unit[..., 2, :]
         below = 1 + (a * b).sum(axis=-1) + (b * c).sum(axis=-1) + (c * a).sum(axis=-1)
-        result.append(2 * np.arctan2(np.abs(_determinant(unit)), below))
+        result.append(2 * np.arctan2(np.abs(determinant(unit)), below))
     return np.stack(result, axis=-1)
 
 
-@_quiet
+@quiet
 def _radius_ratio(simplices: np.ndarray) -> np.ndarray:
     """R / r, the chapter's mu: k for the regular simplex (2 for triangles), ``inf`` when flat."""
-    rows, _ = _local(simplices)
+    rows, _ = local_edges(simplices)
     ratio = _radius(rows) / _inner(rows)
     return np.where(np.isnan(ratio) & np.isfinite(rows).all(axis=(-2, -1)), np.inf, ratio)
 
 
-@_quiet
+@quiet
 def _normalized_ratio(simplices: np.ndarray) -> np.ndarray:
     """k r / R: 1 for the regular simplex, 0 when flat (2r/R for triangles, 3r/R for tetrahedra)."""
     return (np.shape(simplices)[-2] - 1) / _radius_ratio(simplices)
 
 
-@_quiet
+@quiet
 def _radius_edge(simplices: np.ndarray) -> np.ndarray:
     """R over the shortest edge: 1/sqrt(3) for the equilateral triangle, ``inf`` when flat."""
     return circumradius(simplices) / edge_lengths(simplices).min(axis=-1)
 
 
-@_quiet
+@quiet
 def _aspect(simplices: np.ndarray) -> np.ndarray:
     """Longest edge over inradius, divided by the regular simplex's: 1 at best, ``inf`` when flat."""
     k = np.shape(simplices)[-2] - 1
