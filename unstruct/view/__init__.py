@@ -25,3 +25,4 @@ from .space import picture as picture
 from .space import view3d as view3d
 from .strips import draw as draw
 from .strips import strip as strip
+from .terrain import plot_terrain as plot_terrain
