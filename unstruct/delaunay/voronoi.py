@@ -14,7 +14,7 @@ from ..mesh import Mesh
 from ..predicates import power_of_two
 from .insertion import delaunay
 from .nearest import NearestSite
-from .voronoi_centers import local_circumcenters, outward_normals
+from .voronoi_centers import local_circumcenters, outward_normals, volumes
 from .voronoi_clip import as_window, clip_cells
 from .voronoi_dual import cospherical_groups, find_ridges, planar_rings
 
@@ -135,13 +135,12 @@ class Voronoi:
         self.ray_directions = outward_normals(own, self._cells, facets, self._scale) + 0.0  # no -0.0
 
     def _centers(self, own: Floats) -> tuple[Ints, Floats]:
-        """One center for each vertex: from the fattest of its simplices."""
-        fatness = self.mesh.quality("2r/R") if len(self._cells) > self.simplex_vertex.max() + 1 else None
-        if fatness is None:
-            return local_circumcenters(own, self._cells, self._scale)
-        order = np.lexsort((-fatness, self.simplex_vertex))
-        first = np.unique(self.simplex_vertex[order], return_index=True)[1]
-        return local_circumcenters(own, self._cells[order[first]], self._scale)
+        """One center for each vertex: from the largest of its simplices."""
+        cells = self._cells
+        if len(cells) > self.simplex_vertex.max() + 1:
+            order = np.lexsort((-volumes(own, cells, self._scale), self.simplex_vertex))
+            cells = cells[order[np.unique(self.simplex_vertex[order], return_index=True)[1]]]
+        return local_circumcenters(own, cells, self._scale)
 
     # --- regions and ridges as lists, as SciPy has them --------------------------------------------
 

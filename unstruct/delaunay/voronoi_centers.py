@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["local_circumcenters", "outward_normals"]
+__all__ = ["local_circumcenters", "outward_normals", "volumes"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -46,6 +46,12 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
     for t in todo.tolist():
         offset[t] = _exact_offset(points[simplices[t]].tolist(), scale)
     return base, offset
+
+
+def volumes(points: Floats, simplices: Ints, scale: float) -> Floats:
+    """d! times the volumes of simplices of the points times ``scale``, rounded: to compare by size."""
+    corners = points[simplices] * scale
+    return np.abs(_determinants(corners[:, 1:] - corners[:, :1]))
 
 
 def _determinants(rows: Floats) -> Floats:
