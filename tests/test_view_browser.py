@@ -275,3 +275,28 @@ def test_two_thousand_cells_turn_in_a_tenth_of_a_second(show):
     })"""
     )
     assert sorted(took)[1] < 100, took
+
+
+def test_another_history_starts_where_it_says(show):
+    page = show(view.voronoi_dual().player)
+    middle = page.evaluate("model.get('index')")
+    page.click("[data-do=last]")
+    page.evaluate("model.set('variant', 2)")
+    assert page.evaluate("model.get('index')") == middle
+    assert page.inner_text(".unstruct-number") == "8 triangles, 4 Voronoi vertices"
+
+
+def test_the_nasty_window_is_drawn_in_a_tenth_of_a_second(show):
+    panel = view.empty_circle()
+    panel.controls["preset"].value = "nasty: neighboring doubles"
+    page = show(panel.player)
+    assert page.locator("[data-kind=points] path").count() == 33**2 + 1
+    took = page.evaluate(
+        """() => [1, 2, 3].map(() => {
+        const start = performance.now();
+        const [frame] = model.get("frames");
+        model.set("frames", [{ ...frame, caption: frame.caption + "." }]);
+        return performance.now() - start;
+    })"""
+    )
+    assert sorted(took)[1] < 100, took

@@ -121,6 +121,7 @@ function build(el, id) {
     <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
     <div class="unstruct-number" aria-live="polite"></div>
     <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
+    <div class="unstruct-note"></div>
   </div>`;
   const root = el.querySelector(".unstruct-player");
   root.id = id;
@@ -135,17 +136,19 @@ function render({ model, el }) {
   let timer = null;
   let grabbed = null;
 
-  const count = () => model.get("frames").length;
+  // one history, or one of several
+  const told = () => model.get("variants")[model.get("variant")] ?? { frames: model.get("frames"), view: model.get("view") };
+  const count = () => told().frames.length;
   const at = () => Math.min(Math.max(model.get("index"), 0), count() - 1);
   const size = () => {
-    const [x0, x1, y0, y1] = model.get("view");
+    const [x0, x1, y0, y1] = told().view;
     const width = Math.min(model.get("width"), (model.get("height") * (x1 - x0)) / (y1 - y0));
     return [width, (width * (y1 - y0)) / (x1 - x0)];
   };
 
   function paint() {
-    const frame = model.get("frames")[at()];
-    const [x0, x1, , y1] = model.get("view");
+    const frame = told().frames[at()];
+    const [x0, x1, , y1] = told().view;
     const [width, height] = size();
     const unit = width / (x1 - x0);
     const to = ([x, y]) => [(x - x0) * unit, (y1 - y) * unit];
@@ -157,6 +160,7 @@ function render({ model, el }) {
     svg.querySelector("g").innerHTML = frame.items.map((i) => draw(i, styles, to, unit, [width, height], id)).join("");
     part(".unstruct-caption").textContent = frame.caption;
     part(".unstruct-number").textContent = frame.number;
+    part(".unstruct-note").textContent = model.get("note");
     root.setAttribute("aria-label", model.get("alt"));
     svg.setAttribute("aria-label", `${model.get("alt")} Step ${at() + 1} of ${count()}: ${frame.caption} ${frame.number}`);
     slider.max = count() - 1;
@@ -212,7 +216,7 @@ function render({ model, el }) {
 
   // Points with handles can be dragged; Python answers with new frames.
   const where = (event) => {
-    const [x0, x1, , y1] = model.get("view");
+    const [x0, x1, , y1] = told().view;
     const box = svg.getBoundingClientRect();
     const unit = box.width / (x1 - x0);
     return { x: x0 + (event.clientX - box.left) / unit, y: y1 - (event.clientY - box.top) / unit };
@@ -236,11 +240,17 @@ function render({ model, el }) {
   });
   for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (grabbed = null));
 
-  const changes = ["frames", "index", "view", "alt"].map((name) => `change:${name}`);
+  const turn = () => {
+    stop();
+    go(told().start ?? 0); // another history is shown from its own start
+  };
+  model.on("change:variant", turn);
+  const changes = ["frames", "index", "view", "alt", "variant", "variants", "note"].map((name) => `change:${name}`);
   for (const change of changes) model.on(change, paint);
   paint();
   return () => {
     stop();
+    model.off("change:variant", turn);
     for (const change of changes) model.off(change, paint);
   };
 }

@@ -32,6 +32,12 @@ class Player(anywidget.AnyWidget):
         The fixed window ``[xmin, xmax, ymin, ymax]``.
     alt : str
         What a reader who cannot see the picture is told.
+    variants : list of dict
+        Several histories, each ``{"frames": …, "view": …, "start": …}``, instead of one.
+    variant : int
+        Which of them is shown.
+    note : str
+        A sentence below the picture.
     dragged : dict
         The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
     """
@@ -45,17 +51,22 @@ class Player(anywidget.AnyWidget):
     width = traitlets.Int(480).tag(sync=True)
     height = traitlets.Int(420).tag(sync=True)
     interval = traitlets.Int(900).tag(sync=True)
+    variants: Any = traitlets.List().tag(sync=True)
+    variant = traitlets.Int(0).tag(sync=True)
+    note = traitlets.Unicode().tag(sync=True)
     styles = traitlets.Dict().tag(sync=True)
     dragged = traitlets.Dict().tag(sync=True)
 
     def show(self, frames: Sequence[fr.Frame], index: int | None = None) -> None:
-        """Take other frames, in the same window, and show one of them."""
-        with self.hold_trait_notifications():
+        """Take other frames, in the same window unless they bring their own, and show one of them."""
+        with self.hold_sync():
+            if "view" in frames[0]:
+                self.view = fr.bounds(frames)
             self.frames = compact(frames, self.view)
             self.index = min(self.index if index is None else index, len(self.frames) - 1)
 
     def __repr__(self) -> str:
-        return f"Player({len(self.frames)} frames: {self.alt})"
+        return f"Player({len(self.frames)} frame{'s' * (len(self.frames) != 1)}: {self.alt})"
 
 
 def player(

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..predicates import in_sphere
 from . import frames as fr
 
-__all__ = ["cavity_proof_state", "star_proof_state"]
+__all__ = ["cavity_proof_drag", "cavity_proof_state", "star_proof_drag", "star_proof_state"]
 
 LEFT, RIGHT = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
 ANGLE_B = 70.0  # of the triangle ABC, degrees
@@ -62,12 +62,32 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
         _circle("voronoi", angle_d),
         fr.segments("inserted", [[p, a], [p, c]]),
         fr.segments("edge", [[d, a], [d, c]]),
-        fr.dots("vertex", [a, b, c, d]),
-        fr.dots("inserted", p),
+        fr.dots("vertex", [a, b, c]),
+        fr.dots("vertex", d, handles=["D"]),
+        fr.dots("inserted", p, handles=["P"]),
         fr.labels("vertex", [a, b, c, d, p], "ABCDP"),
     ]
     number = f"∠APC − ∠ADC = {angle_p - angle_d:.0f}°"
     return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.6, 1.9])
+
+
+def cavity_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
+    """Which values of `cavity_proof_state` put P or D, dragged to (x, y), nearest there."""
+    y = max(y, 1e-3)  # both live above the edge AC
+    angle = float(np.degrees(np.arctan2(y, x - 1.0) - np.arctan2(y, x + 1.0)))
+    angle = min(max(angle, 1.0), 179.0)
+    if handle == "D":
+        return {"angle_d": angle}
+    center = 1.0 / np.tan(np.radians(angle))
+    right = np.arctan2(-center, 1.0)
+    share = (np.arctan2(y - center, x) - right) % (2 * np.pi) / (np.pi - 2 * right)
+    return {"angle_p": angle, "place": (share - 0.1) / 0.8}
+
+
+def star_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
+    """Which direction of `star_proof_state` points from the center of circle ABP to D, dragged to (x, y)."""
+    center = CENTER_F + values["p"] * (CENTER_E - CENTER_F)
+    return {"turn": float(np.degrees(np.arctan2(y - center, x)) % 360.0)}
 
 
 def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> fr.Frame:
@@ -110,7 +130,7 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
         fr.circles("inserted", [[0.0, center]], [radius]),
         fr.segments("constrained" if hull else "edge", [[LEFT, RIGHT]]),
         fr.dots("inserted", new),
-        fr.dots("bad", d),
+        fr.dots("bad", d, handles=["D"]),
         fr.labels("vertex", [LEFT, RIGHT, new, d, e], "ABPDE"),
         fr.dots("vertex", [LEFT, RIGHT, e]),
     ]

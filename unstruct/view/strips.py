@@ -151,19 +151,19 @@ def strip(
     panel = width / columns
     letters = max(12, int(panel * 72 / 5.3))  # of 8.5 point text that fit above one picture
     titles = [textwrap.fill(f"{k}  {f['caption']}", letters) for k, f in enumerate(frames, start=1)]
-    text = 0.17 * (max(t.count("\n") + 1 for t in titles) + any(f["number"] for f in frames))
-    figure, axes = plt.subplots(
-        rows, columns, squeeze=False, figsize=(width, rows * (panel * (y1 - y0) / (x1 - x0) + text))
-    )
+    numbers = [textwrap.fill(f["number"], letters) for f in frames]
+    text = 0.17 * sum(max(t.count("\n") + bool(t) for t in texts) for texts in (titles, numbers))
+    size = (width, rows * (panel * (y1 - y0) / (x1 - x0) + text))
+    figure, axes = plt.subplots(rows, columns, squeeze=False, figsize=size, layout="constrained")
     for ax in axes.flat[len(frames) :]:
         ax.set_axis_off()
-    for ax, one, title in zip(axes.flat, frames, titles):
+    for ax, one, title, number in zip(axes.flat, frames, titles, numbers):
         draw(one, ax, view=(x0, x1, y0, y1))
         ax.set_axis_on()
         ax.set(xticks=[], yticks=[])
         ax.spines[:].set(visible=True, color=ROLES["muted"].color, linewidth=0.6)
         ax.set_title(title, fontsize=8.5, loc="left", pad=3)
-        ax.set_xlabel(one["number"], fontsize=8.5, labelpad=2)
+        ax.set_xlabel(number, fontsize=8.5, labelpad=2)
     return figure
 
 

@@ -1,0 +1,239 @@
+"""Widgets: every state over its whole range, both ends and all presets; the shells only pass it on."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from unstruct import InputError, view
+from unstruct.plain import predicates as plain
+from unstruct.view import states, widgets
+from unstruct.view.proofs import cavity_proof_drag, star_proof_drag
+from unstruct.view.states import CIRCLES, FADES, INSERTIONS, SITES
+
+NASTY = "nasty: neighboring doubles"
+
+
+# ---- the empty circle --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("preset", CIRCLES)
+@pytest.mark.parametrize("x", np.linspace(-2, 2, 9))
+def test_empty_circle_over_its_whole_range(preset, x):
+    for y in np.linspace(-2, 2, 9):
+        view.check_frame(view.empty_circle_state(x, y, preset))
+
+
+@given(st.floats(-2, 2), st.floats(-2, 2))
+def test_the_caption_is_the_rational_sign(x, y):
+    frame = view.empty_circle_state(x, y)
+    triangle = CIRCLES["any triangle"]["triangle"]
+    sign = plain.in_sphere([list(map(Fraction, p)) for p in triangle], [Fraction(x), Fraction(y)])
+    word = {1: "inside", -1: "outside", 0: "on the circle"}[int(np.sign(sign))]
+    assert word in frame["caption"]
+    assert frame["items"][0]["role"] == ("cavity" if sign > 0 else "accepted")
+
+
+def test_the_fourth_corner_of_a_square_is_on_the_circle():
+    frame = view.empty_circle_state(-1, 1, "corners of a square")
+    assert "on the circle" in frame["caption"] and frame["number"] == "determinant = 0, exact sign 0"
+
+
+def test_the_nasty_window_tells_wrong_signs_apart():
+    """All 1089 doubles: exact by rational numbers, and a large part of the floating-point signs wrong."""
+    given_ = CIRCLES[NASTY]
+    frame = view.empty_circle_state(0, 0, NASTY)
+    marks = {
+        i["role"]: i["data"] for i in frame["items"] if i["kind"] == "points" and i["role"] != "inserted"
+    }
+    assert sum(map(len, marks.values())) == 33**2
+    triangle = [list(map(Fraction, p)) for p in given_["triangle"]]
+    wrong = 0
+    for role, places in marks.items():
+        for i, j in places:
+            d = [v + k * float(np.spacing(abs(v))) for v, k in zip(given_["origin"], (i, j))]
+            sign = int(np.sign(plain.in_sphere(triangle, list(map(Fraction, d)))))
+            naive = int(np.sign(states.float_in_circle(np.array(given_["triangle"]), np.array(d))))
+            assert role == ("muted" if sign == naive else "waiting" if naive == 0 else "bad")
+            wrong += sign != naive
+    assert frame["number"].startswith(f"wrong signs here: {wrong} of 1089") and wrong > 300
+
+
+def test_the_line_of_the_nasty_window_parts_the_exact_signs():
+    frame = view.empty_circle_state(2, -2, NASTY)
+    ((p, q),) = (i["data"][0] for i in frame["items"] if i["kind"] == "segments")
+    triangle, origin = np.array(CIRCLES[NASTY]["triangle"]), np.array(CIRCLES[NASTY]["origin"])
+    sides = {-1: set(), 1: set()}
+    for i in range(-16, 17):
+        for j in range(-16, 17):
+            side = (q[0] - p[0]) * (j - p[1]) - (q[1] - p[1]) * (i - p[0])
+            if abs(side) > 1e-6 * np.hypot(q[0] - p[0], q[1] - p[1]):
+                d = origin + np.array([i, j]) * np.spacing(np.abs(origin))
+                sides[int(np.sign(side))].add(int(view.states.in_sphere(triangle, d)))
+    assert sorted(map(sorted, sides.values())) == [[-1], [1]]
+
+
+# ---- the dual ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("preset", SITES)
+def test_voronoi_dual_over_its_whole_range(preset):
+    numbers = set()
+    for k in range(FADES):
+        frame = view.voronoi_dual_state(k / (FADES - 1), preset)
+        view.check_frame(frame)
+        numbers.add(frame["number"])
+    assert len(numbers) == 1
+    first, last = view.voronoi_dual_state(0, preset), view.voronoi_dual_state(1, preset)
+    strength = lambda frame, role: next(i.get("opacity", 1) for i in frame["items"] if i["role"] == role)  # noqa: E731
+    assert strength(first, "voronoi") == 1 > strength(first, "edge")
+    assert strength(last, "edge") == 1 > strength(last, "voronoi")
+
+
+@pytest.mark.parametrize(
+    ("preset", "number"),
+    [
+        ("lattice: four on each circle", "8 triangles, 4 Voronoi vertices"),
+        ("three neighbors, no triangle", "3 triangles, 3 Voronoi vertices"),
+        ("vertices outside their triangles", "2 triangles, 2 Voronoi vertices, 1 outside its triangle"),
+    ],
+)
+def test_the_presets_show_what_they_promise(preset, number):
+    assert view.voronoi_dual_state(0.5, preset)["number"] == number
+
+
+def test_the_false_triangle_is_no_delaunay_triangle():
+    """Its three sites are neighbors in pairs, and yet its circle holds the fourth."""
+    from unstruct import voronoi
+
+    diagram = voronoi(SITES["three neighbors, no triangle"])
+    assert {(0, 1), (0, 2), (1, 2)} <= {tuple(sorted(p)) for p in diagram.ridge_points.tolist()}
+    assert [0, 1, 2] not in np.sort(diagram.mesh.simplices, axis=1).tolist()
+
+
+# ---- Bowyer and Watson -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("preset", INSERTIONS)
+def test_bowyer_watson_steps_through_its_whole_history(preset):
+    history = view.bowyer_watson_history(preset)
+    for k in range(len(history)):
+        assert view.bowyer_watson_state(k, preset) == history[k]
+        view.check_frame(history[k])
+    for wrong in (-1, len(history)):
+        with pytest.raises(InputError, match="step"):
+            view.bowyer_watson_state(wrong, preset)
+
+
+def test_the_nasty_start_has_triangles_that_lie_apart():
+    assert any("apart" in f["caption"] for f in view.bowyer_watson_history("nasty: not Delaunay at first"))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: view.empty_circle_state(3, 0),
+        lambda: view.empty_circle_state(float("nan"), 0),
+        lambda: view.empty_circle_state(0, 0, "no such"),
+        lambda: view.voronoi_dual_state(1.1),
+        lambda: view.voronoi_dual_state(0.5, "no such"),
+        lambda: view.bowyer_watson_state(0, "no such"),
+    ],
+)
+def test_values_out_of_range_are_refused(call):
+    with pytest.raises(InputError):
+        call()
+
+
+# ---- the shells --------------------------------------------------------------------------------
+
+SHELLS = [
+    view.empty_circle,
+    view.voronoi_dual,
+    view.bowyer_watson,
+    view.cavity_argument,
+    view.new_triangle_argument,
+]
+
+
+@pytest.mark.parametrize("make", SHELLS)
+def test_a_shell_has_few_controls_and_a_described_picture(make):
+    panel = make()
+    assert 1 <= len(panel.controls) <= 3 and panel.player.alt.endswith(".")
+    assert all(c.description for c in panel.controls.values())
+    assert panel.children == (*panel.controls.values(), panel.player)
+    assert len(repr(panel)) < 160 and panel.player.alt in repr(panel)
+
+
+@pytest.mark.parametrize(
+    ("make", "state"),
+    [
+        (view.empty_circle, view.empty_circle_state),
+        (view.cavity_argument, view.cavity_proof_state),
+        (view.new_triangle_argument, view.star_proof_state),
+    ],
+)
+def test_every_control_changes_the_picture_at_both_ends(make, state):
+    panel = make()
+    for name, control in panel.controls.items():
+        ends = (control.min, control.max) if hasattr(control, "min") else (True, False)
+        for end in ends if name != "preset" else control.options:
+            control.value = end
+            frame = state(**{n: c.value for n, c in panel.controls.items()})
+            (shown,) = panel.player.frames
+            assert (shown["caption"], shown["number"]) == (frame["caption"], frame["number"])
+            assert panel.player.view == frame["view"]
+
+
+def test_a_preset_brings_its_own_start():
+    panel = view.empty_circle()
+    panel.controls["preset"].value = "corners of a square"
+    assert (panel.controls["x"].value, panel.controls["y"].value) == (-1, 1)
+    assert "on the circle" in panel.player.frames[0]["caption"]
+
+
+def test_dragging_moves_the_sliders_and_stays_in_range():
+    panel = view.empty_circle()
+    panel.player.dragged = {"handle": "D", "x": 0.25, "y": 7.0}
+    assert (panel.controls["x"].value, panel.controls["y"].value) == (0.25, 2.0)
+    panel.controls["preset"].value = NASTY
+    panel.player.dragged = {"handle": "D", "x": 8.0, "y": -3.0}
+    assert (panel.controls["x"].value, panel.controls["y"].value) == (1.0, pytest.approx(-0.375, abs=0.01))
+    handles = [i["handles"] for i in panel.player.frames[0]["items"] if "handles" in i]
+    assert handles == [["D"]]
+
+
+@given(st.floats(2, 178), st.floats(0, 1))
+def test_dragging_p_to_where_it_is_changes_nothing(angle, place):
+    frame = view.cavity_proof_state(angle, 80, place)
+    (at,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["P"]]
+    back = cavity_proof_drag({}, "P", *at)
+    assert back["angle_p"] == pytest.approx(angle, abs=0.01)
+    assert back["place"] == pytest.approx(place, abs=0.01)
+    (d,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["D"]]
+    assert cavity_proof_drag({}, "D", *d)["angle_d"] == pytest.approx(80, abs=0.01)
+
+
+@given(st.floats(0, 1), st.floats(0, 359.9))
+def test_dragging_d_to_where_it_is_changes_nothing(p, turn):
+    frame = view.star_proof_state(p, turn)
+    (at,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["D"]]
+    back = star_proof_drag({"p": p}, "D", *at)["turn"]
+    assert min(abs(back - turn), 360 - abs(back - turn)) < 0.01
+
+
+def test_stepped_shells_hold_all_presets_and_need_no_kernel():
+    panel = view.voronoi_dual()
+    assert len(panel.player.variants) == len(SITES) == len(panel.controls["preset"].options)
+    assert all(len(v["frames"]) == FADES and v["start"] == FADES // 2 for v in panel.player.variants)
+    assert panel.player.note == "" and widgets.ALIVE == view.empty_circle().player.note
+    panel = view.bowyer_watson()
+    assert [len(v["frames"]) for v in panel.player.variants] == [
+        len(view.bowyer_watson_history(n)) for n in INSERTIONS
+    ]
+    assert (panel.link.source, panel.link.target) == (
+        (panel.controls["preset"], "index"),
+        (panel.player, "variant"),
+    )
