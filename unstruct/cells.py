@@ -6,6 +6,7 @@ A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -74,18 +75,18 @@ def cell_dimension(name: str) -> int:
     )
 
 
-def as_cells(cells: Mapping[str, Sequence], vertices: int) -> dict[str, np.ndarray | tuple[np.ndarray, ...]]:
+def as_cells(cells: Mapping[str, Sequence], vertices: int) -> dict[str, Any]:
     """Validate a dictionary kind -> rows of vertex numbers; "polygon" may be ragged (a list of arrays)."""
     if not cells:
         raise InputError("cells is empty: give at least one kind, for example {'triangle': array}")
-    result: dict[str, np.ndarray | tuple[np.ndarray, ...]] = {}
+    result: dict[str, Any] = {}
     for name, block in cells.items():
         cell_dimension(name)
         try:
             if name == "polygon":
                 result[name] = tuple(_polygon(row, i, vertices) for i, row in enumerate(block))
                 continue
-            rows = as_simplices(block, vertices=vertices)
+            rows = as_simplices(np.asarray(block), vertices=vertices)
         except InputError as error:
             raise InputError(f"cells[{name!r}]: {error}") from None
         simplex = simplex_dimension(name)
@@ -113,8 +114,8 @@ def _polygon(row: Sequence[int], index: int, vertices: int) -> np.ndarray:
     return polygon
 
 
-def _incident(cells: Mapping, part: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of vertices (padded by -1) of the edges (part 2) or facets (part 3), and their cells."""
+def _incident(cells: Mapping, *, facets: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of vertices (padded by -1) of the edges or the facets, and their cells."""
     pieces, owners, start = [], [], 0
     for name, block in cells.items():
         if name == "polygon":
@@ -123,7 +124,7 @@ def _incident(cells: Mapping, part: int) -> tuple[np.ndarray, np.ndarray]:
                 owners.append(np.full(len(row), start))
                 start += 1
             continue
-        for face in CELL_TYPES[name][part]:
+        for face in CELL_TYPES[name][3] if facets else CELL_TYPES[name][2]:
             pieces.append(block[:, face])
             owners.append(np.arange(start, start + len(block)))
         start += len(block)
@@ -142,7 +143,7 @@ def _number(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def incident_edges(cells: Mapping) -> np.ndarray:
     """The edges (i, j), i < j, of mixed cells, in lexicographic order: int32, shape (e, 2)."""
-    rows, _ = _incident(cells, 2)
+    rows, _ = _incident(cells, facets=False)
     _, first = _number(rows)
     found = np.sort(rows[first], axis=1)
     return found[np.lexsort(found.T[::-1])]
@@ -160,5 +161,5 @@ def incident_facets(cells: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     group : ndarray of int64, shape (r,)
         Equal numbers for equal sets of vertices.
     """
-    rows, owner = _incident(cells, 3)
+    rows, owner = _incident(cells, facets=True)
     return rows, owner, _number(rows)[0]

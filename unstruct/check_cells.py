@@ -9,9 +9,9 @@ import numpy as np
 from .cells import CELL_TYPES, incident_facets
 from .embedding import crossing_facets, orient_rows
 from .locate import BoxTree
+from .report import Report, problem
 
 if TYPE_CHECKING:
-    from .check import Report
     from .mesh import Mesh
 
 __all__ = ["check_mixed"]
@@ -19,33 +19,31 @@ __all__ = ["check_mixed"]
 
 def check_mixed(mesh: Mesh, report: Report) -> None:
     """Facets, Euler characteristic; corners by exact signs; in the plane also crossings and overlaps."""
-    from .check import _problem
-
     used = np.zeros(len(mesh.points), dtype=bool)
     used[np.unique(mesh.edges)] = True
     copies = mesh.duplicates[:, 0]
     used[copies] = True
     report.note(
         "every vertex used, or listed as a duplicate",
-        _problem("unused vertex", "in no cell and no duplicate", vertices=np.nonzero(~used)[0]),
+        problem("unused vertex", "in no cell and no duplicate", vertices=np.nonzero(~used)[0]),
     )
     rows, owner, group = incident_facets(mesh.cells)
     crowded = np.bincount(group)[group] > 2
     text = "shared by more than two cells"
     vertices = rows[crowded].ravel()
     if not report.note(
-        "at most two cells at a facet", _problem("facet", text, owner[crowded], vertices[vertices >= 0])
+        "at most two cells at a facet", problem("facet", text, owner[crowded], vertices[vertices >= 0])
     ):
         return
     same = _same_direction(rows, group)
     text = "two cells on the same side of a facet, or against its orientation"
     vertices = rows[same].ravel()
-    report.note("coherent orientation", _problem("orientation", text, owner[same], vertices[vertices >= 0]))
+    report.note("coherent orientation", problem("orientation", text, owner[same], vertices[vertices >= 0]))
     solid = mesh.points.shape[1] == mesh.dimension
     if solid:
         bad = turned_corners(mesh)
         text = "turned, flat or crossed (polygons: of negative or no area)"
-        report.note("every cell of positive shape (exact)", _problem("negative cell", text, bad))
+        report.note("every cell of positive shape (exact)", problem("negative cell", text, bad))
     if mesh.points.shape[1] == 2:
         _plane(mesh, report)
     else:
@@ -132,14 +130,12 @@ def _positive_polygon(points: np.ndarray, row: np.ndarray) -> bool:
 
 def _plane(mesh: Mesh, report: Report) -> None:
     """No two edges cross and no vertex lies in a foreign cell: then the cells do not overlap."""
-    from .check import _problem
-
     points = mesh.points
     pairs = crossing_facets(points, mesh.edges)
-    problem = _problem(
+    wrong = problem(
         "crossing", "edges meet in more than a common end", vertices=mesh.edges[pairs.ravel()].ravel()
     )
-    if not report.note("no two edges cross", problem):
+    if not report.note("no two edges cross", wrong):
         return
     rows, owner, _ = incident_facets(mesh.cells)
     order = np.argsort(owner, kind="stable")
@@ -164,7 +160,5 @@ def _plane(mesh: Mesh, report: Report) -> None:
         pair, weights=(up & (turn > 0)).astype(int) - (down & (turn < 0)), minlength=len(cells)
     )
     inside = (winding != 0) & ~own
-    problem = _problem(
-        "overlap", "cells that hold a vertex of others", cells[inside], vertices[query[inside]]
-    )
-    report.note("no cell holds a foreign vertex", problem)
+    wrong = problem("overlap", "cells that hold a vertex of others", cells[inside], vertices[query[inside]])
+    report.note("no cell holds a foreign vertex", wrong)

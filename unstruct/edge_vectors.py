@@ -9,7 +9,16 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["as_corners", "content", "cross", "determinant", "exponents", "local_edges", "quiet"]
+__all__ = [
+    "angle_between",
+    "as_corners",
+    "content",
+    "cross",
+    "determinant",
+    "exponents",
+    "local_edges",
+    "quiet",
+]
 
 
 def quiet(function: Callable) -> Callable:
@@ -24,6 +33,7 @@ def quiet(function: Callable) -> Callable:
 
 
 def as_corners(simplices: np.ndarray) -> np.ndarray:
+    """The corners as a float array of shape (..., k + 1, d), or an error that tells the right shape."""
     points = np.asarray(simplices, dtype=np.float64)
     if points.ndim < 2 or not 2 <= points.shape[-2] <= points.shape[-1] + 1:
         raise InputError(
@@ -67,6 +77,7 @@ def determinant(rows: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products in space (several times faster than numpy's, which handles more cases)."""
     x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
     y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
     return np.stack([x, y, a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]], axis=-1)
@@ -82,3 +93,13 @@ def content(rows: np.ndarray) -> np.ndarray:
     if k == 2 and d == 3:
         return np.sqrt((cross(rows[..., 0, :], rows[..., 1, :]) ** 2).sum(axis=-1))
     return _gram_content(rows)
+
+
+def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The angle between vectors of any dimension, accurate near 0 and pi as well (Kahan).
+
+    With both made unit vectors: 2 atan2(|a - b|, |a + b|).
+    """
+    la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
+    a, b = a / la, b / lb
+    return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))

@@ -83,8 +83,10 @@ class RidgeFans:
 def _odd(order: np.ndarray, i: int, j: int) -> np.ndarray:
     """Whether (order..., i, j) is an odd permutation of the columns 0, 1, ..."""
     full = np.column_stack([order, np.full((len(order), 2), [i, j])])
-    inversions = sum((full[:, p] > full[:, q]).astype(int) for p, q in combinations(range(full.shape[1]), 2))
-    return inversions % 2 == 1
+    odd = np.zeros(len(full), dtype=bool)
+    for p, q in combinations(range(full.shape[1]), 2):
+        odd ^= full[:, p] > full[:, q]
+    return odd
 
 
 def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:

@@ -192,8 +192,8 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
     lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
     for name, values in other.cell_data.items():
         if name.startswith(FACES):
-            rows = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
-            markers[name.removeprefix(FACES)] = np.concatenate([r for r in rows if len(r)])
+            chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
+            markers[name.removeprefix(FACES)] = np.concatenate([c for c in chosen if len(c)])
             continue
         column = np.concatenate([np.asarray(values[i]) for i in main])
         if column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points

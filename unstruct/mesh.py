@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import simplex, topology
+from .arrays import as_points, frozen
 from .cells import as_cells, cell_dimension, incident_edges, incident_facets, simplex_dimension, simplex_type
 from .errors import InputError, MeshError
 
@@ -21,47 +22,6 @@ if TYPE_CHECKING:
     from .locate import Locator
 
 __all__ = ["Mesh", "as_points"]
-
-
-def as_points(points: Any, name: str = "points") -> np.ndarray:
-    """Return ``points`` as a finite float64 array of shape (n, d), or say which row is wrong.
-
-    Raises
-    ------
-    InputError
-        Wrong shape, complex or non-numeric type, masked, NaN or infinite entries.
-    """
-    if np.ma.isMaskedArray(points) and np.ma.getmaskarray(points).any():
-        row = int(np.argwhere(np.ma.getmaskarray(points))[0][0])
-        raise InputError(f"{name}[{row}] is masked; drop masked rows first")
-    try:
-        array = np.asarray(points)
-    except ValueError as error:  # ragged lists
-        raise InputError(f"{name} must be an array of shape (n, d): {error}") from None
-    if array.ndim != 2 or array.shape[1] == 0:
-        raise InputError(f"{name} must have shape (n, d) with d >= 1, not {array.shape}")
-    if array.dtype.kind not in "fiub":
-        raise InputError(f"{name} must be real numbers, not {array.dtype}")
-    result = np.ascontiguousarray(array, dtype=np.float64)
-    finite = np.isfinite(result).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
-        raise InputError(f"{name}[{row}] = {result[row].tolist()} is not finite; drop or mend it")
-    if array.dtype.kind in "iu" and result.size and np.abs(result).max() >= 2.0**53:
-        rounded = (result.astype(object) != array.astype(object)).any(axis=1)
-        if rounded.any():
-            row = int(np.argmax(rounded))
-            raise InputError(
-                f"{name}[{row}] = {array[row].tolist()} is no double; subtract an offset or scale first"
-            )
-    return result
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    """A read-only view: the caller's own array stays as it is."""
-    view = array.view()
-    view.flags.writeable = False
-    return view
 
 
 class Mesh:
@@ -109,20 +69,18 @@ class Mesh:
         markers: Mapping[str, Any] | None = None,
         cells: Mapping[str, Sequence] | None = None,
     ):
-        self.points: np.ndarray = _frozen(as_points(points))
+        self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
         if (simplices is None) == (cells is None):
             raise InputError("give either simplices or cells")
         if simplices is not None:
             rows = topology.as_simplices(simplices, vertices=n)
-            cells = {simplex_type(rows.shape[1] - 1): rows}
-            self.cells = {name: _frozen(block) for name, block in cells.items()}
+            self.cells: dict[str, Any] = {simplex_type(rows.shape[1] - 1): frozen(rows)}
         else:
             self.cells = as_cells(cells or {}, n)
         self.dimension: int = cell_dimension(next(iter(self.cells)))
         if self.dimension > d:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
-        self._given_neighbors = neighbors is not None
         if neighbors is not None:
             self.__dict__["neighbors"] = self._integers(neighbors, "neighbors", self.simplices.shape)
         self.origin: np.ndarray = self._integers(
@@ -144,12 +102,12 @@ class Mesh:
             raise InputError(f"{name} must have shape {shape}, not {array.shape}")
         if array.size and array.dtype.kind not in "iu":
             raise InputError(f"{name} must be integers, not {array.dtype}")
-        return _frozen(np.ascontiguousarray(array, dtype=np.int32))
+        return frozen(np.ascontiguousarray(array, dtype=np.int32))
 
     def _marker(self, name: str, values: Any) -> np.ndarray:
         array = np.asarray(values)
         if array.ndim == 1 and len(array) == self.size:
-            return _frozen(array)
+            return frozen(array)
         if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(
                 f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
@@ -159,7 +117,7 @@ class Mesh:
         if bad.any():
             row = int(np.argmax(bad))
             raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
-        return _frozen(array.astype(np.int32))
+        return frozen(array.astype(np.int32))
 
     # ------------------------------------------------------------------ cells and adjacency
 
@@ -178,26 +136,26 @@ class Mesh:
         """The cells, int32 of shape (m, k + 1); `MeshError` where cells are of other or several kinds."""
         if not self.is_simplicial:
             raise MeshError(f"this mesh holds cells of kind {', '.join(self.cells)}: use .cells")
-        return next(iter(self.cells.values()))  # type: ignore[return-value]
+        return next(iter(self.cells.values()))
 
     @cached_property
     def neighbors(self) -> np.ndarray:
         """``neighbors[t, i]``: the cell across the facet opposite vertex i of cell t, -1 for none."""
-        return _frozen(topology.neighbors(self.simplices))
+        return frozen(topology.neighbors(self.simplices))
 
     @cached_property
     def edges(self) -> np.ndarray:
         """Edges (i, j), i < j, in lexicographic order: int32, shape (e, 2)."""
-        return _frozen(topology.edges(self.simplices) if self.is_simplicial else incident_edges(self.cells))
+        return frozen(topology.edges(self.simplices) if self.is_simplicial else incident_edges(self.cells))
 
     @cached_property
     def facets(self) -> np.ndarray:
         """Faces of codimension one, rows sorted, lexicographic: int32, shape (f, k)."""
         if self.is_simplicial:
-            return _frozen(topology.facets(self.simplices))
+            return frozen(topology.facets(self.simplices))
         rows, _, group = incident_facets(self.cells)
         rows = np.sort(rows[np.unique(group, return_index=True)[1]], axis=1)
-        return _frozen(rows[np.lexsort(rows.T[::-1])])
+        return frozen(rows[np.lexsort(rows.T[::-1])])
 
     @cached_property
     def boundary(self) -> np.ndarray:
@@ -206,9 +164,9 @@ class Mesh:
         Rows of kinds with facets of several sizes are padded by -1.
         """
         if self.is_simplicial:
-            return _frozen(topology.boundary(self.simplices, self.neighbors))
+            return frozen(topology.boundary(self.simplices, self.neighbors))
         rows, _, group = incident_facets(self.cells)
-        return _frozen(rows[np.bincount(group)[group] == 1])
+        return frozen(rows[np.bincount(group)[group] == 1])
 
     @property
     def convex_hull(self) -> np.ndarray:
@@ -262,7 +220,7 @@ class Mesh:
         """Length, area or volume of each cell, signed where k = d."""
         from .measures import cell_volumes
 
-        return _frozen(cell_volumes(self))
+        return frozen(cell_volumes(self))
 
     @property
     def volume(self) -> float:

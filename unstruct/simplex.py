@@ -18,7 +18,16 @@ from math import factorial
 
 import numpy as np
 
-from .edge_vectors import as_corners, content, cross, determinant, exponents, local_edges, quiet
+from .edge_vectors import (
+    angle_between,
+    as_corners,
+    content,
+    cross,
+    determinant,
+    exponents,
+    local_edges,
+    quiet,
+)
 from .errors import InputError
 
 __all__ = [
@@ -60,7 +69,14 @@ def volume(simplices: np.ndarray) -> np.ndarray:
 def measure(simplices: np.ndarray) -> np.ndarray:
     """Length, area, volume, ... without sign, for simplices of dimension k in d >= k dimensions.
 
-    Computed from the edge vectors: sqrt(det(E E^T)) / k! by QR, cross product or determinant.
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
+
+    Returns
+    -------
+    ndarray, shape (...)
+        sqrt(det(E E^T)) / k! for the edge vectors E, by determinant, cross product or QR.
     """
     rows, exponent = local_edges(simplices)
     k = rows.shape[-2]
@@ -69,7 +85,17 @@ def measure(simplices: np.ndarray) -> np.ndarray:
 
 @quiet
 def edge_lengths(simplices: np.ndarray) -> np.ndarray:
-    """Lengths of the k (k + 1) / 2 edges, in the order of `itertools.combinations`: (0,1), (0,2), ..."""
+    """Lengths of the edges.
+
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
+
+    Returns
+    -------
+    ndarray, shape (..., k (k + 1) / 2)
+        In the order of `itertools.combinations`: (0, 1), (0, 2), ...
+    """
     points = as_corners(simplices)
     i, j = np.array(list(combinations(range(points.shape[-2]), 2))).T
     half = np.ldexp(points, -1)
@@ -121,6 +147,10 @@ def _center(rows: np.ndarray) -> np.ndarray:
 def circumcenter(simplices: np.ndarray) -> np.ndarray:
     """Center of the sphere through all corners, in their affine hull.
 
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
+
     Returns
     -------
     ndarray, shape (..., d)
@@ -149,7 +179,17 @@ def _radius(rows: np.ndarray) -> np.ndarray:
 
 @quiet
 def circumradius(simplices: np.ndarray) -> np.ndarray:
-    """Radius of the sphere through all corners; ``inf`` for flat simplices."""
+    """Radius of the sphere through all corners.
+
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
+
+    Returns
+    -------
+    ndarray, shape (...)
+        ``inf`` for flat simplices.
+    """
     rows, exponent = local_edges(simplices)
     return np.ldexp(_radius(rows), exponent)
 
@@ -174,24 +214,28 @@ def _inner(rows: np.ndarray) -> np.ndarray:
 
 @quiet
 def inradius(simplices: np.ndarray) -> np.ndarray:
-    """Radius of the largest inscribed sphere, k V / (sum of the facets' measures); 0 for flat simplices."""
+    """Radius of the largest inscribed sphere.
+
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
+
+    Returns
+    -------
+    ndarray, shape (...)
+        k V / (sum of the facets' measures); 0 for flat simplices.
+    """
     rows, exponent = local_edges(simplices)
     return np.ldexp(_inner(rows), exponent)
-
-
-def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The angle between vectors of any dimension, accurate near 0 and pi as well (Kahan).
-
-    With both made unit vectors: 2 atan2(|a - b|, |a + b|).
-    """
-    la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
-    a, b = a / la, b / lb
-    return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))
 
 
 @quiet
 def angles(simplices: np.ndarray) -> np.ndarray:
     """Plane angles of all triangular faces, in radians.
+
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
 
     Returns
     -------
@@ -207,7 +251,9 @@ def angles(simplices: np.ndarray) -> np.ndarray:
     triangles = np.ldexp(half, -exponents(half - half[..., :1, :])[..., None, None])[..., triples, :]
     result = np.stack(
         [
-            _angle(triangles[..., j, :] - triangles[..., i, :], triangles[..., k, :] - triangles[..., i, :])
+            angle_between(
+                triangles[..., j, :] - triangles[..., i, :], triangles[..., k, :] - triangles[..., i, :]
+            )
             for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         ],
         axis=-1,
@@ -218,6 +264,10 @@ def angles(simplices: np.ndarray) -> np.ndarray:
 @quiet
 def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
     """Angles between facets, in radians, one for each pair of facets.
+
+    Parameters
+    ----------
+    simplices : array_like, shape (..., k + 1, d)
 
     Returns
     -------
@@ -245,16 +295,27 @@ def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
             q = np.linalg.qr(np.swapaxes(rows[..., :-2, :], -1, -2))[0]
             for _ in range(2):  # twice is enough: removes what rounding left along the ridge
                 a, b = (v - (q * (v[..., None, :] @ q)).sum(axis=-1) for v in (a, b))
-        result.append(_angle(a, b))
+        result.append(angle_between(a, b))
     return np.stack(result, axis=-1)
 
 
 @quiet
 def solid_angles(simplices: np.ndarray) -> np.ndarray:
-    """Solid angles at the four corners of tetrahedra in space, in steradians: shape (..., 4).
+    """Solid angles at the corners of tetrahedra in space, in steradians.
 
+    Parameters
+    ----------
+    simplices : array_like, shape (..., 4, 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        0 or 2 pi for flat tetrahedra.
+
+    Notes
+    -----
     tan(omega / 2) = |det(a, b, c)| / (abc + (a.b) c + (b.c) a + (c.a) b), the formula of Van Oosterom and
-    Strackee (IEEE Trans. Biomed. Eng. 30, 1983), by atan2. 0 or 2 pi for flat tetrahedra.
+    Strackee (IEEE Trans. Biomed. Eng. 30, 1983), by atan2.
     """
     points = as_corners(simplices)
     if points.shape[-2:] != (4, 3):

@@ -1,0 +1,52 @@
+"""Arrays as they come in: checked, of the right type, read-only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .errors import InputError
+
+__all__ = ["as_points", "frozen"]
+
+
+def as_points(points: Any, name: str = "points") -> np.ndarray:
+    """Return ``points`` as a finite float64 array of shape (n, d), or say which row is wrong.
+
+    Raises
+    ------
+    InputError
+        Wrong shape, complex or non-numeric type, masked, NaN or infinite entries.
+    """
+    if np.ma.isMaskedArray(points) and np.ma.getmaskarray(points).any():
+        row = int(np.argwhere(np.ma.getmaskarray(points))[0][0])
+        raise InputError(f"{name}[{row}] is masked; drop masked rows first")
+    try:
+        array = np.asarray(points)
+    except ValueError as error:  # ragged lists
+        raise InputError(f"{name} must be an array of shape (n, d): {error}") from None
+    if array.ndim != 2 or array.shape[1] == 0:
+        raise InputError(f"{name} must have shape (n, d) with d >= 1, not {array.shape}")
+    if array.dtype.kind not in "fiub":
+        raise InputError(f"{name} must be real numbers, not {array.dtype}")
+    result = np.ascontiguousarray(array, dtype=np.float64)
+    finite = np.isfinite(result).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise InputError(f"{name}[{row}] = {result[row].tolist()} is not finite; drop or mend it")
+    if array.dtype.kind in "iu" and result.size and np.abs(result).max() >= 2.0**53:
+        rounded = (result.astype(object) != array.astype(object)).any(axis=1)
+        if rounded.any():
+            row = int(np.argmax(rounded))
+            raise InputError(
+                f"{name}[{row}] = {array[row].tolist()} is no double; subtract an offset or scale first"
+            )
+    return result
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """A read-only view: the caller's own array stays as it is."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
