@@ -105,7 +105,6 @@ def edge_lengths(simplices: np.ndarray) -> np.ndarray:
     return np.ldexp(np.sqrt((rows**2).sum(axis=-1)), (exponent + 1)[..., None])
 
 
-@quiet
 def _center(rows: np.ndarray) -> np.ndarray:
     """The circumcenter seen from corner 0, in units of the scaled rows; inf/nan where flat.
 
@@ -118,13 +117,9 @@ def _center(rows: np.ndarray) -> np.ndarray:
         return rows[..., 0, :] / 2
     if k == 2 and d == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
-        top = np.stack(
-            [
-                square[..., 0] * b[..., 1] - square[..., 1] * a[..., 1],
-                square[..., 1] * a[..., 0] - square[..., 0] * b[..., 0],
-            ],
-            axis=-1,
-        )
+        x = square[..., 0] * b[..., 1] - square[..., 1] * a[..., 1]
+        y = square[..., 1] * a[..., 0] - square[..., 0] * b[..., 0]
+        top = np.stack([x, y], axis=-1)
         return top / (2 * determinant(rows))[..., None]
     if k == 3 and d == 3:
         a, b, c = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
@@ -164,7 +159,6 @@ def circumcenter(simplices: np.ndarray) -> np.ndarray:
     return points[..., 0, :] + np.ldexp(center, exponent[..., None])
 
 
-@quiet
 def _radius(rows: np.ndarray) -> np.ndarray:
     """Circumradius in scaled units. Triangles: abc / 4A, which holds figures where the center is far."""
     k = rows.shape[-2]
@@ -194,7 +188,6 @@ def circumradius(simplices: np.ndarray) -> np.ndarray:
     return np.ldexp(_radius(rows), exponent)
 
 
-@quiet
 def _facet_contents(rows: np.ndarray) -> np.ndarray:
     """(k - 1)! times the measures of the facets opposite corner 0, 1, ..., k, in scaled units."""
     k = rows.shape[-2]
@@ -205,7 +198,6 @@ def _facet_contents(rows: np.ndarray) -> np.ndarray:
     return np.stack([first, *others], axis=-1)
 
 
-@quiet
 def _inner(rows: np.ndarray) -> np.ndarray:
     """Inradius in scaled units: k V / sum of facets; 0 where V = 0."""
     size = content(rows)
