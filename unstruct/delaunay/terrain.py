@@ -69,6 +69,7 @@ def greedy_terrain(
     count: int | None = None,
     tolerance: float = 0.0,
     spacing: tuple[float, float] = (1.0, 1.0),
+    progress: bool = False,
 ) -> Terrain:
     """Approximate a grid of heights by a Delaunay triangulation of few of its points.
 
@@ -83,6 +84,8 @@ def greedy_terrain(
     spacing : (dx, dy)
         Distances of columns and rows, positive. They are rounded to single precision, so that every
         product j·dx is exact and collinear grid points stay collinear.
+    progress : bool
+        Show a bar.
 
     Returns
     -------
@@ -103,9 +106,13 @@ def greedy_terrain(
     last = grid.size if count is None else min(count, grid.size)
     growing = _Growing(grid, scale, last)
     errors = [growing.error()]
-    while growing.n < last and errors[-1] > tolerance:
-        growing.insert_worst()
-        errors.append(growing.error())
+    from tqdm.auto import tqdm
+
+    with tqdm(total=last, initial=growing.n, unit="points", disable=not progress) as bar:
+        while growing.n < last and errors[-1] > tolerance:
+            growing.insert_worst()
+            errors.append(growing.error())
+            bar.update()
     mesh = growing.triangulation.mesh()
     places = growing.places[: growing.n].copy()
     z = grid[places[:, 0], places[:, 1]]
