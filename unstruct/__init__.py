@@ -2,8 +2,11 @@
 
 from . import predicates as predicates
 from .check import check as check
+from .delaunay.gift_wrapping import gift_wrap as gift_wrap
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
+from .delaunay.modernized import Baker as Baker
+from .delaunay.modernized import insert as insert
 from .delaunay.swapping import swap_diagonals as swap_diagonals
 from .delaunay.terrain import Terrain as Terrain
 from .delaunay.terrain import greedy_terrain as greedy_terrain
