@@ -10,6 +10,7 @@ const ICONS = {
   next: "M3 1L1.5 2.5 6 6 1.5 9.5 3 11l6-5z",
   last: "M9 1h2v10H9zM1 1v10l7-5z",
 };
+const CIRCLE = 0.06; // opacity inside circles, at most: they overlap
 let players = 0;
 
 const escape = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
@@ -81,7 +82,8 @@ function draw(item, styles, to, unit, size, id) {
   if (item.kind === "segments") {
     return `${open} fill="none" ${stroke}><path d="${item.data.map((s) => path(s, "")).join("")}"/></g>`;
   }
-  const fill = `fill="${style.fill}" fill-opacity="${style.alpha}"`;
+  const veil = item.kind === "circles" ? Math.min(style.alpha, CIRCLE) : style.alpha;
+  const fill = `fill="${style.fill}" fill-opacity="${veil}"`;
   if (item.kind === "polygons") {
     const all = item.data.map((p) => `<path d="${path(p, "Z")}"/>`).join("");
     const over = style.hatch ? `<g fill="url(#${id}-${item.role})" fill-opacity="1" stroke="none">${all}</g>` : "";

@@ -59,7 +59,7 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
         fr.polygons("cavity" if p_in_abc else "cell", [[a, b, c]]),
         fr.polygons("cavity" if p_in_acd else "cell", [[a, c, d]]),
         _circle("circumcircle", 180.0 - ANGLE_B),
-        _circle("voronoi", angle_d),
+        _circle("circumcircle", angle_d),
         fr.segments("inserted", [[p, a], [p, c]]),
         fr.segments("edge", [[d, a], [d, c]]),
         fr.dots("vertex", [a, b, c]),
@@ -136,7 +136,7 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
     ]
     if not hull:
         beyond = [fr.polygons("cell", [[LEFT, f, RIGHT]]), fr.dots("vertex", f), fr.labels("vertex", f, "F")]
-        items = [*beyond, fr.circles("voronoi", [[0.0, CENTER_F]], [np.hypot(1.0, CENTER_F)]), *items]
+        items = [*beyond, fr.circles("circumcircle", [[0.0, CENTER_F]], [np.hypot(1.0, CENTER_F)]), *items]
     missing = hull and not above
     number = "" if missing else f"power of D in circle AB{'E' if above else 'F'} = {power:.2f}"
     return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.9, 2.5])

@@ -19,6 +19,7 @@ from .colors import PAPER, ROLES, line_style, role
 
 __all__ = ["draw", "draw_items", "fit", "flat_axes", "strip"]
 
+CIRCLE = 0.06  # opacity inside circles, at most: they overlap
 HALO = [patheffects.withStroke(linewidth=2.2, foreground=PAPER)]
 
 
@@ -66,8 +67,9 @@ def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
     """Polygons or circles: a fill, and an outline in the role's line style."""
     style, opacity, data = role(item["role"]), item.get("opacity", 1.0), item["data"]
     line = line_style(item["role"])
+    veil = style.alpha if item["kind"] == "polygons" else min(style.alpha, CIRCLE)
     look = {
-        "facecolors": [to_rgba(style.fill, style.alpha * opacity)],
+        "facecolors": [to_rgba(style.fill, veil * opacity)],
         "linewidths": line["linewidth"],
         "edgecolors": [to_rgba(style.color, opacity)],
         "linestyles": [line["linestyle"]],

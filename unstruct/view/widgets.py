@@ -37,6 +37,7 @@ __all__ = [
 
 ALIVE = "In a running notebook, sliders and points move this picture."
 WIDE = {"description_width": "110px"}
+WIDTH = "420px"
 
 
 class Panel(ipywidgets.VBox):
@@ -67,7 +68,9 @@ def empty_circle() -> Panel:
     first = next(iter(CIRCLES))
     x, y = CIRCLES[first]["start"]
     controls = {
-        "preset": ipywidgets.Dropdown(options=list(CIRCLES), description="preset", style=WIDE),
+        "preset": ipywidgets.Dropdown(
+            options=list(CIRCLES), description="preset", style=WIDE, layout={"width": WIDTH}
+        ),
         "x": _slider("x of D", x, -2, 2, 0.01),
         "y": _slider("y of D", y, -2, 2, 0.01),
     }
@@ -99,7 +102,9 @@ def new_triangle_argument() -> Panel:
     controls = {
         "p": _slider("place of P", 0.5, 0, 1, 0.01),
         "turn": _slider("direction of D", 60, 0, 360, 1),
-        "hull": ipywidgets.Checkbox(False, description="AB is on the hull", style=WIDE),
+        "hull": ipywidgets.Checkbox(
+            False, description="AB is on the hull", style=WIDE, layout={"width": WIDTH}
+        ),
     }
     alt = (
         "A new triangle ABP, its circle, the circles of the old triangles on both sides of AB, and a point D."
@@ -129,6 +134,7 @@ def _slider(description: str, value: float, low: float, high: float, step: float
         step=step,
         description=description,
         style=WIDE,
+        layout={"width": WIDTH},
         readout_format=".0f" if step == 1 else ".2f",
     )
 
@@ -145,7 +151,9 @@ def _chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> P
         variants.append({"frames": compact(frames, view), "view": view, "start": start})
     picture.set_trait("variants", variants)
     picture.index = start
-    choice = ipywidgets.Dropdown(options=list(histories), description="preset", style=WIDE)
+    choice = ipywidgets.Dropdown(
+        options=list(histories), description="preset", style=WIDE, layout={"width": WIDTH}
+    )
     panel = Panel({"preset": choice}, picture)
     panel.link = ipywidgets.jslink((choice, "index"), (picture, "variant"))
     return panel
