@@ -28,7 +28,7 @@ FLOORS = {
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
     **dict.fromkeys(["check", "check_brute", "check_cells"], 4),
     "delaunay": 5,
-    "examples": 6,
+    **dict.fromkeys(["examples", "structured"], 6),
     "view": 7,
 }
 

@@ -1,0 +1,59 @@
+"""A mesh as two flat arrays, told plainly: who is next to whom, and a walk from cell to cell.
+
+``cells`` is a list of rows of vertex numbers, of any dimension. Section 1 of the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Any
+
+from unstruct.errors import MeshError
+from unstruct.plain.predicates import orient
+
+__all__ = ["face_counts", "neighbors", "walk"]
+
+Rows = Sequence[Sequence[int]]
+
+
+def neighbors(cells: Rows) -> list[list[int]]:
+    """For each cell and each of its vertices: the cell across the opposite facet, -1 for none."""
+    result = [[-1] * len(cell) for cell in cells]
+    waiting: dict[frozenset, tuple[int, int]] = {}  # facets that one cell has shown so far
+    done: set[frozenset] = set()
+    for t, cell in enumerate(cells):
+        for i, v in enumerate(cell):
+            facet = frozenset(cell) - {v}
+            if facet in done:
+                raise MeshError(f"facet {sorted(facet)} has a third cell, {t}")
+            if facet in waiting:
+                s, j = waiting.pop(facet)
+                result[t][i], result[s][j] = s, t
+                done.add(facet)
+            else:
+                waiting[facet] = t, i
+    return result
+
+
+def face_counts(cells: Rows) -> tuple[int, ...]:
+    """(f_0, f_1, ...): the numbers of vertices, edges, ..., cells."""
+    sizes = range(1, len(cells[0]) + 1)
+    return tuple(len({frozenset(f) for cell in cells for f in combinations(cell, size)}) for size in sizes)
+
+
+def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[int]:
+    """The cells on the way from ``start`` to the one that holds q; -1 at the end where the mesh ends.
+
+    Crosses any facet that has q strictly on its other side. In a Delaunay mesh no cell comes twice (the
+    power of q with respect to the circumspheres falls at each step); elsewhere a walk may go in circles.
+    """
+    path = [start]
+    while path[-1] >= 0 and path.count(path[-1]) == 1:
+        t = path[-1]
+        corners = [points[v] for v in cells[t]]
+        beyond = [i for i in range(len(corners)) if orient([*corners[:i], q, *corners[i + 1 :]]) < 0]
+        if not beyond:
+            return path
+        path.append(adjacent[t][beyond[0]])
+    return path
