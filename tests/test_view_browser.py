@@ -147,7 +147,9 @@ def test_every_item_is_drawn_and_described(show):
 
 def test_a_dragged_point_is_told_to_python(show):
     page = show(view.player(history(1), alt="a test."))
-    assert page.is_hidden(".unstruct-bar"), "one frame has nothing to step"
+    assert page.is_hidden(".unstruct-choice") and page.is_hidden(".unstruct-bar"), (
+        "one frame has nothing to step"
+    )
     box = page.locator(".unstruct-grip").bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.down()
@@ -281,8 +283,8 @@ def test_another_history_starts_where_it_says(show):
     page = show(view.voronoi_dual().player)
     middle = page.evaluate("model.get('index')")
     page.click("[data-do=last]")
-    page.evaluate("model.set('variant', 2)")
-    assert page.evaluate("model.get('index')") == middle
+    page.select_option("select", label="lattice: four on each circle")
+    assert page.evaluate("model.get('variant')") == 2 and page.evaluate("model.get('index')") == middle
     assert page.inner_text(".unstruct-number") == "8 triangles, 4 Voronoi vertices"
 
 

@@ -119,6 +119,7 @@ function build(el, id) {
     .map((name) => `<button type="button" data-do="${name}" aria-label="${name}" title="${name}"><svg viewBox="0 0 12 12"><path d="${ICONS[name]}"/></svg></button>`)
     .join("");
   el.innerHTML = `<div class="unstruct-player" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
+    <label class="unstruct-choice">preset <select></select></label>
     <div class="unstruct-caption" aria-live="polite"></div>
     <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
     <div class="unstruct-number" aria-live="polite"></div>
@@ -148,6 +149,17 @@ function render({ model, el }) {
     return [width, (width * (y1 - y0)) / (x1 - x0)];
   };
 
+  // Several histories are chosen here, not by a widget of their own: that would need a kernel.
+  const choice = part("select");
+  function offer() {
+    choice.replaceChildren(...model.get("variants").map(({ name }) => new Option(name)));
+    part(".unstruct-choice").hidden = choice.length === 0;
+  }
+  choice.addEventListener("change", () => {
+    model.set("variant", choice.selectedIndex);
+    model.save_changes();
+  });
+
   function paint() {
     const frame = told().frames[at()];
     const [x0, x1, , y1] = told().view;
@@ -165,6 +177,7 @@ function render({ model, el }) {
     part(".unstruct-note").textContent = model.get("note");
     root.setAttribute("aria-label", model.get("alt"));
     svg.setAttribute("aria-label", `${model.get("alt")} Step ${at() + 1} of ${count()}: ${frame.caption} ${frame.number}`);
+    choice.selectedIndex = model.get("variant");
     slider.max = count() - 1;
     slider.value = at();
     part("output").textContent = `${at() + 1}/${count()}`;
@@ -209,7 +222,7 @@ function render({ model, el }) {
   });
   root.addEventListener("keydown", (event) => {
     const name = keys[event.key];
-    const own = event.target === slider || (event.key === " " && event.target.closest("button"));
+    const own = event.target === slider || event.target === choice || (event.key === " " && event.target.closest("button"));
     if (!name || own || count() < 2) return; // the slider and the buttons know these keys themselves
     event.preventDefault();
     if (name !== "play") stop();
@@ -249,10 +262,13 @@ function render({ model, el }) {
   model.on("change:variant", turn);
   const changes = ["frames", "index", "view", "alt", "variant", "variants", "note"].map((name) => `change:${name}`);
   for (const change of changes) model.on(change, paint);
+  model.on("change:variants", offer);
+  offer();
   paint();
   return () => {
     stop();
     model.off("change:variant", turn);
+    model.off("change:variants", offer);
     for (const change of changes) model.off(change, paint);
   };
 }

@@ -33,7 +33,7 @@ class Player(anywidget.AnyWidget):
     alt : str
         What a reader who cannot see the picture is told.
     variants : list of dict
-        Several histories, each ``{"frames": …, "view": …, "start": …}``, instead of one.
+        Several histories, each ``{"name": …, "frames": …, "view": …, "start": …}``, instead of one.
     variant : int
         Which of them is shown.
     note : str

@@ -56,7 +56,8 @@ class Panel(ipywidgets.VBox):
         super().__init__([*controls.values(), picture])
 
     def __repr__(self) -> str:
-        return f"Panel({', '.join(self.controls)}: {self.player.alt})"
+        names = [*self.controls, *(["preset"] if self.player.variants else [])]
+        return f"Panel({', '.join(names)}: {self.player.alt})"
 
 
 def empty_circle() -> Panel:
@@ -140,23 +141,18 @@ def _slider(description: str, value: float, low: float, high: float, step: float
 
 
 def _chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
-    """A drop-down linked in the browser to a player that holds all histories."""
+    """A player that holds all histories; its own drop-down chooses, so that it needs no kernel."""
     first = next(iter(histories.values()))
     picture = player(first, alt=alt)
     variants = []
-    for frames in histories.values():
+    for name, frames in histories.items():
         for one in frames:
             fr.check_frame(one)
         view = fr.bounds(frames)
-        variants.append({"frames": compact(frames, view), "view": view, "start": start})
+        variants.append({"name": name, "frames": compact(frames, view), "view": view, "start": start})
     picture.set_trait("variants", variants)
     picture.index = start
-    choice = ipywidgets.Dropdown(
-        options=list(histories), description="preset", style=WIDE, layout={"width": WIDTH}
-    )
-    panel = Panel({"preset": choice}, picture)
-    panel.link = ipywidgets.jslink((choice, "index"), (picture, "variant"))
-    return panel
+    return Panel({}, picture)
 
 
 def _live(
