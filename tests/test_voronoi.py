@@ -31,8 +31,8 @@ from unstruct.plain.voronoi import area, corners, dirichlet, exact_sites, neighb
 
 grid2 = st.lists(st.tuples(*[st.integers(0, 5)] * 2), min_size=4, max_size=13)
 grid3 = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=5, max_size=11)
-some = settings(max_examples=120, deadline=None)
-few = settings(max_examples=50, deadline=None)
+some = settings(max_examples=80, deadline=None)
+few = settings(max_examples=35, deadline=None)
 
 
 def spans(points):
