@@ -169,6 +169,7 @@ def test_words_that_do_not_belong_here() -> None:
     for path in tracked():
         if path.suffix not in (".png", ".csv", ".npz"):
             text = path.read_text(encoding="utf-8")
+            text = re.sub(r'"image/png": "[^"]*"', "", text)  # base64 spells any short word sooner or later
             found += [f"{relative(path)}: {word}" for word in words if word in text]
     assert not found, "\n".join(found)
 
