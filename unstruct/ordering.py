@@ -11,7 +11,7 @@ says which of the ``2**d`` subcells comes when, and in which state the curve run
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -112,7 +112,7 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
     return radix_argsort(keys, d * levels + int(rounds.max()).bit_length())
 
 
-@lru_cache(maxsize=None)
+@cache
 def _tables(d: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The automaton: rank of a subcell within its cell, and the state in it (times ``2**d``).
 

@@ -23,7 +23,6 @@ The circle of a ghost is the open half-plane beyond its hull edge, and the open 
 from __future__ import annotations
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from ..jit import inline, kernel

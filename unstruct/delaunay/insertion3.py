@@ -21,7 +21,6 @@ that walks never run in circles either.
 from __future__ import annotations
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from ..jit import inline, kernel

@@ -58,7 +58,8 @@ def minus(a: Sequence[int], b: Sequence[int]) -> Vector:
 
 def independent_rows(points: Sequence[Sequence[int]], dimension: int) -> list[int]:
     """The first rows that are affinely independent of the rows before them, at most dimension + 1."""
-    found, reduced = [0], []  # echelon form of the differences to the first row
+    found = [0]
+    reduced: list[tuple[int, Vector]] = []  # echelon form of the differences to the first row
     for i in range(1, len(points)):
         if len(found) > dimension:
             break

@@ -1,0 +1,253 @@
+"""``delaunay``: against brute force, against SciPy on generic input, and against itself."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from unstruct import DegenerateInputError, InputError, check, delaunay, topology
+from unstruct.delaunay.insertion_n import General, independent_rows, normal
+from unstruct.delaunay.triangulation import Triangulation
+from unstruct.predicates import in_sphere, orient
+
+
+def cells_of(simplices):
+    return set(map(tuple, np.sort(simplices, axis=1).tolist()))
+
+
+def brute_force(mesh):
+    """No flat cell, right neighbors, empty balls over all points, a hull that has all points behind it."""
+    points, simplices = mesh.points, mesh.simplices
+    assert simplices.dtype == mesh.neighbors.dtype == np.int32
+    assert (np.asarray(orient(points[simplices])) > 0).all()
+    assert np.array_equal(mesh.neighbors, topology.neighbors(simplices))
+    copies = set(mesh.duplicates[:, 0].tolist())
+    assert set(simplices.ravel().tolist()) == set(range(len(points))) - copies
+    for copy, kept in mesh.duplicates:
+        assert kept < copy and kept not in copies and (points[copy] == points[kept]).all()
+    for q in points:
+        assert (np.asarray(in_sphere(points[simplices], q)) <= 0).all()
+    cell, k = np.nonzero(mesh.neighbors < 0)
+    for t, j in zip(cell, k):
+        turned = np.repeat(points[simplices[t]][None], len(points), axis=0)
+        turned[:, j] = points
+        assert (np.asarray(orient(turned)) >= 0).all(), "a point beyond a hull facet"
+
+
+def through_general(points):
+    """The same points through the integer engine, in input order."""
+    integers = [[int(x) for x in row] for row in points]
+    first = independent_rows(integers, points.shape[1])
+    order = np.r_[first, np.delete(np.arange(len(points)), first)]
+    engine = General(points[order][: len(first)])
+    engine.add(points[order][len(first) :])
+    while engine.done < engine.size:
+        engine.advance()
+    simplices, neighbors, _ = engine.cells(order.astype(np.int32))
+    return simplices, neighbors, order, engine.copy_of
+
+
+def complex_of(points, corners):
+    """The Delaunay complex: the sets of points on the empty spheres, which no tie-break changes."""
+    return {frozenset(map(tuple, points[np.asarray(in_sphere(c, points)) == 0].tolist())) for c in corners}
+
+
+@st.composite
+def grid_points(draw, dimensions=(2, 3), side=4, most=14):
+    d = draw(st.sampled_from(dimensions))
+    row = st.tuples(*[st.integers(0, side - 1)] * d)
+    return np.array(draw(st.lists(row, min_size=d + 2, max_size=most)), dtype=float)
+
+
+@settings(max_examples=120, deadline=None)
+@given(grid_points())
+@example(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1.0]]))
+def test_integer_points(points):
+    """Ties, flat quadruples, points on edges and facets and hull, copies: everything at once."""
+    try:
+        mesh = delaunay(points)
+    except DegenerateInputError as error:
+        assert len(independent_rows(points.astype(int).tolist(), points.shape[1])) == error.dimension + 1
+        return
+    brute_force(mesh)
+
+
+@settings(max_examples=60, deadline=None)
+@given(grid_points(side=3, most=12))
+def test_the_general_path_gives_the_same_complex(points):
+    assume(len(independent_rows(points.astype(int).tolist(), points.shape[1])) == points.shape[1] + 1)
+    simplices, neighbors, _, _ = through_general(points)
+    assert (np.asarray(orient(points[simplices])) > 0).all()
+    assert np.array_equal(neighbors, topology.neighbors(simplices))
+    assert complex_of(points, points[simplices]) == complex_of(points, points[delaunay(points).simplices])
+
+
+@settings(max_examples=25, deadline=None)
+@given(grid_points(dimensions=(1, 4, 5), side=3, most=10))
+def test_one_four_and_five_dimensions(points):
+    try:
+        mesh = delaunay(points)
+    except (DegenerateInputError, InputError):
+        assume(False)
+    brute_force(mesh)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.sampled_from([2, 3]),
+    st.lists(st.tuples(*[st.integers(-3, 3)] * 4), min_size=6, max_size=12),
+    st.sampled_from([0.5, 1.0, 1e8, 2.0**-900]),
+)
+def test_neighbors_in_the_last_bits(d, steps, base):
+    """Points a few units in the last place apart, beside a few far ones."""
+    near = base + np.spacing(base) * np.array(steps, dtype=float)[:, :d]
+    points = np.vstack([near, base * (1.0 + np.eye(d)), base * np.full((1, d), -2.0)])
+    brute_force(delaunay(points))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from([2, 3]), st.data())
+def test_wide_exponents(d, data):
+    """Coordinates from 2**-1074 to 2**1023: beyond what one scale serves, the integer engine takes over."""
+    reach = data.draw(st.sampled_from([30, 400, 1000]))
+    value = st.builds(lambda m, e: float(np.ldexp(m, e)), st.integers(-3, 3), st.integers(-reach, reach))
+    rows = data.draw(st.lists(st.tuples(*[value] * d), min_size=d + 2, max_size=9))
+    try:
+        mesh = delaunay(np.array(rows, dtype=float))
+    except DegenerateInputError:
+        assume(False)
+    brute_force(mesh)
+
+
+def test_scale_that_would_lose_bits_takes_the_integer_engine():
+    points = np.array([[0, 0], [1e300, 0], [0, 1e300], [1e-300, 1e-300], [1e-300, 2e-300], [5e-324, 0]])
+    t = Triangulation(points)
+    assert isinstance(t._engine, General)
+    brute_force(t.mesh())
+    assert not isinstance(Triangulation(points[:3] * 1e-300)._engine, General)
+
+
+@pytest.mark.parametrize(("d", "n"), [(1, 300), (2, 3000), (3, 800), (4, 120), (5, 40)])
+def test_generic_points_as_scipy(d, n):
+    points = np.random.default_rng(d).standard_normal((n, d))
+    mesh = delaunay(points)
+    if d == 1:
+        order = np.argsort(points[:, 0])
+        assert cells_of(mesh.simplices) == cells_of(np.stack([order[:-1], order[1:]], axis=1))
+    else:
+        from scipy.spatial import Delaunay
+
+        assert cells_of(mesh.simplices) == cells_of(Delaunay(points).simplices)
+
+
+@pytest.mark.parametrize(("d", "n"), [(2, 100_000), (3, 30_000)])
+@pytest.mark.parametrize("kind", ["uniform", "lattice", "sphere", "clustered"])
+def test_large(d, n, kind):
+    rng = np.random.default_rng(4)
+    points = rng.random((n, d))
+    if kind == "lattice":
+        side = round(n ** (1 / d))
+        points = np.stack(np.meshgrid(*[np.arange(side)] * d), axis=-1).reshape(-1, d) * 0.1
+    if kind == "sphere":
+        points = rng.standard_normal((n // 4, d))
+        points /= np.linalg.norm(points, axis=1)[:, None]
+    if kind == "clustered":
+        points = rng.random((20, d))[rng.integers(0, 20, n)] + 1e-3 * rng.standard_normal((n, d))
+    mesh = delaunay(points)
+    report = check(mesh, delaunay=True)
+    assert report, str(report)
+    assert len(mesh.duplicates) == 0
+
+
+def test_offset_of_a_hundred_million():
+    for d, side in ((2, 40), (3, 9)):
+        lattice = np.stack(np.meshgrid(*[np.arange(side)] * d), axis=-1).reshape(-1, d)
+        mesh = delaunay(1e8 + 1e-6 * lattice)
+        assert check(mesh, delaunay=True)
+        assert len(mesh.duplicates) == 0
+
+
+def test_thousand_points_in_four_dimensions():
+    points = np.random.default_rng(0).random((1000, 4))
+    start = time.process_time()
+    mesh = delaunay(points)
+    assert time.process_time() - start < 60
+    assert len(mesh.simplices) > 15_000
+    rows = np.random.default_rng(1).choice(len(mesh.simplices), 50, replace=False)
+    for t in rows:
+        assert (np.asarray(in_sphere(points[mesh.simplices[t]], points)) <= 0).all()
+
+
+def test_the_least_copy_is_kept():
+    rng = np.random.default_rng(6)
+    points = rng.integers(0, 12, (600, 2)).astype(float)
+    mesh = delaunay(points)
+    _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    kept = first[inverse.ravel()]
+    copies = np.flatnonzero(kept != np.arange(600))
+    assert np.array_equal(mesh.duplicates, np.stack([copies, kept[copies]], axis=1))
+    brute_force(delaunay(points[:150]))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_the_first_bad_row_is_named(value):
+    points = np.random.default_rng(0).random((9, 3))
+    points[4, 1] = points[7, 0] = value
+    with pytest.raises(InputError, match=r"points\[4\]"):
+        delaunay(points)
+
+
+def test_normal_is_orthogonal():
+    rng = np.random.default_rng(0)
+    for k in range(1, 7):
+        rows = rng.integers(-9, 10, (k, k + 1)).tolist()
+        n = normal(rows)
+        assert any(n) and all(sum(a * b for a, b in zip(row, n)) == 0 for row in rows)
+
+
+INTERRUPTED = """
+import os, signal, sys, threading, time
+import numpy as np
+from unstruct.delaunay.triangulation import Triangulation
+from unstruct import check
+n, d = int(sys.argv[1]), int(sys.argv[2])
+rng = np.random.default_rng(0)
+Triangulation(rng.random((50, d)))  # compiles
+points = rng.random((n, d))
+t = Triangulation(points[:100])
+raised = []
+def interrupt():
+    while t._engine.done < 150:
+        time.sleep(0.001)
+    raised.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt).start()
+try:
+    t.insert(points[100:])
+    print("not interrupted")
+except KeyboardInterrupt:
+    print(f"{time.perf_counter() - raised[0]:.3f}", t._engine.done < n)
+    t.insert(points[:1] + 2.0)  # goes on with what was left
+    mesh = t.mesh()
+    print(len(np.unique(mesh.simplices)) == n + 1, bool(check(mesh, delaunay=True)))
+"""
+
+
+@pytest.mark.parametrize(
+    ("n", "d", "jit"), [(400_000, 2, True), (40_000, 3, True), (300, 2, False), (250, 3, False)]
+)
+def test_an_interrupt_is_heard_and_harmless(n, d, jit):
+    environment = dict(os.environ) if jit else {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    arguments = [sys.executable, "-c", INTERRUPTED, str(n), str(d)]
+    run = subprocess.run(arguments, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    lines = run.stdout.split()
+    assert lines[1:] == ["True", "True", "True"], run.stdout
+    assert float(lines[0]) < 1.0
