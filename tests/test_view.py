@@ -67,17 +67,33 @@ def test_an_unknown_role_is_named():
         colors.role("purple")
 
 
-def test_setup_is_opaque_and_pictures_are_the_same_bytes_twice(planar):
+def test_pictures_are_opaque_and_the_same_bytes_twice(planar):
     view.setup()
-    made = []
-    for _ in range(2):
-        buffer = io.BytesIO()
-        view.plot(planar).figure.savefig(buffer, **colors.PNG)
-        made.append(buffer.getvalue())
-    assert made[0] == made[1] and b"Software" not in made[0]
-    buffer.seek(0)
-    pixels = plt.imread(buffer)
+    made = [colors.png(view.plot(planar, names=True).figure) for _ in range(2)]
+    assert made[0] == made[1] and b"Software" not in made[0] and len(made[0]) < 20000
+    pixels = plt.imread(io.BytesIO(made[0]))
     assert pixels.shape[2] == 3 or (pixels[..., 3] == 1).all()
+    assert (pixels[0, 0, :3] == 1).all(), "the paper stays white"
+
+
+def test_the_few_colors_of_a_picture_are_near_the_true_ones(planar):
+    figure = view.plot(planar, values=np.arange(len(planar.simplices)), label="number").figure
+    full = io.BytesIO()
+    figure.savefig(full, format="png", bbox_inches="tight", pad_inches=0.06)
+    true, few = (plt.imread(io.BytesIO(b))[..., :3] for b in (full.getvalue(), colors.png(figure)))
+    assert true.shape == few.shape and np.abs(true - few).mean() < 0.01
+
+
+def test_bars_of_letters_are_drawn():
+    """A halo by path effects lost the middle bar of E and F at some places."""
+    for shift in np.linspace(0, 1, 8):
+        figure, ax = plt.subplots(figsize=(1, 1), dpi=90)
+        view.draw(
+            frames.frame("", frames.labels("vertex", [[0.3, 0.3 + shift / 50]], "E"), view=(0, 1, 0, 1)), ax
+        )
+        figure.canvas.draw()
+        ink = np.asarray(figure.canvas.buffer_rgba())[..., 0] < 190
+        assert (ink.sum(axis=1) >= 4).sum() >= 3, "three bars"
 
 
 # ---- frames ------------------------------------------------------------------------------------
@@ -137,6 +153,18 @@ def test_one_huge_circle_does_not_shrink_the_window():
     assert flat[3] - flat[2] >= 1, "collinear points still get a window"
 
 
+def test_a_shared_side_is_dashed_once():
+    squares = [
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        [[1.0, 1.0], [1.0, 1e-13], [2.0, 0.0], [2.0, 1.0]],
+    ]
+    assert len(frames.outline(squares)) == 7 + 1, "1e-13 is another corner"
+    squares[1][1][1] = 0.0
+    assert len(frames.outline(squares)) == 7
+    ax = view.draw(frames.frame("", frames.polygons("voronoi", squares)))
+    assert len(collections(ax, LineCollection)[0].get_segments()) == 7
+
+
 # ---- strips and plots --------------------------------------------------------------------------
 
 
@@ -180,7 +208,7 @@ def test_plot_draws_every_cell_of_every_type():
     )
     ax = view.plot(quads, names=True, role="accepted")
     assert sorted(len(p.vertices) - 1 for p in collections(ax, PolyCollection)[0].get_paths()) == [3, 4]
-    assert [t.get_text() for t in ax.texts] == list("01234")
+    assert [t.get_text() for t in ax.texts] == [c for c in "01234" for _ in (0, 1)], "a halo and a text each"
 
 
 def test_plot_of_values_has_a_color_bar_and_counts_them(planar):
@@ -388,7 +416,7 @@ def test_every_kind_of_item_in_space_is_drawn():
         view.item3("spheres", "circumcircle", [[0.5, 0.5, 0.5, 0.75**0.5]]),
     ]
     ax = view.picture(items)
-    assert sorted(t.get_text() for t in ax.texts) == list("ABCD")
+    assert sorted(t.get_text() for t in ax.texts) == list("AABBCCDD"), "a halo and a text each"
     assert len(collections(ax, LineCollection)) == 1 and len(ax.patches) == 1
     (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
     assert x1 - x0 > 3**0.5 and y1 - y0 > 3**0.5, "the whole sphere is in the picture"

@@ -6,21 +6,22 @@ differ by color alone: width, dash and marker differ too, so that a print in gra
 
 from __future__ import annotations
 
+import io
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import matplotlib
 from cycler import cycler
+from matplotlib.figure import Figure
+from PIL import Image
 
-__all__ = ["PAPER", "ROLES", "Style", "line_style", "role", "setup", "styles"]
+__all__ = ["PAPER", "ROLES", "Style", "line_style", "png", "role", "setup", "styles"]
 
 PAPER = "#ffffff"  # behind every picture, on light and dark pages alike
 DPI = 90
-PNG: dict[str, Any] = {  # no version in the file: equal pictures are equal bytes
-    "facecolor": PAPER,
-    "metadata": {"Software": None},
-    "pil_kwargs": {"optimize": True},
-}
+
+
+PNG: dict[str, Any] = {"facecolor": PAPER, "metadata": {"Software": None}}  # no version in the file
 
 
 @dataclass(frozen=True)
@@ -100,20 +101,31 @@ def styles() -> dict[str, dict[str, Any]]:
 def setup() -> None:
     """Set matplotlib as the book wants it; the first line of every notebook.
 
-    Pictures are PNG on opaque white at 90 dots per inch, with no version or date inside, so that
-    a notebook that is run twice stores the same bytes. Outside IPython only the style is set.
+    Pictures are PNG on opaque white at 90 dots per inch, in at most 256 colors and with no version or
+    date inside, so that a notebook that is run twice stores the same few bytes. Outside IPython only
+    the style is set.
     """
     try:
         from IPython import get_ipython
-        from IPython.core.pylabtools import select_figure_formats
     except ImportError:  # a plain Python session: the style is all there is to set
         shell = None
     else:
         shell = get_ipython()
     if shell is not None:
         shell.enable_matplotlib("inline")
-        select_figure_formats(shell, {"png"}, bbox_inches="tight", pad_inches=0.06, **PNG)
+        shell.display_formatter.formatters["png"].for_type(Figure, png)
     matplotlib.rcParams.update(RC)
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as the bytes of a PNG file, cropped to what is drawn, in at most 256 colors."""
+    full = io.BytesIO()
+    figure.savefig(full, format="png", bbox_inches="tight", pad_inches=0.06, **PNG)
+    with Image.open(full) as picture:
+        few = picture.convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    small = io.BytesIO()
+    few.save(small, format="png", optimize=True)
+    return small.getvalue()
 
 
 RC: Any = {

@@ -131,6 +131,16 @@ def arc(circle: Sequence[float], view: Sequence[float]) -> np.ndarray:
     return middle + np.column_stack([(r - far) - 2 * r * np.sin(angle / 2) ** 2, r * np.sin(angle)]) @ turn
 
 
+def outline(polygons: Sequence[Any]) -> list[list[Any]]:
+    """The sides of polygons as segments, a side of two neighbors once."""
+    sides = {}
+    for corners in polygons:
+        for p, q in zip(corners, [*corners[1:], corners[0]]):
+            ends = sorted([tuple(map(float, p)), tuple(map(float, q))])
+            sides[tuple(f"{v:.9g}" for end in ends for v in end)] = [list(end) for end in ends]
+    return list(sides.values())
+
+
 def check_frame(one: Any) -> None:
     """Raise `InputError`, naming the item, unless ``one`` is a frame that every renderer can draw."""
     if not isinstance(one, dict) or not {"caption", "number", "items"} <= set(one):

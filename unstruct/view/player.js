@@ -87,7 +87,9 @@ function draw(item, styles, to, unit, size, id) {
   if (item.kind === "polygons") {
     const all = item.data.map((p) => `<path d="${path(p, "Z")}"/>`).join("");
     const over = style.hatch ? `<g fill="url(#${id}-${item.role})" fill-opacity="1" stroke="none">${all}</g>` : "";
-    return `${open} ${fill} ${stroke}>${all}${over}</g>`;
+    if (!style.dash.length || item.data.length < 2) return `${open} ${fill} ${stroke}>${all}${over}</g>`;
+    const rim = `<g fill="none" ${stroke}><path d="${outline(item.data).map((s) => path(s, "")).join("")}"/></g>`;
+    return `${open}><g ${fill}>${all}</g>${over}${rim}</g>`;
   }
   const round = item.data.map(([x, y, r]) => {
     const [cx, cy] = to([x, y]);
@@ -95,6 +97,18 @@ function draw(item, styles, to, unit, size, id) {
     return `<path fill="none" d="${arc(cx, cy, r * unit, size)}"/>`;
   });
   return `${open} ${fill} ${stroke}>${round.join("")}</g>`;
+}
+
+// The sides of polygons, a side of two neighbors once: dashes of both would fill each other's gaps.
+function outline(polygons) {
+  const sides = new Map();
+  for (const corners of polygons) {
+    corners.forEach((p, k) => {
+      const ends = [p, corners[(k + 1) % corners.length]].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+      sides.set(ends.join(), ends);
+    });
+  }
+  return [...sides.values()];
 }
 
 // The part of a huge circle near the picture: browsers draw whole ones slowly and inexactly.

@@ -133,12 +133,12 @@ def plot_circumcircles(
     ax: Axes | None = None,
     *,
     centers: bool = True,
-    margin: float = 0.15,
+    margin: float = 0.06,
     **options: Any,
 ) -> Axes:
     """Draw a planar triangulation with the circumcircles of some cells (by default of all).
 
-    Other options go to `plot`. The window holds the mesh, not the whole of each circle.
+    Other options go to `plot`. The window holds the mesh and the circles that do not dwarf it.
     """
     points, triangles = _planar(mesh, "circumcircles")
     chosen = triangles if cells is None else triangles[np.atleast_1d(cells)]
@@ -146,7 +146,9 @@ def plot_circumcircles(
     middle, radius = circumcenter(points[chosen]), circumradius(points[chosen])
     solid = np.isfinite(radius)
     items = [fr.circles("circumcircle", middle[solid], radius[solid])]
-    fit(ax, points, margin)
+    shown = solid & (radius < 0.8 * np.linalg.norm(np.ptp(points, axis=0)))
+    ends = [middle[shown] + radius[shown, None] * side for side in ([-1, -1], [1, 1])]
+    fit(ax, np.vstack([points, *ends]), margin)
     draw_items(ax, [*items, fr.dots("circumcircle", middle[solid])] if centers else items)
     return ax
 

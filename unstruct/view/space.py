@@ -24,7 +24,8 @@ from matplotlib.colors import Normalize, to_hex, to_rgb
 from ..errors import InputError
 from .colors import line_style, styles
 from .colors import role as style_of
-from .strips import HALO, fit, flat_axes
+from .strips import fit, flat_axes
+from .strips import label as write_label
 
 __all__ = ["Space", "item3", "mesh_items3", "picture", "view3d"]
 
@@ -327,18 +328,8 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
             alpha=opacity,
         )
     elif kind == "labels":
-        for (x, y), thing in zip(np.concatenate(flat), things):
-            ax.annotate(
-                thing[4],
-                (x, y),
-                xytext=(4, 4),
-                textcoords="offset points",
-                fontsize=8.5,
-                zorder=z,
-                color=style.color,
-                path_effects=HALO,
-                alpha=opacity,
-            )
+        for place, thing in zip(np.concatenate(flat), things):
+            write_label(ax, place, thing[4], style.color, opacity, z)
     else:
         circle = np.linspace(0, 2 * np.pi, 73)
         ring = np.column_stack([np.cos(circle), np.sin(circle)])

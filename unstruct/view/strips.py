@@ -17,10 +17,10 @@ from ..errors import InputError
 from . import frames as fr
 from .colors import PAPER, ROLES, line_style, role
 
-__all__ = ["draw", "draw_items", "fit", "flat_axes", "strip"]
+__all__ = ["draw", "draw_items", "fit", "flat_axes", "label", "strip"]
 
 CIRCLE = 0.06  # opacity inside circles, at most: they overlap
-HALO = [patheffects.withStroke(linewidth=2.2, foreground=PAPER)]
+HALO = [patheffects.Stroke(linewidth=2.2, foreground=PAPER)]
 
 
 def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
@@ -44,23 +44,29 @@ def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
                 alpha=opacity,
             )
         elif item["kind"] == "labels":
-            for (x, y), text in zip(data, item["text"]):
-                ax.annotate(
-                    text,
-                    (x, y),
-                    xytext=(4, 4),
-                    textcoords="offset points",
-                    fontsize=8.5,
-                    color=style.color,
-                    alpha=opacity,
-                    zorder=z + 30,
-                    path_effects=HALO,
-                    annotation_clip=True,
-                )
+            for place, text in zip(data, item["text"]):
+                label(ax, place, text, style.color, opacity, z + 30)
         elif item["kind"] == "segments":
             ax.add_collection(LineCollection(data, zorder=z, alpha=opacity, **line_style(item["role"])))
         else:
             _shapes(ax, item, z)
+
+
+def label(ax: Axes, place: Sequence[float], text: str, color: str, opacity: float, z: float) -> None:
+    """A short text beside a point, on a halo of its own: a stroked text would lose its thin bars."""
+    for effects in (HALO, None):
+        ax.annotate(
+            text,
+            (place[0], place[1]),
+            xytext=(4, 4),
+            textcoords="offset points",
+            fontsize=8.5,
+            color=color,
+            alpha=opacity,
+            zorder=z,
+            path_effects=effects,
+            annotation_clip=True,
+        )
 
 
 def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
@@ -77,7 +83,13 @@ def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
     }
     if item["kind"] == "polygons":
         hatch = 3 * style.hatch if style.hatch != "." else "..."
+        shared = style.dash and len(data) > 1  # dashes of two neighbors would fill each other's gaps
+        if shared:
+            edges = LineCollection(fr.outline(data), zorder=z, alpha=opacity, **line)
+            look["linewidths"] = 0.0
         ax.add_collection(PolyCollection([np.asarray(p) for p in data], hatch=hatch or None, **look))
+        if shared:
+            ax.add_collection(edges)
     else:
         x0, x1, y0, y1 = *ax.get_xlim(), *ax.get_ylim()
         huge = [row for row in data if row[2] > 6 * (abs(x1 - x0) + abs(y1 - y0))]
