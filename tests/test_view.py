@@ -76,6 +76,23 @@ def test_pictures_are_opaque_and_the_same_bytes_twice(planar):
     assert (pixels[0, 0, :3] == 1).all(), "the paper stays white"
 
 
+def test_setup_in_a_notebook_shows_figures_as_such_pictures(planar):
+    """In IPython, a figure that is displayed goes through the book's own PNG writer."""
+    from IPython.core.interactiveshell import InteractiveShell
+
+    shell = InteractiveShell.instance()
+    backend = matplotlib.get_backend()
+    try:
+        view.setup()
+        figure = view.plot(planar).figure
+        shown, _ = shell.display_formatter.format(figure)
+        assert shown["image/png"] == colors.png(figure)
+        assert matplotlib.get_backend().endswith("inline")
+    finally:
+        InteractiveShell.clear_instance()
+        matplotlib.use(backend)
+
+
 def test_the_few_colors_of_a_picture_are_near_the_true_ones(planar):
     figure = view.plot(planar, values=np.arange(len(planar.simplices)), label="number").figure
     full = io.BytesIO()

@@ -113,7 +113,7 @@ def setup() -> None:
         shell = get_ipython()
     if shell is not None:
         shell.enable_matplotlib("inline")
-        shell.display_formatter.formatters["png"].for_type(Figure, png)
+        shell.display_formatter.formatters["image/png"].for_type(Figure, png)
     matplotlib.rcParams.update(RC)
 
 
