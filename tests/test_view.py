@@ -80,7 +80,11 @@ def test_setup_in_a_notebook_shows_figures_as_such_pictures(planar):
     """In IPython, a figure that is displayed goes through the book's own PNG writer."""
     from IPython.core.interactiveshell import InteractiveShell
 
-    shell = InteractiveShell.instance()
+    class Shell(InteractiveShell):
+        def enable_gui(self, gui=None):
+            """No windows here."""
+
+    shell = Shell.instance()
     backend = matplotlib.get_backend()
     try:
         view.setup()
@@ -89,7 +93,7 @@ def test_setup_in_a_notebook_shows_figures_as_such_pictures(planar):
         assert shown["image/png"] == colors.png(figure)
         assert matplotlib.get_backend().endswith("inline")
     finally:
-        InteractiveShell.clear_instance()
+        Shell.clear_instance()
         matplotlib.use(backend)
 
 
