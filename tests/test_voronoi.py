@@ -588,3 +588,13 @@ def test_without_numba():
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment)
     assert done.stdout.split() == ["4", "12", "1.0", "16.0", "8", "54", "1.0", "4"], done.stderr
+
+
+def test_plot():
+    import matplotlib
+
+    matplotlib.use("Agg")
+    ax = voronoi(lattice2(3, 3)).plot(delaunay=True)
+    assert ax.get_aspect() == 1 and ax.collections
+    with pytest.raises(InputError):
+        voronoi(uniform(10, 3)).plot()
