@@ -239,6 +239,15 @@ def test_plot_of_values_has_a_color_bar_and_counts_them(planar):
         view.plot(planar, values=[1, 2])
 
 
+def test_lines_of_many_cells_are_thinner():
+    def width(mesh):
+        return collections(view.plot(mesh, vertices=False), PolyCollection)[0].get_linewidth()[0]
+
+    points = np.random.default_rng(0).random((600, 2))
+    few, many = (Mesh(points[:n], Delaunay(points[:n]).simplices) for n in (60, 600))
+    assert width(few) == view.ROLES["cell"].width > width(many) > 0.2
+
+
 def test_plot_of_a_line_and_of_four_dimensions():
     line = SimpleNamespace(points=np.array([[0.0], [1], [3]]), simplices=np.array([[0, 1], [1, 2]]))
     assert len(collections(view.plot(line), LineCollection)[0].get_segments()) == 2

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.transforms import ScaledTranslation
 
 from ..errors import InputError
 from ..simplex import circumcenter, circumradius
@@ -19,6 +20,7 @@ from .strips import draw_items, fit, flat_axes
 
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
+FEW = 250  # cells, above which lines become thinner, down to a third
 MANY = 400  # vertices, above which markers would hide the cells
 
 
@@ -76,7 +78,12 @@ def plot(
     if values is not None:
         color_cells(ax, [points[c] for c in wide], values, label)
     else:
+        before = len(ax.collections)
         draw_items(ax, [fr.polygons(role, [points[c] for c in wide])])
+        for drawn in ax.collections[before:]:
+            drawn.set_linewidth(
+                min(1.0, max(0.3, (FEW / max(len(wide), 1)) ** 0.5)) * drawn.get_linewidth()[0]
+            )
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
     if vertices or (vertices is None and len(used) <= MANY):
         small = 1.0 if len(used) <= 60 else 0.6
@@ -295,5 +302,6 @@ def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *
         xlabel=name.replace("_", " ") + (" (degrees)" if "angle" in name or "dihedral" in name else ""),
         ylabel="share of cells",
     )
-    ax.legend(loc="upper left", bbox_to_anchor=(0, -0.2), borderaxespad=0)
+    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # inches, under the label
+    ax.legend(loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, borderaxespad=0)
     return ax

@@ -105,6 +105,7 @@ def _nasty_window(triangle: np.ndarray, origin: tuple[float, float], i: int, j: 
     items = [fr.dots(name, where) for name, where in places.items()]
     items += [
         fr.segments("circumcircle", [line]),
+        fr.polygons("constrained", [np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.8 + [i, j]]),
         fr.dots("inserted", [i, j], handles=["D"]),
         fr.labels("vertex", [[i, j]], "D"),
     ]
