@@ -80,10 +80,9 @@ def plot(
     else:
         before = len(ax.collections)
         draw_items(ax, [fr.polygons(role, [points[c] for c in wide])])
+        thin = min(1.0, max(0.3, (FEW / max(len(wide), 1)) ** 0.5))
         for drawn in ax.collections[before:]:
-            drawn.set_linewidth(
-                min(1.0, max(0.3, (FEW / max(len(wide), 1)) ** 0.5)) * drawn.get_linewidth()[0]
-            )
+            drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
     if vertices or (vertices is None and len(used) <= MANY):
         small = 1.0 if len(used) <= 60 else 0.6
