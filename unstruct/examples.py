@@ -18,10 +18,11 @@ from .errors import DegenerateInputError, InputError
 from .exact import exact_orient2
 from .jit import kernel
 from .mesh import Mesh, as_points
-from .predicates import orient2, scaled
+from .predicates import orient, orient2, scaled
 from .topology import neighbors
 
 __all__ = [
+    "flip_at_random",
     "random_triangulation",
     "running_points",
     "running_region",
@@ -289,3 +290,73 @@ def _swap_at(P, T, N, slots, wide):
         p, u, v, q = T[t, i], T[t, (i + 1) % 3], T[t, (i + 2) % 3], T[s, corner_facing(N, s, t)]
         if _turn(P, p, u, q, wide) > 0 and _turn(P, q, v, p, wide) > 0:
             flip(T, N, t, i)
+
+
+def flip_at_random(mesh: Mesh, tries: int, rng: int | np.random.Generator = 0) -> Mesh:
+    """Exchange cells at random by bistellar flips (2-2; 2-3 and 3-2; ...): valid, and far from Delaunay.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Simplices of full dimension d >= 2, positively oriented.
+    tries : int
+        Two cells at a facet have d + 2 vertices, which have two triangulations (if no d + 1 are flat):
+        leaving out one of some of them, or one of the others. A try that finds one whole in the mesh puts
+        the other in its place. Vertices never vanish.
+    rng : int or numpy Generator
+
+    Returns
+    -------
+    Mesh
+        The same points.
+    """
+    rng = np.random.default_rng(rng)
+    cells: list[frozenset[int]] = []
+    place: dict[frozenset[int], int] = {}
+    owners: dict[frozenset[int], set[frozenset[int]]] = {}
+
+    def put(cell: frozenset[int]) -> None:
+        place[cell] = len(cells)
+        cells.append(cell)
+        for v in cell:
+            owners.setdefault(cell - {v}, set()).add(cell)
+
+    def take(cell: frozenset[int]) -> None:
+        last = cells.pop()
+        if last != cell:
+            cells[place[cell]] = last
+            place[last] = place[cell]
+        del place[cell]
+        for v in cell:
+            owners[cell - {v}].remove(cell)
+
+    for row in mesh.simplices.tolist():
+        put(frozenset(row))
+    for chosen, corner in rng.integers((2**31, mesh.dimension + 1), size=(tries, 2)).tolist():
+        cell = cells[chosen % len(cells)]
+        pair = owners[cell - {sorted(cell)[corner]}]
+        if len(pair) == 2:
+            old, new = two_triangulations(mesh.points, sorted(frozenset.union(*pair)))
+            if not pair <= old:
+                old, new = new, old
+            if pair <= old and len(new) > 1 and all(cell in place for cell in old):
+                for cell in sorted(old, key=sorted):
+                    take(cell)
+                for cell in sorted(new, key=sorted):
+                    put(cell)
+    simplices = np.array([sorted(cell) for cell in cells])
+    return Mesh(mesh.points, simplices, origin=mesh.origin, duplicates=mesh.duplicates).oriented()
+
+
+def two_triangulations(points: Array, vertices: list[int]) -> tuple[set[frozenset[int]], set[frozenset[int]]]:
+    """Both triangulations of d + 2 points; two empty sets where d + 1 of them lie in a hyperplane.
+
+    With the affine relation sum c_v p_v = 0, sum c_v = 0: the cells without one v of c_v > 0 are one, those
+    without one v of c_v < 0 the other (Radon). Up to alternating sign c_v is the orientation of the others.
+    """
+    others = [[u for u in vertices if u != v] for v in vertices]
+    signs = np.asarray(orient(points[others])) * (-1) ** np.arange(len(vertices))
+    if not signs.all():
+        return set(), set()
+    halves = ({frozenset(o) for o, c in zip(others, signs) if c == sign} for sign in (1, -1))
+    return next(halves), next(halves)

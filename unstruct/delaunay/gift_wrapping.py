@@ -90,13 +90,13 @@ def gift_wrap(points: ArrayLike, front: ArrayLike | None = None) -> Mesh:
         faces = _as_front(front, given, representative)
         if not compiled:
             raise InputError("a front needs two or three dimensions, and coordinates of less wide exponents")
-        simplices = _wrap(coordinates, np.arange(len(kept)), None, np.searchsorted(kept, faces))
-        return Mesh(given, kept[simplices], duplicates=duplicates, markers={"front": faces})
+        simplices = _wrap(coordinates, kept, None, None, np.searchsorted(kept, faces))
+        return Mesh(given, simplices, duplicates=duplicates, markers={"front": faces})
     first = first_cell(coordinates if exact else given[kept])
     rank = np.arange(len(kept)) + d + 1
     rank[first] = np.arange(d + 1)
     if compiled:
-        return Mesh(given, kept[_wrap(coordinates, rank, first, None)], duplicates=duplicates)
+        return Mesh(given, _wrap(coordinates, kept, rank, first, None), duplicates=duplicates)
     simplices, neighbors = wrap_general(coordinates if exact else given[kept], rank, first)
     return Mesh(given, kept[simplices], neighbors=neighbors, duplicates=duplicates)
 
@@ -156,13 +156,18 @@ def _rotated(faces: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _wrap(
     points: NDArray[np.float64],
-    rank: NDArray[np.int64],
+    kept: NDArray[np.int64],
+    rank: NDArray[np.int64] | None,
     first: NDArray[np.int64] | None,
     front: NDArray[np.int64] | None,
 ) -> NDArray[np.int64]:
-    """Cells in the order of making (2D and 3D): from a first cell, or from the faces of a front."""
+    """Cells in the order of making (2D and 3D): from a first cell, or from the faces of a front.
+
+    ``kept[i]`` is the input vertex that row i of ``points`` is; the cells are given by input vertices.
+    """
     n, d = points.shape
     tree = Tree.of(points)
+    rank = np.arange(n) if rank is None else rank
     place = np.empty(n, dtype=np.int64)
     place[tree.order] = np.arange(n)  # kernels number the vertices in the order of the tree
     if front is None:
@@ -183,23 +188,23 @@ def _wrap(
             state.queue, state.counters, STEPS,
         )  # fmt: skip
         if status == kernels.STUCK:
-            raise _stuck(tree.order, state, int(h), front)
+            raise _stuck(kept[tree.order], state, int(h), kept[front])
     cells = state.cells[bases : state.counters[0]]
     if len(cells) == 0:
         raise MeshError(
             "front[0] has no vertex on its free side, nor has any other face: turn the faces round"
         )
-    return tree.order[cells]
+    return kept[tree.order[cells]]
 
 
-def _stuck(order: NDArray[np.int64], state: _State, h: int, front: NDArray[np.int64] | None) -> MeshError:
-    assert front is not None  # without a front the vertex of the extreme offset is always admitted
+def _stuck(names: NDArray[np.int64], state: _State, h: int, front: NDArray[np.int64]) -> MeshError:
     c, k = divmod(h, front.shape[1] + 1)
-    face = order[np.delete(state.cells[c], k)].tolist()
-    which = f"front[{c}]" if c < len(front) else f"the face of cell {c - len(front)}"
+    made = c >= len(front)
+    which = f"the face of cell {c - len(front)}" if made else f"front[{c}]"
+    face = (names[np.delete(state.cells[c], k)] if made else front[c]).tolist()
     return MeshError(
-        f"{which} on vertices {face} admits no apex after {state.counters[0] - len(front)} cells: with "
-        "every vertex on its free side the cell would be cut by an open face or hold a vertex. Make sure that "
+        f"{which} on vertices {face} admits no apex after {state.counters[0] - len(front)} cells: on "
+        "any vertex of its free side the cell would be cut by an open face or hold a vertex. Make sure that "
         "faces of the front meet at vertices only; in space, add points near this face"
     )
 

@@ -51,7 +51,7 @@ def first_cell(points: NDArray[np.float64]) -> NDArray[np.int64]:
         if sign < 0:
             row[[0, 1]] = row[[1, 0]]
         near = suspects(points, row)
-        if len(near) == 0 or not (in_sphere(points[row], points[near]) > 0).any():
+        if len(near) == 0 or not np.any(np.asarray(in_sphere(points[row], points[near])) > 0):
             return row
     row = grow_exactly(points)
     if orient(points[row]) < 0:

@@ -150,13 +150,13 @@ def first_simplex(points: Points) -> Cell:
     return cell if orient([exact[v] for v in cell]) > 0 else turned(cell)
 
 
-def squared_radius(simplex: Sequence[tuple[Fraction, ...]]) -> Fraction | None:
+def squared_radius(simplex: Sequence[tuple[Fraction, ...]]) -> Any:
     """R^2 of the smallest sphere through k + 1 points, None where they lie in a flat of dimension < k.
 
     The center is p_0 + sum m_i e_i with e_i = p_i - p_0 and G m = b, G_ij = e_i e_j, b_i = G_ii / 2.
     """
     edges = [[x - y for x, y in zip(p, simplex[0])] for p in simplex[1:]]
-    rows = [[sum(x * y for x, y in zip(e, f)) for f in edges] for e in edges]
+    rows: list[list[Any]] = [[sum(x * y for x, y in zip(e, f)) for f in edges] for e in edges]
     half = [row[i] / 2 for i, row in enumerate(rows)]
     rows = [[*row, b] for row, b in zip(rows, half)]
     for k in range(len(rows)):  # G is positive semidefinite: a zero pivot means dependence
@@ -166,4 +166,4 @@ def squared_radius(simplex: Sequence[tuple[Fraction, ...]]) -> Fraction | None:
         for i in range(len(rows)):
             if i != k:
                 rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k])]
-    return sum((row[-1] * b for row, b in zip(rows, half)), Fraction(0))
+    return sum(row[-1] * b for row, b in zip(rows, half))

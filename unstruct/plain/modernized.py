@@ -44,7 +44,9 @@ def insert(points: Points, cells: Iterable[Cell], vertex: int, *, reduce: bool =
     MeshError
         With ``reduce=False``, where a facet of the component is hidden from the vertex.
     """
-    exact, cells, nothing = exact_points(points), frozenset(cells), frozenset()
+    exact = exact_points(points)
+    nothing: frozenset[Cell] = frozenset()
+    cells = frozenset(tuple(cell) for cell in cells)
     holders = frozenset(cell for cell in cells if holds(exact, cell, vertex))
     if not holders:
         raise InputError(f"vertex {vertex} lies outside the triangulation: choose a point of the hull")
