@@ -69,7 +69,8 @@ def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None
         check_mixed(mesh, report)
         return report
     _vertices(mesh, report)
-    if not _topology(mesh, report):
+    sound, manifold = _topology(mesh, report)
+    if not sound:
         report.skipped.append("everything that needs sound adjacency")
         return report
     if mesh.dimension < mesh.points.shape[1]:
@@ -80,7 +81,9 @@ def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None
         return report
     if brute is None:
         brute = len(mesh.points) * mesh.size <= SMALL
-    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
+    fans = None
+    if manifold and mesh.dimension > 1:
+        fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors)
     locally_well = fans is None or _local_overlap(fans, report)
     if delaunay is True:
         _hull(mesh, fans, report)
@@ -141,13 +144,14 @@ def _vertices(mesh: Mesh, report: Report) -> None:
     )
 
 
-def _topology(mesh: Mesh, report: Report) -> bool:
+def _topology(mesh: Mesh, report: Report) -> tuple[bool, bool]:
+    """Whether the adjacency is sound, and whether the complex is a manifold besides."""
     simplices, k, n = mesh.simplices, mesh.dimension, len(mesh.points)
     table = topology.FaceTable(simplices)
     facets, cells = crowded_facets(table)
     crowded = problem("facet", "shared by more than two cells", cells, facets.ravel())
     if not report.note("at most two cells at a facet", crowded):
-        return False
+        return False, False
     neighbors = table.neighbors()
     differ = (neighbors != mesh.neighbors).any(axis=1)
     text = "neighbors do not lie across the facet opposite each vertex"
@@ -173,8 +177,8 @@ def _topology(mesh: Mesh, report: Report) -> bool:
     elif k > 3:
         report.skipped.append("whether vertex links are spheres (decided up to dimension 3 only)")
     if manifold:
-        well &= _euler(table, boundary, report)
-    return well and manifold
+        manifold = _euler(table, boundary, report)
+    return well, manifold
 
 
 def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> bool:
