@@ -95,7 +95,7 @@ def test_the_square():
     assert mesh.origin.tolist() == [0, 1, 2, 3] and mesh.duplicates.shape == (0, 2)
     indptr, indices = mesh.vertex_neighbor_vertices
     assert indices[indptr[0] : indptr[1]].tolist() == [1, 2, 3]
-    assert repr(mesh) == "<Mesh: 4 points, 2 triangle in 2D>"
+    assert repr(mesh) == "<Mesh: 4 points, 2 triangles in 2D>"
 
 
 @pytest.mark.parametrize("d", [2, 3, 4])
@@ -270,7 +270,7 @@ def test_mixed_cells():
     assert mesh.volumes.tolist() == [1, 0.5, 1, 0.5] and mesh.volume == 3
     boundary = {tuple(e) for e in mesh.boundary.tolist()}
     assert boundary == {(0, 1), (1, 4), (4, 6), (6, 5), (5, 2), (2, 7), (7, 3), (3, 0)}
-    assert repr(mesh) == "<Mesh: 8 points, 1 quad, 1 triangle, 2 polygon in 2D>"
+    assert repr(mesh) == "<Mesh: 8 points, 1 quad, 1 triangle, 2 polygons in 2D>"
     with pytest.raises(MeshError, match="quad, triangle, polygon: use"):
         mesh.simplices  # noqa: B018
     assert mesh.summary()["boundary"] == 8

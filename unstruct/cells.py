@@ -13,7 +13,15 @@ import numpy as np
 from .errors import InputError
 from .topology import as_simplices, group_rows
 
-__all__ = ["CELL_TYPES", "as_cells", "cell_dimension", "incident_edges", "incident_facets", "simplex_type"]
+__all__ = [
+    "CELL_TYPES",
+    "as_cells",
+    "cell_dimension",
+    "counted",
+    "incident_edges",
+    "incident_facets",
+    "simplex_type",
+]
 
 # name -> (dimension, corners, edges, facets); corners in VTK's order, facets outward
 CELL_TYPES: dict[str, tuple[int, int, list[list[int]], list[list[int]]]] = {
@@ -51,6 +59,16 @@ SIMPLEX_NAMES = {1: "line", 2: "triangle", 3: "tetra"}
 def simplex_type(k: int) -> str:
     """The name of the simplex of dimension k: "line", "triangle", "tetra", "simplex4", "simplex5", ..."""
     return SIMPLEX_NAMES.get(k, f"simplex{k}")
+
+
+def counted(count: int, name: str) -> str:
+    """In words: "1 triangle", "12 triangles", "5 tetrahedra", "3 4-simplices"."""
+    if name.startswith("simplex"):
+        return f"{count} {name[7:]}-simplex" if count == 1 else f"{count} {name[7:]}-simplices"
+    word = {"tetra": "tetrahedron"}.get(name, name)
+    if count == 1:
+        return f"1 {word}"
+    return f"{count} {word.removesuffix('on') + 'a' if word.endswith('hedron') else word + 's'}"
 
 
 def simplex_dimension(name: str) -> int | None:

@@ -15,7 +15,15 @@ import numpy as np
 
 from . import simplex, topology
 from .arrays import as_points, frozen
-from .cells import as_cells, cell_dimension, incident_edges, incident_facets, simplex_dimension, simplex_type
+from .cells import (
+    as_cells,
+    cell_dimension,
+    counted,
+    incident_edges,
+    incident_facets,
+    simplex_dimension,
+    simplex_type,
+)
 from .errors import InputError, MeshError
 
 if TYPE_CHECKING:
@@ -345,7 +353,7 @@ class Mesh:
         return self.size
 
     def __repr__(self) -> str:
-        kinds = ", ".join(f"{len(block)} {name}" for name, block in self.cells.items())
+        kinds = ", ".join(counted(len(block), name) for name, block in self.cells.items())
         extra = f", {len(self.duplicates)} duplicates" if len(self.duplicates) else ""
         return f"<Mesh: {len(self.points)} points, {kinds} in {self.points.shape[1]}D{extra}>"
 
