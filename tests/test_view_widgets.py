@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from unstruct import InputError, view
 from unstruct.plain import predicates as plain
-from unstruct.view import states, widgets
+from unstruct.view import states
 from unstruct.view.proofs import cavity_proof_drag, star_proof_drag
 from unstruct.view.states import CIRCLES, FADES, INSERTIONS, SITES
 
@@ -229,7 +229,6 @@ def test_stepped_shells_hold_all_presets_and_need_no_kernel():
     panel = view.voronoi_dual()
     assert [v["name"] for v in panel.player.variants] == list(SITES) and not panel.controls
     assert all(len(v["frames"]) == FADES and v["start"] == FADES // 2 for v in panel.player.variants)
-    assert panel.player.note == "" and widgets.ALIVE == view.empty_circle().player.note
     panel = view.bowyer_watson()
     assert [len(v["frames"]) for v in panel.player.variants] == [
         len(view.bowyer_watson_history(n)) for n in INSERTIONS

@@ -138,7 +138,6 @@ function build(el, id) {
     <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
     <div class="unstruct-number" aria-live="polite"></div>
     <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
-    <div class="unstruct-note"></div>
   </div>`;
   const root = el.querySelector(".unstruct-player");
   root.id = id;
@@ -188,7 +187,6 @@ function render({ model, el }) {
     svg.querySelector("g").innerHTML = frame.items.map((i) => draw(i, styles, to, unit, [width, height], id)).join("");
     part(".unstruct-caption").textContent = frame.caption;
     part(".unstruct-number").textContent = frame.number;
-    part(".unstruct-note").textContent = model.get("note");
     root.setAttribute("aria-label", model.get("alt"));
     svg.setAttribute("aria-label", `${model.get("alt")} Step ${at() + 1} of ${count()}: ${frame.caption} ${frame.number}`);
     choice.selectedIndex = model.get("variant");
@@ -274,7 +272,7 @@ function render({ model, el }) {
     go(told().start ?? 0); // another history is shown from its own start
   };
   model.on("change:variant", turn);
-  const changes = ["frames", "index", "view", "alt", "variant", "variants", "note"].map((name) => `change:${name}`);
+  const changes = ["frames", "index", "view", "alt", "variant", "variants"].map((name) => `change:${name}`);
   for (const change of changes) model.on(change, paint);
   model.on("change:variants", offer);
   offer();

@@ -36,8 +36,6 @@ class Player(anywidget.AnyWidget):
         Several histories, each ``{"name": …, "frames": …, "view": …, "start": …}``, instead of one.
     variant : int
         Which of them is shown.
-    note : str
-        A sentence below the picture.
     dragged : dict
         The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
     """
@@ -53,7 +51,6 @@ class Player(anywidget.AnyWidget):
     interval = traitlets.Int(900).tag(sync=True)
     variants: Any = traitlets.List().tag(sync=True)
     variant = traitlets.Int(0).tag(sync=True)
-    note = traitlets.Unicode().tag(sync=True)
     styles = traitlets.Dict().tag(sync=True)
     dragged = traitlets.Dict().tag(sync=True)
 

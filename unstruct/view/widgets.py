@@ -35,7 +35,6 @@ __all__ = [
     "voronoi_dual",
 ]
 
-ALIVE = "In a running notebook, sliders and points move this picture."
 WIDE = {"description_width": "110px"}
 WIDTH = "420px"
 
@@ -168,7 +167,6 @@ def _live(
         return {name: control.value for name, control in controls.items()}
 
     picture = player([state(**values())], alt=alt)
-    picture.note = ALIVE
     busy = [False]  # while several controls move at once, one frame is enough
 
     def show(_: Any = None) -> None:
