@@ -24,7 +24,9 @@ def kernel(function: Callable) -> Any:
     """Compile a module-level function on first call, and cache the machine code on disk."""
     if numba is None:
         return function
-    return _stamped(numba.njit(cache=True)(function))
+    # said outright: numba lets an option that is not set be inherited from whoever calls it first, and then
+    # the whole exact stage would be copied into every place where an inlined predicate stands
+    return _stamped(numba.njit(cache=True, forceinline=False)(function))
 
 
 def inline(function: Callable) -> Any:
