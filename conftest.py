@@ -18,7 +18,9 @@ settings.load_profile("repeatable")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if config.option.nbval_sanitize_with is None:  # a relative name in addopts would depend on the folder
+    if (
+        getattr(config.option, "nbval_sanitize_with", "") is None
+    ):  # a relative name in addopts would depend on the folder
         config.option.nbval_sanitize_with = str(ROOT / "book" / "nbval_sanitize.cfg")
 
 
