@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import kernel
-from ..predicates import orient2, orient3
+from ..predicates import orient2, orient3, orient_at
 from .insertion_n import exact_integers, independent_rows
 
 
@@ -53,6 +53,9 @@ def first_simplex(rows: NDArray[np.float64], *, compiled: bool) -> list[int]:
     """
     if not compiled:
         return independent_rows(exact_integers(rows, 0)[0], rows.shape[1])
+    corners = np.arange(rows.shape[1] + 1)
+    if len(rows) >= len(corners) and orient_at(rows, corners) != 0:
+        return corners.tolist()
     found = [0, int(_not_equal(rows, 1))]
     if found[-1] >= 0:
         found.append(int(_not_collinear(rows, found[1], found[1] + 1)))

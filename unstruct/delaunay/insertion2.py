@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import inline, kernel
-from ..predicates import incircle, orient2
+from ..predicates import incircle, orient2, orient_at
 from .compiled import BUSY, COUNT, DONE, LAST, Compiled, grown
 
 GHOST = -1
@@ -47,13 +47,9 @@ def _side(xy, a, b, px, py):
     return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py)
 
 
-@kernel
 def start2(xy, vertex, twin, state):
     """The first triangle, on points 0, 1, 2, and its three ghosts."""
-    counterclockwise = _side(xy, 0, 1, xy[2, 0], xy[2, 1]) > 0
-    vertex[0] = 0
-    vertex[1] = 1 if counterclockwise else 2
-    vertex[2] = 2 if counterclockwise else 1
+    vertex[:3] = (0, 1, 2) if orient_at(xy, np.arange(3)) > 0 else (0, 2, 1)
     for k in range(3):
         ghost = 3 * (1 + k)
         vertex[ghost] = GHOST

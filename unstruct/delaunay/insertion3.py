@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import inline, kernel
-from ..predicates import insphere, orient3
+from ..predicates import insphere, orient3, orient_at
 from .compiled import BUSY, COUNT, DONE, FREE, LAST, STAMP, Compiled, grown
 
 GHOST = -1
@@ -62,13 +62,9 @@ def conflict3(xyz, vertex, across, t, px, py, pz):
     return _ball(xyz, vertex, across[4 * t + 3] >> 2, px, py, pz) > 0
 
 
-@kernel
 def start3(xyz, vertex, across, state):
     """The first tetrahedron, on points 0, 1, 2, 3, and its four ghosts."""
-    for k in range(4):
-        vertex[k] = k
-    if _face_side(xyz, vertex, 0, 3, xyz[3, 0], xyz[3, 1], xyz[3, 2]) < 0:
-        vertex[2], vertex[3] = 3, 2
+    vertex[:4] = (0, 1, 2, 3) if orient_at(xyz, np.arange(4)) > 0 else (0, 1, 3, 2)
     for k in range(4):
         ghost = 4 * (1 + k)
         for j in range(3):

@@ -28,6 +28,12 @@ COMPILED: dict[int, type[Compiled]] = {2: Planar, 3: Spatial}
 FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
 
 
+def _bar(total: int, done: int) -> Any:
+    from tqdm.auto import tqdm
+
+    return tqdm(total=total, initial=done, unit=" points")
+
+
 class Triangulation:
     """A Delaunay triangulation that grows (and, in the plane, shrinks), exact in any dimension.
 
@@ -40,13 +46,6 @@ class Triangulation:
     progress : bool
         Show a bar while inserting.
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, d)
-        All points ever inserted, in the order of insertion; a vertex keeps its number for ever.
-    spans : bool
-        Whether the points span the space. As long as they do not, they are held and there are no cells.
-
     Raises
     ------
     InputError
@@ -54,12 +53,12 @@ class Triangulation:
 
     Notes
     -----
-    Expected O(1) a point after the walk, O(log n) with it and below in practice, for points in general
-    position in batches; exact ties are decided by the order of insertion: a point on a sphere counts as
-    outside. Two dimensions and three are compiled; others, and coordinates whose exponents span more than a
-    double can be scaled over, take integer arithmetic. An interrupt (Ctrl-C) is heard within a second;
-    no point is lost: what is not yet inserted will be at the next call. Sources: A. Bowyer (1981),
-    D. F. Watson (1981), see `unstruct.plain.bowyer_watson`. Book: 12.2.2, 12.2.4.
+    A batch is inserted along a Hilbert curve, so that a point of a large one costs a constant in practice; a
+    point by itself costs a walk, O(n^(1/d)) cells. Ties are decided by the order of insertion: a point on a
+    sphere counts as outside. Two dimensions and three are compiled; others, and coordinates whose exponents
+    span more than one scale can serve, take integer arithmetic. An interrupt (Ctrl-C) is heard within a
+    second and loses nothing: what is not inserted yet will be at the next call. Sources: A. Bowyer, The
+    Computer Journal 24 (1981) 162-166; D. F. Watson, ibid. 167-172. Book: 12.2.2, 12.2.4.
     """
 
     def __init__(
@@ -92,10 +91,12 @@ class Triangulation:
 
     @property
     def points(self) -> NDArray[np.float64]:
+        """All points ever inserted, (n, d), in the order of insertion; a vertex keeps its number for ever."""
         return self._rows[: self._size].copy()
 
     @property
     def spans(self) -> bool:
+        """Whether the points span the space. As long as they do not, they are held and there are no cells."""
         self._update(False)
         return self._engine is not None
 
@@ -144,13 +145,16 @@ class Triangulation:
         engine = self._engine
         if engine is None or engine.done == engine.size:
             return
-        from tqdm.auto import tqdm
-
-        with tqdm(total=engine.size, initial=engine.done, unit="points", disable=not progress) as bar:
+        bar = _bar(engine.size, engine.done) if progress else None
+        try:
             while engine.done < engine.size:
                 before = engine.done
                 engine.advance()
-                bar.update(engine.done - before)
+                if bar is not None:
+                    bar.update(engine.done - before)
+        finally:
+            if bar is not None:
+                bar.close()
 
     def _start(self, exact: bool) -> None:
         """Find a first simplex among all points, and hand them to an engine."""
@@ -285,14 +289,13 @@ class Triangulation:
         rows = self._queries(x)
         result = np.full(len(rows), -1, dtype=np.int32)
         if self.spans:
-            mesh = self.mesh()
+            self.mesh()  # numbers the cells
             for i, row in enumerate(rows):
                 scaled = self._scaled(row)
                 if scaled is None:
                     result[i] = self._locate_exactly(row)
                 elif isinstance(self._engine, General) or np.abs(scaled).max() <= 1.0:
                     result[i] = self._number[self._engine.locate(scaled)]  # type: ignore[union-attr]
-            del mesh
         return int(result[0]) if np.ndim(x) == 1 else result
 
     def _locate_exactly(self, x: NDArray[np.float64]) -> int:
