@@ -122,7 +122,9 @@ def png(figure: Figure) -> bytes:
     full = io.BytesIO()
     figure.savefig(full, format="png", bbox_inches="tight", pad_inches=0.06, **PNG)
     with Image.open(full) as picture:
-        few = picture.convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        few = picture.convert("RGB").quantize(
+            256, Image.Quantize.MEDIANCUT, kmeans=1, dither=Image.Dither.NONE
+        )
     small = io.BytesIO()
     few.save(small, format="png", optimize=True)
     return small.getvalue()
