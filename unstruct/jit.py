@@ -14,10 +14,16 @@ from typing import Any
 try:
     import numba
     from numba.core.dispatcher import Dispatcher
+    from numba.core.registry import cpu_target
 except ImportError:  # the kernels then run as plain Python
     numba = None  # type: ignore[assignment]
 
 __all__ = ["inline", "kernel"]
+
+if numba is not None and not getattr(numba.config, "DISABLE_JIT", False):
+    # numba learns its own functions before the first compiled call: now, and not within somebody's first call
+    cpu_target.typing_context.refresh()
+    cpu_target.target_context.refresh()
 
 
 def kernel(function: Callable) -> Any:
