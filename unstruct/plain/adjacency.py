@@ -46,7 +46,7 @@ def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[i
     """The cells on the way from ``start`` to the one that holds q; -1 at the end where the mesh ends.
 
     Crosses any facet that has q strictly on its other side. In a Delaunay mesh no cell comes twice (the
-    power of q with respect to the circumspheres falls at each step); elsewhere a walk may go in circles.
+    power of q with respect to the circumspheres falls, ties apart); elsewhere a walk may go in circles.
     """
     path = [start]
     while path[-1] >= 0 and path.count(path[-1]) == 1:
