@@ -128,161 +128,200 @@ function arc(cx, cy, r, [width, height]) {
   return `M${points.join("L")}`;
 }
 
+const BUTTONS = ["first", "back", "play", "next", "last"];
+const KEYS = { ArrowLeft: "back", ArrowRight: "next", Home: "first", End: "last", " ": "play" };
+const SEEN = ["frames", "index", "view", "alt", "variant", "variants"];
+
 function build(el, id) {
-  const bar = ["first", "back", "play", "next", "last"]
-    .map((name) => `<button type="button" data-do="${name}" aria-label="${name}" title="${name}"><svg viewBox="0 0 12 12"><path d="${ICONS[name]}"/></svg></button>`)
-    .join("");
-  el.innerHTML = `<div class="unstruct-player" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
+  const bar = BUTTONS.map(
+    (name) => `<button type="button" data-do="${name}" aria-label="${name}" title="${name}">
+      <svg viewBox="0 0 12 12"><path d="${ICONS[name]}"/></svg></button>`,
+  ).join("");
+  el.innerHTML = `<div id="${id}" class="unstruct-player" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
     <label class="unstruct-choice">preset <select></select></label>
     <div class="unstruct-caption" aria-live="polite"></div>
     <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
     <div class="unstruct-number" aria-live="polite"></div>
     <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
   </div>`;
-  const root = el.querySelector(".unstruct-player");
-  root.id = id;
-  return root;
+  return el.querySelector(".unstruct-player");
 }
 
-function render({ model, el }) {
-  const id = `unstruct-player-${(players += 1)}-${Math.floor(performance.now())}`;
-  const root = build(el, id);
-  const part = (name) => root.querySelector(name);
-  const [svg, slider] = [part(".unstruct-picture"), part("input")];
-  let timer = null;
-  let grabbed = null;
-
-  // one history, or one of several
-  const told = () => model.get("variants")[model.get("variant")] ?? { frames: model.get("frames"), view: model.get("view") };
-  const count = () => told().frames.length;
-  const at = () => Math.min(Math.max(model.get("index"), 0), count() - 1);
-  const size = () => {
-    const [x0, x1, y0, y1] = told().view;
-    const width = Math.min(model.get("width"), (model.get("height") * (x1 - x0)) / (y1 - y0));
-    return [width, (width * (y1 - y0)) / (x1 - x0)];
-  };
-
-  // Several histories are chosen here, not by a widget of their own: that would need a kernel.
-  const choice = part("select");
-  function offer() {
-    choice.replaceChildren(...model.get("variants").map(({ name }) => new Option(name)));
-    part(".unstruct-choice").hidden = choice.length === 0;
+class Player {
+  constructor(model, el) {
+    this.model = model;
+    this.id = `unstruct-player-${(players += 1)}-${Math.floor(performance.now())}`;
+    this.root = build(el, this.id);
+    [this.svg, this.slider, this.choice] = [".unstruct-picture", "input", "select"].map((name) => this.part(name));
+    this.timer = null;
+    this.listenToButtons();
+    this.listenToKeys();
+    this.listenToDrags();
+    this.heard = [
+      ["change:variant", () => this.begin()],
+      ["change:variants", () => this.offer()],
+      ...SEEN.map((name) => [`change:${name}`, () => this.paint()]),
+    ];
+    for (const [event, call] of this.heard) model.on(event, call);
+    this.offer();
+    this.paint();
   }
-  choice.addEventListener("change", () => {
-    model.set("variant", choice.selectedIndex);
-    model.save_changes();
-  });
 
-  function paint() {
-    const frame = told().frames[at()];
-    const [x0, x1, , y1] = told().view;
-    const [width, height] = size();
+  part(name) {
+    return this.root.querySelector(name);
+  }
+
+  // ---- what is shown
+
+  get told() {
+    const { model } = this; // one history, or one of several
+    return model.get("variants")[model.get("variant")] ?? { frames: model.get("frames"), view: model.get("view") };
+  }
+  get count() {
+    return this.told.frames.length;
+  }
+  get index() {
+    return Math.min(Math.max(this.model.get("index"), 0), this.count - 1);
+  }
+
+  paint() {
+    const { model, svg, index, count } = this;
+    const frame = this.told.frames[index];
+    const [x0, x1, y0, y1] = this.told.view;
+    const width = Math.min(model.get("width"), (model.get("height") * (x1 - x0)) / (y1 - y0));
     const unit = width / (x1 - x0);
+    const size = [width, unit * (y1 - y0)];
     const to = ([x, y]) => [(x - x0) * unit, (y1 - y) * unit];
     const styles = model.get("styles");
-    svg.setAttribute("viewBox", `0 0 ${n(width)} ${n(height)}`);
+    svg.setAttribute("viewBox", `0 0 ${size.map(n).join(" ")}`);
     svg.style.width = `${n(width)}px`;
-    root.style.width = `${n(Math.max(width, 330) + 10)}px`; // nothing moves when captions change
-    svg.querySelector("defs").innerHTML = hatches(styles, id);
-    svg.querySelector("g").innerHTML = frame.items.map((i) => draw(i, styles, to, unit, [width, height], id)).join("");
-    part(".unstruct-caption").textContent = frame.caption;
-    part(".unstruct-number").textContent = frame.number;
-    root.setAttribute("aria-label", model.get("alt"));
-    svg.setAttribute("aria-label", `${model.get("alt")} Step ${at() + 1} of ${count()}: ${frame.caption} ${frame.number}`);
-    choice.selectedIndex = model.get("variant");
-    slider.max = count() - 1;
-    slider.value = at();
-    part("output").textContent = `${at() + 1}/${count()}`;
-    part(".unstruct-bar").hidden = count() < 2;
-    for (const name of ["first", "back"]) part(`[data-do=${name}]`).disabled = at() === 0;
-    for (const name of ["next", "last"]) part(`[data-do=${name}]`).disabled = at() === count() - 1;
+    this.root.style.width = `${n(Math.max(width, 330) + 10)}px`; // nothing moves when captions change
+    svg.querySelector("defs").innerHTML = hatches(styles, this.id);
+    svg.querySelector("g").innerHTML = frame.items.map((i) => draw(i, styles, to, unit, size, this.id)).join("");
+    this.part(".unstruct-caption").textContent = frame.caption;
+    this.part(".unstruct-number").textContent = frame.number;
+    const where = `Step ${index + 1} of ${count}: ${frame.caption} ${frame.number}`;
+    this.root.setAttribute("aria-label", model.get("alt"));
+    svg.setAttribute("aria-label", `${model.get("alt")} ${where}`);
+    this.tell();
   }
 
-  function go(index) {
-    model.set("index", Math.min(Math.max(index, 0), count() - 1));
-    model.save_changes();
+  tell() {
+    const { index, count } = this;
+    this.choice.selectedIndex = this.model.get("variant");
+    this.slider.max = count - 1;
+    this.slider.value = index;
+    this.part("output").textContent = `${index + 1}/${count}`;
+    this.part(".unstruct-bar").hidden = count < 2;
+    for (const name of ["first", "back"]) this.part(`[data-do=${name}]`).disabled = index === 0;
+    for (const name of ["next", "last"]) this.part(`[data-do=${name}]`).disabled = index === count - 1;
   }
-  function label(name) {
-    const button = part("[data-do=play]");
+
+  // Several histories are chosen here, not by a widget of their own: that would need a kernel.
+  offer() {
+    this.choice.replaceChildren(...this.model.get("variants").map(({ name }) => new Option(name)));
+    this.part(".unstruct-choice").hidden = this.choice.length === 0;
+  }
+
+  // ---- how it moves
+
+  change(name, value) {
+    this.model.set(name, value);
+    this.model.save_changes();
+  }
+  go(index) {
+    this.change("index", Math.min(Math.max(index, 0), this.count - 1));
+  }
+  begin() {
+    this.stop();
+    this.go(this.told.start ?? 0); // another history is shown from its own start
+  }
+  label(name) {
+    const button = this.part("[data-do=play]");
     button.querySelector("path").setAttribute("d", ICONS[name]);
     button.setAttribute("aria-label", name);
     button.title = name;
   }
-  function stop() {
-    clearInterval(timer);
-    timer = null;
-    label("play");
+  stop() {
+    clearInterval(this.timer);
+    this.timer = null;
+    this.label("play");
   }
-  function play() {
-    if (timer !== null) return stop();
-    if (at() === count() - 1) go(0);
-    label("pause");
-    timer = setInterval(() => (at() < count() - 1 ? go(at() + 1) : stop()), model.get("interval"));
+  play() {
+    if (this.timer !== null) return this.stop();
+    if (this.index === this.count - 1) this.go(0);
+    this.label("pause");
+    const step = () => (this.index < this.count - 1 ? this.go(this.index + 1) : this.stop());
+    this.timer = setInterval(step, this.model.get("interval"));
   }
-  const acts = { first: () => go(0), back: () => go(at() - 1), play, next: () => go(at() + 1), last: () => go(count() - 1) };
-  const keys = { ArrowLeft: "back", ArrowRight: "next", Home: "first", End: "last", " ": "play" };
+  act(name) {
+    if (name === "play") return this.play();
+    this.stop();
+    this.go({ first: 0, back: this.index - 1, next: this.index + 1, last: this.count - 1 }[name]);
+  }
 
-  root.addEventListener("click", (event) => {
-    const name = event.target.closest("button")?.dataset.do;
-    if (!name) return;
-    if (name !== "play") stop();
-    acts[name]();
-  });
-  slider.addEventListener("input", () => {
-    stop();
-    go(Number(slider.value));
-  });
-  root.addEventListener("keydown", (event) => {
-    const name = keys[event.key];
-    const own = event.target === slider || event.target === choice || (event.key === " " && event.target.closest("button"));
-    if (!name || own || count() < 2) return; // the slider and the buttons know these keys themselves
-    event.preventDefault();
-    if (name !== "play") stop();
-    acts[name]();
-  });
+  // ---- what it listens to
+
+  listenToButtons() {
+    this.root.addEventListener("click", (event) => {
+      const name = event.target.closest("button")?.dataset.do;
+      if (name) this.act(name);
+    });
+    this.slider.addEventListener("input", () => {
+      this.stop();
+      this.go(Number(this.slider.value));
+    });
+    this.choice.addEventListener("change", () => this.change("variant", this.choice.selectedIndex));
+  }
+
+  listenToKeys() {
+    this.root.addEventListener("keydown", (event) => {
+      const name = KEYS[event.key];
+      const own = event.target === this.slider || event.target === this.choice;
+      if (!name || own || this.count < 2) return; // sliders and choices know these keys themselves
+      if (event.key === " " && event.target.closest("button")) return; // and so do buttons
+      event.preventDefault();
+      this.act(name);
+    });
+  }
 
   // Points with handles can be dragged; Python answers with new frames.
-  const where = (event) => {
-    const [x0, x1, , y1] = told().view;
-    const box = svg.getBoundingClientRect();
+  listenToDrags() {
+    let [grabbed, waiting] = [null, false];
+    this.svg.addEventListener("pointerdown", (event) => {
+      grabbed = event.target.dataset?.handle ?? null;
+      if (grabbed === null) return;
+      event.preventDefault();
+      this.svg.setPointerCapture(event.pointerId);
+    });
+    this.svg.addEventListener("pointermove", (event) => {
+      if (grabbed === null || waiting) return;
+      waiting = true; // one message a picture, not one a pixel
+      const place = { handle: grabbed, ...this.place(event) };
+      requestAnimationFrame(() => {
+        waiting = false;
+        this.change("dragged", place);
+      });
+    });
+    for (const end of ["pointerup", "pointercancel"]) this.svg.addEventListener(end, () => (grabbed = null));
+  }
+
+  place(event) {
+    const [x0, x1, , y1] = this.told.view;
+    const box = this.svg.getBoundingClientRect();
     const unit = box.width / (x1 - x0);
     return { x: x0 + (event.clientX - box.left) / unit, y: y1 - (event.clientY - box.top) / unit };
-  };
-  svg.addEventListener("pointerdown", (event) => {
-    grabbed = event.target.dataset?.handle ?? null;
-    if (grabbed === null) return;
-    event.preventDefault();
-    svg.setPointerCapture(event.pointerId);
-  });
-  let waiting = false;
-  svg.addEventListener("pointermove", (event) => {
-    if (grabbed === null || waiting) return;
-    waiting = true; // one message a picture, not one a pixel
-    const place = { handle: grabbed, ...where(event) };
-    requestAnimationFrame(() => {
-      waiting = false;
-      model.set("dragged", place);
-      model.save_changes();
-    });
-  });
-  for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (grabbed = null));
+  }
 
-  const turn = () => {
-    stop();
-    go(told().start ?? 0); // another history is shown from its own start
-  };
-  model.on("change:variant", turn);
-  const changes = ["frames", "index", "view", "alt", "variant", "variants"].map((name) => `change:${name}`);
-  for (const change of changes) model.on(change, paint);
-  model.on("change:variants", offer);
-  offer();
-  paint();
-  return () => {
-    stop();
-    model.off("change:variant", turn);
-    model.off("change:variants", offer);
-    for (const change of changes) model.off(change, paint);
-  };
+  close() {
+    this.stop();
+    for (const [event, call] of this.heard) this.model.off(event, call);
+  }
 }
 
-export default { render };
+export default {
+  render({ model, el }) {
+    const player = new Player(model, el);
+    return () => player.close();
+  },
+};

@@ -3,7 +3,6 @@
 const SCALE = 96 / 72; // the styles are in points, the picture in pixels
 const THIN = 0.6; // edges of faces, in parts of a role's width: many are seen at once
 const START = ["azimuth", "elevation", "zoom", "explode"];
-let views = 0;
 
 const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -153,8 +152,7 @@ function ball(pen, style, x, y, r, elevation) {
   pen.globalAlpha = alpha;
 }
 
-function render({ model, el }) {
-  const solid = () => model.get("scene").items.some((item) => item.kind === "cells");
+function build(el) {
   el.innerHTML = `<div class="unstruct-player unstruct-space" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
     <div class="unstruct-caption"></div>
     <canvas class="unstruct-picture" role="img"></canvas>
@@ -166,91 +164,123 @@ function render({ model, el }) {
       <label>explode <input type="range" min="0" max="1.5" step="0.05" aria-label="explode"></label>
     </div>
   </div>`;
-  const root = el.querySelector(".unstruct-space");
-  root.id = `unstruct-space-${(views += 1)}`;
-  const canvas = root.querySelector("canvas");
-  const slider = root.querySelector("input");
-  const first = Object.fromEntries(START.map((name) => [name, model.get(name)]));
-  let due = false;
-  let [things, exploded] = [null, 0]; // computed once, not at every turn
-
-  function draw() {
-    due = false;
-    const size = model.get("size");
-    const sharp = window.devicePixelRatio || 1;
-    canvas.width = canvas.height = Math.round(size * sharp);
-    canvas.style.width = `${size}px`;
-    root.style.width = `${Math.max(size, 300) + 10}px`;
-    const pen = canvas.getContext("2d");
-    pen.scale(sharp, sharp);
-    const state = Object.fromEntries(START.map((name) => [name, model.get(name)]));
-    if (things === null || exploded !== state.explode) {
-      exploded = state.explode;
-      things = primitives(model.get("scene"), exploded);
-    }
-    paint(pen, model.get("scene"), things, model.get("styles"), state, size);
-    root.querySelector(".unstruct-caption").textContent = model.get("caption");
-    root.querySelector(".unstruct-number").textContent = model.get("number");
-    root.setAttribute("aria-label", model.get("alt"));
-    canvas.setAttribute("aria-label", `${model.get("alt")} ${model.get("caption")} ${model.get("number")}`.trim());
-    slider.value = state.explode;
-    root.querySelector("label").hidden = !solid();
-  }
-  const later = () => {
-    if (due) return; // many changes, one picture
-    due = true;
-    requestAnimationFrame(draw);
-  };
-  function change(values) {
-    for (const [name, value] of Object.entries(values)) model.set(name, value);
-    model.save_changes();
-  }
-  const turn = (da, de) =>
-    change({
-      azimuth: (((model.get("azimuth") + da) % 360) + 360) % 360,
-      elevation: Math.min(90, Math.max(-90, model.get("elevation") + de)),
-    });
-  const zoom = (by) => change({ zoom: Math.min(8, Math.max(0.3, model.get("zoom") * by)) });
-  const acts = { in: () => zoom(1.25), out: () => zoom(0.8), reset: () => change(first) };
-  const keys = {
-    ArrowLeft: () => turn(6, 0), ArrowRight: () => turn(-6, 0), ArrowUp: () => turn(0, -6), ArrowDown: () => turn(0, 6),
-    "+": acts.in, "=": acts.in, "-": acts.out, Home: acts.reset,
-  };
-
-  root.addEventListener("keydown", (event) => {
-    if (!keys[event.key] || event.target === slider) return;
-    event.preventDefault();
-    keys[event.key]();
-  });
-  root.addEventListener("click", (event) => acts[event.target.closest("button")?.dataset.do]?.());
-  slider.addEventListener("input", () => change({ explode: Number(slider.value) }));
-  let from = null;
-  canvas.addEventListener("pointerdown", (event) => {
-    from = [event.clientX, event.clientY];
-    canvas.setPointerCapture(event.pointerId);
-    root.focus({ preventScroll: true });
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (from === null) return;
-    turn((from[0] - event.clientX) * 0.5, (event.clientY - from[1]) * 0.5);
-    from = [event.clientX, event.clientY];
-  });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (from = null));
-  canvas.addEventListener("wheel", (event) => {
-    if (document.activeElement !== root) return; // a page must scroll past
-    event.preventDefault();
-    zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
-  });
-
-  const changes = [...START, "scene", "caption", "number", "alt", "size"].map((name) => `change:${name}`);
-  const forget = () => (things = null);
-  model.on("change:scene", forget);
-  for (const name of changes) model.on(name, later);
-  draw();
-  return () => {
-    model.off("change:scene", forget);
-    for (const name of changes) model.off(name, later);
-  };
+  return el.querySelector(".unstruct-space");
 }
 
-export default { render };
+class View {
+  constructor(model, el) {
+    this.model = model;
+    this.root = build(el);
+    [this.canvas, this.slider] = ["canvas", "input"].map((name) => this.root.querySelector(name));
+    this.first = this.state; // what reset goes back to
+    this.things = null; // computed once, not at every turn
+    this.due = false;
+    this.listenToKeys();
+    this.listenToPointer();
+    this.heard = [
+      ["change:scene", () => (this.things = null)],
+      ...[...START, "scene", "caption", "number", "alt", "size"].map((name) => [`change:${name}`, () => this.later()]),
+    ];
+    for (const [event, call] of this.heard) model.on(event, call);
+    this.draw();
+  }
+
+  get state() {
+    return Object.fromEntries(START.map((name) => [name, this.model.get(name)]));
+  }
+
+  later() {
+    if (this.due) return; // many changes, one picture
+    this.due = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    this.due = false;
+    const { model, canvas, state } = this;
+    const [scene, size, sharp] = [model.get("scene"), model.get("size"), window.devicePixelRatio || 1];
+    canvas.width = canvas.height = Math.round(size * sharp);
+    canvas.style.width = `${size}px`;
+    this.root.style.width = `${Math.max(size, 300) + 10}px`;
+    if (this.things === null || this.exploded !== state.explode) {
+      this.exploded = state.explode;
+      this.things = primitives(scene, state.explode);
+    }
+    const pen = canvas.getContext("2d");
+    pen.scale(sharp, sharp);
+    paint(pen, scene, this.things, model.get("styles"), state, size);
+    const [alt, caption, number] = ["alt", "caption", "number"].map((name) => model.get(name));
+    this.root.querySelector(".unstruct-caption").textContent = caption;
+    this.root.querySelector(".unstruct-number").textContent = number;
+    this.root.setAttribute("aria-label", alt);
+    canvas.setAttribute("aria-label", `${alt} ${caption} ${number}`.trim());
+    this.slider.value = state.explode;
+    this.root.querySelector("label").hidden = !scene.items.some((item) => item.kind === "cells");
+  }
+
+  change(values) {
+    for (const [name, value] of Object.entries(values)) this.model.set(name, value);
+    this.model.save_changes();
+  }
+  turn(across, up) {
+    const { azimuth, elevation } = this.state;
+    const around = (((azimuth + across) % 360) + 360) % 360;
+    this.change({ azimuth: around, elevation: Math.min(90, Math.max(-90, elevation + up)) });
+  }
+  zoom(by) {
+    this.change({ zoom: Math.min(8, Math.max(0.3, this.state.zoom * by)) });
+  }
+
+  listenToKeys() {
+    const acts = { in: () => this.zoom(1.25), out: () => this.zoom(0.8), reset: () => this.change(this.first) };
+    const keys = {
+      ArrowLeft: () => this.turn(6, 0),
+      ArrowRight: () => this.turn(-6, 0),
+      ArrowUp: () => this.turn(0, -6),
+      ArrowDown: () => this.turn(0, 6),
+      "+": acts.in,
+      "=": acts.in,
+      "-": acts.out,
+      Home: acts.reset,
+    };
+    this.root.addEventListener("keydown", (event) => {
+      if (!keys[event.key] || event.target === this.slider) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+    this.root.addEventListener("click", (event) => acts[event.target.closest("button")?.dataset.do]?.());
+    this.slider.addEventListener("input", () => this.change({ explode: Number(this.slider.value) }));
+  }
+
+  listenToPointer() {
+    const { canvas } = this;
+    let from = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      from = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+      this.root.focus({ preventScroll: true });
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (from === null) return;
+      this.turn((from[0] - event.clientX) * 0.5, (event.clientY - from[1]) * 0.5);
+      from = [event.clientX, event.clientY];
+    });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (from = null));
+    canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== this.root) return; // a page must scroll past
+      event.preventDefault();
+      this.zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
+    });
+  }
+
+  close() {
+    for (const [event, call] of this.heard) this.model.off(event, call);
+  }
+}
+
+export default {
+  render({ model, el }) {
+    const view = new View(model, el);
+    return () => view.close();
+  },
+};
