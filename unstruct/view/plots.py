@@ -14,9 +14,9 @@ from matplotlib.transforms import ScaledTranslation
 from ..errors import InputError
 from ..simplex import circumcenter, circumradius
 from . import frames as fr
-from .colors import PAPER, ROLES, line_style
+from .colors import PAPER, line_style
 from .colors import role as style_of
-from .strips import draw_items, fit, flat_axes
+from .strips import draw_items, fit, flat_axes, marks
 
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
@@ -85,18 +85,7 @@ def plot(
             drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
     if vertices or (vertices is None and len(used) <= MANY):
-        small = 1.0 if len(used) <= 60 else 0.6
-        style = ROLES["vertex"]
-        ax.plot(
-            *points[used].T,
-            linestyle="none",
-            marker=style.marker,
-            markersize=small * style.size,
-            color=style.color,
-            markeredgecolor=PAPER,
-            markeredgewidth=0.4,
-            zorder=5,
-        )
+        marks(ax, points[used], "vertex", z=5, scale=1.0 if len(used) <= 60 else 0.6)
     if names:
         draw_items(ax, [fr.labels("vertex", points[used], used)])
     fit(ax, points)

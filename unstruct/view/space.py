@@ -24,7 +24,7 @@ from matplotlib.colors import Normalize, to_hex, to_rgb
 from ..errors import InputError
 from .colors import line_style, styles
 from .colors import role as style_of
-from .strips import fit, flat_axes
+from .strips import fit, flat_axes, marks
 from .strips import label as write_label
 
 __all__ = ["Space", "item3", "mesh_items3", "picture", "view3d"]
@@ -316,17 +316,7 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
     elif kind == "segments":
         ax.add_collection(LineCollection(flat, alpha=opacity, zorder=z, **line))
     elif kind == "points":
-        ax.plot(
-            *np.concatenate(flat).T,
-            linestyle="none",
-            marker=style.marker,
-            markersize=style.size,
-            zorder=z,
-            color=style.color,
-            markeredgecolor="white",
-            markeredgewidth=0.4,
-            alpha=opacity,
-        )
+        marks(ax, np.concatenate(flat), item["role"], z, opacity)
     elif kind == "labels":
         for place, thing in zip(np.concatenate(flat), things):
             write_label(ax, place, thing[4], style.color, opacity, z)

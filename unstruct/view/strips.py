@@ -17,7 +17,7 @@ from ..errors import InputError
 from . import frames as fr
 from .colors import PAPER, ROLES, line_style, role
 
-__all__ = ["draw", "draw_items", "fit", "flat_axes", "label", "strip"]
+__all__ = ["draw", "draw_items", "fit", "flat_axes", "label", "marks", "strip"]
 
 CIRCLE = 0.06  # opacity inside circles, at most: they overlap
 HALO = [patheffects.Stroke(linewidth=2.2, foreground=PAPER)]
@@ -30,19 +30,7 @@ def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
         if not data:
             continue
         if item["kind"] == "points":
-            xy = np.asarray(data)
-            ax.plot(
-                xy[:, 0],
-                xy[:, 1],
-                linestyle="none",
-                marker=style.marker,
-                markersize=style.size,
-                zorder=z,
-                color=style.color,
-                markeredgecolor=PAPER,
-                markeredgewidth=0.4,
-                alpha=opacity,
-            )
+            marks(ax, np.asarray(data), item["role"], z, opacity)
         elif item["kind"] == "labels":
             for place, text in zip(data, item["text"]):
                 label(ax, place, text, style.color, opacity, z + 30)
@@ -50,6 +38,24 @@ def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
             ax.add_collection(LineCollection(data, zorder=z, alpha=opacity, **line_style(item["role"])))
         else:
             _shapes(ax, item, z)
+
+
+def marks(
+    ax: Axes, points: np.ndarray, name: str, z: float, opacity: float = 1.0, scale: float = 1.0
+) -> None:
+    """The markers of a role, thinly edged with paper so that they part from lines below."""
+    style = role(name)
+    ax.plot(
+        *points.T,
+        linestyle="none",
+        marker=style.marker,
+        markersize=scale * style.size,
+        color=style.color,
+        markeredgecolor=PAPER,
+        markeredgewidth=0.4,
+        alpha=opacity,
+        zorder=z,
+    )
 
 
 def label(ax: Axes, place: Sequence[float], text: str, color: str, opacity: float, z: float) -> None:
