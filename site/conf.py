@@ -42,6 +42,7 @@ html_css_files = ["book.css"]
 html_js_files = [("scripts.js", {"defer": "defer"}), ("widgets.js", {"defer": "defer"})]
 html_show_sourcelink = False
 html_copy_source = False
+html_show_search_summary = False  # it would fetch pages, which a browser forbids when they lie on a disk
 html_context = {"default_mode": "auto"}
 html_theme_options = {
     "navbar_persistent": [],

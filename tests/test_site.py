@@ -78,9 +78,8 @@ def test_search_mathematics_and_dark_mode(site: Path) -> None:
     assert "circumcent" in (site / "searchindex.js").read_text(encoding="utf-8")
     front = (site / "index.html").read_text(encoding="utf-8")
     assert "theme-switch" in front
-    with_mathematics = [
-        p for p in site.glob("2*.html") if "math notranslate" in p.read_text(encoding="utf-8")
-    ]
+    texts = [page.read_text(encoding="utf-8") for page in site.glob("2*.html")]
+    with_mathematics = [text for text in texts if "math notranslate" in text]
     assert with_mathematics
     assert all("tex-svg.js" in text for text in with_mathematics)
 
