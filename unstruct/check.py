@@ -81,11 +81,9 @@ def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None
         return report
     if brute is None:
         brute = len(mesh.points) * mesh.size <= SMALL
-    fans = None
-    if manifold and mesh.dimension > 1:
-        fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors)
+    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
     locally_well = fans is None or _local_overlap(fans, report)
-    if delaunay is True:
+    if delaunay is True and manifold:
         _hull(mesh, fans, report)
     elif locally_well:
         _overlap(mesh, report, everything=brute)
