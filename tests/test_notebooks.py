@@ -158,7 +158,7 @@ def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
     names = [*project["dependencies"], *project["optional-dependencies"]["book"]]
     installed = {re.split(r"[<>=\[ ]", name)[0].replace("-", "_") for name in names}
     allowed = installed | set(sys.stdlib_module_names)
-    allowed |= {"unstruct", "claims", "IPython", "mpl_toolkits", "traitlets"}
+    allowed |= {"unstruct", "claims", "benchmarks", "IPython", "mpl_toolkits", "traitlets"}
     for cell in code_cells(path):
         for node in ast.walk(ast.parse(without_magics(cell.source))):
             modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []

@@ -49,3 +49,11 @@ def test_the_cover_is_a_picture() -> None:
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     width, height = struct.unpack(">II", data[16:24])
     assert 600 <= width <= 1600 and 200 <= height <= 900 and len(data) < 400_000
+
+
+def test_the_table_of_speed_is_the_measured_one() -> None:
+    from benchmarks.readme import BLOCK, speed
+
+    blocks = BLOCK.findall(README)
+    assert len(blocks) == 1
+    assert BLOCK.search(README)[0] == blocks[0][0] + speed() + blocks[0][1], "run python -m benchmarks.readme"
