@@ -43,16 +43,16 @@ function primitives(scene, explode) {
         const moved = corners.map((c) => c.map((v, k) => v + shift[k]));
         for (const ends of FACES) face(item, ends.map((k) => moved[k]), color, mean(moved));
       } else if (item.kind === "polygons") face(item, row.map(at), color);
-      else if (item.kind === "segments") add(item, "segments", row.map(at), 0.01);
-      else if (item.kind === "points") add(item, "points", [row], 0.03);
-      else if (item.kind === "labels") add(item, "labels", [row], 0.04, { text: item.text[j] });
+      else if (item.kind === "segments") add(item, "segments", row.map(at), 0.05);
+      else if (item.kind === "points") add(item, "points", [row], 0.45);
+      else if (item.kind === "labels") add(item, "labels", [row], 10, { text: item.text[j] });
       else add(item, "spheres", [row.slice(0, 3)], 9, { r: row[3] });
     });
   }
   return made;
 }
 
-// What can be seen, from back to front: the faces of a solid cell that look away are hidden by it.
+// What can be seen, from back to front (names last, over all): the faces of a solid cell that look away are hidden by it.
 function ordered(things, toward) {
   const seen = things.filter((thing) => !thing.solid || dot(thing.normal, toward) > 0);
   for (const thing of seen) thing.depth = dot(thing.middle, toward) + thing.lift;

@@ -275,7 +275,8 @@ def _things(
 ) -> list[tuple]:
     """What is drawn: ``(depth, item, kind, corners, extra)``."""
     things: list[tuple] = []
-    lift = {"segments": 0.01, "points": 0.03, "labels": 0.04, "spheres": 9.0}
+    # in radii: faces are ordered by their middles, so that corners and edges need a start
+    lift = {"segments": 0.05, "points": 0.45, "spheres": 9.0, "labels": 10.0}
     for item in items:
         points = np.reshape(item["points"], (-1, 3))
         for j, row in enumerate(item["data"]):
