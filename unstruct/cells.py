@@ -93,7 +93,7 @@ def cell_dimension(name: str) -> int:
     )
 
 
-def as_cells(cells: Mapping[str, Sequence], vertices: int) -> dict[str, Any]:
+def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
     """Validate a dictionary kind -> rows of vertex numbers; "polygon" may be ragged (a list of arrays)."""
     if not cells:
         raise InputError("cells is empty: give at least one kind, for example {'triangle': array}")

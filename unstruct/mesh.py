@@ -5,7 +5,7 @@ See the book, chapter 1.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from math import fsum
 from pathlib import Path
@@ -75,7 +75,7 @@ class Mesh:
         origin: Any = None,
         duplicates: Any = None,
         markers: Mapping[str, Any] | None = None,
-        cells: Mapping[str, Sequence] | None = None,
+        cells: Mapping[str, Any] | None = None,
     ):
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
