@@ -45,9 +45,12 @@ def _picture(mesh: Mesh) -> str:
 def _segments(mesh: Mesh) -> tuple[np.ndarray, int]:
     """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
     cells = [row for block in mesh.cells.values() for row in block]
+    pairs: set[tuple[int, int]] = set()
     if len(cells) > MOST:
         cells = [cells[i] for i in np.linspace(0, len(cells) - 1, MOST).astype(int)]
-    pairs = set()
+        if mesh.is_simplicial and mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
+            outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST)]
+            pairs |= {(min(a, b), max(a, b)) for a, b in outline.tolist()}
     for row in cells:
         pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(row.tolist(), mesh)}
     ends = _project(mesh.points)[np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)]
