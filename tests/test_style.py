@@ -22,7 +22,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 FLOORS = {
     **dict.fromkeys(["errors", "jit"], 0),
     **dict.fromkeys(
-        ["arrays", "edge_vectors", "exact", "filters", "simplex", "topology", "ordering", "report"], 1
+        ["arrays", "edge_vectors", "close", "exact", "filters", "simplex", "topology", "ordering", "report"], 1
     ),
     **dict.fromkeys(["cells", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),

@@ -1,7 +1,8 @@
 """Exact signs: on which side of a plane, inside or outside of a sphere.
 
-Two stages: a floating-point filter (`unstruct.filters`) and, where its error bound does not decide,
-integers (`unstruct.exact`). There is no third case: no tolerance, no overflow, no underflow.
+Stages: a floating-point filter (`unstruct.filters`); where its error bound does not decide, doubles that
+err less or not at all (`unstruct.close`, kernels only); at last integers (`unstruct.exact`). There is no
+other case: no tolerance, no overflow, no underflow.
 
 Kernels call ``orient2, incircle, orient3, insphere`` with scaled coordinates, at most 1 in magnitude:
 then all that underflow can do to a filter is far below ``TINY``. `power_of_two` gives the factor, and
@@ -16,6 +17,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .close import close_incircle, close_insphere, close_orient2, close_orient3
 from .errors import InputError
 from .exact import exact_in_sphere, exact_incircle, exact_insphere, exact_orient, exact_orient2, exact_orient3
 from .filters import (
@@ -41,7 +43,7 @@ def orient2(ax, ay, bx, by, cx, cy):
     sign = filter_orient2(ax, ay, bx, by, cx, cy)
     if sign != UNDECIDED:
         return sign
-    return exact_orient2(ax, ay, bx, by, cx, cy)
+    return close_orient2(ax, ay, bx, by, cx, cy)
 
 
 @inline
@@ -50,7 +52,7 @@ def incircle(ax, ay, bx, by, cx, cy, px, py):
     sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
     if sign != UNDECIDED:
         return sign
-    return exact_incircle(ax, ay, bx, by, cx, cy, px, py)
+    return close_incircle(ax, ay, bx, by, cx, cy, px, py)
 
 
 @inline
@@ -59,7 +61,7 @@ def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
     if sign != UNDECIDED:
         return sign
-    return -exact_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
+    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
 
 
 @inline
@@ -68,7 +70,7 @@ def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
     sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
     if sign != UNDECIDED:
         return sign
-    return -exact_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
+    return -close_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
 
 
 # --- many simplices -------------------------------------------------------------------------------
