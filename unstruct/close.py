@@ -20,9 +20,9 @@ from .jit import inline, kernel
 SPLITTER = 2.0**27 + 1.0
 INCIRCLE_CLOSE = 2.0**-100
 INSPHERE_CLOSE = 2.0**-99
-# For differences d up to M, adding s = 1.5 * 2^k M and taking it away leaves d unchanged only if d is a multiple
-# of a power of two above 2^(k - 53) M. Over it, differences are integers below 2^(53 - k), with k = 30, 39,
-# 42, 45 below 2^23, 2^14, 2^11, 2^8, and the determinants and all that leads to them stay below 2^53.
+# For differences d up to M, adding s = 1.5 * 2^k M and taking it away leaves d unchanged only if d is a
+# multiple of a power of two above 2^(k - 53) M. Over it, differences are integers below 2^(53 - k): below
+# 2^23, 2^14, 2^11, 2^8 for k = 30, 39, 42, 45; the determinants and all that leads to them stay below 2^53.
 SHORT_ORIENT2, SHORT_ORIENT3 = 1.5 * 2.0**30, 1.5 * 2.0**39
 SHORT_INCIRCLE, SHORT_INSPHERE = 1.5 * 2.0**42, 1.5 * 2.0**45
 LEAST = 2.0**-160  # below, products of five differences could underflow

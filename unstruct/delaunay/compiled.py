@@ -16,6 +16,19 @@ COUNT, LAST, BUSY, DONE, FREE, STAMP = 0, 1, 2, 3, 4, 5  # entries of the state,
 
 
 @kernel
+def gather(rows, order, factor, scaled):
+    """``scaled = rows[order] * factor``; whether that was exact."""
+    exact = True
+    for i in range(len(order)):
+        for k in range(rows.shape[1]):
+            x = rows[order[i], k]
+            y = x * factor
+            scaled[i, k] = y
+            exact = exact and y / factor == x
+    return exact
+
+
+@kernel
 def number_cells(vertex, width, count, number):
     """Number the real cells (no ghost, in use) in slot order, the others -1; how many there are."""
     m = 0

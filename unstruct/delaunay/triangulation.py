@@ -16,7 +16,7 @@ from ..errors import DegenerateInputError, InputError, MeshError
 from ..mesh import Mesh, as_points
 from ..ordering import brio
 from ..predicates import in_sphere, orient, power_of_two
-from .compiled import Compiled, grown
+from .compiled import Compiled, gather, grown
 from .first import first_simplex
 from .insertion2 import Planar
 from .insertion3 import Spatial
@@ -162,13 +162,14 @@ class Triangulation:
         if len(alive) == 0:
             self._given, self._flat = self._size, -1
             return
-        rows = self._rows[alive]
+        rows = self._rows[: self._size] if len(alive) == self._size else self._rows[alive]
         order = brio(rows)
         factor = power_of_two(rows) if exact else 1.0
-        inserted = rows[order] * factor
-        exact = exact and bool(np.array_equal(inserted / factor, rows[order]))
+        inserted = np.empty_like(rows)
+        exact = gather(rows, order, factor, inserted) and exact
         if not exact:
-            factor, inserted = 1.0, rows[order]
+            factor = 1.0
+            gather(rows, order, factor, inserted)
         first = first_simplex(inserted, compiled=exact)
         if len(first) <= self.dimension:
             self._given, self._flat = self._size, len(first) - 1
@@ -176,7 +177,7 @@ class Triangulation:
         if first[-1] != self.dimension:  # bring the first simplex to the front
             rest = np.delete(np.arange(len(order)), first)
             order = order[np.concatenate([first, rest])]
-            inserted = rows[order] * factor
+            gather(rows, order, factor, inserted)
         kind: Any = COMPILED[self.dimension] if exact else General
         engine = kind(inserted[: self.dimension + 1])
         engine.add(inserted[self.dimension + 1 :])
