@@ -24,7 +24,7 @@ PICTURE = Path(__file__).parent / "cover.png"
 def main() -> None:
     matplotlib.use("Agg")
     view.setup()
-    points = running_points(seed=1)
+    points = running_points(seed=0)
     shore, segments = running_region(running_size)
     mesh = unstruct.delaunay(points)
     lake = mesh.select(inside_polygon(mesh.points[mesh.simplices].mean(axis=1), shore, segments))
