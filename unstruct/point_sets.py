@@ -24,7 +24,8 @@ def mapped_grid(around: int = 24, outward: int = 6) -> Array:
     angle, radius = np.meshgrid(
         np.pi * np.arange(around + 1) / around, 1.0 + np.arange(outward + 1) / outward, indexing="ij"
     )
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1).reshape(-1, 2)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1).reshape(-1, 2)
+    return np.round(points * 2.0**40) / 2.0**40  # so that both ends lie on the axis, not 1e-16 beside it
 
 
 def clipped_lattice(spacing: float) -> tuple[Array, NDArray[np.int32]]:
