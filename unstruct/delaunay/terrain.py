@@ -100,7 +100,9 @@ def greedy_terrain(
     Notes
     -----
     Each step takes the currently worst point: greedy, not optimal. The largest error can grow in a step.
-    O((g + n) log n) for g grid points, n vertices and triangles that shrink evenly; O(g n) at worst.
+    Looking at the grid takes O((g + n) log n) for g grid points, n vertices and triangles that shrink evenly,
+    O(g n) at worst. The triangulation is read out after each insertion, which adds O(n^2), with a small
+    constant: about a second for 2,400 vertices.
     """
     grid, scale = _checked(heights, count, tolerance, spacing)
     last = grid.size if count is None else min(count, grid.size)
