@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..jit import inline, kernel
 from ..predicates import insphere, orient3, orient_at
 from .compiled import BUSY, COUNT, DONE, FREE, LAST, STAMP, Compiled, grown
@@ -240,6 +241,10 @@ class Spatial(Compiled):
 
     def _reserve_cells(self, slots: int) -> None:
         old = len(self.mark)
+        if slots > old:
+            slots = max(slots, old + old // 2)  # as `grown` does
+        if 4 * slots >= 2**31:
+            raise InputError(f"{self.size} points make more tetrahedra than 32-bit numbers serve: 5 * 10^8")
         vertex, across = grown(self.vertex, 4 * slots), grown(self.across, 4 * slots)
         mark, free = grown(self.mark, slots), grown(self.free, slots)
         mark[old:] = 0

@@ -25,6 +25,7 @@ from .insertion_n import General
 __all__ = ["Triangulation"]
 
 COMPILED: dict[int, type[Compiled]] = {2: Planar, 3: Spatial}
+MOST = 2**28  # points: their triangles have 6 half-edges a point
 FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
 
 
@@ -125,8 +126,8 @@ class Triangulation:
                 f"points have {rows.shape[1]} coordinates; this triangulation has {self.dimension}"
             )
         size = self._size + len(rows)
-        if size >= 2**31 // 8:
-            raise InputError(f"{size} points are more than 32-bit cell numbers hold")
+        if size > MOST:
+            raise InputError(f"{size} points are more than 32-bit numbers of cells can serve: at most {MOST}")
         larger, removed = grown(self._rows, size), grown(self._removed, size)
         larger[self._size : size] = rows
         removed[self._size : size] = False
@@ -199,9 +200,9 @@ class Triangulation:
                 engine.rescale(factor / self._factor)
                 self._factor = factor
         assert engine is not None
+        numbers = np.concatenate([self._input, order.astype(np.int32)])
         engine.add(rows * self._factor)
-        self._input = np.concatenate([self._input, order.astype(np.int32)])
-        self._given = self._size
+        self._input, self._given = numbers, self._size  # nothing between: an interrupt finds all or none
 
     # ------------------------------------------------------------------ results
 
