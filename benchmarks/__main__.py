@@ -1,0 +1,45 @@
+"""``python -m benchmarks SUITE``: run, write rows, table and plot, print the table."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from . import delaunay, machine, report
+from .run import RESULTS, Workers
+
+# A suite: a function of workers, the largest size and the number of repeats, that returns rows.
+SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {"delaunay": delaunay.run}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Parse the command line, run the suite; 1 where a contestant of ours gave no answer."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("suite", choices=sorted(SUITES))
+    parser.add_argument("--max", type=float, default=1e6, help="largest number of points (default 1e6)")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each contestant (default 3)")
+    parser.add_argument("--timeout", type=float, default=600.0, help="seconds for one case (default 600)")
+    parser.add_argument("--results", type=Path, default=RESULTS, help="folder for rows, table and plot")
+    options = parser.parse_args(arguments)
+    workers = Workers(options.timeout)
+    before = machine.load()
+    rows = SUITES[options.suite](workers, int(options.max), options.repeats)
+    versions = {row["contestant"]: row["version"] for row in rows if row["measure"] == "time"}
+    result = {
+        "suite": options.suite,
+        "machine": machine.describe(),
+        "load": [before, machine.load()],
+        "versions": versions,
+        "failures": workers.failures,
+        "rows": rows,
+    }
+    report.write(result, options.results)
+    print(report.markdown(result))
+    return int(any(report.OURS in text for text in workers.failures))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

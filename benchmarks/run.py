@@ -1,0 +1,43 @@
+"""Run a suite: workers in processes of their own, rows to files."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = Path(__file__).resolve().parent / "results"
+
+
+class Workers:
+    """Ask for one job at a time; a job that fails or takes too long is told and gives None."""
+
+    def __init__(self, timeout: float = 600.0):
+        self.timeout = timeout
+        self.failures: list[str] = []
+
+    def ask(self, job: str, case: dict[str, Any]) -> Any:
+        """The worker's answer, or None."""
+        text = json.dumps({"job": job, **case})
+        command = [sys.executable, "-m", "benchmarks.worker", text]
+        try:
+            result = subprocess.run(
+                command, cwd=ROOT, capture_output=True, text=True, timeout=self.timeout, env=dict(os.environ)
+            )
+        except subprocess.TimeoutExpired:
+            self._failed(f"{text}: no answer after {self.timeout:.0f} s")
+            return None
+        if result.returncode != 0:
+            last = result.stderr.strip().splitlines()[-1:] or [f"exit code {result.returncode}"]
+            self._failed(f"{text}: {last[0]}")
+            return None
+        print(f"{job}: {json.dumps(case)}", file=sys.stderr)
+        return json.loads(result.stdout.splitlines()[-1])
+
+    def _failed(self, message: str) -> None:
+        self.failures.append(message)
+        print(f"FAILED {message}", file=sys.stderr)

@@ -1,0 +1,94 @@
+"""One case in a process of its own, on one core: ``python -m benchmarks.worker '{...}'`` prints JSON.
+
+A contestant that crashes or hangs takes only its case along.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import resource
+import sys
+import time
+from typing import Any
+
+ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+
+
+def pin() -> None:
+    """Stay on one core, where the system lets us choose."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+
+def timed(case: dict) -> list[dict]:
+    """All contestants in turn, as often as asked: one row each."""
+    from .contestants import DELAUNAY, find
+    from .inputs import KINDS
+
+    points = KINDS[case["kind"]](case["n"], case["dimension"])
+    rows: list[dict[str, Any]] = []
+    for contestant, version in find(DELAUNAY, case["dimension"]):
+        if contestant.name in case["contestants"]:
+            run = contestant.prepare()
+            run(points[: case["dimension"] + 50])  # compiled code is loaded, lazy imports are done
+            rows.append(
+                {"contestant": contestant.name, "version": version, "run": run, "cpu": [], "wall": []}
+            )
+            rows[-1]["inner"] = []
+    for _ in range(case["repeats"]):
+        for row in rows:
+            gc.collect()
+            wall, cpu = time.perf_counter(), time.process_time()
+            row["cells"], inner = row["run"](points)
+            row["cpu"].append(time.process_time() - cpu)
+            row["wall"].append(time.perf_counter() - wall)
+            row["inner"] += [] if inner is None else [inner]
+    for row in rows:
+        del row["run"]
+        row["n"] = len(points)
+    return rows
+
+
+def memory(case: dict) -> float:
+    """Megabytes that one contestant needs beyond its imports and its input."""
+    from .contestants import DELAUNAY, find
+    from .inputs import KINDS
+
+    (contestant,) = [c for c, _ in find(DELAUNAY, case["dimension"]) if c.name == case["contestant"]]
+    points = KINDS[case["kind"]](case["n"], case["dimension"])
+    run = contestant.prepare()
+    run(points[:100])
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    run(points)
+    return (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+
+
+def start(case: dict) -> dict[str, float]:
+    """Seconds for ``import unstruct`` and for first calls, the kernels being in the cache on disk."""
+    t = [time.process_time()]
+    import numba  # noqa: F401
+
+    t.append(time.process_time())
+    import unstruct
+
+    t.append(time.process_time())
+    from .inputs import uniform
+
+    planar, spatial = uniform(100, 2), uniform(100, 3)
+    t.append(time.process_time())
+    unstruct.delaunay(planar)
+    t.append(time.process_time())
+    unstruct.delaunay(spatial)
+    t.append(time.process_time())
+    return {"numba": t[1] - t[0], "import": t[2] - t[0], "first 2D": t[4] - t[3], "then 3D": t[5] - t[4]}
+
+
+JOBS = {"timed": timed, "memory": memory, "start": start}
+
+if __name__ == "__main__":
+    os.environ.update(ONE)
+    pin()
+    job = json.loads(sys.argv[1])
+    print("\n" + json.dumps(JOBS[job["job"]](job)))
