@@ -190,9 +190,9 @@ class Triangulation:
         engine = self._engine
         rows = self._rows[order]
         if isinstance(engine, Compiled):
-            everything = self._rows[: self._size]
-            factor = min(self._factor, power_of_two(everything))
-            if not np.array_equal((everything * factor) / factor, everything):
+            factor = min(self._factor, power_of_two(rows))
+            affected = rows if factor == self._factor else self._rows[: self._size]
+            if not np.array_equal((affected * factor) / factor, affected):
                 self._forget()
                 self._start(exact=False)
                 return
