@@ -1,5 +1,8 @@
 """Construction from given points, face by face: the same Delaunay complex, faces that match, and fronts."""
 
+import os
+import subprocess
+import sys
 from itertools import product
 
 import numpy as np
@@ -307,3 +310,26 @@ def test_it_never_calls_the_insertion_kernel(monkeypatch):
     monkeypatch.setattr(unstruct.Triangulation, "insert", forbidden)
     for d in (1, 2, 3, 4):
         assert gift_wrap(list(product(range(3), repeat=d))).volume == 2.0**d
+
+
+def test_without_numba():
+    """Kernels run as plain Python, without a warning, and make the same cells: here and in insertion."""
+    program = """
+import warnings; warnings.simplefilter("error")
+import numpy as np, unstruct
+for d in (2, 3):
+    points = np.random.default_rng(d).integers(0, 4, (25, d)).astype(float)
+    mesh = unstruct.gift_wrap(points)
+    more = unstruct.insert(mesh, mesh.corners.mean(axis=1)[:5])
+    print(mesh.simplices.tolist(), more.simplices.tolist())
+square, ring = [[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1], [1, 2], [2, 3], [3, 0]]
+print(unstruct.gift_wrap(square, ring).simplices.tolist())
+"""
+    made = []
+    for off in ("0", "1"):
+        environment = os.environ | {"NUMBA_DISABLE_JIT": off}
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stderr
+        made.append(done.stdout)
+    assert made[0] == made[1]

@@ -211,8 +211,8 @@ def test_a_refused_point_leaves_the_rows_before_it():
 
 def test_most_insertions_into_scrambled_meshes_need_reduction():
     """The theorem of the plane does not hold in space; each of these meshes passes `check` in the end."""
-    count = count_reductions(200, seed=1)
-    assert count["reduced"] >= 100 and count["vertices lost"] == 0
+    count = count_reductions(150, seed=1)
+    assert count["reduced"] >= 75 and count["vertices lost"] == 0
 
 
 def test_in_the_plane_no_insertion_needs_reduction():

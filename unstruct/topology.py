@@ -90,7 +90,7 @@ def _group(rows, heads, following, group, first):
     for r in range(rows.shape[0]):
         h = 0
         for i in range(width):
-            h = (h * 1000003 + rows[r, i]) % 2147483647
+            h = (h * 1000003 + np.int64(rows[r, i])) % 2147483647
         bucket = h & mask
         g = heads[bucket]
         while g >= 0:
