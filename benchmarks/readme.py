@@ -17,6 +17,7 @@ def speed() -> str:
     """What stands between the README's marks."""
     result = json.loads(ROWS.read_text(encoding="utf-8"))
     parts = ["How many times as long others take for the same points; below 1, in bold, they are ahead."]
+    parts += ["(TetGen *itself*: its own time alone, without that of handing arrays over in Python.)"]
     parts += [f"Measured on {result['machine']}; one core, contestants interleaved, medians."]
     text = " ".join(parts) + " More on the [page of benchmarks](book/benchmarks.ipynb)."
     tables = [f"In {d} dimensions:\n\n{report.table(result['rows'], d)}" for d in (2, 3)]
