@@ -42,9 +42,10 @@ def growth(rows: list[Row]) -> dict[tuple[int, str, str], float]:
 
 
 def short(n: int) -> str:
-    """A count with few digits: 10^4, 9.9 · 10^4."""
-    power = math.floor(math.log10(n) + 1e-9)
-    lead = f"{n / 10**power:.2g}"
+    """A count in two digits: 10^4, 9.7·10^4."""
+    rounded = float(f"{n:.2g}")
+    power = math.floor(math.log10(rounded) + 1e-9)
+    lead = f"{rounded / 10**power:.2g}"
     return f"10^{power}" if lead == "1" else f"{lead}·10^{power}"
 
 

@@ -40,8 +40,8 @@ def delaunay(points: ArrayLike, *, progress: bool = False) -> Mesh:
     Points are inserted in a biased randomized order along a Hilbert curve: O(n) in practice for points
     that are spread out (2D and 3D), O(n log n) expected in the plane for any. Where points are cospherical
     the result is one of the Delaunay triangulations, the same for the same input; there are never flat cells.
-    Two and three dimensions are compiled; the general path, exact integers, does about a hundred points a
-    second in four dimensions. Sources: A. Bowyer, The Computer Journal 24 (1981) 162-166; D. F. Watson,
+    Two and three dimensions are compiled; the general path, exact integers, does about two hundred points
+    a second in four dimensions. Sources: A. Bowyer, The Computer Journal 24 (1981) 162-166; D. F. Watson,
     ibid. 167-172. Book: 12.2.2, 12.2.4.
     """
     rows = as_points(points)

@@ -1,0 +1,105 @@
+"""The benchmark harness on tiny inputs, and its report on made-up rows."""
+
+from __future__ import annotations
+
+import csv
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks import __main__, contestants, delaunay, inputs, machine, report
+from benchmarks.run import RESULTS, Workers
+
+
+@pytest.mark.parametrize("kind", inputs.KINDS)
+@pytest.mark.parametrize("d", [2, 3])
+def test_inputs_are_reproducible_and_distinct(kind, d):
+    points = inputs.KINDS[kind](1000, d)
+    assert np.array_equal(points, inputs.KINDS[kind](1000, d))
+    assert abs(len(points) - 1000) < 50 and points.shape[1] == d
+    assert len(np.unique(points, axis=0)) == len(points)
+
+
+def test_who_is_not_installed_is_left_out():
+    ghost = contestants.Contestant("ghost", "no-such-package-anywhere", (2, 3), contestants._scipy)
+    names = [c.name for c, _ in contestants.find([*contestants.DELAUNAY, ghost], 2)]
+    assert "unstruct" in names and "ghost" not in names
+    assert "Triangle" not in [c.name for c, _ in contestants.find(contestants.DELAUNAY, 3)]
+
+
+def test_the_machine_is_described_in_words():
+    text = machine.describe()
+    assert "core" in text and "Python" in text
+    assert machine.load() >= 0.0
+
+
+def test_a_job_that_fails_is_told(capsys):
+    workers = Workers(timeout=60)
+    assert workers.ask("no such job", {}) is None
+    assert len(workers.failures) == 1 and "KeyError" in workers.failures[0]
+    assert "FAILED" in capsys.readouterr().err
+    hasty = Workers(timeout=0.01)
+    assert hasty.ask("start", {}) is None and "no answer" in hasty.failures[0]
+
+
+def test_a_tiny_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(delaunay, "PLAN", {2: (("uniform", "lattice"), (100, 400)), 3: (("sphere",), (100,))})
+    monkeypatch.setattr(delaunay, "MEMORY", {2: 400})
+    assert __main__.main(["delaunay", "--max", "400", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    result = json.loads((tmp_path / "delaunay.json").read_text())
+    cases = report.times(result["rows"])
+    planar = {(2, kind, n) for kind in ("uniform", "lattice") for n in (100, 400)}
+    assert set(cases) == planar | {(3, "sphere", 100)}
+    for case in cases.values():
+        assert "unstruct" in case
+        for row in case.values():
+            assert len(row["cpu"]) == len(row["wall"]) == 2
+            assert row["seconds"] == pytest.approx(np.median(row["cpu"]))
+    # a lattice of 20 x 20 has 2 * 19^2 triangles, whoever makes them
+    assert {row["cells"] for row in cases[2, "lattice", 400].values()} == {722}
+    assert [r["what"] for r in result["rows"] if r["measure"] == "start"] == list(report.START)
+    assert any(r["measure"] == "memory" and r["contestant"] == "unstruct" for r in result["rows"])
+    with (tmp_path / "delaunay.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == len(result["rows"])
+    assert (tmp_path / "delaunay.png").stat().st_size > 5000
+    text = (tmp_path / "delaunay.md").read_text()
+    assert "unstruct µs/point" in text and text.strip() == capsys.readouterr().out.strip()
+
+
+def made_up(name: str, n: int, seconds: float, **more: Any) -> dict[str, Any]:
+    case = {"measure": "time", "dimension": 2, "kind": "uniform", "n": n}
+    return {**case, "contestant": name, "seconds": seconds, **more}
+
+
+def test_ratios_growth_and_bold_losses():
+    rows = [made_up("unstruct", n, 1e-6 * n) for n in (10**3, 10**4, 10**5)]
+    rows += [made_up("Fast", n, 5e-10 * n**1.5) for n in (10**3, 10**4, 10**5, 10**6)]
+    rows += [made_up("Wrapped", 10**5, 0.3, inner=[0.05, 0.04])]
+    case = report.times(rows)[2, "uniform", 10**5]
+    assert report.ratio(case, "Wrapped") == pytest.approx(3.0)
+    found = report.growth(rows)
+    assert found[2, "uniform", "unstruct"] == pytest.approx(1.0)
+    assert found[2, "uniform", "Fast"] == pytest.approx(1.5)
+    assert (2, "uniform", "Wrapped") not in found
+    lines = report.table(rows, 2).splitlines()
+    assert len(lines) == 5, "sizes that we did not run are left out"
+    assert lines[2] == "| uniform | 10^3 | 1 | **0.02** | – |"
+    assert lines[4] == "| uniform | 10^5 | 1 | **0.16** | 3.00 (itself **0.45**) |"
+
+
+def test_counts_in_two_digits():
+    counts = {1000: "10^3", 99_856: "10^5", 97_336: "9.7·10^4", 10_648: "1.1·10^4", 1: "10^0", 20: "2·10^1"}
+    assert {n: report.short(n) for n in counts} == counts
+
+
+def test_committed_rows_are_whole():
+    result = json.loads((RESULTS / "delaunay.json").read_text(encoding="utf-8"))
+    assert not [text for text in result["failures"] if '"unstruct"' in text]
+    cases = report.times(result["rows"])
+    largest = {(d, kind): n for d, kind, n in sorted(cases)}
+    for d, last in ((2, "circle"), (3, "sphere")):
+        for kind in ("uniform", "clustered", "lattice", last):
+            assert largest[d, kind] > 90_000
+    assert (RESULTS / "delaunay.md").read_text(encoding="utf-8") == report.markdown(result)
