@@ -31,9 +31,9 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
     if array.dtype.kind not in "fiub":
         raise InputError(f"{name} must be real numbers, not {array.dtype}")
     result = np.ascontiguousarray(array, dtype=np.float64)
-    finite = np.isfinite(result).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
+    finite = np.isfinite(result)
+    if not finite.all():  # rows only now: reductions over short rows are slow
+        row = int(np.argmin(finite.all(axis=1)))
         raise InputError(f"{name}[{row}] = {result[row].tolist()} is not finite; drop or mend it")
     if array.dtype.kind in "iu" and result.size and np.abs(result).max() >= 2.0**53:
         rounded = (result.astype(object) != array.astype(object)).any(axis=1)

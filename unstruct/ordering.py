@@ -101,8 +101,8 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
     levels = min(KEY_BITS // d, int(np.ceil(np.log2(n) / d)) + 8, 30)
     levels += levels % 2 if d == 2 else 0  # the plane goes by two levels at a time
     # the Hilbert keys only steer speed, so rounding is harmless here; halves keep the extent finite
-    low = points.min(axis=0) * 0.5
-    extent = float((points.max(axis=0) * 0.5 - low).max())
+    low = np.array([column.min() for column in points.T]) * 0.5  # faster than min(axis=0) of short rows
+    extent = max(float(column.max()) * 0.5 - half for column, half in zip(points.T, low.tolist()))
     shrink = 1.0
     if 0.0 < extent < 1e-280:  # the factor below must not overflow
         shrink = 2.0**600
