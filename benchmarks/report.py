@@ -12,6 +12,7 @@ import numpy as np
 
 OURS = "unstruct"
 Row = dict[str, Any]
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def times(rows: list[Row]) -> dict[tuple[int, str, int], dict[str, Row]]:
@@ -42,11 +43,17 @@ def growth(rows: list[Row]) -> dict[tuple[int, str, str], float]:
 
 
 def short(n: int) -> str:
-    """A count in two digits: 10^4, 9.7·10^4."""
+    """A count in two digits: 10⁴, 9.7·10⁴."""
     rounded = float(f"{n:.2g}")
     power = math.floor(math.log10(rounded) + 1e-9)
     lead = f"{rounded / 10**power:.2g}"
-    return f"10^{power}" if lead == "1" else f"{lead}·10^{power}"
+    text = "10" + str(power).translate(RAISED)
+    return text if lead == "1" else f"{lead}·{text}"
+
+
+def figures(value: float) -> str:
+    """Three digits, and no exponent."""
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
 def table(rows: list[Row], dimension: int) -> str:
@@ -56,7 +63,7 @@ def table(rows: list[Row], dimension: int) -> str:
     head = ["points", "n", f"{OURS} µs/point", *(f"{peer} ÷ {OURS}" for peer in peers)]
     lines = ["| " + " | ".join(head) + " |", "|---" * 2 + "|---:" * (len(head) - 2) + "|"]
     for (_, kind, n), case in cases.items():
-        cells = [kind, short(n), f"{case[OURS]['seconds'] / n * 1e6:.3g}"]
+        cells = [kind, short(n), figures(case[OURS]["seconds"] / n * 1e6)]
         for peer in peers:
             if peer not in case:
                 cells.append("–")

@@ -85,13 +85,14 @@ def test_ratios_growth_and_bold_losses():
     assert (2, "uniform", "Wrapped") not in found
     lines = report.table(rows, 2).splitlines()
     assert len(lines) == 5, "sizes that we did not run are left out"
-    assert lines[2] == "| uniform | 10^3 | 1 | **0.02** | – |"
-    assert lines[4] == "| uniform | 10^5 | 1 | **0.16** | 3.00 (itself **0.45**) |"
+    assert lines[2] == "| uniform | 10³ | 1 | **0.02** | – |"
+    assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
-def test_counts_in_two_digits():
-    counts = {1000: "10^3", 99_856: "10^5", 97_336: "9.7·10^4", 10_648: "1.1·10^4", 1: "10^0", 20: "2·10^1"}
+def test_numbers_are_short():
+    counts = {1000: "10³", 99_856: "10⁵", 97_336: "9.7·10⁴", 10_648: "1.1·10⁴", 1: "10⁰", 20: "2·10¹"}
     assert {n: report.short(n) for n in counts} == counts
+    assert [report.figures(x) for x in (0.51234, 12.345, 4338.2)] == ["0.512", "12.3", "4338"]
 
 
 def test_committed_rows_are_whole():

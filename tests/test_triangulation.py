@@ -56,6 +56,13 @@ def test_batches_of_growing_extent_are_scaled_anew():
         brute_force(t.mesh())
 
 
+def test_a_later_point_beyond_every_scale_so_far():
+    t = Triangulation(np.eye(3)[:, :2] * 1e-305)
+    with np.errstate(over="raise", invalid="raise"):
+        t.insert([1e300, 1e300])
+    brute_force(t.mesh())
+
+
 def test_large_second_batch():
     rng = np.random.default_rng(1)
     for d, n in ((2, 30_000), (3, 6_000)):

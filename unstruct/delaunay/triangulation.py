@@ -186,23 +186,29 @@ class Triangulation:
         self._engine = engine
 
     def _enqueue(self, order: NDArray[np.int64]) -> None:
-        """Hand further points to the engine, in this order; scale anew where they are larger."""
+        """Hand further points to the engine, in this order; scale all anew where these are too large."""
         engine = self._engine
+        assert engine is not None
         rows = self._rows[order]
-        if isinstance(engine, Compiled):
-            factor = min(self._factor, power_of_two(rows))
-            affected = rows if factor == self._factor else self._rows[: self._size]
-            if not np.array_equal((affected * factor) / factor, affected):
+        if isinstance(engine, Compiled) and not self._fits(rows, self._factor):
+            everything = self._rows[: self._size]
+            factor = min(self._factor, power_of_two(everything))
+            if not self._fits(everything, factor):
                 self._forget()
                 self._start(exact=False)
                 return
-            if factor != self._factor:
-                engine.rescale(factor / self._factor)
-                self._factor = factor
-        assert engine is not None
+            engine.rescale(factor / self._factor)
+            self._factor = factor
         numbers = np.concatenate([self._input, order.astype(np.int32)])
         engine.add(rows * self._factor)
         self._input, self._given = numbers, self._size  # nothing between: an interrupt finds all or none
+
+    @staticmethod
+    def _fits(rows: NDArray[np.float64], factor: float) -> bool:
+        """Whether the factor takes these rows to at most 1 in magnitude, exactly."""
+        with np.errstate(over="ignore", under="ignore"):
+            scaled = rows * factor
+        return bool(np.abs(scaled).max(initial=0.0) <= 1.0 and np.array_equal(scaled / factor, rows))
 
     # ------------------------------------------------------------------ results
 
@@ -272,7 +278,7 @@ class Triangulation:
 
     def _scaled(self, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """The query as the engine sees it, or None where scaling would not be exact."""
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", under="ignore"):
             scaled = x * self._factor
             return scaled if np.array_equal(scaled / self._factor, x) else None
 
