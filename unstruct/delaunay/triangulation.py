@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..cells import counted, simplex_type
 from ..errors import DegenerateInputError, InputError, MeshError
 from ..mesh import Mesh, as_points
 from ..ordering import brio
@@ -108,7 +109,7 @@ class Triangulation:
         if not self.spans:
             state = f"not spanning {self.dimension} dimensions yet"
         else:
-            state = f"{len(self.mesh().simplices)} cells"
+            state = counted(len(self.mesh().simplices), simplex_type(self.dimension))
         return f"Triangulation({self._size} points in {self.dimension} dimensions, {state})"
 
     # ------------------------------------------------------------------ insertion
@@ -238,7 +239,8 @@ class Triangulation:
     def mesh(self) -> Mesh:
         """The triangulation as a `Mesh` (kept until the next change).
 
-        Its points are all points ever inserted; duplicates and removed ones are used by no cell.
+        Its points are those that were inserted and not removed, in the order of insertion; ``origin`` has
+        their numbers in ``points`` (the same numbers, as long as nothing was removed).
 
         Raises
         ------
@@ -251,7 +253,12 @@ class Triangulation:
         if self._mesh is None:
             labels, duplicates = self._labels()
             simplices, neighbors, number = self._engine.cells(labels)
-            mesh = Mesh(self.points, simplices, neighbors=neighbors, duplicates=duplicates)
+            rows, origin = self.points, np.flatnonzero(~self._removed[: self._size]).astype(np.int32)
+            if len(origin) < self._size:
+                place = np.full(self._size, -1, dtype=np.int32)
+                place[origin] = np.arange(len(origin), dtype=np.int32)
+                rows, simplices, duplicates = rows[origin], place[simplices], place[duplicates]
+            mesh = Mesh(rows, simplices, neighbors=neighbors, origin=origin, duplicates=duplicates)
             self._number, self._mesh = number, mesh
         return self._mesh
 
@@ -349,8 +356,8 @@ class Triangulation:
         Parameters
         ----------
         vertex : int
-            Its number, in ``points`` and in ``mesh().simplices``. The numbers of the others do not change. Of
-            several equal points only this one goes; the least of the others then stands for them.
+            Its number in ``points``. The numbers of the others do not change there; ``mesh().origin`` has
+            them. Of several equal points only this one goes; the least of the others then stands for them.
 
         Raises
         ------
