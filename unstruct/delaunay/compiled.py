@@ -7,6 +7,8 @@ facet k. Negative vertices mark ghosts (-1) and slots that are not in use (-2, t
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,7 +64,7 @@ def grown(array: NDArray, size: int) -> NDArray:
     return larger
 
 
-class Compiled:
+class Compiled(ABC):
     """State of an insertion, and the arrays that the kernels work on."""
 
     width: int  # vertices of a cell
@@ -80,15 +82,21 @@ class Compiled:
         self._start()
         self.state[DONE] = self.width
 
+    @abstractmethod
     def _reserve(self, points: int) -> None:
-        raise NotImplementedError
+        """Make room for the cells of so many points."""
 
+    @abstractmethod
     def _start(self) -> None:
-        raise NotImplementedError
+        """Make the first cell and its ghosts."""
 
+    @abstractmethod
     def advance(self) -> None:
         """Insert the next chunk of the points that were added."""
-        raise NotImplementedError
+
+    @abstractmethod
+    def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
+        """For each row the slot of a cell that contains it, or of a ghost beyond whose facet it lies."""
 
     @property
     def done(self) -> int:
@@ -114,6 +122,7 @@ class Compiled:
         self.rows *= factor
 
     def is_ghost(self, slot: int) -> bool:
+        """Whether the cell in this slot has the vertex at infinity."""
         return bool((self.vertex[self.width * slot : self.width * (slot + 1)] < 0).any())
 
     def cells(

@@ -34,11 +34,13 @@ GHOST = -1
 
 @inline
 def next_edge(e):
+    """The half-edge after e in its triangle, counterclockwise."""
     return e - 2 if e % 3 == 2 else e + 1
 
 
 @inline
 def prev_edge(e):
+    """The half-edge before e in its triangle."""
     return e + 2 if e % 3 == 0 else e - 1
 
 
@@ -92,6 +94,14 @@ def locate2(xy, vertex, twin, t, px, py):
             o = np.int64(twin[left])
         else:
             return o // 3
+
+
+@kernel
+def locate_all2(xy, vertex, twin, t, rows, found):
+    """`locate2` for one row after the other, each walk from where the last one ended."""
+    for i in range(len(rows)):
+        t = locate2(xy, vertex, twin, t, rows[i, 0], rows[i, 1])
+        found[i] = t
 
 
 @inline
@@ -197,19 +207,23 @@ class Planar(Compiled):
         start2(self.rows, self.vertex, self.across, self.state)
 
     def advance(self) -> None:
+        """Insert the next chunk of the points that were added."""
         done = self.done
         stop = min(self.size, done + self.chunk)
         room = 2 * stop + 4
         stack, spare = np.empty(room, dtype=np.int32), np.empty(room, dtype=np.int32)
         insert2(self.rows, self.vertex, self.across, self.state, stack, spare, self.copy_of, done, stop)
 
-    def locate(self, x: NDArray[np.float64]) -> int:
-        """The slot of a triangle that contains x, or of a ghost beyond whose hull edge x lies."""
-        return int(locate2(self.rows, self.vertex, self.across, int(self.state[LAST]), x[0], x[1]))
+    def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
+        """For each row the slot of a triangle that contains it, or of a ghost beyond whose edge it lies."""
+        found = np.empty(len(rows), dtype=np.int32)
+        locate_all2(self.rows, self.vertex, self.across, int(self.state[LAST]), rows, found)
+        return found
 
     def cavity(self, x: NDArray[np.float64]) -> NDArray[np.int32]:
         """Slots of the triangles, ghosts included, whose open disc contains x."""
-        t = self.locate(x)
+        (t,) = self.locate_all(x[None])
+        t = int(t)
         v = self.vertex[3 * t : 3 * t + 3]
         if (self.rows[v[v >= 0]] == x).all(axis=1).any():
             return np.empty(0, dtype=np.int32)

@@ -107,6 +107,14 @@ def locate3(xyz, vertex, across, t, px, py, pz):
 
 
 @kernel
+def locate_all3(xyz, vertex, across, t, rows, found):
+    """`locate3` for one row after the other, each walk from where the last one ended."""
+    for i in range(len(rows)):
+        t = locate3(xyz, vertex, across, t, rows[i, 0], rows[i, 1], rows[i, 2])
+        found[i] = t
+
+
+@kernel
 def cavity3(xyz, vertex, across, t, px, py, pz, mark, stamp, cells, faces, sizes):
     """Breadth-first search from t: the cells of the cavity, and its faces as 4 t + k seen from within.
 
@@ -258,6 +266,7 @@ class Spatial(Compiled):
         start3(self.rows, self.vertex, self.across, self.state)
 
     def advance(self) -> None:
+        """Insert the next chunk of the points that were added."""
         stop = min(self.size, self.done + self.chunk)
         while True:
             lacking = insert3(
@@ -271,13 +280,16 @@ class Spatial(Compiled):
             else:
                 self._reserve_scratch(2 * len(self.cavity_cells))
 
-    def locate(self, x: NDArray[np.float64]) -> int:
-        """The slot of a tetrahedron that contains x, or of a ghost beyond whose hull facet x lies."""
-        return int(locate3(self.rows, self.vertex, self.across, int(self.state[LAST]), x[0], x[1], x[2]))
+    def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
+        """For each row the slot of a tetrahedron that contains it, or of a ghost that it sees."""
+        found = np.empty(len(rows), dtype=np.int32)
+        locate_all3(self.rows, self.vertex, self.across, int(self.state[LAST]), rows, found)
+        return found
 
     def cavity(self, x: NDArray[np.float64]) -> NDArray[np.int32]:
         """Slots of the tetrahedra, ghosts included, whose open ball contains x."""
-        t = self.locate(x)
+        (t,) = self.locate_all(x[None])
+        t = int(t)
         v = self.vertex[4 * t : 4 * t + 4]
         if (self.rows[v[v >= 0]] == x).all(axis=1).any():
             return np.empty(0, dtype=np.int32)

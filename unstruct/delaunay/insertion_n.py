@@ -49,10 +49,12 @@ def normal(rows: Sequence[Sequence[int]]) -> Vector:
 
 
 def dot(a: Sequence[int], b: Sequence[int]) -> int:
+    """The scalar product."""
     return sum(x * y for x, y in zip(a, b))
 
 
 def minus(a: Sequence[int], b: Sequence[int]) -> Vector:
+    """The difference."""
     return [x - y for x, y in zip(a, b)]
 
 
@@ -118,6 +120,7 @@ class General:
             self.bits, self.planes = bits, [None] * len(self.planes)
 
     def is_ghost(self, slot: int) -> bool:
+        """Whether the cell in this slot has the vertex at infinity."""
         return GHOST in self.vertices[slot]
 
     def advance(self) -> None:

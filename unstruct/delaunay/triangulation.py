@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..cells import counted, simplex_type
 from ..errors import DegenerateInputError, InputError, MeshError
 from ..mesh import Mesh, as_points
-from ..ordering import brio
+from ..ordering import brio, hilbert_order
 from ..predicates import in_sphere, orient, power_of_two
 from .compiled import Compiled, gather, grown
 from .first import first_simplex
@@ -300,18 +300,29 @@ class Triangulation:
         -------
         int or ndarray of int32, shape (m,)
             Cells are closed: for a point on several, one of them. -1 everywhere while there are no cells.
+            Many queries are walked to along a Hilbert curve.
         """
         rows = self._queries(x)
         result = np.full(len(rows), -1, dtype=np.int32)
         if self.spans:
             self.mesh()  # numbers the cells
-            for i, row in enumerate(rows):
-                scaled = self._scaled(row)
-                if scaled is None:
-                    result[i] = self._locate_exactly(row)
-                elif isinstance(self._engine, General) or np.abs(scaled).max() <= 1.0:
-                    result[i] = self._number[self._engine.locate(scaled)]  # type: ignore[union-attr]
+            if isinstance(self._engine, General):
+                result[:] = self._number[[self._engine.locate(row) for row in rows]]
+            else:
+                self._locate_scaled(rows, result)
         return int(result[0]) if np.ndim(x) == 1 else result
+
+    def _locate_scaled(self, rows: NDArray[np.float64], result: NDArray[np.int32]) -> None:
+        """`locate` by the compiled engine; what cannot be scaled is looked for among all cells."""
+        assert isinstance(self._engine, Compiled)
+        with np.errstate(over="ignore", under="ignore"):
+            scaled = rows * self._factor
+            exact = (scaled / self._factor == rows).all(axis=1)
+        near = np.flatnonzero(exact & (np.abs(scaled) <= 1.0).all(axis=1))  # the others are outside
+        near = near[hilbert_order(scaled[near])]
+        result[near] = self._number[self._engine.locate_all(scaled[near])]
+        for i in np.flatnonzero(~exact):
+            result[i] = self._locate_exactly(rows[i])
 
     def _locate_exactly(self, x: NDArray[np.float64]) -> int:
         """All cells by signs that take any doubles: for queries that cannot be scaled."""
