@@ -102,6 +102,7 @@ def run(path: Path) -> float:
         timeout=600,
         kernel_name="python3",
         record_timing=False,
+        coalesce_streams=True,  # where a stream is cut in pieces depends on the clock
         store_widget_state=True,
         resources={"metadata": {"path": str(path.parent)}},
     )
