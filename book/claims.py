@@ -18,7 +18,12 @@ EVIDENCE = ("derived", "exact", "property-tested", "counterexample", "measured",
 def rows() -> list[dict[str, Any]]:
     """The rows of the ledger in the order of the source."""
     found = tomllib.loads((BOOK / "claims.toml").read_text(encoding="utf-8"))["claim"]
-    return sorted(found, key=lambda row: [int(part) for part in row["id"][1:].replace("-", ".").split(".")])
+
+    def place(row: dict[str, Any]) -> tuple[list[int], int]:
+        section, number = row["id"].removeprefix("C").split("-")
+        return [int(part) for part in section.split(".")], int(number)
+
+    return sorted(found, key=place)
 
 
 def cells() -> dict[str, list[tuple[str, str]]]:

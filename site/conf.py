@@ -29,6 +29,7 @@ extensions = ["myst_nb"]
 exclude_patterns = ["_build", "_made"]
 templates_path = []
 nb_execution_mode = "off"  # the book's own script executes, its tests compare
+nb_render_markdown_format = "myst"  # tables in outputs
 nb_render_image_options = {"align": "center"}
 nb_code_prompt_show = "Show {type}"
 nb_code_prompt_hide = "Hide {type}"

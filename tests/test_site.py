@@ -74,6 +74,13 @@ def test_every_picture_has_a_text(site: Path) -> None:
     assert not bare, bare
 
 
+def test_no_table_is_left_in_its_source(site: Path) -> None:
+    """Markdown that a cell puts out is rendered, too."""
+    for path in sorted(site.glob("*.html")):
+        assert not re.search(r"\|\s*:?(---|—|–)+:?\s*\|", path.read_text(encoding="utf-8")), path.name
+    assert (site / "benchmarks.html").read_text(encoding="utf-8").count("<table") >= 4
+
+
 def test_search_mathematics_and_dark_mode(site: Path) -> None:
     assert "circumcent" in (site / "searchindex.js").read_text(encoding="utf-8")
     front = (site / "index.html").read_text(encoding="utf-8")
