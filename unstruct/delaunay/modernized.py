@@ -47,8 +47,8 @@ class Record:
     hidden : facets of the component that the point does not see
     dropped : owners of hidden facets that were given up, one after another (not those cut off with them)
     rounds : how often the component was taken again
-    kept : cells that went
-    made : cells that came
+    kept : cells of the star-shaped cavity that was kept: these were replaced
+    made : cells that replaced them
     """
 
     vertex: NDArray[np.int64]
