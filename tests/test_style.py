@@ -21,11 +21,12 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # A module imports, at its top, only from its own floor or from floors below.
 FLOORS = {
     **dict.fromkeys(["errors", "jit"], 0),
-    **dict.fromkeys(["arrays", "edge_vectors", "close", "exact", "filters"], 1),
+    **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
-    **dict.fromkeys(["check", "check_brute", "check_cells"], 4),
+    **dict.fromkeys(["domain", "sizing", "size_table", "statistics"], 4),
+    **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain"], 4),
     "delaunay": 5,
     **dict.fromkeys(["examples", "structured", "point_sets"], 6),
     "view": 7,
