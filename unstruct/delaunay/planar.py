@@ -30,6 +30,8 @@ class PlanarComplex:
     ----------
     points : array_like, shape (n, 2)
         Vertices; all different, not all on a line. They keep their numbers.
+    progress : bool
+        Show a bar while they are inserted.
 
     Attributes
     ----------
@@ -57,11 +59,11 @@ class PlanarComplex:
         For points on a line.
     """
 
-    def __init__(self, points: ArrayLike):
+    def __init__(self, points: ArrayLike, *, progress: bool = False):
         rows = as_points(points)
         if rows.shape[1] != 2:
             raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
-        delaunay = Triangulation(rows)
+        delaunay = Triangulation(rows, progress=progress)
         if not delaunay.spans:
             delaunay.mesh()  # raises, and says which flat holds the points
         engine = delaunay._engine
