@@ -1,0 +1,234 @@
+"""Insertion of segments into a Delaunay triangulation in the plane, compiled (half-edges of `insertion2`).
+
+``mark[e]`` is the number of the segment that half-edge e lies on, -1 for none; ``corner[v]`` is one slot e
+with ``vertex[e] == v``, so that the star of v can be turned through. A segment a b is put in like this:
+
+1. *Aim*: turn through the star of a to the triangle that the ray to b enters, or to an edge along it.
+2. *March* through the triangles that the segment crosses, up to the first vertex on it (b, or a vertex
+   that happens to lie there: the segment is then in parts). The sides of these triangles that are not
+   crossed form one chain above and one below.
+3. *Fill* both pseudo-polygons with their constrained Delaunay triangles: on the base V_i V_j stands the
+   vertex of the chain between whose circle holds no other; so on, on the two new bases.
+
+Why the third step is right: every vertex of a chain was joined to the other side by an edge across
+the segment. This straight edge runs within the polygon, so it crosses every base that is set between
+its vertex and the segment: each vertex stays strictly on the left of the base below it, and among
+the circles through the two ends of a base there is a least one. A chain may pass a vertex, or both sides
+of an edge, twice (a dangling edge): its tip then lies in the triangle of that vertex and the segment,
+so the vertex is never chosen before the tip. Outside the two polygons nothing changes, and edges that
+were constrained Delaunay stay so, as a new segment can only hide vertices.
+
+Source: M. V. Anglada, An improved incremental algorithm for constructing restricted Delaunay
+triangulations, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..jit import inline, kernel
+from ..predicates import incircle, orient2
+from .insertion2 import GHOST, next_edge, prev_edge
+
+__all__ = ["CROSSES", "DONE", "LOST", "OVERLAPS", "fill_corners", "find_edge", "insert_segments"]
+
+DONE, CROSSES, OVERLAPS, LOST = 0, 1, 2, 3  # how `insert_segments` ends
+
+
+@inline
+def _side(xy, a, b, c):
+    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+
+
+@kernel
+def fill_corners(vertex, slots, corner):
+    """For each vertex one slot that shows it."""
+    for e in range(slots):
+        if vertex[e] >= 0:
+            corner[vertex[e]] = e
+
+
+@inline
+def turn(twin, e):
+    """The next triangle counterclockwise about ``vertex[e]``: its slot of that vertex."""
+    return next_edge(np.int64(twin[next_edge(e)]))
+
+
+@kernel
+def find_edge(vertex, twin, corner, a, b):
+    """The half-edge from a to b, or -1."""
+    first = e = np.int64(corner[a])
+    while True:
+        if vertex[next_edge(e)] == b:
+            return prev_edge(e)
+        e = turn(twin, e)
+        if e == first:
+            return np.int64(-1)
+
+
+@kernel
+def aim(xy, vertex, twin, corner, a, b):
+    """Where the ray from a to b leaves a: (e, 0) within the triangle of slot e, (e, 1) along half-edge e.
+
+      w
+     / \\      With u and w left or right of the ray, strictly, the ray crosses u w. Its line
+    a---u      through u and w strictly on its left: the ray passes u, for b cannot be behind a.
+    """
+    first = e = np.int64(corner[a])
+    while True:
+        u, w = vertex[next_edge(e)], vertex[prev_edge(e)]
+        if u != GHOST and w != GHOST:
+            right, left = _side(xy, a, b, u), _side(xy, a, b, w)
+            if right < 0 and left > 0:
+                return e, 0
+            if right == 0 and left > 0:
+                return prev_edge(e), 1
+            if right < 0 and left == 0:
+                return next_edge(e), 2
+        e = turn(twin, e)
+        if e == first:
+            return np.int64(-1), 3
+
+
+@kernel
+def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
+    """Cross triangles from slot e at a towards b, up to the first vertex on the line.
+
+    Returns the number of triangles, the lengths of both chains, and -1; or, as the last value, the half-edge of
+    an earlier segment that is in the way. Of a chain the half-edges within the crossed triangles
+    are noted, from a on.
+    """
+    cells[0] = e // 3
+    left[0], right[0] = next_edge(e), prev_edge(e)
+    m = above = below = 1
+    while True:
+        if mark[e] >= 0:
+            return m, above, below, e
+        o = np.int64(twin[e])
+        c = vertex[o]
+        cells[m] = o // 3
+        m += 1
+        side = 0 if c == b else _side(xy, a, b, c)
+        if side >= 0:
+            left[above] = prev_edge(o)
+            above += 1
+        if side <= 0:
+            right[below] = next_edge(o)
+            below += 1
+        if side == 0:
+            return m, above, below, np.int64(-1)
+        e = next_edge(o) if side > 0 else prev_edge(o)
+
+
+@kernel
+def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
+    """Note what a chain of n half-edges borders on, before its triangles are overwritten.
+
+    Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
+    """
+    for k in range(n):
+        h = np.int64(chain[k])
+        corners[k], beyond[k], marks[k], fresh[k] = vertex[prev_edge(h)], twin[h], mark[h], -1
+    corners[n] = vertex[next_edge(np.int64(chain[n - 1]))]
+    for k in range(n):
+        twin[beyond[k]] = -2 - k
+    for k in range(n):
+        if twin[chain[k]] < 0:
+            beyond[k] = twin[chain[k]]
+
+
+@kernel
+def fill(xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n, stack):
+    """Triangulate the polygon on the left of V_0 V_n whose other sides are the chain; its base half-edge.
+
+            V_c                 On V_i V_j: slot s, the base opposite V_c;
+           /   \\  s + 1        the chain's parts from V_i to V_c and from V_c to V_j
+    s + 2 /  s  \\              come next, on s + 2 and s + 1.
+        V_i-----V_j
+    """
+    base = np.int64(-1)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, n, -1
+    depth, used = 1, 0
+    while depth > 0:
+        depth -= 1
+        i, j, g = stack[depth, 0], stack[depth, 1], stack[depth, 2]
+        if j == i + 1:
+            o = beyond[i]
+            mark[g] = marks[i]
+            fresh[i] = g
+            if o < 0:
+                o = fresh[-2 - o]
+            if o >= 0:
+                twin[g], twin[o] = o, g
+            continue
+        a, b, c = corners[i], corners[j], i + 1
+        v = corners[c]
+        for k in range(i + 2, j):
+            p = corners[k]
+            if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[v, 0], xy[v, 1], xy[p, 0], xy[p, 1]) > 0:
+                c, v = k, p
+        s = 3 * np.int64(cells[used])
+        used += 1
+        vertex[s], vertex[s + 1], vertex[s + 2] = v, a, b
+        corner[v], corner[a], corner[b] = s, s + 1, s + 2
+        mark[s], mark[s + 1], mark[s + 2] = -1, -1, -1
+        if g < 0:
+            base = s
+        else:
+            twin[s], twin[g] = g, s
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = i, c, s + 2
+        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = c, j, s + 1
+        depth += 2
+    return base
+
+
+@kernel
+def replace(xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack):
+    """Fill what is above and below a segment after a march; the segment's half-edge, from a on."""
+    for k in range(below // 2):  # the lower polygon is on the left of b a
+        right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
+    load(vertex, twin, mark, left, above, scratch[0], scratch[1], scratch[2], scratch[3])
+    load(vertex, twin, mark, right, below, scratch[4], scratch[5], scratch[6], scratch[7])
+    upper = fill(
+        xy, vertex, twin, mark, corner, cells, scratch[0], scratch[1], scratch[2], scratch[3], above, stack
+    )
+    lower = fill(
+        xy, vertex, twin, mark, corner, cells[above - 1 :], scratch[4], scratch[5], scratch[6], scratch[7],
+        below, stack,
+    )  # fmt: skip
+    twin[upper], twin[lower] = lower, upper
+    return upper
+
+
+@kernel
+def insert_segments(
+    xy, vertex, twin, mark, corner, ends, order, start, stop, left, right, cells, scratch, stack
+):
+    """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one."""
+    for at in range(start, stop):
+        i = order[at]
+        a, b = ends[i, 0], ends[i, 1]
+        e = find_edge(vertex, twin, corner, a, b)
+        while True:
+            if e < 0:
+                e, kind = aim(xy, vertex, twin, corner, a, b)
+                if e < 0:
+                    return LOST, i, np.int64(-1)
+                if kind == 0:
+                    m, above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
+                    if wall >= 0:
+                        return CROSSES, i, np.int64(mark[wall])
+                    e = replace(
+                        xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack
+                    )
+                elif kind == 2:
+                    e = np.int64(twin[e])
+            if mark[e] >= 0:
+                return OVERLAPS, i, np.int64(mark[e])
+            mark[e] = i
+            mark[twin[e]] = i
+            a = vertex[prev_edge(e)]
+            if a == b:
+                break
+            e = np.int64(-1)
+    return DONE, np.int64(-1), np.int64(-1)
