@@ -20,6 +20,11 @@ from .plots import plot_quality as plot_quality
 from .plots import plot_voronoi as plot_voronoi
 from .proofs import cavity_proof_state as cavity_proof_state
 from .proofs import star_proof_state as star_proof_state
+from .rebay import chain_frame as chain_frame
+from .rebay import cobweb_state as cobweb_state
+from .rebay import voronoi_segment_state as voronoi_segment_state
+from .rebay_widgets import rebay_cobweb as rebay_cobweb
+from .rebay_widgets import rebay_step as rebay_step
 from .space import Space as Space
 from .space import item3 as item3
 from .space import mesh_items3 as mesh_items3

@@ -1,0 +1,189 @@
+"""Rebay's step and cobweb: every state over its whole range; the shells only pass it on."""
+
+import re
+from itertools import product
+from math import hypot, isclose, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from unstruct import InputError
+from unstruct.plain import rebay_step as rs
+from unstruct.predicates import in_sphere
+from unstruct.view import check_frame
+from unstruct.view import rebay as rb
+from unstruct.view.rebay_widgets import rebay_cobweb, rebay_step
+
+
+def points(frame, role):
+    return [tuple(p) for i in frame["items"] if (i["kind"], i["role"]) == ("points", role) for p in i["data"]]
+
+
+# ---- one step ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("preset", rb.SEGMENTS)
+def test_the_step_over_its_whole_range(preset):
+    for f, q in product(np.linspace(*rb.SIZE, 12), np.linspace(*rb.REACH, 14)):
+        frame = rb.voronoi_segment_state(f, q, preset)
+        check_frame(frame)
+        (x,), (_, center), caption = points(frame, "inserted"), points(frame, "voronoi"), frame["caption"]
+        assert isclose(center[1], -q, rel_tol=1e-9) and -q - 1e-9 <= x[1] < 0 == x[0]
+        a, b, c, d = map(np.array, points(frame, "vertex"))
+        assert isclose(hypot(*(d - center)), hypot(1, q), rel_tol=1e-9)
+        assert d[1] < 0
+        if in_sphere(np.array([a, b, c]), d) > 0:
+            assert "no Delaunay" in caption
+            continue
+        assert caption.endswith("AB goes") == bool(in_sphere(np.array([a, b, c]), np.array(x)) > 0)
+        assert ("beyond F" in caption) == (q < 1 - 1e-12)
+        if "radius f" in caption or "right angle" in caption:
+            assert isclose(-x[1], rs.distance(max(f, 1.0), 1.0), rel_tol=1e-9)
+        else:
+            assert isclose(-x[1], q, rel_tol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("preset", "caption", "number"),
+    [
+        ("a short edge: p < f", "the circle AXB has the radius f", "d = 1.56, q = 1.80, angle AXB = 65°"),
+        ("a long edge: p > f", "f < p: the least circle, with a right angle at X", "angle AXB = 90°"),
+        ("the cap is active", "f is too large for this triangle: X = F", "d = 1.50, q = 1.50"),
+        ("q < p: (12.5) goes beyond F", "q < p: (12.5) leads beyond F, so stop at F", "d = 1.00, q = 0.75"),
+        ("nasty: AB is deleted", "X is in circle ABC, AB goes", "d = 1.00, q = 1.60"),
+    ],
+)
+def test_the_presets_show_what_they_promise(preset, caption, number):
+    given_ = rb.SEGMENTS[preset]
+    frame = rb.voronoi_segment_state(given_["f"], given_["q"], preset)
+    assert caption in frame["caption"] and number in frame["number"]
+
+
+@given(st.floats(1.05, 1.9), st.floats(1.0, 2.0))
+def test_dragging_to_where_it_is_changes_nothing(f, q):
+    frame = rb.voronoi_segment_state(f, q)
+    back = rb.voronoi_segment_drag({}, "F", 0.3, -q)
+    assert back == {"q": pytest.approx(q)}
+    (x,) = points(frame, "inserted")
+    if "radius f" in frame["caption"]:
+        assert rb.voronoi_segment_drag({}, "X", 0.3, x[1]) == {"f": pytest.approx(f)}
+
+
+# ---- the cobweb ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("growth", np.linspace(*rb.GROWTH, 16))
+def test_the_cobweb_over_its_whole_range(growth):
+    for start in np.linspace(*rb.START, 11):
+        frame = rb.cobweb_state(growth, start, measured=[(0.1, -0.05), (5, 5)])
+        check_frame(frame)
+        web = next(i for i in frame["items"] if (i["kind"], i["role"]) == ("segments", "inserted"))["data"]
+        x = start
+        for across in web[0::2]:
+            assert isclose(across[0][0], rs.epsilon(x, 1.0), abs_tol=1e-9)
+            x = rs.next_ratio(x, growth)
+            assert isclose(across[1][1], rs.epsilon(x, 1.0), abs_tol=1e-9)
+        assert len(web) == 2 * rb.STEPS and points(frame, "accepted") == [(0.1, -0.05)]
+        if growth < sqrt(0.5):
+            assert "without bound" in frame["caption"]
+        if growth > 0.95:  # above 0.8995 every start comes to rest; near it, slowly
+            assert "tend to one shape" in frame["caption"]
+
+
+def test_the_slope_is_half_for_constant_size_and_the_tangent_has_it():
+    frame = rb.cobweb_state(1.0, 0.55)
+    assert frame["number"].endswith("slope at ε* -0.500")
+    tangent = next(i for i in frame["items"] if i["role"] == "circumcircle")["data"][0]
+    (x0, y0), (x1, y1) = tangent
+    assert isclose((y1 - y0) / (x1 - x0), -0.5) and isclose(x0 + x1, 0, abs_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("preset", "caption"),
+    [
+        ("constant size", "one shape"),
+        ("f grows by a quarter", "one shape"),
+        ("f shrinks: a start near the rest", "one shape"),
+        ("the same, a start from afar", "two shapes in turn"),
+        ("no rest, no pair", "not at rest"),
+        ("nasty: f shrinks faster than p", "without bound"),
+    ],
+)
+def test_the_fates(preset, caption):
+    assert caption in rb.cobweb_state(*rb.COBWEBS[preset], preset)["caption"]
+
+
+@given(st.floats(0.6, 1.4))
+def test_dragging_the_start_to_where_it_is_changes_nothing(start):
+    (at,) = points(rb.cobweb_state(1.0, start), "inserted")
+    assert rb.cobweb_drag({}, "start", *at) == {"start": pytest.approx(start)}
+
+
+# ---- the chain -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("growth", [0.7, 0.87, 1.0, 1.2])
+def test_the_chain_is_the_map(growth):
+    frame = rb.chain_frame(0.55, growth, 9)
+    check_frame(frame)
+    triangles = np.array(next(i for i in frame["items"] if i["kind"] == "polygons")["data"])
+    x = 0.55
+    for k, (a, b, c) in enumerate(triangles):
+        f = growth**k
+        assert isclose(np.linalg.norm(b - a) / 2 / f, x, rel_tol=1e-9)
+        assert isclose(np.linalg.norm(c - a), np.linalg.norm(c - b), rel_tol=1e-9)
+        x = rs.next_ratio(x, growth)
+    last = float(re.findall(r"([\d.]+)° at last", frame["number"])[0])
+    assert growth != 1 or abs(last - 60) < 0.2
+
+
+# ---- the shells ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "state"), [(rebay_step, rb.voronoi_segment_state), (rebay_cobweb, rb.cobweb_state)]
+)
+def test_every_control_changes_the_picture_at_both_ends(make, state):
+    panel = make()
+    assert len(panel.controls) == 3 and panel.player.alt.endswith(".") and len(repr(panel)) < 160
+    for name, control in panel.controls.items():
+        for end in control.options if name == "preset" else (control.min, control.max):
+            control.value = end
+            frame = state(**{n: c.value for n, c in panel.controls.items()})
+            (shown,) = panel.player.frames
+            assert (shown["caption"], shown["number"]) == (frame["caption"], frame["number"])
+
+
+def test_a_preset_brings_its_own_start_and_drags_stay_in_range():
+    panel = rebay_step()
+    panel.controls["preset"].value = "nasty: AB is deleted"
+    assert (panel.controls["f"].value, panel.controls["q"].value) == (0.88, 1.6) or (
+        panel.controls["f"].value == 0.875
+    )
+    panel.player.dragged = {"handle": "F", "x": 0.1, "y": -9.0}
+    assert panel.controls["q"].value == rb.REACH[1]
+    panel = rebay_cobweb(measured=[(0.2, -0.08)])
+    panel.controls["preset"].value = "no rest, no pair"
+    assert (panel.controls["growth"].value, panel.controls["start"].value) == (0.75, 0.8)
+    panel.player.dragged = {"handle": "start", "x": -9.0, "y": 0.0}
+    assert panel.controls["start"].value == rb.START[1]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: rb.voronoi_segment_state(0.1, 1.0),
+        lambda: rb.voronoi_segment_state(1.0, float("nan")),
+        lambda: rb.voronoi_segment_state(1.0, 1.0, "no such"),
+        lambda: rb.cobweb_state(0.1, 1.0),
+        lambda: rb.cobweb_state(1.0, 9.0),
+        lambda: rb.cobweb_state(1.0, 1.0, "no such"),
+        lambda: rb.chain_frame(count=0),
+        lambda: rb.chain_frame(0.8, 0.1, 80),
+    ],
+)
+def test_values_out_of_range_are_refused(call):
+    with pytest.raises(InputError):
+        call()
