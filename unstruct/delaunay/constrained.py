@@ -1,4 +1,4 @@
-"""Constrained Delaunay triangulation of a planar domain: every segment present, circles as empty as they can be.
+"""Constrained Delaunay triangulation of a planar domain: every segment is an edge.
 
 A triangulation that holds given segments is *constrained Delaunay* where no circle of a triangle holds a
 vertex that is visible from within the triangle, the segments being opaque. It is enough (and what `check`
@@ -52,8 +52,8 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     Raises
     ------
     InputError
-        Equal vertices, exponents too wide for one scale; facets that bound no area; a seed on a segment, outside,
-        or in one part with a seed of another name.
+        Equal vertices, exponents too wide for one scale; facets that bound no area; a seed on a segment,
+        outside, or in one part with a seed of another name.
     MeshError
         Segments that cross or overlap (a `Domain` refuses them earlier).
 
@@ -198,12 +198,13 @@ def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, fac
         return MeshError(f"{name(i)} leads nowhere: its ends must be different vertices")
     verb = "crosses" if status == CROSSES else "overlaps"
     return MeshError(
-        f"{name(i)} {verb} {name(other)}: segments may meet at vertices only; a Domain with resolve=True cuts them"
+        f"{name(i)} {verb} {name(other)}: segments may meet at vertices only; "
+        "a Domain with resolve=True cuts them"
     )
 
 
 def _enter(complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray) -> None:
-    """Number the subsegments that the segments have become, in their order, and write them into the complex."""
+    """Number the subsegments that the segments have become, in their order, and enter them."""
     slots = 3 * complex_.triangles
     half = np.flatnonzero(complex_.mark[:slots] >= 0)
     vertex, of = complex_.vertex, complex_.mark[half]
@@ -249,11 +250,9 @@ def _prev(e: NDArray) -> NDArray:
 def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArray], hull: bool) -> None:
     """Flood the inside and number its connected parts; parts with a named seed first."""
     count = complex_.triangles
-    part = complex_.region[:count]
+    part, mark, piece = complex_.region[:count], complex_.mark, complex_.piece
     stack = np.empty(3 * count + 3, dtype=np.int32)
-    odd, parts = flood(
-        complex_.vertex, complex_.twin, complex_.mark, complex_.piece, facets, hull, part, stack
-    )
+    odd, parts = flood(complex_.vertex, complex_.twin, mark, piece, facets, hull, part, stack)
     if odd >= 0:
         a, b = complex_.ends[odd].tolist()
         raise InputError(
@@ -276,9 +275,7 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
             if p < 0:
                 raise InputError(f"{where} lies outside of the domain: move it inside")
             if named[p] not in (-1, k):
-                raise InputError(
-                    f"{where} lies in one part with region {names[named[p]]!r}: drop one of them"
-                )
+                raise InputError(f"{where} lies in one part with {names[named[p]]!r}: drop one of them")
             named[p] = k
     free = named < 0
     rank = np.empty(parts, dtype=np.int32)

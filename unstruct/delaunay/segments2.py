@@ -94,16 +94,15 @@ def aim(xy, vertex, twin, corner, a, b):
 def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
-    Returns the number of triangles, the lengths of both chains, and -1; or, as the last value, the half-edge of
-    an earlier segment that is in the way. Of a chain the half-edges within the crossed triangles
-    are noted, from a on.
+    Returns the lengths of both chains, and -1; or, as the last value, the half-edge of an earlier segment
+    that is in the way. Of a chain the half-edges within the crossed triangles are noted, from a on.
     """
     cells[0] = e // 3
     left[0], right[0] = next_edge(e), prev_edge(e)
     m = above = below = 1
     while True:
         if mark[e] >= 0:
-            return m, above, below, e
+            return above, below, e
         o = np.int64(twin[e])
         c = vertex[o]
         cells[m] = o // 3
@@ -116,7 +115,7 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
             right[below] = next_edge(o)
             below += 1
         if side == 0:
-            return m, above, below, np.int64(-1)
+            return above, below, np.int64(-1)
         e = next_edge(o) if side > 0 else prev_edge(o)
 
 
@@ -215,7 +214,7 @@ def insert_segments(
                 if e < 0:
                     return LOST, i, np.int64(-1)
                 if kind == 0:
-                    m, above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
+                    above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
                     if wall >= 0:
                         return CROSSES, i, np.int64(mark[wall])
                     e = replace(
