@@ -17,3 +17,5 @@ from .errors import InputError as InputError
 from .errors import MeshError as MeshError
 from .errors import UnstructError as UnstructError
 from .mesh import Mesh as Mesh
+from .statistics import compare as compare
+from .statistics import statistics as statistics

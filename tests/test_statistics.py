@@ -1,0 +1,69 @@
+"""Figures of a mesh: against formulas written out here, and on meshes whose figures are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from unstruct import Mesh, MeshError, delaunay
+from unstruct.statistics import angle_histogram, compare, statistics
+
+SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+
+
+def test_a_square_cut_in_two() -> None:
+    found = statistics(SQUARE, 1.0)
+    assert (found.vertices, found.cells) == (4, 2)
+    assert found.least_angle == found.low_angle == pytest.approx(45.0)
+    assert found.greatest_angle == pytest.approx(90.0)
+    assert found.mean_round == pytest.approx(2 * (math.sqrt(2) - 1))
+    assert (found.short, found.median) == (1.0, 1.0) and found.long == pytest.approx(math.sqrt(2))
+    # the diagonal is sqrt(2) times the size, up to rounding: ask a little less
+    assert statistics(SQUARE, 1.01).conforming == 1.0
+    assert statistics(SQUARE, 0.99).conforming == pytest.approx(0.8)
+
+
+def test_against_the_law_of_cosines() -> None:
+    mesh = delaunay(np.random.default_rng(0).random((300, 2)))
+    found = statistics(mesh, lambda x: 0.02 + 0.1 * x[:, 0])
+    every, round_ = [], []
+    for a, b, c in mesh.points[mesh.simplices].tolist():
+        sides = [math.dist(b, c), math.dist(c, a), math.dist(a, b)]
+        for k in range(3):
+            p, q, r = sides[k], sides[k - 1], sides[k - 2]
+            every.append(math.degrees(math.acos((q * q + r * r - p * p) / (2 * q * r))))
+        p, q, r = sides
+        round_.append((q + r - p) * (r + p - q) * (p + q - r) / (p * q * r))
+    assert found.least_angle == pytest.approx(min(every), rel=1e-6)
+    assert found.greatest_angle == pytest.approx(max(every), rel=1e-6)
+    assert found.mean_round == pytest.approx(sum(round_) / len(round_))
+    counts, edges = angle_histogram(mesh, 18)
+    assert counts.sum() == 3 * mesh.size and len(edges) == 19
+    np.testing.assert_array_equal(counts, np.histogram(every, 18, (0, 180))[0])
+    good = 0
+    for i, j in mesh.edges.tolist():
+        p, q = mesh.points[i], mesh.points[j]
+        quotient = math.dist(p, q) / (0.02 + 0.05 * (p[0] + q[0]))
+        good += 1 / math.sqrt(2) <= quotient <= math.sqrt(2)
+    assert found.conforming == pytest.approx(good / len(mesh.edges))
+
+
+def test_without_a_size_nothing_is_said_of_it() -> None:
+    found = statistics(SQUARE)
+    assert math.isnan(found.conforming) and "size" not in str(found)
+    assert "45.0°" in str(found)
+
+
+def test_side_by_side() -> None:
+    text = compare({"one": SQUARE, "two": delaunay([[0, 0], [1, 0], [0.5, math.sqrt(3) / 2]])}, 1.01)
+    head, _, *lines = text.splitlines()
+    assert head == "| | one | two |"
+    assert "| least angle | 45.0° | 60.0° |" in lines
+    assert "| edges within √2 of the size | 100.0% | 100.0% |" in lines
+
+
+def test_other_meshes_are_refused() -> None:
+    with pytest.raises(MeshError, match="triangle"):
+        statistics(delaunay(np.random.default_rng(0).random((20, 3))))
