@@ -1,0 +1,94 @@
+"""Waiting triangles in the order of their measure, compiled: buckets, each a doubly linked list of slots.
+
+The measure is the square of R / f (or of another quotient alpha). Two buckets an octave are as good as an
+exact order, and need neither a heap nor stale entries: a triangle that goes away is unlinked at once.
+Within a bucket the first in is the first out, so that the front advances evenly on all sides.
+
+``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is empty.
+(Two arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
+"""
+
+from __future__ import annotations
+
+from math import frexp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import inline
+from .compiled import grown
+
+STATUS, LEVEL, AHEAD, BEHIND = 0, 1, 2, 3
+# What is known of a slot; a status >= 0 is the bucket in which it waits.
+WAITING, ASIDE, ACCEPTED = -1, -2, -3  # too large, not at the front · given up · small enough, or outside
+HALF = 0.7071067811865476
+
+
+def empty_queue(slots: int, buckets: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """``links`` and ``gates`` of a queue in which no slot waits, and all are accepted."""
+    return grown_links(np.empty((0, 4), dtype=np.int32), slots), np.full((buckets, 2), -1, dtype=np.int32)
+
+
+def grown_links(links: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
+    """The same queue with room for so many slots, the new ones accepted."""
+    old = len(links)
+    links = grown(links, slots)
+    links[old:] = ACCEPTED, 0, -1, -1
+    return links
+
+
+@inline
+def bucket_of(square, buckets):
+    """The bucket of a squared measure: two an octave of it, from 1 upwards, the last one open."""
+    m, e = frexp(square)
+    b = 2 * (e - 1)
+    if m >= HALF:
+        b += 1
+    return min(max(b, 0), buckets - 1)
+
+
+@inline
+def push(links, gates, slot, last_first):
+    """Put a slot at the end of its bucket, or at the beginning."""
+    bucket = links[slot, LEVEL]
+    links[slot, STATUS] = bucket
+    if last_first:
+        first = gates[bucket, 0]
+        links[slot, AHEAD], links[slot, BEHIND] = -1, first
+        if first >= 0:
+            links[first, AHEAD] = slot
+        else:
+            gates[bucket, 1] = slot
+        gates[bucket, 0] = slot
+    else:
+        last = gates[bucket, 1]
+        links[slot, AHEAD], links[slot, BEHIND] = last, -1
+        if last >= 0:
+            links[last, BEHIND] = slot
+        else:
+            gates[bucket, 0] = slot
+        gates[bucket, 1] = slot
+
+
+@inline
+def unlink(links, gates, slot, status):
+    """Take a slot out of its bucket, and give it a status."""
+    bucket, before, after = links[slot, STATUS], links[slot, AHEAD], links[slot, BEHIND]
+    if before >= 0:
+        links[before, BEHIND] = after
+    else:
+        gates[bucket, 0] = after
+    if after >= 0:
+        links[after, AHEAD] = before
+    else:
+        gates[bucket, 1] = before
+    links[slot, STATUS] = status
+
+
+@inline
+def top(gates):
+    """The first slot of the highest bucket that is not empty; -1 where all are."""
+    for b in range(len(gates) - 1, -1, -1):
+        if gates[b, 0] >= 0:
+            return gates[b, 0]
+    return -1
