@@ -38,8 +38,8 @@ def kernel(function: Callable) -> Any:
 def lean(function: Callable) -> Any:
     """As `kernel`, for functions that make no arrays and are called often: no references are counted.
 
-    numba counts a reference to each array at each call, atomically, where its optimizer does not see that this
-    is in vain; in kernels that call each other once a point this took two thirds of the time.
+    numba counts a reference to each array at each call, atomically, unless its optimizer sees that this is in
+    vain; in kernels that call each other once a point this took two thirds of the time.
     """
     if numba is None:
         return function

@@ -29,7 +29,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import inline, kernel
+from ..jit import inline, lean
 from ..predicates import orient2
 from .compiled import BUSY, COUNT, FREE, LAST
 from .insertion2 import GHOST, conflict_across, next_edge, prev_edge
@@ -74,7 +74,7 @@ def end_of(vertex, e):
     return vertex[prev_edge(e)]
 
 
-@kernel
+@lean
 def walk(xy, vertex, twin, t, px, py):
     """A triangle that contains p, or a ghost beyond whose hull edge p lies; any triangulation will do.
 
@@ -104,7 +104,7 @@ def walk(xy, vertex, twin, t, px, py):
                 return t
 
 
-@kernel
+@lean
 def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
     """Turn through the cavity from the inner half-edges on the stack; marked edges belong to the rim."""
     while depth > 0:
@@ -126,7 +126,7 @@ def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
     return m, k
 
 
-@kernel
+@lean
 def find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
     """The cavity of p from triangle t, whose open circle holds p: (m, k), ``cells[:m]`` and ``rim[:k]``.
 
@@ -138,7 +138,7 @@ def find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
     return _grow(xy, vertex, twin, mark, np.int64(3), px, py, stack, cells, np.int64(1), rim, np.int64(0))
 
 
-@kernel
+@lean
 def blocked_by(xy, vertex, rim, k, px, py):
     """The place in the rim of the first edge that p does not have strictly on its left; -1 for none.
 
@@ -155,7 +155,7 @@ def blocked_by(xy, vertex, rim, k, px, py):
     return k if turns > 1 else -1
 
 
-@kernel
+@lean
 def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fresh):
     """Join p to the rim: the triangle on rim edge i is ``fresh[i]``, p first. Mark ``split`` is dropped."""
     for i in range(k):
@@ -184,7 +184,7 @@ def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fr
     state[LAST] = fresh[0]
 
 
-@kernel
+@lean
 def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
     """Replace the cavity by the star of p, whose coordinates are in its row of ``xy``.
 
@@ -200,7 +200,7 @@ def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, 
     state[BUSY] = 0
 
 
-@kernel
+@lean
 def find_split(xy, vertex, twin, mark, e, px, py, stack, cells, rim):
     """The cavity of a split of the subsegment on half-edge e at p: (m, k, h).
 
@@ -223,7 +223,7 @@ def find_split(xy, vertex, twin, mark, e, px, py, stack, cells, rim):
     return m, k, h
 
 
-@kernel
+@lean
 def commit_split(
     vertex, twin, mark, region, where, ends, piece, span, state, e, cells, m, rim, k, h, p, t, hold, fresh
 ):

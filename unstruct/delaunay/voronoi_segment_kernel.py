@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..jit import inline, kernel
+from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from ..size_table import size_at
 from .cavity2 import VERTICES, commit, end_of, find_cavity, start_of
@@ -114,7 +114,7 @@ def join_queue(twin, mark, links, gates, rule, t):
             push(links, gates, t, rule.last_first)
 
 
-@kernel
+@lean
 def settle(
     xy, vertex, twin, mark, region, links, gates, child, values, box, child2, values2, box2, rule, fresh, k
 ):
@@ -132,7 +132,7 @@ def settle(
                 push(links, gates, o, rule.last_first)
 
 
-@kernel
+@lean
 def start(xy, vertex, twin, mark, region, state, links, gates, child, values, box, child2, values2, box2, rule):
     """Classify all triangles, and queue those at the boundary or beside accepted ones."""
     for t in range(state[COUNT]):
@@ -277,7 +277,7 @@ def last_resort(xy, vertex, twin, mark, t, child, values, box, stack, cells, rim
     return outcome, m, k, i, x, y, f
 
 
-@kernel
+@lean
 def advance(
     xy, vertex, twin, mark, region, where, state, links, gates, child, values, box, child2, values2, box2,
     rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
