@@ -25,7 +25,10 @@ FLOORS = {
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
-    **dict.fromkeys(["domain", "sizing", "size_field", "size_table", "distance", "statistics"], 4),
+    **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
+    **dict.fromkeys(
+        [f"size_{kind}" for kind in "background boundary field solution sources table".split()], 4
+    ),
     **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain"], 4),
     "delaunay": 5,
     **dict.fromkeys(["examples", "structured", "point_sets"], 6),

@@ -15,14 +15,14 @@ from .jit import inline, kernel
 from .locate import LEAF, BoxTree
 from .predicates import power_of_two
 
-__all__ = ["SegmentTree"]
+__all__ = ["SegmentTree", "to_box", "to_segment"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
 @inline
-def _to_box(x, q, low, high, node):
+def to_box(x, q, low, high, node):
     """The distance from point q to a box; infinite for an empty box."""
     total = 0.0
     for j in range(x.shape[1]):
@@ -32,7 +32,7 @@ def _to_box(x, q, low, high, node):
 
 
 @inline
-def _to_segment(x, q, segments, i):
+def to_segment(x, q, segments, i):
     """The distance from point q to segment i, whose ends may be equal."""
     along, square = 0.0, 0.0
     for j in range(x.shape[1]):
@@ -63,11 +63,11 @@ def _search(x, low, high, least, order, segments, weights, growth, best, which):
         while top > 0:
             top -= 1
             node = stack[top]
-            if least[node] + growth * _to_box(x, q, low, high, node) >= best[q]:
+            if least[node] + growth * to_box(x, q, low, high, node) >= best[q]:
                 continue
             if node < leaves:
-                left = least[2 * node] + growth * _to_box(x, q, low, high, 2 * node)
-                right = least[2 * node + 1] + growth * _to_box(x, q, low, high, 2 * node + 1)
+                left = least[2 * node] + growth * to_box(x, q, low, high, 2 * node)
+                right = least[2 * node + 1] + growth * to_box(x, q, low, high, 2 * node + 1)
                 near = 0 if left <= right else 1
                 stack[top] = 2 * node + 1 - near
                 stack[top + 1] = 2 * node + near
@@ -76,7 +76,7 @@ def _search(x, low, high, least, order, segments, weights, growth, best, which):
             first = (node - leaves) * LEAF
             for k in range(first, min(first + LEAF, order.shape[0])):
                 i = order[k]
-                value = weights[i] + growth * _to_segment(x, q, segments, i)
+                value = weights[i] + growth * to_segment(x, q, segments, i)
                 if value < best[q]:
                     best[q] = value
                     which[q] = i
@@ -111,8 +111,8 @@ class SegmentTree:
         if self.weights.shape != (len(array),) or not np.isfinite(self.weights).all():
             raise InputError(f"weights must be {len(array)} finite numbers, not shape {self.weights.shape}")
         tree = BoxTree(self.segments.min(axis=1), self.segments.max(axis=1))
-        self._boxes = tree.low, tree.high
-        self._order = tree.order
+        self.boxes = tree.low, tree.high
+        self.order = tree.order
         self._lowest = _minima(self.weights[tree.order], len(tree.low) // 2)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
@@ -140,7 +140,7 @@ class SegmentTree:
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
         which = np.full(len(points), -1, dtype=np.int64)
         scaled = np.ascontiguousarray(points * self.factor)
-        tree = *self._boxes, self._lowest, self._order, self.segments, self.weights
+        tree = *self.boxes, self._lowest, self.order, self.segments, self.weights
         _search(scaled, *tree, growth / self.factor, best, which)
         return best, which
 

@@ -105,6 +105,21 @@ class SizeTable:
         _sizes_at(*self.nodes, points, self.factor, result)
         return result / self.factor
 
+    def corners(self) -> tuple[Array, Array]:
+        """The corners of all nodes, each place once, (c, 2), and the sizes there, (c,); both unscaled."""
+        low, node, side = np.zeros((1, 2)), np.zeros(1, dtype=np.int64), 1.0
+        places, values = [], []
+        while len(node):  # level by level
+            places.append((low[:, None] + side * CORNERS).reshape(-1, 2))
+            values.append(self.values[node].ravel())
+            divided = self.child[node] >= 0
+            node = (self.child[node[divided], None] + np.arange(4)).ravel()
+            side /= 2
+            low = (low[divided, None] + side * CORNERS).reshape(-1, 2)
+        place, first = np.unique(np.concatenate(places), axis=0, return_index=True)
+        span = self.box[2:] - self.box[:2]
+        return (self.box[:2] + place * span) / self.factor, np.concatenate(values)[first] / self.factor
+
     def __repr__(self) -> str:
         leaves = int((self.child < 0).sum())
         kept = f", {sum(self.capped.values())} capped" if sum(self.capped.values()) else ""
