@@ -2,6 +2,7 @@
 
 from . import predicates as predicates
 from .check import check as check
+from .delaunay.constrained import constrained_delaunay as constrained_delaunay
 from .delaunay.gift_wrapping import gift_wrap as gift_wrap
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
@@ -12,6 +13,7 @@ from .delaunay.terrain import Terrain as Terrain
 from .delaunay.terrain import greedy_terrain as greedy_terrain
 from .delaunay.voronoi import Voronoi as Voronoi
 from .delaunay.voronoi import voronoi as voronoi
+from .delaunay.voronoi_segment import voronoi_segment as voronoi_segment
 from .errors import DegenerateInputError as DegenerateInputError
 from .errors import InputError as InputError
 from .errors import MeshError as MeshError

@@ -34,9 +34,9 @@ from .front_queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, pus
 DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
 # what becomes of one attempt
 INSERTED, OUTSIDE, ENCROACHES, TOO_NEAR, ROUNDED = 0, 1, 2, 3, 4
-# places in the counts; those from CAPPED to COCIRCULAR are also bits of the case that a step records
-POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, CENTERS, MOVED, WIDE = range(9)
-HIDDEN, FLAT, COLLISIONS, LOST, GIVEN_UP, SPLITS, REFUSED, COUNTS = range(9, 17)
+# places in the counts; the first eight are also the bits of the case that a step records
+POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, CENTERS, SPLITS = range(8)
+MOVED, WIDE, HIDDEN, FLAT, COLLISIONS, LOST, GIVEN_UP, REFUSED, COUNTS = range(8, 17)
 ROOT3 = sqrt(3.0)
 
 
@@ -133,7 +133,9 @@ def settle(
 
 
 @lean
-def start(xy, vertex, twin, mark, region, state, links, gates, child, values, box, child2, values2, box2, rule):
+def start(
+    xy, vertex, twin, mark, region, state, links, gates, child, values, box, child2, values2, box2, rule
+):
     """Classify all triangles, and queue those at the boundary or beside accepted ones."""
     for t in range(state[COUNT]):
         classify(xy, vertex, region, links, gates, child, values, box, child2, values2, box2, rule, t)
@@ -230,7 +232,7 @@ def next_active(xy, vertex, twin, mark, links, t, tried):
 
 @inline
 def blame(xy, vertex, rim, outcome, i, f, counts):
-    """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, else -1."""
+    """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, or -1."""
     if outcome == TOO_NEAR or outcome == ROUNDED:
         counts[COLLISIONS if outcome == TOO_NEAR else LOST] += 1
         return np.int64(-1)
@@ -282,7 +284,7 @@ def advance(
     xy, vertex, twin, mark, region, where, state, links, gates, child, values, box, child2, values2, box2,
     rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
 ):  # fmt: skip
-    """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split the edge on half-edge ``ask[0]``."""
+    """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split half-edge ``ask[0]``."""
     for _ in range(limit):
         if state[VERTICES] >= len(xy) or state[COUNT] + 4 > len(links):
             return ROOM
