@@ -1,0 +1,164 @@
+"""One run of Delaunay refinement: its arrays, room for them as they grow, and points of curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .acute import apexes
+from .cavity2 import SEGMENTS
+from .compiled import grown
+from .encroachment2 import FIRST, FREE_VERTEX, INPUT_VERTEX, OTHER, SECOND, STRAIGHT, shell
+from .free_vertices2 import MOST
+from .planar import PlanarComplex
+from .refinement_limits import Limits
+from .refinement_state import (
+    CURVES,
+    EVENTS,
+    FRACTION,
+    LIMIT,
+    MORE,
+    REMOVED,
+    ROOM,
+    SEGMENT_TOP,
+    WANTED,
+    Work,
+    look_at_all,
+    set_floors,
+)
+from .ruppert2 import advance
+
+__all__ = ["Planned", "Run"]
+
+STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+At = Callable[[NDArray[np.int64], NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass
+class Planned:
+    """A triangulation to be refined, and what is known of its pieces."""
+
+    complex_: PlanarComplex
+    names: list[str]  # of the regions, by number
+    joints: NDArray[np.int32]  # (pieces, 2) end vertices
+    curve: NDArray[np.int8]  # (pieces,) STRAIGHT, ARC, OTHER
+    arc: NDArray[np.float64]  # (pieces, 5), unscaled
+    at: At  # points of pieces by parameter, unscaled
+    rest: dict[str, Any] = field(default_factory=dict)  # for `PlanarComplex.mesh`
+
+
+class Run:
+    """The arrays of a run beside those of its `PlanarComplex`, and the loop around the kernel."""
+
+    def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
+        c = planned.complex_
+        self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
+        self.tally = np.zeros(16, dtype=np.int64)
+        self.tally[LIMIT] = budget
+        n, s = c.size, c.segments
+        self.kind = np.full(n, INPUT_VERTEX, dtype=np.int32)
+        inner = np.ones(n, dtype=bool)  # vertices that cut a piece, and were no vertices of the input
+        inner[planned.rest["inputs"]] = False
+        for column in (0, 1):
+            rows = inner[c.ends[:s, column]]
+            self.kind[c.ends[:s][rows, column]] = c.piece[:s][rows]
+        self.floor = np.full(n, np.inf)
+        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor)
+        self.floor *= FRACTION
+        self.apexes = apexes(c, planned.curve != STRAIGHT)
+        self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
+        self.given = np.full((s, 3), np.nan)
+        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
+        self.queued, self.why = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=np.uint8)
+        self.triangles = np.empty(0, dtype=np.int32)
+        self.arc = planned.arc.copy()
+        self.arc[:, :3] *= c.factor
+        self.polygon = np.empty((MOST, 7), dtype=np.int64)
+        self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
+        self.place = np.empty((len(self.event), 2))
+        self._make_room(2 * n + 64, 2 * s + 64)
+
+    def _make_room(self, vertices: int, segments: int) -> None:
+        c = self.complex
+        c.reserve(vertices, segments)
+        n, s, t = len(c.xy), len(c.where), len(c.region)
+        self.kind, self.floor = grown(self.kind, n), grown(self.floor, n)
+        for name in ("apexes", "lock", "asked", "given", "segments", "wanted"):
+            setattr(self, name, grown(getattr(self, name), s))
+        before = len(self.queued)
+        for name in ("queued", "why", "triangles"):
+            setattr(self, name, grown(getattr(self, name), t))
+        self.queued[before:] = 0
+        if self.tally[EVENTS] + 128 > len(self.event) > 0:
+            self.event = grown(self.event, 2 * len(self.event))
+            self.place = grown(self.place, len(self.event))
+        self.scratch = c.scratch()
+
+    def work(self) -> Work:
+        """The arrays as they are now."""
+        c, p = self.complex, self.planned
+        return Work(
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, self.kind,
+            self.floor, self.apexes, self.lock, self.asked, self.given, self.segments, self.wanted, self.queued,
+            self.why, self.triangles, p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event,
+            self.place,
+        )  # fmt: skip
+
+    def start(self) -> None:
+        """Look at all subsegments and triangles."""
+        look_at_all(self.work(), self.tally, self.limits)
+
+    def advance(self) -> int:
+        """Some thousand steps; FINISHED, MORE or BUDGET."""
+        code = advance(self.work(), self.tally, self.limits, self.offset, STEPS)
+        if code == ROOM:
+            c = self.complex
+            vertices = len(c.xy) if c.size + 1 <= len(c.xy) else len(c.xy) + len(c.xy) // 2
+            segments = len(c.where) if c.segments + 1 <= len(c.where) else len(c.where) + len(c.where) // 2
+            self._make_room(vertices, segments)
+            return MORE
+        if code == CURVES:
+            self._answer()
+            return MORE
+        return int(code)
+
+    @property
+    def vertices(self) -> int:
+        """How many vertices there are."""
+        return int(self.complex.size - self.tally[REMOVED])
+
+    def _answer(self) -> None:
+        """Work out the points of curves that the kernel waits for, and put their subsegments on the stack."""
+        c, count = self.complex, int(self.tally[WANTED])
+        s = self.wanted[:count].copy()
+        t = self._parameters(s)
+        self.given[s, :2] = self.planned.at(c.piece[s], t) * c.factor
+        self.given[s, 2] = t
+        top = int(self.tally[SEGMENT_TOP])
+        self.segments[top : top + count] = s[::-1]
+        self.tally[SEGMENT_TOP], self.tally[WANTED] = top + count, 0
+
+    def _parameters(self, s: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Where curves are split: halfway by parameter, at small angles where they leave a shell."""
+        c = self.complex
+        t0, t1 = c.span[s].T
+        t = 0.5 * (t0 + t1)
+        for i in np.flatnonzero((self.apexes[s] == FIRST) | (self.apexes[s] == SECOND)):
+            a, b = c.xy[c.ends[s[i]]] / c.factor
+            apex, near, far = (a, t0[i], t1[i]) if self.apexes[s[i]] == FIRST else (b, t1[i], t0[i])
+            radius = shell(float(np.hypot(*(b - a) * c.factor))) / c.factor
+            piece = c.piece[s[i] : s[i] + 1]
+            for _ in range(60):  # the distance from the apex grows along the subsegment, which turns little
+                t[i] = 0.5 * (near + far)
+                x = self.planned.at(piece, t[i : i + 1])[0]
+                near, far = (t[i], far) if np.hypot(*(x - apex)) < radius else (near, t[i])
+        return t
+
+    def counts(self) -> dict[str, int]:
+        """What happened, by name."""
+        names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
+        return {"removed": int(self.tally[REMOVED])} | {k: int(self.tally[6 + i]) for i, k in enumerate(names)}

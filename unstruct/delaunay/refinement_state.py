@@ -1,0 +1,172 @@
+"""What a run of Delaunay refinement keeps beside its triangulation, and what it looks at after each change.
+
+Two stacks say what is still to be done: subsegments that must be split, and triangles that miss a limit. After
+each change only what is new is looked at: the new triangles, and the subsegments that they see.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import inline, lean
+from .cavity2 import SEGMENTS
+from .compiled import COUNT
+from .encroachment2 import encroaches
+from .refinement_limits import largest_radius2, misses
+
+# reasons why something was given up
+OPEN, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 0, 1, 2, 3, 4
+# what `advance` returns
+FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
+# entries of the tally
+SEGMENT_TOP, TRIANGLE_TOP, WANTED, LIMIT, REMOVED, EVENTS = 0, 1, 2, 3, 4, 5
+CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 6, 7, 8, 9, 10, 11
+BY_ANGLE, BY_SIZE = 1, 2  # who asked for a split
+FRACTION = 2.0**-10  # of the input's edges: where refinement for the angle ends at the latest
+
+
+class Work(NamedTuple):
+    """All arrays of a run: those of the `PlanarComplex`, then what refinement adds."""
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    region: NDArray[np.int32]
+    where: NDArray[np.int32]
+    ends: NDArray[np.int32]
+    piece: NDArray[np.int32]
+    span: NDArray[np.float64]
+    state: NDArray[np.int64]
+    # per vertex
+    kind: NDArray[np.int32]  # the piece in whose interior it lies, or FREE_VERTEX, INPUT_VERTEX, ...
+    floor: NDArray[np.float64]  # new points for the angle's sake keep this distance
+    # per subsegment
+    apexes: NDArray[np.uint8]
+    lock: NDArray[np.uint8]  # why it cannot be split
+    asked: NDArray[np.uint8]  # on the stack, and by whom
+    given: NDArray[np.float64]  # (., 3) x, y and parameter of a split worked out outside; nan: none
+    segments: NDArray[np.int32]  # the stack
+    wanted: NDArray[np.int32]  # those that wait for a point of a curve
+    # per slot of a triangle
+    queued: NDArray[np.uint8]
+    why: NDArray[np.uint8]
+    triangles: NDArray[np.int32]  # the stack
+    # per piece
+    curve: NDArray[np.int8]
+    arc: NDArray[np.float64]
+    joints: NDArray[np.int32]
+    # scratch
+    stack: NDArray[np.int32]
+    cells: NDArray[np.int32]
+    rim: NDArray[np.int32]
+    hold: NDArray[np.int64]
+    fresh: NDArray[np.int32]
+    polygon: NDArray[np.int64]
+    # the record: (what, vertex, three more) and the place; of length 0 where none is kept
+    event: NDArray[np.int32]
+    place: NDArray[np.float64]
+
+
+@inline
+def ask(w, tally, s, by):
+    """Put subsegment s on the stack, unless it is there or locked; whether it is there now."""
+    if w.lock[s] != OPEN:
+        return False
+    if w.asked[s] == 0:
+        w.segments[tally[SEGMENT_TOP]] = s
+        tally[SEGMENT_TOP] += 1
+    w.asked[s] |= by
+    return True
+
+
+@inline
+def queue(w, tally, t):
+    if w.queued[t] == 0:
+        w.queued[t] = 1
+        w.triangles[tally[TRIANGLE_TOP]] = t
+        tally[TRIANGLE_TOP] += 1
+
+
+@inline
+def look_at_segment(w, tally, limits, s):
+    """Ask for subsegment s where the vertices beside it encroach on it, or where it is too long."""
+    e = np.int64(w.where[s])
+    a, b = w.ends[s, 0], w.ends[s, 1]
+    ax, ay, bx, by = w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1]
+    square = (ax - bx) * (ax - bx) + (ay - by) * (ay - by)
+    for side in range(2):
+        o = e if side == 0 else np.int64(w.twin[e])
+        r = w.region[o // 3]
+        if r < 0:
+            continue
+        p = w.vertex[o]
+        if square > 4.0 * largest_radius2(limits, r, 0.5 * (ax + bx), 0.5 * (ay + by)):
+            ask(w, tally, s, BY_SIZE)
+        elif encroaches(ax, ay, bx, by, w.xy[p, 0], w.xy[p, 1], limits.lens):
+            ask(w, tally, s, BY_ANGLE)
+
+
+@inline
+def look_at_star(w, tally, limits, k):
+    """Queue the bad ones of the k fresh triangles, and the subsegments on which their apex encroaches."""
+    for i in range(k):
+        t = w.fresh[i]
+        w.why[t] = OPEN
+        if w.region[t] >= 0:
+            p, a, b = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+            s = w.mark[3 * t]
+            if s >= 0 and encroaches(
+                w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], w.xy[p, 0], w.xy[p, 1], limits.lens
+            ):
+                ask(w, tally, s, BY_ANGLE)
+            if misses(w.xy, p, a, b, w.region[t], limits) != 0:
+                queue(w, tally, t)
+
+
+@lean
+def look_at_all(w, tally, limits):
+    """Look at every subsegment and every triangle, to begin with."""
+    for s in range(w.state[SEGMENTS] - 1, -1, -1):
+        look_at_segment(w, tally, limits, s)
+    for t in range(w.state[COUNT] - 1, -1, -1):
+        w.why[t] = OPEN
+        r = w.region[t]
+        if r >= 0 and misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits) != 0:
+            queue(w, tally, t)
+
+
+@inline
+def record(w, tally, what, p, a, b, c, px, py):
+    """Note an event, where a record is kept."""
+    if len(w.event) > 0:
+        i = tally[EVENTS]
+        w.event[i, 0], w.event[i, 1] = what, p
+        w.event[i, 2], w.event[i, 3], w.event[i, 4] = a, b, c
+        w.place[i, 0], w.place[i, 1] = px, py
+        tally[EVENTS] = i + 1
+
+
+# --- before the first step -------------------------------------------------------------------------
+
+
+@lean
+def set_floors(xy, vertex, mark, region, count, floor):
+    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across from it."""
+    for t in range(count):
+        if region[t] < 0:
+            continue
+        for i in range(3):
+            a, b, c = vertex[3 * t + i], vertex[3 * t + (i + 1) % 3], vertex[3 * t + (i + 2) % 3]
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+            side = math.sqrt(ux * ux + uy * uy)
+            floor[a], floor[b] = min(floor[a], side), min(floor[b], side)
+            wx, wy = vx - ux, vy - uy
+            if mark[3 * t + i] >= 0 and ux * wx + uy * wy < 0.0 < vx * wx + vy * wy:
+                height = abs(ux * vy - uy * vx) / math.sqrt(wx * wx + wy * wy)
+                floor[a] = min(floor[a], height)

@@ -1,0 +1,318 @@
+"""Delaunay refinement, compiled: split encroached subsegments, then insert circumcenters of bad triangles.
+
+One step takes a subsegment from its stack, if there is one, else a triangle:
+
+    subsegment  split it at its middle (shells at small angles; on the true curve), from both sides at once;
+    triangle    find the cavity of its circumcenter, from itself as the seed, without a change. Where the
+                point is hidden by, or encroaches on, subsegments of the rim, these go on the stack and the
+                triangle waits; else the cavity is replaced by the star of the point.
+
+After each change only what is new is looked at: the new triangles, and the subsegments they see. A split that
+cannot be done is not done: the subsegment is locked, with the reason, and so are, in the end, the triangles
+that would need it.
+
+No loop without end: what size and area ask for keeps its distance from all there is; what the angle asks for
+must keep the distance ``floor`` of the vertices around it, a small part of the edges that the input had there.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..jit import inline, lean
+from ..predicates import orient2
+from .cavity2 import SEGMENTS, VERTICES, blocked_by, commit, commit_split, end_of, find_cavity, find_split, start_of
+from .encroachment2 import (
+    ARC,
+    FIRST,
+    FREE_VERTEX,
+    OTHER,
+    SECOND,
+    STRAIGHT,
+    across_small_angle,
+    encroaches,
+    split_arc,
+    split_straight,
+)
+from .free_vertices2 import clear_disc
+from .refinement_limits import ANGLE, misses
+from .refinement_state import (
+    BUDGET,
+    BY_ANGLE,
+    BY_SIZE,
+    CENTERS,
+    CURVE,
+    CURVES,
+    EVENTS,
+    FINISHED,
+    FLOOR,
+    FRACTION,
+    LIMIT,
+    LOCKED,
+    MORE,
+    OPEN,
+    PRECISION,
+    REFUSED,
+    REJECTED,
+    REMOVED,
+    ROOM,
+    SEGMENT_TOP,
+    SHELLS,
+    SMALL_ANGLE,
+    SPLITS,
+    TRIANGLE_TOP,
+    WANTED,
+    ask,
+    look_at_segment,
+    look_at_star,
+    queue,
+    record,
+)
+
+
+FAR = 1e30  # a circumcenter beyond this cannot be judged
+
+
+# --- subsegments -----------------------------------------------------------------------------------
+
+
+@inline
+def _split_point(w, s):
+    """(x, y, t) of the next split of subsegment s; nan where it must be worked out outside."""
+    a, b, k = w.ends[s, 0], w.ends[s, 1], w.piece[s]
+    if w.curve[k] == STRAIGHT:
+        return split_straight(w.xy, a, b, w.span[s, 0], w.span[s, 1], w.apexes[s])
+    if w.curve[k] == OTHER:
+        return w.given[s, 0], w.given[s, 1], w.given[s, 2]
+    return split_arc(w.xy, a, b, w.span[s, 0], w.span[s, 1], w.apexes[s], w.arc[k])
+
+
+@inline
+def _lock(w, tally, s, why):
+    w.lock[s] = why
+    tally[LOCKED] += 1
+
+
+@inline
+def _find(w, s, px, py):
+    """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
+    m, k, h = find_split(w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim)
+    if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
+        k = -1
+    return m, k, h
+
+
+@inline
+def split_next(w, tally, limits):
+    """Split the subsegment on top of the stack, or say in ``lock`` why not."""
+    tally[SEGMENT_TOP] -= 1
+    s = w.segments[tally[SEGMENT_TOP]]
+    px, py, t = _split_point(w, s)
+    if math.isnan(px):
+        w.wanted[tally[WANTED]] = s
+        tally[WANTED] += 1
+        return
+    by, w.asked[s] = w.asked[s], 0
+    w.given[s, 0] = np.nan
+    a, b = w.ends[s, 0], w.ends[s, 1]
+    square = min(
+        (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
+    )
+    floor = min(w.floor[a], w.floor[b])
+    if by & BY_SIZE:
+        floor = min(floor, FRACTION * math.sqrt(square))
+    elif square < floor * floor:
+        _lock(w, tally, s, FLOOR)
+        return
+    if limits.lens > 0.0 and w.apexes[s] == 0:
+        clear_disc(w, tally, limits, s)
+    m, k, h = _find(w, s, px, py)
+    if k < 0 and clear_disc(w, tally, limits, s) > 0:
+        m, k, h = _find(w, s, px, py)
+    if k < 0:
+        _lock(w, tally, s, PRECISION if w.curve[w.piece[s]] == STRAIGHT else CURVE)
+        return
+    p = w.state[VERTICES]
+    w.xy[p, 0], w.xy[p, 1] = px, py
+    w.kind[p], w.floor[p] = w.piece[s], floor
+    record(w, tally, SPLITS, p, a, b, s, px, py)
+    new = commit_split(
+        w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state, np.int64(w.where[s]),
+        w.cells, m, w.rim, k, h, p, t, w.hold, w.fresh,
+    )  # fmt: skip
+    tally[SPLITS] += 1
+    if w.apexes[s] == FIRST or w.apexes[s] == SECOND:
+        tally[SHELLS] += 1
+    w.apexes[new], w.apexes[s] = w.apexes[s] & SECOND, w.apexes[s] & FIRST
+    w.lock[new], w.asked[new] = OPEN, 0
+    w.given[new, 0] = np.nan
+    look_at_star(w, tally, limits, k)
+    for i in range(2):
+        look_at_segment(w, tally, limits, s if i == 0 else new)
+
+
+# --- triangles -------------------------------------------------------------------------------------
+
+
+@inline
+def _center(xy, a, b, c, offset):
+    """(x, y, R²): the circumcenter of a, b, c, or nearer to a-b as far as ``offset`` asks, a-b the shortest."""
+    ax, ay = xy[a, 0], xy[a, 1]
+    bx, by, cx, cy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
+    twice = 2.0 * (bx * cy - by * cx)
+    if not twice > 0.0:
+        return ax, ay, 0.0
+    b2, c2 = bx * bx + by * by, cx * cx + cy * cy
+    ux, uy = (cy * b2 - by * c2) / twice, (bx * c2 - cx * b2) / twice
+    square = ux * ux + uy * uy
+    if offset > 0.0:  # an angle of the wanted size over a-b, if that point is nearer
+        mx, my = 0.5 * bx - offset * by, 0.5 * by + offset * bx
+        if mx * mx + my * my < square:
+            return ax + mx, ay + my, mx * mx + my * my
+    return ax + ux, ay + uy, square
+
+
+@inline
+def shortest_first(xy, vertex, t):
+    """The corners of triangle t, counterclockwise, so that the first two bound its shortest edge."""
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    p = (xy[a, 0] - xy[b, 0]) ** 2 + (xy[a, 1] - xy[b, 1]) ** 2
+    q = (xy[b, 0] - xy[c, 0]) ** 2 + (xy[b, 1] - xy[c, 1]) ** 2
+    s = (xy[c, 0] - xy[a, 0]) ** 2 + (xy[c, 1] - xy[a, 1]) ** 2
+    if p <= q and p <= s:
+        return a, b, c
+    if q <= s:
+        return b, c, a
+    return c, a, b
+
+
+@inline
+def _in_the_way(w, tally, limits, k, px, py, by):
+    """Ask for the rim's subsegments on which p encroaches: (how many of them, how many can be split, why not)."""
+    found = asked = 0
+    why = OPEN
+    for i in range(k):
+        e = np.int64(w.rim[i])
+        s = w.mark[e]
+        if s >= 0:
+            a, b = start_of(w.vertex, e), end_of(w.vertex, e)
+            if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
+                found += 1
+                if ask(w, tally, s, by):
+                    asked += 1
+                else:
+                    why = w.lock[s]
+    return found, asked, why
+
+
+@lean
+def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
+    """The subsegment of the rim that the way from g, in the cavity, to p crosses; -1 for none."""
+    for i in range(k):
+        e = np.int64(rim[i])
+        if mark[e] >= 0:
+            a, b = start_of(vertex, e), end_of(vertex, e)
+            ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
+            if (
+                orient2(ax, ay, bx, by, px, py) <= 0
+                and orient2(gx, gy, px, py, ax, ay) <= 0
+                and orient2(gx, gy, px, py, bx, by) >= 0
+            ):
+                return mark[e]
+    return -1
+
+
+@inline
+def _step_aside(w, tally, limits, t, k, px, py, by):
+    """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way."""
+    found, asked, why = _in_the_way(w, tally, limits, k, px, py, by)
+    if found == 0:
+        if blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
+            return True
+        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+        gx, gy = (w.xy[a, 0] + w.xy[b, 0] + w.xy[c, 0]) / 3.0, (w.xy[a, 1] + w.xy[b, 1] + w.xy[c, 1]) / 3.0
+        s = _hidden_by(w.xy, w.vertex, w.mark, w.rim, k, gx, gy, px, py)
+        why = PRECISION
+        if s >= 0:
+            if ask(w, tally, s, by):
+                asked = 1
+            else:
+                why = w.lock[s]
+    if asked > 0:
+        tally[REJECTED] += 1
+        record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
+        queue(w, tally, t)
+    else:
+        tally[REFUSED] += 1
+        w.why[t] = why
+    return False
+
+
+@inline
+def improve_next(w, tally, limits, offset):
+    """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
+    tally[TRIANGLE_TOP] -= 1
+    t = np.int64(w.triangles[tally[TRIANGLE_TOP]])
+    w.queued[t] = 0
+    r = w.region[t]
+    if r < 0:
+        return
+    a, b, c = shortest_first(w.xy, w.vertex, t)
+    bits = misses(w.xy, a, b, c, r, limits)
+    if bits == 0:
+        return
+    floor = min(w.floor[a], w.floor[b], w.floor[c])
+    px, py, square = _center(w.xy, a, b, c, offset)
+    by = BY_SIZE
+    if bits == ANGLE:
+        by = BY_ANGLE
+        if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
+            w.why[t] = SMALL_ANGLE
+            return
+        if square < floor * floor:
+            w.why[t] = FLOOR
+            return
+    else:
+        floor = min(floor, FRACTION * math.sqrt(square))
+    if not (abs(px) < FAR and abs(py) < FAR):
+        w.why[t] = PRECISION
+        return
+    m, k = find_cavity(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
+    if k < 0:
+        w.why[t] = PRECISION
+        return
+    if not _step_aside(w, tally, limits, t, k, px, py, by):
+        return
+    p = w.state[VERTICES]
+    w.xy[p, 0], w.xy[p, 1] = px, py
+    w.kind[p], w.floor[p] = FREE_VERTEX, floor
+    record(w, tally, CENTERS, p, a, b, c, px, py)
+    commit(w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh)
+    tally[CENTERS] += 1
+    look_at_star(w, tally, limits, k)
+
+
+# --- the loop --------------------------------------------------------------------------------------
+
+
+@lean
+def advance(w, tally, limits, offset, steps):
+    """So many steps; why it stopped."""
+    for _ in range(steps):
+        if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
+            return ROOM
+        if len(w.event) > 0 and tally[EVENTS] + 64 > len(w.event):
+            return ROOM
+        if tally[SEGMENT_TOP] + tally[WANTED] + tally[TRIANGLE_TOP] == 0:
+            return FINISHED
+        if w.state[VERTICES] - tally[REMOVED] >= tally[LIMIT]:
+            return BUDGET
+        if tally[SEGMENT_TOP] > 0:
+            split_next(w, tally, limits)
+        elif tally[WANTED] > 0:
+            return CURVES
+        else:
+            improve_next(w, tally, limits, offset)
+    return MORE
