@@ -125,7 +125,7 @@ def _legalize(P, T, N, queued, stack, top, events, steps, wide):
 
 
 @kernel
-def _first_fault(P, T, N, wide):
+def first_fault(P, T, N, wide):
     """The first triangle that is not counterclockwise, or that overlaps a neighbor; -1 for none."""
     for t in range(len(T)):
         a, b, c = P[T[t, 0]], P[T[t, 1]], P[T[t, 2]]
@@ -219,15 +219,15 @@ def swap_diagonals(
     about linear from a start that is nowhere far from Delaunay. Ctrl-C leaves the input untouched.
     Source: Lawson (1977); with constraints, Lee and Lin (1986). Book: 2.0.
     """
-    P, wide = _planar(mesh)
+    P, wide = planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
-    fault = _first_fault(P, T, N, wide)
+    fault = first_fault(P, T, N, wide)
     if fault >= 0:
         raise MeshError(
             f"simplices[{fault}] = {T[fault].tolist()} is not counterclockwise or overlaps a neighbor: "
             "turn it with mesh.oriented(), drop it, or see unstruct.check"
         )
-    markers, locked = _constraints(mesh, constrained)
+    markers, locked = constraints(mesh, constrained)
     N[locked] = -1  # a constrained edge is a boundary on both sides
     events = _run(P, T, N, wide, history, progress)
     known = None if locked.any() else N
@@ -257,7 +257,7 @@ def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
     InputError
         Where a number is out of range or a swap meets the boundary: the record belongs to another mesh.
     """
-    _planar(mesh)
+    planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
     events = np.asarray(swaps)
     if events.ndim != 1 or (events.size and events.dtype.kind not in "iu"):
@@ -275,7 +275,7 @@ def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
 # --- parts -----------------------------------------------------------------------------------------
 
 
-def _planar(mesh: Mesh) -> tuple[NDArray[np.float64], bool]:
+def planar_coordinates(mesh: Mesh) -> tuple[NDArray[np.float64], bool]:
     """Coordinates for the kernels, and whether they are too wide to be scaled without loss."""
     if not mesh.is_simplicial or mesh.dimension != 2 or mesh.points.shape[1] != 2:
         raise MeshError(f"diagonals are swapped in triangle meshes of the plane; this is {mesh!r}")
@@ -308,7 +308,7 @@ def _progress_bar() -> Any:
     return tqdm(desc="swaps", unit="")
 
 
-def _constraints(
+def constraints(
     mesh: Mesh, names: str | Iterable[str] | None
 ) -> tuple[dict[str, NDArray], NDArray[np.bool_]]:
     """The markers that will be in the result, and the slots (t, i) whose edges must stay."""
