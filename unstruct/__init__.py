@@ -11,6 +11,7 @@ from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
 from .delaunay.modernized import Baker as Baker
 from .delaunay.modernized import insert as insert
+from .delaunay.refinement import refine as refine
 from .delaunay.smoothing import smooth as smooth
 from .delaunay.swapping import swap_diagonals as swap_diagonals
 from .delaunay.terrain import Terrain as Terrain
