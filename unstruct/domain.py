@@ -1,0 +1,442 @@
+"""Domain: a planar region to be meshed, bounded by segments, arcs and curves, even-odd.
+
+See the book, chapters 2.5 and 2.6d.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from math import fsum, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .arrays import as_points, frozen
+from .curves import Arc, CurveLike
+from .domain_faults import Fault, find_faults
+from .domain_inside import enclosed_area, even_odd, left_parity, lune_area, lunes_hold
+from .domain_sample import Sampled, coarse, sized
+from .errors import InputError
+
+__all__ = ["Cuts", "Domain"]
+
+
+class Cuts(NamedTuple):
+    """What a compiled kernel needs to find points on pieces.
+
+    Attributes
+    ----------
+    kind : (p,) int8
+        0 straight, 1 arc, 2 other: ask `Domain.at`.
+    arc : (p, 5) float64
+        For arcs center x, center y, radius, start and sweep, as in `Arc`; else 0.
+    """
+
+    kind: np.ndarray
+    arc: np.ndarray
+
+
+class Domain:
+    """A planar region: what is to be meshed.
+
+    *Pieces* are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1. Each is straight
+    unless ``curves`` has a curve for it.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 2)
+        Vertices. Those that no piece uses are `loose`: they become vertices of the mesh if they lie inside.
+    facets : array_like of int, shape (f, 2)
+        Pieces that bound the region: inside is what an odd number of them separates from infinity, so
+        that chains within chains are holes, islands, and so on, in any order and direction. At every vertex
+        an even number must meet.
+    inner : array_like of int, shape (g, 2), optional
+        Interfaces, cracks, loose segments: present in the mesh where they lie inside; they may dangle or
+        close and never make holes.
+    curves : dict of int to curve, optional
+        Piece -> `Arc`, `Curve`, `Bezier` or another object with ``point(t)``, from the first vertex of
+        the piece to its second.
+    markers : dict of str to array_like of int, optional
+        Name -> pieces.
+    regions : dict of str to array_like, shape (r, 2), optional
+        Name -> seeds, points inside. A part of the region (as facets and inner pieces divide it) takes the
+        name of the seed in it.
+    resolve : bool, optional
+        Repair what can be repaired instead of raising; `repairs` gives an account.
+
+    Raises
+    ------
+    InputError
+        For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length,
+        repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a vertex,
+        curves that miss their ends, cross or touch, and seeds outside. The message names the first culprits,
+        the place and the remedy.
+
+    Attributes
+    ----------
+    points, facets, inner, curves, markers, regions
+        As given (after repairs), arrays read-only.
+    repairs : list of Repair
+        What ``resolve`` did; empty without it, and where nothing was wrong.
+
+    Notes
+    -----
+    Faults are found by exact signs in O(n log n): about a second for 10^5 segments. The region is meshed as
+    it is stored, without tolerances. Book: 2.5, 2.6d.
+    """
+
+    def __init__(
+        self,
+        points: Any,
+        facets: Any,
+        *,
+        inner: Any = None,
+        curves: Mapping[int, CurveLike] | None = None,
+        markers: Mapping[str, Any] | None = None,
+        regions: Mapping[str, Any] | None = None,
+        resolve: bool = False,
+    ):
+        coordinates = as_points(points)
+        if coordinates.shape[1] != 2:
+            raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
+        self.points: np.ndarray = frozen(coordinates)
+        self.facets: np.ndarray = _segments(facets, "facets")
+        self.inner: np.ndarray = _segments(() if inner is None else inner, "inner")
+        many = len(self.facets) + len(self.inner)
+        self.curves: dict[int, CurveLike] = _curves(curves or {}, many)
+        self.markers: dict[str, np.ndarray] = _markers(markers or {}, many)
+        self.regions: dict[str, np.ndarray] = _seeds(regions or {})
+        self.repairs: list[Any] = []
+        faults = find_faults(self)
+        if faults:
+            raise InputError(_message(faults))
+        self._check_curves()
+        self._check_seeds()
+
+    # ------------------------------------------------------------------ pieces
+
+    @property
+    def pieces(self) -> np.ndarray:
+        """Facets, then inner segments: (f + g, 2) int32."""
+        return self._pieces
+
+    @cached_property
+    def _pieces(self) -> np.ndarray:
+        return frozen(np.concatenate([self.facets, self.inner]))
+
+    @cached_property
+    def loose(self) -> np.ndarray:
+        """Vertices that no piece uses: (k,) int32."""
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.pieces.ravel()] = True
+        return frozen(np.nonzero(~used)[0].astype(np.int32))
+
+    def name(self, piece: int) -> str:
+        """How messages call a piece: "facet 3", "inner segment 0"."""
+        return _name(piece, len(self.facets))
+
+    def at(self, piece: int, t: Any) -> np.ndarray:
+        """Points of one piece by parameter.
+
+        Parameters
+        ----------
+        piece : int
+        t : array_like, shape (k,)
+            Parameters from 0, the first vertex of the piece, to 1, its second.
+
+        Returns
+        -------
+        (k, 2) float64
+            Points of the true curve; the stored vertices at 0 and 1.
+        """
+        t = np.atleast_1d(np.asarray(t, dtype=float))
+        if not 0 <= piece < len(self.pieces):
+            raise InputError(f"piece {piece} outside 0..{len(self.pieces) - 1}")
+        if not ((t >= 0) & (t <= 1)).all():
+            raise InputError(f"parameter {t[~((t >= 0) & (t <= 1))][0]} must lie in [0, 1]")
+        return self.points_at(np.full(len(t), piece), t)
+
+    def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Points of many pieces by parameter: piece (k,), t (k,) to (k, 2); nothing is checked."""
+        a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
+        x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
+        if self.curves:
+            for number, rows in self._curved_rows(piece):
+                x[rows] = self.curves[number].point(t[rows])
+            x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
+        return x
+
+    def _curved_rows(self, piece: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        rows = np.nonzero(np.isin(piece, list(self.curves)))[0]
+        rows = rows[np.argsort(piece[rows], kind="stable")]
+        heads = np.nonzero(np.diff(piece[rows], prepend=-1))[0]
+        return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
+
+    def cuts(self) -> Cuts:
+        """Kind and arc of every piece as plain arrays, for kernels."""
+        kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
+        for piece, curve in self.curves.items():
+            kind[piece] = 1 if isinstance(curve, Arc) else 2
+            if isinstance(curve, Arc):
+                arc[piece] = *curve.center, curve.radius, curve.start, curve.sweep
+        return Cuts(kind, arc)
+
+    # ------------------------------------------------------------------ subsegments
+
+    def sampled(self, size: Any = None, *, step: float = 1.0) -> Sampled:
+        """The pieces cut into straight subsegments.
+
+        Parameters
+        ----------
+        size : number, function (k, 2) -> (k,), or size field, optional
+            The wanted edge length. Without it straight pieces stay whole, and curves are cut as coarsely as
+            is safe: a turn of at most 60 degrees for each chord, no chord meets another, no vertex lies
+            between a chord and its curve.
+        step : float, optional
+            The wanted length of subsegments, in units of the size.
+
+        Returns
+        -------
+        Sampled
+            With a size: on each piece the whole number of subsegments next to the integral of ds / (step
+            size), at equal steps of it, and cut further where that is not safe.
+
+        Raises
+        ------
+        InputError
+            For sizes that are not positive and finite, with the place.
+        """
+        if size is None:
+            return self._coarse
+        return sized(self, size, _positive(step, "step"))
+
+    @cached_property
+    def _coarse(self) -> Sampled:
+        return coarse(self)
+
+    # ------------------------------------------------------------------ inside and outside
+
+    def contains(self, x: Any) -> np.ndarray:
+        """Whether points lie inside, by the even-odd rule.
+
+        Parameters
+        ----------
+        x : array_like, shape (..., 2)
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+            Exact for straight facets, points on them included, which count as inside. A point on a curve,
+            up to rounding, may fall on either side.
+        """
+        queries = np.asarray(x, dtype=float)
+        if queries.ndim == 0 or queries.shape[-1] != 2:
+            raise InputError(f"x must have shape (..., 2), not {queries.shape}")
+        rows = as_points(queries.reshape(-1, 2), "x")
+        sampled = self._coarse
+        facets = sampled.piece < len(self.facets)
+        bent = facets & np.isin(sampled.piece, list(self.curves))
+        odd, on = even_odd(sampled.points, sampled.ends[facets], rows)
+        if bent.any():
+            odd ^= lunes_hold(self, sampled, np.nonzero(bent)[0], rows)
+            on = even_odd(sampled.points, sampled.ends[facets & ~bent], rows)[1]
+        return (odd | on).reshape(queries.shape[:-1])
+
+    @cached_property
+    def area(self) -> float:
+        """The area inside: for straight facets correctly rounded; curves add to rounding error only."""
+        sampled = self._coarse
+        rows = np.nonzero(sampled.piece < len(self.facets))[0]
+        ends = sampled.ends[rows]
+        left = left_parity(sampled.points, ends)
+        straight = enclosed_area(sampled.points, np.where(left[:, None], ends, ends[:, ::-1]))
+        if not self.curves:
+            return straight
+        whole = self._polygon_area(sampled, rows, left)
+        return fsum([straight, *whole])
+
+    def _polygon_area(self, sampled: Sampled, rows: np.ndarray, left: np.ndarray) -> list[float]:
+        """What lies between the chords and their curves, signed."""
+        parts = []
+        for piece, curve in self.curves.items():
+            mine = np.nonzero(sampled.piece[rows] == piece)[0]
+            if len(mine) == 0:
+                continue
+            a, b = self.points[self.pieces[piece]]
+            chain = sampled.points[sampled.ends[rows[mine], 0]] - a
+            ahead = sampled.points[sampled.ends[rows[mine], 1]] - a
+            chords = fsum(0.5 * (chain[:, 0] * ahead[:, 1] - chain[:, 1] * ahead[:, 0]))
+            parts.append((lune_area(curve, a, b) - chords) * (1 if left[mine[0]] else -1))
+        return parts
+
+    @cached_property
+    def bounds(self) -> np.ndarray:
+        """((x least, y least), (x greatest, y greatest)) of the points and of curves (closely)."""
+        sampled = self._coarse
+        points = [sampled.points]
+        if self.curves:
+            piece = np.repeat(list(self.curves), 257)
+            points.append(self.points_at(piece, np.tile(np.linspace(0, 1, 257), len(self.curves))))
+        every = np.concatenate(points)
+        return np.stack([every.min(axis=0), every.max(axis=0)])
+
+    # ------------------------------------------------------------------ constructors
+
+    @classmethod
+    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Domain:
+        """A polygon with holes.
+
+        Parameters
+        ----------
+        outer : array_like, shape (k, 2)
+            Corners in order, either way round; a last corner equal to the first is left out.
+        holes : sequence of array_like, optional
+            Rings; by the even-odd rule a ring within a hole is an island.
+        **options
+            As for `Domain`; piece numbers run along the rings.
+        """
+        rings = [_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
+        start = np.cumsum([0] + [len(ring) for ring in rings])
+        facets = [_around(first, len(ring)) for first, ring in zip(start, rings)]
+        return cls(np.concatenate(rings), np.concatenate(facets), **options)
+
+    @classmethod
+    def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Domain:
+        """A rectangle by two corners; pieces bottom, right, top, left, which are also its markers."""
+        (x0, y0), (x1, y1) = (as_points([c], name)[0] for c, name in ((lower, "lower"), (upper, "upper")))
+        if not (x0 < x1 and y0 < y1):
+            raise InputError(f"lower {[x0, y0]} must be less than upper {[x1, y1]} in both coordinates")
+        markers = {name: [i] for i, name in enumerate(("bottom", "right", "top", "left"))}
+        options["markers"] = markers | dict(options.get("markers") or {})
+        return cls([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], _around(0, 4), **options)
+
+    @classmethod
+    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Any) -> Domain:
+        """A disc, bounded by four arcs."""
+        (x, y), r = as_points([center], "center")[0], _positive(radius, "radius")
+        points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
+        arcs: dict[int, CurveLike] = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
+        return cls(points, _around(0, 4), curves=arcs, **options)
+
+    # ------------------------------------------------------------------ validation
+
+    def _check_curves(self) -> None:
+        for piece, curve in self.curves.items():
+            ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
+            if ends.shape != (3, 2) or not np.isfinite(ends).all():
+                raise InputError(f"the curve of {self.name(piece)} must give finite points of shape (k, 2)")
+            stored = self.points[self.pieces[piece]]
+            slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(self.points).max())
+            for end, vertex, x in zip(("starts", "ends"), self.pieces[piece], ends[[0, 2]]):
+                if not (np.abs(x - self.points[vertex]) <= slack).all():
+                    raise InputError(
+                        f"the curve of {self.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
+                        f"{self.points[vertex].tolist()}; give that vertex the curve's end"
+                    )
+            del stored
+        _ = self._coarse
+
+    def _check_seeds(self) -> None:
+        for name, seeds in self.regions.items():
+            inside = self.contains(seeds)
+            if not inside.all():
+                row = int(np.argmin(inside))
+                raise InputError(
+                    f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies outside the region (even-odd); "
+                    "move the seed inside"
+                )
+
+    def __repr__(self) -> str:
+        curves = f", {len(self.curves)} curved" if self.curves else ""
+        inner = f", {len(self.inner)} inner" if len(self.inner) else ""
+        loose = f", {len(self.loose)} loose" if len(self.loose) else ""
+        return f"<Domain: {len(self.points)} points, {len(self.facets)} facets{inner}{loose}{curves}>"
+
+
+# ---------------------------------------------------------------------- arrays as they come in
+
+
+def _name(piece: int, facets: int) -> str:
+    return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"
+
+
+def _positive(value: Any, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not (number > 0 and np.isfinite(number)):
+        raise InputError(f"{name} = {number} must be positive and finite")
+    return number
+
+
+def _segments(rows: Any, name: str) -> np.ndarray:
+    try:
+        array = np.asarray(rows)
+    except ValueError:
+        raise InputError(f"{name} must be an array of shape (s, 2): pairs of vertices") from None
+    if array.size == 0:
+        return frozen(np.empty((0, 2), dtype=np.int32))
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
+    if array.dtype.kind not in "iu":
+        raise InputError(f"{name} must be integers, not {array.dtype}")
+    if (array > np.iinfo(np.int32).max).any() or (array < np.iinfo(np.int32).min).any():
+        raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
+    return frozen(np.array(array, dtype=np.int32))
+
+
+def _curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
+    result = {}
+    for piece in sorted(curves):
+        if not 0 <= piece < many:
+            raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
+        if not isinstance(curves[piece], CurveLike):
+            raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
+        result[int(piece)] = curves[piece]
+    return result
+
+
+def _markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
+    result = {}
+    for name, pieces in markers.items():
+        array = np.asarray(pieces)
+        if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+            raise InputError(f"markers[{name!r}] must be a list of piece numbers")
+        if array.size and not 0 <= array.min() <= array.max() < many:
+            raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}")
+        result[str(name)] = frozen(np.unique(array).astype(np.int32))
+    return result
+
+
+def _seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    result = {}
+    for name, seeds in regions.items():
+        array = np.asarray(seeds, dtype=float)
+        rows = as_points(array[None] if array.ndim == 1 else array, f"regions[{name!r}]")
+        if rows.shape[1] != 2:
+            raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
+        result[str(name)] = frozen(rows)
+    return result
+
+
+def _ring(ring: Any, name: str) -> np.ndarray:
+    rows = as_points(ring, name)
+    if rows.shape[1] != 2:
+        raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
+    if len(rows) > 1 and (rows[0] == rows[-1]).all():
+        rows = rows[:-1]
+    if len(rows) < 3:
+        raise InputError(f"{name} has {len(rows)} corners; a ring needs three")
+    return rows
+
+
+def _around(first: int, count: int) -> np.ndarray:
+    index = np.arange(count)
+    return np.column_stack([index, np.roll(index, -1)]) + first
+
+
+def _message(faults: list[Fault]) -> str:
+    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    return f"{faults[0].text}{more}"
