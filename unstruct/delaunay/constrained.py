@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, MeshError
+from ..errors import InputError
 from ..ordering import radix_argsort
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
@@ -54,7 +54,7 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     InputError
         Equal vertices, exponents too wide for one scale; facets that bound no area; a seed on a segment,
         outside, or in one part with a seed of another name.
-    MeshError
+    InputError
         Segments that cross or overlap (a `Domain` refuses them earlier).
 
     Notes
@@ -149,7 +149,7 @@ def insert_all(
 
     Raises
     ------
-    MeshError
+    InputError
         For segments that cross or overlap: both are named. The complex is then of no use.
     """
     count, n = complex_.triangles, complex_.size
@@ -188,16 +188,16 @@ def _bar(total: int) -> Any:
     return tqdm(total=total, unit=" segments")
 
 
-def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> MeshError:
+def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> InputError:
     def name(s: int) -> str:
         p = int(piece[s])
-        kind = f"facets[{p}]" if p < facets else f"inner[{p - facets}]"
+        kind = f"facet {p}" if p < facets else f"inner segment {p - facets}"
         return f"{kind} (vertices {ends[s, 0]} and {ends[s, 1]})"
 
     if status not in (CROSSES, OVERLAPS):
-        return MeshError(f"{name(i)} leads nowhere: its ends must be different vertices")
+        return InputError(f"{name(i)} leads nowhere: its ends must be different vertices")
     verb = "crosses" if status == CROSSES else "overlaps"
-    return MeshError(
+    return InputError(
         f"{name(i)} {verb} {name(other)}: segments may meet at vertices only; "
         "a Domain with resolve=True cuts them"
     )
@@ -256,7 +256,7 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
     if odd >= 0:
         a, b = complex_.ends[odd].tolist()
         raise InputError(
-            f"facets[{complex_.piece[odd]}] (vertices {a} and {b}) has the same side of the boundary on both "
+            f"facet {complex_.piece[odd]} (vertices {a} and {b}) has the same side of the boundary on both "
             "sides: the facets do not close; make them rings, or inner segments"
         )
     if parts == 0:

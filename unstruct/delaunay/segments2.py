@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import inline, kernel
+from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from .insertion2 import GHOST, next_edge, prev_edge
 
@@ -40,7 +40,7 @@ def _side(xy, a, b, c):
     return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
-@kernel
+@lean
 def fill_corners(vertex, slots, corner):
     """For each vertex one slot that shows it."""
     for e in range(slots):
@@ -54,7 +54,7 @@ def turn(twin, e):
     return next_edge(np.int64(twin[next_edge(e)]))
 
 
-@kernel
+@lean
 def find_edge(vertex, twin, corner, a, b):
     """The half-edge from a to b, or -1."""
     first = e = np.int64(corner[a])
@@ -66,7 +66,7 @@ def find_edge(vertex, twin, corner, a, b):
             return np.int64(-1)
 
 
-@kernel
+@lean
 def aim(xy, vertex, twin, corner, a, b):
     """Where the ray from a to b leaves a: (e, 0) within the triangle of slot e, (e, 1) along half-edge e.
 
@@ -90,7 +90,7 @@ def aim(xy, vertex, twin, corner, a, b):
             return np.int64(-1), 3
 
 
-@kernel
+@lean
 def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
@@ -119,7 +119,7 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
         e = next_edge(o) if side > 0 else prev_edge(o)
 
 
-@kernel
+@lean
 def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
     """Note what a chain of n half-edges borders on, before its triangles are overwritten.
 
@@ -136,7 +136,7 @@ def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
             beyond[k] = twin[chain[k]]
 
 
-@kernel
+@lean
 def fill(xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n, stack):
     """Triangulate the polygon on the left of V_0 V_n whose other sides are the chain; its base half-edge.
 
@@ -181,7 +181,7 @@ def fill(xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n
     return base
 
 
-@kernel
+@lean
 def replace(xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack):
     """Fill what is above and below a segment after a march; the segment's half-edge, from a on."""
     for k in range(below // 2):  # the lower polygon is on the left of b a
@@ -199,7 +199,7 @@ def replace(xy, vertex, twin, mark, corner, left, right, cells, above, below, sc
     return upper
 
 
-@kernel
+@lean
 def insert_segments(
     xy, vertex, twin, mark, corner, ends, order, start, stop, left, right, cells, scratch, stack
 ):
