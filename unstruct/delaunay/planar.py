@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..jit import kernel
 from ..mesh import as_points
 from .cavity2 import GHOST, SEGMENTS, VERTICES
 from .compiled import BUSY, COUNT, FREE, Compiled, grown
@@ -21,6 +22,38 @@ from .refined import Refined
 from .triangulation import Triangulation
 
 __all__ = ["PlanarComplex"]
+
+
+@kernel
+def number_kept(vertex, region, count, number, place):
+    """Number the triangles of the domain and the vertices that they use, -1 for the others; how many."""
+    place[:] = -1
+    cells = 0
+    for t in range(count):
+        if region[t] < 0:
+            number[t] = -1
+            continue
+        number[t] = cells
+        cells += 1
+        for k in range(3):
+            place[vertex[3 * t + k]] = 0
+    vertices = 0
+    for v in range(len(place)):
+        if place[v] == 0:
+            place[v] = vertices
+            vertices += 1
+    return cells, vertices
+
+
+@kernel
+def extract_kept(vertex, twin, count, number, place, simplices, neighbors):
+    """Write the triangles that have a number, and the numbers of their neighbors."""
+    for t in range(count):
+        i = number[t]
+        if i >= 0:
+            for k in range(3):
+                simplices[i, k] = place[vertex[3 * t + k]]
+                neighbors[i, k] = number[twin[3 * t + k] // 3]
 
 
 class PlanarComplex:
@@ -179,13 +212,12 @@ class PlanarComplex:
             subsegments of each kind that bound a triangle.
         """
         count, n = self.triangles, self.size
-        kept, number = self.kept(), self.numbers()
-        simplices = self.vertex[: 3 * count].reshape(-1, 3)[kept]
-        neighbors = number[self.twin[: 3 * count].reshape(-1, 3)[kept] // 3]
-        used = np.zeros(n, dtype=bool)
-        used[simplices.ravel()] = True
-        place = np.cumsum(used, dtype=np.int32) - np.int32(1)
-        rows = self.xy[:n][used] / self.factor
+        number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
+        cells, vertices = number_kept(self.vertex, self.region, count, number, place)
+        simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
+        extract_kept(self.vertex, self.twin, count, number, place, simplices, neighbors)
+        kept, used = number >= 0, place >= 0
+        rows = self.xy[:n] / self.factor if vertices == n else self.xy[:n][used] / self.factor
         if points is not None:
             given = used[: len(points)]
             rows[: given.sum()] = points[given]
@@ -204,7 +236,7 @@ class PlanarComplex:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return Refined(
             rows,
-            place[simplices],
+            simplices,
             neighbors=neighbors,
             origin=source[used],
             markers=named,
