@@ -5,6 +5,7 @@ from .check import check as check
 from .curves import Arc as Arc
 from .curves import Bezier as Bezier
 from .curves import Curve as Curve
+from .delaunay.circumcenters import circumcenter_insertion as circumcenter_insertion
 from .delaunay.constrained import constrained_delaunay as constrained_delaunay
 from .delaunay.gift_wrapping import gift_wrap as gift_wrap
 from .delaunay.insertion import Triangulation as Triangulation
@@ -16,6 +17,7 @@ from .delaunay.smoothing import smooth as smooth
 from .delaunay.swapping import swap_diagonals as swap_diagonals
 from .delaunay.terrain import Terrain as Terrain
 from .delaunay.terrain import greedy_terrain as greedy_terrain
+from .delaunay.torus import periodic_circumcenters as periodic_circumcenters
 from .delaunay.voronoi import Voronoi as Voronoi
 from .delaunay.voronoi import voronoi as voronoi
 from .delaunay.voronoi_segment import voronoi_segment as voronoi_segment

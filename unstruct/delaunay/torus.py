@@ -1,0 +1,150 @@
+"""Circumcenter insertion without a boundary: on the unit torus, where nothing is left unsaid.
+
+There the three relations of the book's chapter 2.6a between circumradii and edge lengths hold without
+exception, which is why this set-up exists.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..sizing import as_size
+from .compiled import COUNT, grown
+from .periodic import PeriodicMesh, periodic_delaunay
+from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
+from .worst import KIND, NONE, Rule, grown_tree, make_rule, unscaled, watched
+
+__all__ = ["periodic_circumcenters"]
+
+CHUNK = 20_000  # insertions a kernel call
+MOST = 10_000_000  # insertions in all, if nothing else is said
+
+
+def periodic_circumcenters(
+    points: ArrayLike,
+    size: Any = None,
+    *,
+    priority: Any = None,
+    limit: float | None = None,
+    budget: int | None = None,
+    history: bool = False,
+) -> PeriodicMesh:
+    """Put points at circumcenters of maximal triangles, on the unit torus: no boundary, no exception.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 2)
+        The first points, taken modulo 1; no disk of radius 1/4 may be without one.
+    size : float or function of points (k, 2), optional
+        The wanted edge length h: triangles with sqrt(3) R >= h(Q) are bad, Q the circumcenter modulo 1.
+    priority, limit, budget, history
+        As for `circumcenter_insertion`.
+
+    Returns
+    -------
+    PeriodicMesh
+        ``points`` are the first ones, then the inserted ones in order: a prefix of them is the state. With
+        ``history`` its ``steps`` are as those of `circumcenter_insertion`.
+
+    Notes
+    -----
+    Each insertion replaces a cavity of O(1) triangles on average; the worst one is found in O(log m).
+    With the priority "circumradius", R_n never increases and l_n = min(l_0, R_0, ..., R_{n-1}), up to the
+    rounding of a circumcenter to a multiple of 2^-50. Book: 2.6a.
+    """
+    start = periodic_delaunay(points)
+    field = None if size is None else _wrapped(size)
+    if priority is not None and not isinstance(priority, str):
+        priority = _wrapped(priority)
+    rule = make_rule(field, priority, limit, ([-0.5, -0.5], [1.5, 1.5]))
+    if size is None and limit is None and budget is None:
+        raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
+    run = _Run(start, rule, history)
+    end = run.advance(len(start.points) + (MOST if budget is None else budget))
+    return run.result(end)
+
+
+def _wrapped(size: Any) -> Any:
+    """A size on the unit square as a periodic one."""
+    field = as_size(size)
+    return field if field.constant is not None else as_size(lambda x: field(x - np.floor(x)))
+
+
+class _Run:
+    """The arrays of a run on the torus."""
+
+    def __init__(self, start: PeriodicMesh, rule: Rule, history: bool):
+        n = len(start.points)
+        self.rule, self.first = rule, n
+        self.xy, self.vertex = start.points.copy(), start.simplices.ravel().copy()
+        self.shift = start.shifts.reshape(-1, 2).copy()
+        self.twin = _twins(start)
+        self.state = np.zeros(16, dtype=np.int64)
+        self.state[COUNT], self.state[VERTICES] = 2 * n, n
+        self.tree = np.full(2, NONE)
+        self.watch = np.full((5 if history else 0, 2), NONE)
+        self.rows, self.events = np.empty((0, 5)), np.empty((0, 5))
+        self._reserve(2 * n)
+        enter_all(self.xy, self.vertex, self.shift, 2 * n, *self._judges())
+
+    def _judges(self) -> tuple:
+        return (self.rule.rule, *self.rule.size, *self.rule.order, self.tree, self.watch)
+
+    def _reserve(self, points: int) -> None:
+        self.xy = grown(self.xy, points)
+        slots = 2 * len(self.xy)
+        self.vertex, self.twin, self.shift = (
+            grown(a, 3 * slots) for a in (self.vertex, self.twin, self.shift)
+        )
+        self.tree = grown_tree(self.tree, slots)
+        if len(self.watch):
+            self.watch = np.stack([grown_tree(tree, slots) for tree in self.watch])
+            self.rows, self.events = grown(self.rows, len(self.xy)), grown(self.events, len(self.xy))
+
+    def advance(self, last: int) -> int:
+        """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
+        end = FULL
+        while end == FULL and self.state[VERTICES] < last:
+            stop = min(int(self.state[VERTICES]) + CHUNK, last)
+            self._reserve(stop)
+            room = 2 * len(self.xy) + 8
+            stack, spare, fresh = (np.empty(room, dtype=np.int32) for _ in range(3))
+            frame = np.empty((room, 2), dtype=np.int32)
+            end = int(
+                insert_on_torus(
+                    self.xy, self.vertex, self.twin, self.shift, self.state, *self._judges(), stop,
+                    stack, frame, spare, fresh, self.rows, self.events,
+                )
+            )  # fmt: skip
+        return end
+
+    def result(self, end: int) -> PeriodicMesh:
+        n, m = int(self.state[VERTICES]), int(self.state[COUNT])
+        simplices, neighbors = (a[: 3 * m].reshape(-1, 3) for a in (self.vertex, self.twin // 3))
+        bad = np.flatnonzero(self.tree[len(self.tree) // 2 :][:m] > NONE)
+        reason = "the circumcenter rounds out of its circle" if end == ROUNDED else "budget"
+        steps: dict[str, NDArray] | None = None
+        if len(self.watch):
+            rows = np.vstack([self.rows[self.first : n], self.watch[:, 1]])
+            events = self.events[self.first : n]
+            steps = dict(watched(rows, 1.0))
+            steps["chosen"] = events[:, 0].copy()
+            steps["value"] = unscaled(int(self.rule.rule[KIND]), events[:, 1], 1.0)
+            steps["vertex"] = np.arange(self.first, n, dtype=np.int32)
+            steps["triangle"] = events[:, 2:].astype(np.int32)
+        return PeriodicMesh(
+            self.xy[:n], simplices.copy(), self.shift[: 3 * m].reshape(-1, 3, 2), neighbors.copy(),
+            unrefined=bad, reason=reason, counts={"circumcenters": n - self.first}, steps=steps,
+        )  # fmt: skip
+
+
+def _twins(mesh: PeriodicMesh) -> NDArray[np.int32]:
+    """The half-edge on the other side of each half-edge."""
+    step = (np.roll(mesh.shifts, -2, axis=1) - np.roll(mesh.shifts, -1, axis=1)).reshape(-1, 2)
+    a, b = (np.roll(mesh.simplices, -k, axis=1).ravel() for k in (1, 2))
+    there = {row: i for i, row in enumerate(zip(a, b, *step.T))}
+    return np.array([there[row] for row in zip(b, a, *(-step).T)], dtype=np.int32)

@@ -1,0 +1,187 @@
+"""The worst triangle: measures of a triangle for kernels, and a tournament that always knows the largest.
+
+A tournament is a flat binary tree over the slots of the triangles: ``tree[leaves + slot]`` is the value of
+a slot, ``tree[i]`` the larger of ``tree[2 i]`` and ``tree[2 i + 1]``, so that ``tree[1]`` is the largest of
+all. A slot that holds no triangle, or one that is well, has the value `NONE`. Against a heap with lazy
+deletion it has no old entries and no stamps, and its order of ties does not depend on the past.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..jit import inline, lean
+from ..size_table import Nodes, size_at
+from ..sizing import as_size
+
+NONE = -np.inf
+ROOT3 = math.sqrt(3.0)
+# The definitions of "worst", greater is worse: the numbers that kernels know them by.
+PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
+KIND, HAS_SIZE, HAS_LIMIT, LIMIT = 0, 1, 2, 3  # entries of a rule
+WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle as the largest negative
+
+
+@lean
+def put(tree, slot, value):
+    """Give a slot a value."""
+    i = len(tree) // 2 + slot
+    tree[i] = value
+    i //= 2
+    while i > 0:
+        best = max(tree[2 * i], tree[2 * i + 1])
+        if tree[i] == best:
+            break
+        tree[i] = best
+        i //= 2
+
+
+@lean
+def top(tree):
+    """The slot with the largest value, the lowest of several."""
+    i, half = 1, len(tree) // 2
+    while i < half:
+        i = 2 * i if tree[2 * i] == tree[i] else 2 * i + 1
+    return i - half
+
+
+def grown_tree(tree: NDArray[np.float64], slots: int) -> NDArray[np.float64]:
+    """The tournament with room for at least so many slots (the same one where it has)."""
+    half = len(tree) // 2
+    if slots <= half:
+        return tree
+    leaves = 1 << (slots - 1).bit_length()
+    larger = np.full(2 * leaves, NONE)
+    larger[leaves : leaves + half] = tree[half:]
+    level = leaves
+    while level > 1:
+        larger[level // 2 : level] = larger[level : 2 * level].reshape(-1, 2).max(axis=1)
+        level //= 2
+    return larger
+
+
+@inline
+def measures(ax, ay, bx, by, cx, cy):
+    """R, r, the shortest and the longest edge, the area, and the circumcenter of a counterclockwise triangle.
+
+    In doubles, relative to a: what is decided by them is where points are put, never what is connected.
+    R is infinite where rounding leaves no area.
+    """
+    ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+    wx, wy = vx - ux, vy - uy
+    u2, v2, w2 = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
+    twice = ux * vy - uy * vx
+    u, v, w = math.sqrt(u2), math.sqrt(v2), math.sqrt(w2)
+    short, long = min(u, v, w), max(u, v, w)
+    if twice <= 0.0:
+        return np.inf, 0.0, short, long, 0.0, np.inf, np.inf
+    qx = ax + (vy * u2 - uy * v2) / (2.0 * twice)
+    qy = ay + (ux * v2 - vx * u2) / (2.0 * twice)
+    return u * v * w / (2.0 * twice), twice / (u + v + w), short, long, 0.5 * twice, qx, qy
+
+
+@lean
+def judge(rule, child, values, box, order, weights, window, ax, ay, bx, by, cx, cy):
+    """How bad a triangle is by the rule; `NONE` where it is well.
+
+    Bad is a triangle with alpha = sqrt(3) R / size(Q) >= 1 (``HAS_SIZE``), or whose measure exceeds the limit
+    (``HAS_LIMIT``); without either every one is. ``child, values, box`` are the table of the size; ``order,
+    weights, window`` that of the field that alpha is measured with as a priority.
+    """
+    big, small, short, _, area, qx, qy = measures(ax, ay, bx, by, cx, cy)
+    kind = int(rule[KIND])
+    if kind == 0 or big == np.inf:
+        value = big
+    elif kind == 1:
+        value = ROOT3 * big / size_at(order, weights, window, qx, qy)
+    elif kind == 2:
+        value = big / short
+    elif kind == 3:
+        value = -math.degrees(math.asin(min(1.0, 0.5 * short / big)))
+    elif kind == 4:
+        value = big / small
+    else:
+        value = area
+    if rule[HAS_LIMIT] > 0.0 and value > rule[LIMIT]:
+        return value
+    if rule[HAS_SIZE] > 0.0:
+        if big == np.inf or ROOT3 * big >= size_at(child, values, box, qx, qy):
+            return value
+        return NONE
+    return NONE if rule[HAS_LIMIT] > 0.0 else value
+
+
+@lean
+def watch_triangle(watch, slot, ax, ay, bx, by, cx, cy):
+    """Enter a triangle into the tournaments of a record."""
+    big, small, short, long, _, _, _ = measures(ax, ay, bx, by, cx, cy)
+    put(watch[0], slot, big)
+    put(watch[1], slot, -short)
+    put(watch[2], slot, long)
+    put(watch[3], slot, big / small if small > 0.0 else np.inf)
+    put(watch[4], slot, -math.degrees(math.asin(min(1.0, 0.5 * short / big))))
+
+
+@lean
+def unwatch(watch, slot):
+    """Take a slot out of the tournaments of a record."""
+    for k in range(len(watch)):
+        put(watch[k], slot, NONE)
+
+
+def watched(rows: NDArray[np.float64], factor: float) -> dict[str, NDArray[np.float64]]:
+    """The record of ``rows`` (k, 5), the tops of the tournaments, in the units of the input."""
+    scale = {"R": 1 / factor, "l": -1 / factor, "L": 1 / factor, "mu": 1.0, "angle": -1.0}
+    return {name: rows[:, k] * scale[name] for k, name in enumerate(WATCHED)}
+
+
+class Rule(NamedTuple):
+    """Which triangles are bad, and which of them is the worst, as `judge` takes it."""
+
+    rule: NDArray[np.float64]
+    size: Nodes
+    order: Nodes
+
+
+def make_rule(
+    size: Any,
+    priority: Any,
+    limit: float | None,
+    box: tuple[ArrayLike, ArrayLike],
+    factor: float = 1.0,
+) -> Rule:
+    """The rule of a call; coordinates of kernels are those of the caller times ``factor``.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a limit that is no number or has no measure to limit, or "alpha" without a size.
+    """
+    if priority is None:
+        priority = "circumradius" if size is None else "alpha"
+    name = priority if isinstance(priority, str) else "alpha"
+    if name not in PRIORITIES:
+        known = ", ".join(PRIORITIES)
+        raise InputError(f"no priority {name!r}; use one of {known}, or a size to compare circumradii with")
+    field = size if isinstance(priority, str) else priority
+    if name == "alpha" and field is None:
+        raise InputError("the priority 'alpha' compares circumradii with a size: give one")
+    rule = np.zeros(4)
+    rule[KIND], rule[HAS_SIZE], rule[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
+    if limit is not None:
+        if not np.isfinite(limit):
+            raise InputError(f"limit must be a finite number, not {limit!r}")
+        scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
+        rule[LIMIT] = float(limit) * scale.get(name, 1.0)
+    tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]
+    return Rule(rule, *tables)
+
+
+def unscaled(priority: int, value: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+    """Values of `judge` in the units of the input, the least angle as a positive number."""
+    return value * {0: 1 / factor, 3: -1.0, 5: 1 / factor**2}.get(priority, 1.0)
