@@ -272,6 +272,13 @@ def _repeated(domain: Domain) -> list[Fault]:
     return result
 
 
+def _overlap_place(s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
+    """The middle of the common part of two segments on a line."""
+    ends = np.concatenate([s, t])
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    return _place(ends[order[1]] / 2 + ends[order[2]] / 2)
+
+
 def _crossings(domain: Domain) -> list[Fault]:
     rows = _straight(domain)
     segments = domain.pieces[rows]
@@ -293,8 +300,8 @@ def _crossings(domain: Domain) -> list[Fault]:
     for v, i in vertices_on_segments(domain.points, np.arange(len(domain.points)), segments).tolist():
         place = _place(domain.points[v])
         text = (
-            f"point {v} lies on {domain.name(int(rows[i]))} = {segments[i].tolist()}, {_at(place)}; split the "
-            "segment there, or resolve=True does"
+            f"point {v} lies on {domain.name(int(rows[i]))} = {segments[i].tolist()}, {_at(place)}; "
+            "split the segment there, or resolve=True does"
         )
         result.append(Fault("vertex on a segment", text, place, (int(rows[i]),), (v,)))
     return result
@@ -308,8 +315,8 @@ def _open_vertices(domain: Domain) -> list[Fault]:
         place = _place(domain.points[v])
         text = (
             f"the boundary is open: {degree[v]} facet{'s meet' if degree[v] > 1 else ' ends'} at point {v}, "
-            f"{_at(place)} (facets {', '.join(map(str, touching))}); an even number must meet. Close the chain, "
-            "give what shall not bound as inner, or let resolve=True do so"
+            f"{_at(place)} (facets {', '.join(map(str, touching))}); an even number must meet. Close the "
+            "chain, give what shall not bound as inner, or let resolve=True do so"
         )
         result.append(Fault("open boundary", text, place, touching, (v,)))
     return result
