@@ -12,6 +12,9 @@ from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay
 from .delaunay.modernized import Baker as Baker
 from .delaunay.modernized import insert as insert
+from .delaunay.protection import insert_without_breaking as insert_without_breaking
+from .delaunay.protection import skeleton_points as skeleton_points
+from .delaunay.recovery import conforming_delaunay as conforming_delaunay
 from .delaunay.refinement import refine as refine
 from .delaunay.smoothing import smooth as smooth
 from .delaunay.swapping import swap_diagonals as swap_diagonals

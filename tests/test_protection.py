@@ -1,0 +1,189 @@
+"""Points that must not break the boundary, rows of points that guard it, and exact diametral circles."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_recovery import TEN, fan_domain, random_polygon
+
+from unstruct.check import check
+from unstruct.delaunay.diametral import exact_in_disc, in_disc
+from unstruct.delaunay.insertion import delaunay
+from unstruct.delaunay.protection import insert_without_breaking, skeleton_points
+from unstruct.delaunay.recovery import conforming_delaunay
+from unstruct.delaunay.swapping import swap_diagonals
+from unstruct.domain import Domain
+from unstruct.errors import InputError
+from unstruct.examples import running_region
+from unstruct.mesh import Mesh
+from unstruct.plain import bowyer_watson as bw
+from unstruct.plain.conforming import missing
+from unstruct.simplex import circumradius
+
+entries = st.one_of(
+    st.integers(-4, 4).map(lambda v: v / 4),
+    st.floats(-1, 1),
+    st.integers(-3, 3).map(lambda v: 0.5 + v * 2.0**-53),
+    st.tuples(st.integers(-3, 3), st.integers(-250, 0)).map(lambda v: v[0] / 4 * 2.0 ** v[1]),
+)
+
+
+@given(st.tuples(*[entries] * 6))
+@settings(max_examples=300, deadline=None)
+def test_diametral_circles_are_exact(values):
+    ax, ay, bx, by, px, py = map(Fraction, values)
+    dot = (ax - px) * (bx - px) + (ay - py) * (by - py)
+    expected = (dot < 0) - (dot > 0)
+    assert in_disc(*values) == exact_in_disc(*values) == expected
+
+
+def is_delaunay_here(mesh):
+    """Valid, every boundary edge there, and nothing to swap although none is marked."""
+    assert check(mesh, delaunay="constrained")
+    assert len(swap_diagonals(Mesh(mesh.points, mesh.simplices), history=True)[1]) == 0
+
+
+# --- turning points away ----------------------------------------------------------------------------
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=12, deadline=None)
+def test_against_the_definition(seed):
+    """Each point is put to the test by definition: is a boundary edge missing once it is there?"""
+    rng = np.random.default_rng(seed)
+    domain = Domain.polygon(random_polygon(rng, 6, 20))
+    start = conforming_delaunay(domain)
+    given_ = [tuple(p) for p in rng.integers(0, 20, (12, 2)).astype(float).tolist()]
+    result = insert_without_breaking(domain, given_)
+    is_delaunay_here(result.mesh)
+    inside = [tuple(p) for p in start.points.tolist()]
+    for k, point in enumerate(given_):
+        ends = start.points[start.segments]
+        broken = [s for s, (u, v) in enumerate(ends) if missing([*inside, point], tuple(u), tuple(v))]
+        if result.vertex[k] >= 0:
+            assert not broken and tuple(result.mesh.points[result.vertex[k]]) == point
+            inside.append(point)
+            continue
+        row = result.rejected.tolist().index(k)
+        if "outside" in result.why[row]:
+            assert not domain.contains([point])[0] and result.edge[row] == -1
+        elif "equals" in result.why[row]:
+            assert point in inside
+        else:
+            named = result.mesh.points[result.mesh.segments[result.edge[row]]].tolist()
+            assert sorted(named) in [sorted(ends[s].tolist()) for s in broken]
+    assert len(result.rejected) == (result.vertex < 0).sum() == result.mesh.counts["rejected"]
+
+
+def test_what_is_starved():
+    """A coarse side rejects all points of a half disc; the triangle on it stays, and is named."""
+    domain = Domain.rectangle((0, 0), (8, 4))
+    points = np.array([(4.0, 0.5), (4.0, 0.0), (4.0, 2.5), (9.0, 1.0), (0.0, 0.0), (4.0, 2.5)])
+    # a hull edge has nothing beyond it that could break: only points on it do
+    result = insert_without_breaking(domain, points)
+    assert result.why.tolist() == ["it would break facet 0", "it lies outside of the domain",
+                                   "it equals vertex 0", "it equals vertex 5"]  # fmt: skip
+    box = [(-10, -10), (18, -10), (18, 18), (-10, 18), (0, 4), (8, 4)]
+    wall = Domain(box, [(0, 1), (1, 2), (2, 3), (3, 0)], inner=[(4, 5)])
+    tips = [(4.0, 11.0), (4.0, -3.0)]  # both circles reach 16/7 across
+    result = insert_without_breaking(wall, [*tips, (4.0, 5.0), (4.0, 3.5), (1.0, 5.5)])
+    assert result.rejected.tolist() == [2, 3] and not result.mesh.complete
+    assert {tuple(result.mesh.segments[e]) for e in result.edge} == {(4, 5)}
+    assert len(result.mesh.unrefined) >= 2 and result.largest > 3
+    assert result.largest == circumradius(result.mesh.corners[result.mesh.unrefined]).max()
+    content = insert_without_breaking(wall, [*tips, (4.0, 5.0)], size=20.0)
+    assert content.mesh.complete and content.largest == 0 and len(content.rejected) == 1
+
+
+def test_many_points_in_the_lake():
+    domain = Domain(*running_region(0.2))
+    rng = np.random.default_rng(5)
+    points = rng.random((4000, 2)) * [3, 2]
+    result = insert_without_breaking(domain, points, size=0.05)
+    is_delaunay_here(result.mesh)
+    assert 0 < result.mesh.counts["starved"] and "would break" in " ".join(result.why)
+    np.testing.assert_allclose(result.mesh.volume, domain.area)
+    again = insert_without_breaking(domain, points, size=0.05)
+    assert np.array_equal(again.vertex, result.vertex)
+    went = result.vertex >= 0
+    np.testing.assert_array_equal(result.mesh.points[result.vertex[went]], points[went])
+
+
+def test_bad_points():
+    domain = Domain.rectangle()
+    with pytest.raises(InputError, match=r"points\[1\]"):
+        insert_without_breaking(domain, [(0.5, 0.5), (np.nan, 0)])
+    with pytest.raises(InputError, match="coordinates"):
+        insert_without_breaking(domain, [(0.5, 0.5, 0.5)])
+    with pytest.raises(InputError, match="gap"):
+        skeleton_points(domain, gap=2)
+    empty = insert_without_breaking(domain, np.empty((0, 2)))
+    assert len(empty.vertex) == 0 and empty.mesh.complete
+
+
+# --- skeletons ----------------------------------------------------------------------------------------
+
+
+def discs_are_empty(mesh):
+    for u, v in mesh.points[mesh.segments]:
+        dot = ((u - mesh.points) * (v - mesh.points)).sum(axis=1)
+        assert (dot > -1e-12 * np.abs(mesh.points).max() ** 2).all()
+
+
+@given(st.integers(0, 10**6), st.sampled_from([None, 3.0, 8.0]))
+@settings(max_examples=25, deadline=None)
+def test_skeletons_of_polygons(seed, size):
+    domain = Domain.polygon(random_polygon(np.random.default_rng(seed), 7, 30))
+    s = skeleton_points(domain, size)
+    if s.complete:
+        discs_are_empty(s.mesh)
+        is_delaunay_here(s.mesh)
+    assert len(s.points) + len(s.bare) == len(s.mesh.segments)  # every facet has one side inside
+    assert len(s.why) == len(s.bare) and all(s.why) and domain.contains(s.points).all()
+    ends = s.mesh.points[s.mesh.segments[s.segment]]
+    for end in (0, 1):  # equilateral
+        np.testing.assert_allclose(
+            np.linalg.norm(s.points - ends[:, end], axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        )
+    turn = np.linalg.det(np.stack([ends[:, 1] - ends[:, 0], s.points - ends[:, 0]], axis=1))
+    assert (np.sign(turn) == s.side).all()
+
+
+def test_points_that_keep_their_distance_leave_guarded_edges():
+    """Throw points that are farther than l / sqrt(3) from all vertices: no edge with its tips breaks."""
+    domain = fan_domain([(50, 0), (0, 50), (-50, 0), (0, -50)], far=2)
+    s = skeleton_points(domain, 25.0)
+    assert s.complete
+    length = np.linalg.norm(np.diff(s.mesh.points[s.mesh.segments], axis=1)[:, 0], axis=1)
+    rng, points = np.random.default_rng(1), s.mesh.points
+    for p in rng.uniform(-100, 100, (3000, 2)):
+        if np.linalg.norm(points - p, axis=1).min() > length.max() / np.sqrt(3):
+            points = np.vstack([points, p])
+    assert len(points) > len(s.mesh.points) + 30
+    edges = {frozenset(e) for e in delaunay(points).edges.tolist()}
+    bare = set(s.bare[:, 0].tolist())
+    for row, e in enumerate(s.mesh.segments.tolist()):
+        assert row in bare or frozenset(e) in edges
+
+
+def test_inner_segments_have_tips_on_both_sides():
+    domain = Domain([(0, 0), (10, 0), (10, 10), (0, 10), (4, 5), (6, 5)], [(0, 1), (1, 2), (2, 3), (3, 0)],
+                    inner=[(4, 5)])  # fmt: skip
+    s = skeleton_points(domain, 2.0)
+    row = [k for k, e in enumerate(s.mesh.segments.tolist()) if s.mesh.piece[k] == 4]
+    assert sorted(s.side[np.isin(s.segment, row)].tolist()) == [-1, 1]
+    corner = [w for (r, _), w in zip(s.bare.tolist(), s.why.tolist()) if s.mesh.piece[r] < 4]
+    assert corner and all("near" in w or "disc" in w for w in corner)  # the tips of a corner crowd each other
+
+
+def test_a_skeleton_cannot_bring_an_edge_back():
+    """Points never make a missing edge present: the plain definition, on the ten spokes."""
+    points = [(0, 0), *TEN]
+    lost = [q for q in TEN if missing(points, (0, 0), q)]
+    assert len(lost) == 5
+    rng = np.random.default_rng(0)
+    more = points + [tuple(p) for p in rng.integers(-1000, 1000, (200, 2)).tolist()]
+    assert all(missing(more, (0, 0), q) for q in lost)
+    assert len(bw.triangulate(points)) > 0

@@ -1,0 +1,363 @@
+"""Boundary recovery: midpoints against the definition, fans that never end, shells."""
+
+from fractions import Fraction
+from itertools import combinations, islice, pairwise
+from math import atan2, cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from unstruct.check import check
+from unstruct.curves import Arc
+from unstruct.delaunay.constrained import constrained_delaunay
+from unstruct.delaunay.fans import never_ends
+from unstruct.delaunay.insertion import delaunay
+from unstruct.delaunay.recovery import conforming_delaunay
+from unstruct.delaunay.swapping import swap_diagonals
+from unstruct.domain import Domain
+from unstruct.errors import InputError
+from unstruct.examples import running_region
+from unstruct.mesh import Mesh
+from unstruct.plain import bowyer_watson as bw
+from unstruct.plain import conforming as plain
+from unstruct.plain.predicates import in_sphere, orient
+
+TEN = [(1000, 0), (566, 411), (309, 951), (-216, 666), (-809, 588), (-700, 0), (-809, -588), (-216, -666),
+       (309, -951), (566, -411)]  # fmt: skip
+TWELVE = [(100, 0), (61, 35), (50, 87), (0, 70), (-50, 87), (-61, 35), (-100, 0), (-61, -35), (-50, -87),
+          (0, -70), (50, -87), (61, -35)]  # fmt: skip
+SIX = [(3, 2), (4, 3), (-4, 3), (-2, 1), (-1, -3), (-1, -4)]
+FANS = {"ten": TEN, "twelve": TWELVE, "six": SIX}
+
+
+def fan_domain(spokes, far=4):
+    """Spokes from (0, 0) as inner segments of a large square."""
+    m, reach = len(spokes), far * max(abs(x) for p in spokes for x in p)
+    box = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)]
+    sides = [(m + 1 + k, m + 1 + (k + 1) % 4) for k in range(4)]
+    return Domain(np.array([(0, 0), *spokes, *box], float), sides, inner=[(0, i + 1) for i in range(m)])
+
+
+def equal_fan(n, ratio):
+    return [
+        (r * cos(2 * pi * i / n), r * sin(2 * pi * i / n)) for i in range(n) for r in [ratio if i % 2 else 1]
+    ]
+
+
+def random_polygon(rng, n=12, size=1000):
+    """A simple polygon on integer points, by 2-opt moves that remove crossings."""
+    points = rng.permutation(np.unique(rng.integers(0, size, (n, 2)), axis=0))
+    ring = list(map(tuple, points.tolist()))
+    crossing = True
+    while crossing:
+        crossing = False
+        for i, j in combinations(range(len(ring)), 2):
+            a, b, c, d = ring[i], ring[(i + 1) % len(ring)], ring[j], ring[(j + 1) % len(ring)]
+            if len({a, b, c, d}) == 4 and orient([a, b, c]) * orient([a, b, d]) <= 0 >= (
+                orient([c, d, a]) * orient([c, d, b])
+            ):
+                ring[i + 1 : j + 1] = reversed(ring[i + 1 : j + 1])
+                crossing = True
+    return ring
+
+
+def plain_result(domain, test=plain.missing, limit=60):
+    points, segments = domain.points.tolist(), [tuple(s) for s in domain.pieces.tolist()]
+    history = list(islice(plain.rounds(points, segments, test), limit))
+    assert len(history) < limit
+    return history[-1]
+
+
+def vertices(mesh):
+    return {tuple(p) for p in mesh.points.tolist()}
+
+
+def conforms(mesh, domain):
+    """Complete, valid, and every subsegment an edge of a Delaunay triangulation of all vertices."""
+    assert mesh.complete and len(mesh.missing) == 0
+    assert check(mesh, delaunay="constrained")
+    np.testing.assert_allclose(mesh.volume, domain.area, rtol=1e-9)
+    for name in ("facets", "inner"):
+        edges = {frozenset(e) for e in mesh.edges.tolist()}
+        assert {frozenset(e) for e in mesh.markers[name].tolist()} <= edges
+    free = Mesh(mesh.points, mesh.simplices)
+    assert len(swap_diagonals(free, history=True)[1]) == 0  # Delaunay across the inner segments, too
+
+
+# --- the plain version ------------------------------------------------------------------------------
+
+
+@given(st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=4, max_size=9, unique=True))
+@settings(max_examples=60, deadline=None)
+def test_missing_is_missing_from_every_delaunay_triangulation(points):
+    assume(any(orient([points[0], p, q]) for p, q in combinations(points[1:], 2)))
+    cells = bw.triangulate(points)
+    edges = {frozenset(e) for t in cells for e in combinations(t, 2)}
+    for i, j in combinations(range(len(points)), 2):
+        u, v = points[i], points[j]
+        if frozenset((i, j)) in edges:
+            assert not plain.missing(points, u, v)
+        else:  # absent: then missing, unless it is a chord of an empty circle
+            around = [t for t in cells if i in t]
+            tie = any(in_sphere([points[w] for w in t], v) == 0 for t in around)
+            assert plain.missing(points, u, v) != tie
+        if plain.missing(points, u, v):
+            assert plain.encroached(points, u, v) or any(orient([u, v, p]) == 0 for p in points)
+
+
+@pytest.mark.parametrize("test", ["missing", "gabriel"])
+@given(st.integers(0, 10**6))
+@settings(max_examples=25, deadline=None)
+def test_the_same_points_as_the_plain_rounds(test, seed):
+    """The order does not matter, nor which missing segment is looked at: one closure."""
+    domain = Domain.polygon(random_polygon(np.random.default_rng(seed), 8, 60))
+    mesh = conforming_delaunay(domain, test=test, shells=False, budget=300)
+    assume(test == "missing" or mesh.complete)  # with diametral circles sharp corners may never end
+    conforms(mesh, domain)
+    points, _, bad = plain_result(domain, plain.encroached if test == "gabriel" else plain.missing)
+    assert not bad and vertices(mesh) == set(map(tuple, points))
+    assert mesh.added.sum() == mesh.counts["splits"] == len(points) - len(domain.points)
+
+
+@given(st.integers(0, 10**6), st.integers(2, 6))
+@settings(max_examples=25, deadline=None)
+def test_random_inner_segments(seed, count):
+    rng = np.random.default_rng(seed)
+    points = np.unique(rng.integers(1, 40, (2 * count, 2)), axis=0).astype(float)
+    points = rng.permutation(points)
+    inner, used = [], []
+    for i, j in combinations(range(len(points)), 2):
+        a, b = points[i], points[j]
+        clear = all(orient([a, b, p]) != 0 for k, p in enumerate(points) if k not in (i, j))
+        for c, d in used:
+            free = len({tuple(a), tuple(b), tuple(c), tuple(d)}) == 4
+            clear &= (
+                not free
+                or orient([a, b, c]) * orient([a, b, d]) > 0
+                or orient([c, d, a]) * orient([c, d, b]) > 0
+            )
+        if clear and rng.random() < 0.7:
+            used.append((a, b))
+            inner.append((i + 4, j + 4))
+    assume(inner)
+    box = [(-30, -30), (70, -30), (70, 70), (-30, 70)]
+    domain = Domain(np.vstack([box, points]), [(0, 1), (1, 2), (2, 3), (3, 0)], inner=inner)
+    for shells in (True, "auto"):
+        for test in ("missing", "gabriel"):
+            conforms(conforming_delaunay(domain, test=test, shells=shells), domain)
+
+
+def test_the_two_hundred_and_fifty_polygons():
+    """Two segments at a vertex: midpoints end (proved); here in at most 20 rounds."""
+    rng, worst, most = np.random.default_rng(14), 0, 0
+    for _ in range(250):
+        domain = Domain.polygon(random_polygon(rng, int(rng.integers(5, 14))))
+        mesh = conforming_delaunay(domain, shells=False)
+        conforms(mesh, domain)
+        worst, most = max(worst, mesh.counts["rounds"]), max(most, mesh.counts["splits"])
+    assert worst <= 20 and most >= 20
+
+
+@pytest.mark.parametrize("degrees", [1e-6, 0.01, 1.0, 10.0, 29.9])
+def test_wedges(degrees):
+    """Two sides at a tiny angle, and the third point close to one of them."""
+    tan = np.tan(np.radians(degrees))
+    domain = Domain.polygon([(0, 0), (1, 0), (0.7, 0.7 * tan)])
+    mesh = conforming_delaunay(domain, shells=False)
+    conforms(mesh, domain)
+    if degrees >= 1:  # of discs as thin as the wedge it takes very many
+        conforms(conforming_delaunay(domain, test="gabriel"), domain)
+    dart = [(0.0, 0.0), (1.0, 0.0), (0.9, 0.5 * tan), (0.7, 0.7 * tan)]
+    conforms(conforming_delaunay(Domain.polygon(dart)), Domain.polygon(dart))
+
+
+# --- where midpoints never end ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", FANS)
+def test_the_spokes(name):
+    spokes = FANS[name]
+    states = plain.fan(spokes)
+    assert plain.period(states) and never_ends((0, 0), spokes)
+    domain = fan_domain(spokes)
+    midpoints = conforming_delaunay(domain, shells=False, budget=300)
+    assert not midpoints.complete and midpoints.endless.tolist() == [0]
+    assert len(midpoints.missing) and len(midpoints.unrefined) and check(midpoints, delaunay="constrained")
+    assert all("beside it stays" in reason for reason in midpoints.reasons)
+    assert midpoints.counts["rounds"] > 25
+    for shells in ("auto", True):
+        mesh = conforming_delaunay(domain, shells=shells)
+        conforms(mesh, domain)
+        assert 0 in mesh.apices and mesh.counts["splits"] < 4 * len(spokes)
+        assert mesh.endless.tolist() == [0] and mesh.added.sum() == mesh.counts["splits"]
+    conforms(conforming_delaunay(domain, test="gabriel"), domain)
+
+
+@pytest.mark.parametrize("name", ["ten", "twelve"])
+def test_the_run_follows_the_forced_states(name):
+    """Ten rounds of the plain process: the parts next to the center are halved at least as the fan says."""
+    spokes = FANS[name]
+    domain = fan_domain(spokes)
+    process = plain.rounds(domain.points.tolist(), [tuple(s) for s in domain.pieces.tolist()])
+    for _ in range(7):
+        points, segments, bad = next(process)
+        assert bad
+    near = {v for s in segments if 0 in s for v in s} - {0}
+    first, second = (min(abs(points[v][0]) + abs(points[v][1]) for v in near) for near in (near, {1}))
+    assert first <= second / 8
+
+
+@pytest.mark.parametrize("n", [6, 8, 10, 12, 14])
+def test_two_lengths_at_equal_angles(n):
+    """Such a fan never ends exactly if max(r, 1 / 2r) < cos(360 / n), r in (1/2, 1]: from ten spokes on."""
+    looping = 0
+    for ratio in np.linspace(0.51, 1.0, 50):
+        limit = max(ratio, 1 / (2 * ratio)) - cos(2 * pi / n)
+        if abs(limit) > 1e-9:
+            spokes = equal_fan(n, ratio)
+            assert never_ends((0, 0), spokes) == bool(plain.period(plain.fan(spokes))) == (limit < 0)
+            looping += limit < 0
+    assert (looping > 0) == (n >= 10)
+
+
+@given(st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=9, unique=True))
+@settings(max_examples=150, deadline=None)
+def test_fans_are_judged_alike(spokes):
+    directions = {(Fraction(x, abs(x) + abs(y)), Fraction(y, abs(x) + abs(y))) for x, y in spokes if x or y}
+    assume((0, 0) not in spokes and len(directions) == len(spokes))
+    states = plain.fan(spokes, limit=60)
+    fast = never_ends((0, 0), spokes)
+    if plain.period(states):
+        assert fast
+    if len(states) < 60 and not plain.period(states):
+        assert not fast
+    turns = sorted(atan2(y, x) for x, y in spokes)
+    gaps = [b - a for a, b in pairwise(turns)] + [turns[0] + 2 * pi - turns[-1]]
+    if max(gaps) > pi - 1e-9:
+        assert not fast  # a gap of 180 degrees: proved to end
+
+
+def test_a_part_of_a_fan_may_loop():
+    assert all(never_ends((0, 0), [*TEN, extra]) for extra in [(1, 900), (950, 310), (-1, 1000)])
+
+
+def test_two_spokes_and_diametral_circles():
+    """With diametral circles two segments are enough: lengths 1 and 0.7 below 45 degrees, 0.7 < cos."""
+    assert never_ends((0, 0), [(10, 0), (6.5, 2.6)], encroached=True)
+    assert not never_ends((0, 0), [(10, 0), (6.5, 2.6)])
+    assert not never_ends((0, 0), [(10, 0), (4.9, 5.0)], encroached=True)
+    domain = Domain.polygon([(0, 0), (10, 0), (6.5, 2.6)])
+    assert not conforming_delaunay(domain, test="gabriel", shells=False, budget=200).complete
+    conforms(conforming_delaunay(domain, test="gabriel"), domain)
+    conforms(conforming_delaunay(domain), domain)
+
+
+def test_shells_lie_on_powers_of_two():
+    mesh = conforming_delaunay(fan_domain(TEN), shells=True)
+    new = mesh.points[mesh.origin < 0]
+    radius = np.log2(np.hypot(*new.T))
+    near = np.abs(radius - np.round(radius)) < 1e-9
+    assert near.sum() >= 10 and len(new) == mesh.counts["splits"]
+    assert plain.shell_point((0, 0), (1000, 0)) == (512.0, 0.0)
+    assert plain.shell_point((0, 0), (3, 0)) == (2.0, 0.0) and plain.shell_point((1, 1), (1, 2)) == (1, 1.5)
+
+
+# --- curves, budgets, bad input -----------------------------------------------------------------------
+
+
+def test_curves_are_split_on_the_curve():
+    half = Arc((0.0, 0.0), 1.0, 0.0, pi)
+    domain = Domain(
+        [(1, 0), (-1, 0), (0.0, 0.5), (0.1, 0.99)], [(0, 1), (1, 0)], curves={0: half}, inner=[(2, 3)]
+    )
+    for test in ("missing", "gabriel"):
+        mesh = conforming_delaunay(domain, test=test)
+        assert mesh.complete and check(mesh, delaunay="constrained")
+        on = np.unique(mesh.segments[mesh.piece == 0])
+        np.testing.assert_allclose(np.hypot(*mesh.points[on].T), 1.0, rtol=1e-12)
+    assert mesh.added[0] > 0
+
+
+def test_shells_on_arcs():
+    """Two arcs that leave a vertex at a small angle, both cut at the same distances."""
+    domain = Domain([(0, 0), (1, 0), (0.8, 0.02)], [(0, 1), (1, 2), (2, 0)],
+                    curves={0: Arc((0.5, 2.0), float(np.hypot(0.5, 2)), float(np.arctan2(-2, -0.5)),
+                                   float(2 * np.arctan2(0.5, 2)))})  # fmt: skip
+    mesh = conforming_delaunay(domain, test="gabriel", shells=True)
+    assert mesh.complete and check(mesh, delaunay="constrained") and 0 in mesh.apices
+
+
+@pytest.mark.parametrize("spacing", [0.4, 0.3, 0.2, 0.15, 0.1])
+def test_the_lake(spacing):
+    domain = Domain(*running_region(spacing))
+    for test in ("missing", "gabriel"):
+        conforms(conforming_delaunay(domain, test=test), domain)
+    points, _, bad = plain_result(domain) if spacing > 0.35 else (None, None, None)
+    assert points is None or (not bad and vertices(conforming_delaunay(domain)) == set(map(tuple, points)))
+
+
+def test_a_budget_is_kept_and_told():
+    domain = fan_domain(TEN)
+    mesh = conforming_delaunay(domain, shells=True, budget=5)
+    assert mesh.counts["splits"] == 5 and not mesh.complete
+    assert set(mesh.why.tolist()) == {"the budget of 5 points is spent"}
+    assert check(mesh, delaunay="constrained")
+    for budget in (0, 1):
+        assert conforming_delaunay(domain, budget=budget).counts["splits"] == budget
+
+
+def test_ties_count_as_present():
+    """The diagonals of a lattice's squares: each is in some Delaunay triangulation, so nothing is split."""
+    points = [(x, y) for y in range(4) for x in range(4)]
+    ring = [0, 1, 2, 3, 7, 11, 15, 14, 13, 12, 8, 4]
+    inner = [(0, 5), (5, 10), (10, 15), (6, 11), (2, 5)]
+    domain = Domain(np.array(points, float), [(a, b) for a, b in zip(ring, [*ring[1:], 0])], inner=inner)
+    mesh = conforming_delaunay(domain)
+    conforms(mesh, domain)
+    assert mesh.counts["splits"] == 0 and len(mesh.markers["inner"]) == len(inner)
+
+
+def test_nearly_touching_pieces():
+    """A vertex a few units in the last place from a side: told, or conforming; never an invalid mesh."""
+    for gap in (2.0**-30, 2.0**-44, 2.0**-52):
+        points = [(0, 0), (1, 0), (1, 1), (0, 1), (0.3, gap), (0.7, 0.5)]
+        domain = Domain(points, [(0, 1), (1, 2), (2, 3), (3, 0)], inner=[(4, 5)])
+        mesh = conforming_delaunay(domain)
+        assert check(mesh, delaunay="constrained") and mesh.complete == (len(mesh.missing) == 0)
+        assert mesh.complete or all(mesh.why)
+
+
+def test_bad_input():
+    domain = Domain.rectangle()
+    with pytest.raises(InputError, match="test"):
+        conforming_delaunay(domain, test="other")
+    with pytest.raises(InputError, match="budget"):
+        conforming_delaunay(domain, budget=-1)
+
+
+# --- diagonal swapping on constrained triangulations ---------------------------------------------------
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_a_constrained_delaunay_mesh_has_nothing_to_swap(seed):
+    rng = np.random.default_rng(seed)
+    domain = Domain.polygon(random_polygon(rng, 14))
+    mesh = constrained_delaunay(domain)
+    assert len(swap_diagonals(mesh, history=True)[1]) == 0
+    shaken = Mesh(mesh.points, mesh.simplices, markers={"facets": mesh.markers["facets"]})
+    after = swap_diagonals(shaken)
+    marked = {frozenset(e) for e in mesh.markers["facets"].tolist()}
+    assert marked <= {frozenset(e) for e in after.edges.tolist()}
+
+
+def test_delaunay_of_the_vertices_shows_the_boundary():
+    """Beyond the domain's own triangles: the plain Delaunay triangulation of all vertices has the edges."""
+    domain = Domain(*running_region(0.3))
+    mesh = conforming_delaunay(domain)
+    edges = {frozenset(e) for e in delaunay(mesh.points).edges.tolist()}
+    assert {frozenset(e) for e in mesh.segments.tolist()} <= edges
+    before = {frozenset(e) for e in delaunay(domain.points).edges.tolist()}
+    assert not {frozenset(e) for e in domain.facets.tolist()} <= before
