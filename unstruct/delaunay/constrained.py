@@ -19,7 +19,7 @@ from ..ordering import radix_argsort
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
 from .refined import Refined
-from .segments2 import CROSSES, DONE, OVERLAPS, fill_corners, insert_segments
+from .segments2 import CROSSES, DONE, OVERLAPS, carriers, fill_corners, insert_segments
 
 if TYPE_CHECKING:
     from ..domain import Domain, Sampled
@@ -205,31 +205,33 @@ def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, fac
 
 def _enter(complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray) -> None:
     """Number the subsegments that the segments have become, in their order, and enter them."""
-    slots = 3 * complex_.triangles
+    slots, where = 3 * complex_.triangles, np.empty(len(ends), dtype=np.int32)
+    complex_.state[SEGMENTS] = len(ends)
+    if carriers(complex_.vertex, complex_.mark, slots, ends, where) == 2 * len(ends):
+        complex_.ends, complex_.piece, complex_.span, complex_.where = (
+            ends.copy(),
+            piece.copy(),
+            span.copy(),
+            where,
+        )
+        return
     half = np.flatnonzero(complex_.mark[:slots] >= 0)
     vertex, of = complex_.vertex, complex_.mark[half]
     start, stop = vertex[_next(half)], vertex[_prev(half)]
-    if len(half) == 2 * len(ends):
-        along = start == ends[of, 0]
-        order = np.empty(len(ends), dtype=np.int64)
-        order[of[along]] = half[along]
-        complex_.ends, complex_.piece, complex_.span = ends.copy(), piece.copy(), span.copy()
-        complex_.where = order.astype(np.int32)
-    else:
-        a, b = complex_.xy[ends[of, 0]], complex_.xy[ends[of, 1]]
-        axis = np.abs(b - a).argmax(axis=1)  # vertices on a segment are told apart along its longer side
-        rows = np.arange(len(half))
-        x, y = complex_.xy[start][rows, axis], complex_.xy[stop][rows, axis]
-        low, high = a[rows, axis], b[rows, axis]
-        keep = (x < y) == (low < high)
-        order = np.lexsort([np.where(low < high, x, -x)[keep], of[keep]])
-        pick = np.flatnonzero(keep)[order]
-        t = np.clip((np.stack([x, y]) - low) / (high - low), 0.0, 1.0)[:, pick]
-        segment = of[pick]
-        s0, s1 = span[segment].T
-        complex_.ends = np.column_stack([start[pick], stop[pick]]).astype(np.int32)
-        complex_.piece, complex_.where = piece[segment], half[pick].astype(np.int32)
-        complex_.span = (s0 + t * (s1 - s0)).T.copy()
+    a, b = complex_.xy[ends[of, 0]], complex_.xy[ends[of, 1]]
+    axis = np.abs(b - a).argmax(axis=1)  # vertices on a segment are told apart along its longer side
+    rows = np.arange(len(half))
+    x, y = complex_.xy[start][rows, axis], complex_.xy[stop][rows, axis]
+    low, high = a[rows, axis], b[rows, axis]
+    keep = (x < y) == (low < high)
+    order = np.lexsort([np.where(low < high, x, -x)[keep], of[keep]])
+    pick = np.flatnonzero(keep)[order]
+    t = np.clip((np.stack([x, y]) - low) / (high - low), 0.0, 1.0)[:, pick]
+    segment = of[pick]
+    s0, s1 = span[segment].T
+    complex_.ends = np.column_stack([start[pick], stop[pick]]).astype(np.int32)
+    complex_.piece, complex_.where = piece[segment], half[pick].astype(np.int32)
+    complex_.span = (s0 + t * (s1 - s0)).T.copy()
     where = complex_.where
     complex_.mark[where] = np.arange(len(where), dtype=np.int32)
     complex_.mark[complex_.twin[where]] = np.arange(len(where), dtype=np.int32)
@@ -252,7 +254,8 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
     count = complex_.triangles
     part, mark, piece = complex_.region[:count], complex_.mark, complex_.piece
     stack = np.empty(3 * count + 3, dtype=np.int32)
-    odd, parts = flood(complex_.vertex, complex_.twin, mark, piece, facets, hull, part, stack)
+    least = np.empty(count, dtype=np.int32)
+    odd, parts = flood(complex_.vertex, complex_.twin, mark, piece, facets, hull, part, stack, least)
     if odd >= 0:
         a, b = complex_.ends[odd].tolist()
         raise InputError(
@@ -261,7 +264,8 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         )
     if parts == 0:
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
-    number = _by_least_vertex(complex_, part, parts)
+    number = np.empty(parts, dtype=np.int64)  # by the least vertex in each, not by where the slots are
+    number[np.argsort(least[:parts], kind="stable")] = np.arange(parts)
     names = list(regions)
     named = np.full(parts, -1)
     for k, name in enumerate(names):
@@ -282,14 +286,3 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
     rank[np.argsort(np.where(free, number, parts), kind="stable")] = np.arange(parts)
     label = np.append(np.where(free, len(names) + rank, named), -1).astype(np.int32)
     part[:] = label[part]
-
-
-def _by_least_vertex(complex_: PlanarComplex, part: NDArray, parts: int) -> NDArray[np.int64]:
-    """Rank the parts by the least vertex in each (then as they were found), not by where their slots are."""
-    slots = np.flatnonzero(part >= 0)
-    lowest = complex_.vertex[: 3 * len(part)].reshape(-1, 3)[slots].min(axis=1)
-    least = np.full(parts, np.iinfo(np.int32).max, dtype=np.int32)
-    np.minimum.at(least, part[slots], lowest)
-    rank = np.empty(parts, dtype=np.int64)
-    rank[np.argsort(least, kind="stable")] = np.arange(parts)
-    return rank

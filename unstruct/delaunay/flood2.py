@@ -51,12 +51,12 @@ def _odd_facet(vertex, mark, piece, facets):
 
 
 @kernel
-def flood(vertex, twin, mark, piece, facets, hull, part, stack):
+def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
     """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
 
-    Returns -1 and the number of parts; or a facet that has the same side of the boundary on
-    both sides (the facets do not close). With ``hull`` everything but the ghosts is inside. Parts hang
-    together over edges that are not marked.
+    Returns -1 and the number of parts; or a facet with the same side of the boundary on both of its sides
+    (the facets do not close). ``least`` gets the least vertex of each part. With ``hull`` everything but the
+    ghosts is inside. Parts hang together over edges that are not marked.
     """
     if hull:
         for t in range(len(part)):
@@ -71,12 +71,14 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack):
         if part[first] != -2:
             continue
         part[first] = parts
+        least[parts] = vertex[3 * first]
         stack[0] = first
         depth = 1
         while depth > 0:
             depth -= 1
             t = np.int64(stack[depth])
             for e in range(3 * t, 3 * t + 3):
+                least[parts] = min(least[parts], vertex[e])
                 other = twin[e] // 3
                 if mark[e] < 0 and part[other] == -2:
                     part[other] = parts

@@ -48,6 +48,19 @@ def fill_corners(vertex, slots, corner):
             corner[vertex[e]] = e
 
 
+@lean
+def carriers(vertex, mark, slots, ends, where):
+    """For each segment that is one edge the half-edge that runs along it; how many half-edges are marked."""
+    marked = 0
+    for e in range(slots):
+        i = mark[e]
+        if i >= 0:
+            marked += 1
+            if vertex[next_edge(e)] == ends[i, 0]:
+                where[i] = e
+    return marked
+
+
 @inline
 def turn(twin, e):
     """The next triangle counterclockwise about ``vertex[e]``: its slot of that vertex."""
