@@ -25,7 +25,7 @@ __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FINE = np.radians(5.0)  # curves are looked at in steps that turn by no more than this, where possible
+FINE = np.radians(2.5)  # curves are looked at in steps that turn by no more than this, where possible
 ROUNDS = 12  # of halving: a kink in a curve never gets there
 AROUND = np.pi / 2  # a curve that has turned by more is another feature of itself
 FIRST = 1e-3  # the first radius looked at, relative to the whole region
@@ -39,14 +39,14 @@ class Chain(NamedTuple):
     total: float  # and at its end
 
 
-def _chain(domain: Domain, piece: int) -> Chain:
+def _chain(domain: Domain, piece: int, fine: float = FINE) -> Chain:
     """A straight piece whole; a curve in steps fine enough for its turns."""
     if piece not in domain.curves:
         return Chain(domain.points[domain.pieces[piece]], np.zeros(1), 0.0)
     t = np.linspace(0.0, 1.0, 33)
     for _ in range(ROUNDS):
         joint = _joints(domain.at(piece, t))
-        steep = np.maximum(np.append(joint, 0.0), np.insert(joint, 0, 0.0)) > FINE
+        steep = np.maximum(np.append(joint, 0.0), np.insert(joint, 0, 0.0)) > fine
         if not steep.any():
             break
         t = np.sort(np.append(t, (t[:-1] + t[1:])[steep] / 2))
@@ -181,7 +181,7 @@ def local_feature_size(domain: Domain, x: ArrayLike) -> Array:
     -----
     Features are the vertices, the straight pieces, and the curves. Two vertices are never adjacent; a vertex
     is adjacent to the pieces that end in it, and two pieces to each other where they share an end: so a
-    sharp corner between two pieces does not make the size zero. A curve is cut into steps of at most 5
+    sharp corner between two pieces does not make the size zero. A curve is cut into steps of at most 2.5
     degrees of turn (that is the accuracy), which are adjacent to one another while it turns by less than 90
     degrees between them; then it counts as another feature of itself. In the same way a curve is adjacent to
     what it starts from only for its first 90 degrees. A minimum, over fixed pairs, of the larger of two
@@ -261,13 +261,14 @@ def from_curvature(
             raise InputError(f"{name} must be positive, not {value!r}")
     rows, sizes = [], []
     for piece in domain.curves:
-        points = _chain(domain, piece).points
+        points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps to an edge
         joint = _joints(points)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        # the turn of a step: half of the joints at both its ends, and at an end of the piece as next to it
-        turn = (np.append(joint, joint[-1]) + np.insert(joint, 0, joint[0])) / 2
+        # curvature at the joints, and of a step the mean of both its ends; at an end of the piece as next to it
+        bend = joint / ((length[1:] + length[:-1]) / 2)
+        bend = (np.append(bend, bend[-1]) + np.insert(bend, 0, bend[0])) / 2
         with np.errstate(divide="ignore"):
-            wanted = 2 * np.pi / per_turn * length / turn
+            wanted = 2 * np.pi / per_turn / bend
         near = wanted < far
         rows.append(np.stack([points[:-1], points[1:]], axis=1)[near])
         sizes.append(np.maximum(wanted[near], lower or 0.0))

@@ -71,7 +71,8 @@ class SizeField:
         if self.constant is not None:
             return np.full(len(points), self.constant)
         try:
-            values = np.asarray(self.function(points))
+            raw = self.function(points)
+            values = np.asarray(raw)
         except InputError:  # of a field inside this one, which has said where
             raise
         except Exception as error:
@@ -85,8 +86,10 @@ class SizeField:
                 f"the size function must return shape ({len(points)},) for {len(points)} points, not "
                 f"{values.shape}; a constant size is given as a plain number"
             )
-        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(values):
-            raise InputError(f"the size function must return real numbers, not {values.dtype}")
+        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(raw):
+            raise InputError(
+                f"the size function must return plain real numbers, not {type(raw)} of {values.dtype}"
+            )
         bad = ~(np.isfinite(values) & (values > 0))
         if bad.any():
             row = int(np.argmax(bad))

@@ -33,7 +33,7 @@ def _numbers(values: ArrayLike, count: int, what: str) -> Array:
         raise InputError(f"give one number a {what}, shape ({count},), not {array.shape}")
     if not np.isfinite(array).all():
         row = int(np.argmin(np.isfinite(array)))
-        raise InputError(f"the value of {what} {row} is {array[row]!r}; mend it")
+        raise InputError(f"the value of {what} {row} is {float(array[row])!r}; mend it")
     return array
 
 
@@ -175,8 +175,9 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
     Notes
     -----
     At each vertex a quadratic polynomial is fitted by least squares to the vertices within two edges; within
-    three where those are fewer than ten or do not determine it, and so on. Near vertices weigh more. Exact
-    for quadratic functions, on any mesh, and at the boundary, too.
+    three where those are fewer than ten or do not determine it, and so on. A vertex at r times the least
+    distance has the weight 1 / (1 + r^2). Exact for quadratic functions, on any mesh, and at the boundary,
+    too; else the error falls with the size of the patch, in the interior of regular meshes with its square.
 
     Source: polynomial preserving recovery, Zhang and Naga, *A new finite element gradient recovery method*
     (2005), read off one derivative later. See the book, chapter 2.3.
@@ -225,7 +226,9 @@ def _fit(points: Array, u: Array, centers: NDArray, patch: Any) -> tuple[Array, 
     away = points[other] - points[centers][:, None]
     scale = np.abs(away).max(axis=(1, 2))
     x, y = np.moveaxis(away / scale[:, None, None], -1, 0)
-    weight = np.where(present, 1.0 / np.sqrt(x * x + y * y + 0.01), 0.0)
+    square = x * x + y * y
+    nearest = np.where(square > 0, square, np.inf).min(axis=1, keepdims=True)
+    weight = np.where(present, 1.0 / (1.0 + square / nearest), 0.0)
     columns = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=-1)
     q, r = np.linalg.qr(columns * weight[..., None])
     pivots = np.abs(np.diagonal(r, axis1=1, axis2=2))
