@@ -264,7 +264,7 @@ def from_curvature(
         points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps to an edge
         joint = _joints(points)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        # curvature at the joints, and of a step the mean of both its ends; at an end of the piece as next to it
+        # curvature at the joints, and of a step the mean of both its ends; at the ends of the piece as beside
         bend = joint / ((length[1:] + length[:-1]) / 2)
         bend = (np.append(bend, bend[-1]) + np.insert(bend, 0, bend[0])) / 2
         with np.errstate(divide="ignore"):
