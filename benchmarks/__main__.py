@@ -8,11 +8,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import delaunay, machine, report
+from . import delaunay, machine, planar, planar_report, report
 from .run import RESULTS, Workers
 
 # A suite: a function of workers, the largest size and the number of repeats, that returns rows.
-SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {"delaunay": delaunay.run}
+SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
+    "delaunay": delaunay.run,
+    "planar": planar.run,
+}
+REPORTS: dict[str, Any] = {"delaunay": report, "planar": planar_report}  # with markdown(result), plot(rows)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -36,8 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
         "failures": workers.failures,
         "rows": rows,
     }
-    report.write(result, options.results)
-    print(report.markdown(result))
+    report.write(result, options.results, REPORTS[options.suite])
+    print(REPORTS[options.suite].markdown(result))
     return int(any(report.OURS in text for text in workers.failures))
 
 

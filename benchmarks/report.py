@@ -159,8 +159,8 @@ def plot(rows: list[Row]) -> Any:
     return figure
 
 
-def write(result: dict[str, Any], folder: Path) -> list[Path]:
-    """JSON and CSV rows, the Markdown report and the plot; the paths."""
+def write(result: dict[str, Any], folder: Path, teller: Any) -> list[Path]:
+    """JSON and CSV rows, and the Markdown report and plot that ``teller`` makes of them; the paths."""
     import matplotlib.pyplot as plt
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -171,8 +171,8 @@ def write(result: dict[str, Any], folder: Path) -> list[Path]:
         writer = csv.DictWriter(file, names)
         writer.writeheader()
         writer.writerows(result["rows"])
-    paths[2].write_text(markdown(result), encoding="utf-8")
-    figure = plot(result["rows"])
+    paths[2].write_text(teller.markdown(result), encoding="utf-8")
+    figure = teller.plot(result["rows"])
     figure.savefig(paths[3], dpi=90)
     plt.close(figure)
     return paths

@@ -85,7 +85,34 @@ def start(case: dict) -> dict[str, float]:
     return {"numba": t[1] - t[0], "import": t[2] - t[0], "first 2D": t[4] - t[3], "then 3D": t[5] - t[4]}
 
 
-JOBS = {"timed": timed, "memory": memory, "start": start}
+def meshed(case: dict) -> list[dict]:
+    """All meshers of one work in turn, as often as asked: one row each, with the quality of its mesh."""
+    from .meshers import find
+    from .planar import task, warm_up
+    from .quality import measures
+
+    work, n = case["work"], case["n"]
+    rows: list[dict[str, Any]] = []
+    for mesher, version in find(work):
+        if mesher.name in case["contestants"]:
+            run = mesher.prepare()
+            run(warm_up(work))
+            rows.append({"contestant": mesher.name, "version": version, "run": run, "cpu": [], "wall": []})
+    given = task(work, case["kind"], n)
+    for _ in range(case["repeats"]):
+        for row in rows:
+            gc.collect()
+            wall, cpu = time.perf_counter(), time.process_time()
+            row["mesh"] = row["run"](given)
+            row["cpu"].append(time.process_time() - cpu)
+            row["wall"].append(time.perf_counter() - wall)
+    for row in rows:
+        del row["run"]
+        row.update(measures(*row.pop("mesh"), work, given))
+    return rows
+
+
+JOBS = {"timed": timed, "meshed": meshed, "memory": memory, "start": start}
 
 if __name__ == "__main__":
     os.environ.update(ONE)

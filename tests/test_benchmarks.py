@@ -9,7 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import __main__, contestants, delaunay, inputs, machine, report
+from benchmarks import (
+    __main__,
+    contestants,
+    delaunay,
+    inputs,
+    machine,
+    meshers,
+    planar,
+    planar_report,
+    quality,
+    regions,
+    report,
+)
 from benchmarks.run import RESULTS, Workers
 
 
@@ -104,3 +116,66 @@ def test_committed_rows_are_whole():
         for kind in ("uniform", "clustered", "lattice", last):
             assert largest[d, kind] > 90_000
     assert (RESULTS / "delaunay.md").read_text(encoding="utf-8") == report.markdown(result)
+
+
+# ---------------------------------------------------------------------- the planar suite
+
+
+@pytest.mark.parametrize("kind", regions.GRAPHS)
+def test_graphs_are_domains(kind):
+    from unstruct import Domain
+
+    graph = regions.GRAPHS[kind](400)
+    assert 300 <= len(graph.points) <= 400
+    empty = np.empty((0, 2), dtype=np.int32)
+    Domain(graph.points, empty, inner=graph.segments)  # raises where segments cross or touch
+    again = regions.GRAPHS[kind](400)
+    assert np.array_equal(graph.points, again.points) and np.array_equal(graph.segments, again.segments)
+
+
+def test_who_meshes_what():
+    for work in planar.PLAN:
+        assert report.OURS in [mesher.name for mesher, _ in meshers.find(work)]
+    ghost = meshers.Mesher("ghost", "no-such-package-anywhere", "refined", meshers._refine)
+    assert "ghost" not in [mesher.name for mesher, _ in meshers.find("refined", [*meshers.MESHERS, ghost])]
+
+
+def test_quality_by_hand():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    found = quality.measures(square, np.array([[0, 1, 2], [0, 2, 3]]), "uniform", 1.01)
+    assert found["cells"] == 2 and found["conforming"] == 1.0
+    assert found["least_angle"] == 45.0 and found["greatest_angle"] == 90.0
+    assert found["mean_2r_R"] == pytest.approx(2 * (np.sqrt(2) - 1), abs=1e-5)
+    assert sum(found["angles"]) == 6 and found["angles"][18] == 2
+    assert quality.measures(square, np.array([[0, 1, 2]]), "constrained", None) == {"cells": 1}
+
+
+def test_a_tiny_planar_run(tmp_path, monkeypatch, capsys):
+    tiny = {"constrained": {"matches": (200,)}, "refined": {"plate": (500,)},
+            "uniform": {"holed square": (500,)}}  # fmt: skip
+    monkeypatch.setattr(planar, "PLAN", tiny)
+    monkeypatch.setattr(
+        planar, "find", lambda work: [m for m in meshers.find(work) if m[0].package == "unstruct"]
+    )
+    assert __main__.main(["planar", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    result = json.loads((tmp_path / "planar.json").read_text())
+    cases = planar_report.times(result["rows"])
+    assert set(cases) == {
+        ("constrained", "matches", 200),
+        ("refined", "plate", 500),
+        ("uniform", "holed square", 500),
+    }
+    assert cases["refined", "plate", 500]["unstruct"]["least_angle"] >= 30.0
+    assert set(cases["uniform", "holed square", 500]) == {"unstruct", planar_report.RAW}
+    assert cases["uniform", "holed square", 500]["unstruct"]["mean_2r_R"] > 0.95
+    text = (tmp_path / "planar.md").read_text()
+    assert "Constrained Delaunay" in text and text.strip() == capsys.readouterr().out.strip()
+    assert (tmp_path / "planar.png").stat().st_size > 5000
+
+
+def test_losses_of_the_planar_suite_are_bold():
+    case = {"measure": "time", "work": "constrained", "kind": "matches", "n": 1000, "cells": 2000}
+    seconds = {"unstruct": 1.0, "Fast": 0.5, "Slow": 20.0}
+    rows = [{**case, "contestant": name, "seconds": time} for name, time in seconds.items()]
+    text = planar_report.table(rows, "constrained")
+    assert "| **0.50** |" in text and "| 20 |" in text

@@ -1,0 +1,67 @@
+"""The suite ``planar``: constrained triangulation, refinement, and meshes of a wanted size."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import Any
+
+from .meshers import find
+from .regions import AREA, GRAPHS, edge_for, plate
+from .run import Workers
+
+SLOW = 12.0  # seconds: what would take longer is run once; what would take three times as long, not at all
+# work -> kinds and sizes: points for "constrained", about as many triangles as this for the others
+PLAN: dict[str, dict[str, tuple[int, ...]]] = {
+    "constrained": {
+        "matches": (10**4, 10**5, 10**6),
+        "coast": (10**4, 10**5, 10**6),
+        "hedgehog": (10**3, 10**4),
+    },
+    "refined": {"plate": (10**4, 10**5, 10**6)},
+    "uniform": {"holed square": (10**4, 10**5, 10**6)},
+    "graded": {"holed square": (10**5,)},
+}
+FILL = 1.6  # the mean triangle under a bound on the area has about 1/FILL of it
+
+
+def task(work: str, kind: str, n: int) -> Any:
+    """What the meshers of a work are given: a graph; a graph and an area; an edge length (None: graded)."""
+    if work == "constrained":
+        return GRAPHS[kind](n)
+    if work == "refined":
+        return plate(), FILL * AREA / n
+    return edge_for(n) if work == "uniform" else None
+
+
+def warm_up(work: str) -> Any:
+    """A small task of the same kind: compiled code is loaded, lazy imports are done."""
+    return None if work == "graded" else task(work, "matches", 200)
+
+
+def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
+    """All rows of the suite, up to ``largest`` points or triangles."""
+    rows: list[dict[str, Any]] = []
+    for work, kinds in PLAN.items():
+        for kind, sizes in kinds.items():
+            expected = {mesher.name: 0.0 for mesher, _ in find(work)}
+            for n in sizes:
+                if n <= largest:
+                    rows += _case(workers, work, kind, n, repeats, expected)
+    return rows
+
+
+def _case(
+    workers: Workers, work: str, kind: str, n: int, repeats: int, expected: dict[str, float]
+) -> list[dict[str, Any]]:
+    """One kind and size: meshers interleaved, those that would be slow by themselves and once."""
+    groups = [[name for name in expected if expected[name] <= SLOW]]
+    groups += [[name] for name in expected if SLOW < expected[name] <= 3 * SLOW]
+    found = []
+    for group in filter(None, groups):
+        times = repeats if expected[group[0]] <= SLOW else 1
+        job = {"work": work, "kind": kind, "n": n, "contestants": group, "repeats": times}
+        for row in workers.ask("meshed", job) or []:
+            seconds = median(row["cpu"])
+            expected[row["contestant"]] = 12 * seconds
+            found.append({"measure": "time", "work": work, "kind": kind, "n": n, **row, "seconds": seconds})
+    return found

@@ -1,0 +1,115 @@
+"""The planar suite, told: one table a work, and histograms of angles side by side."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .report import OURS, figures, short
+
+Row = dict[str, Any]
+Case = tuple[str, str, int]
+TITLES = {
+    "constrained": "Constrained Delaunay triangulation",
+    "refined": "Refinement: angles of at least 30°, and a greatest area",
+    "uniform": "A wanted edge length, the same everywhere",
+    "graded": "A wanted edge length that grows from the hole",
+}
+RAW = f"{OURS}, unfinished"
+
+
+def times(rows: list[Row]) -> dict[Case, dict[str, Row]]:
+    """Rows by (work, kind, n), then by contestant."""
+    cases: dict[Case, dict[str, Row]] = {}
+    for row in rows:
+        if row["measure"] == "time":
+            cases.setdefault((row["work"], row["kind"], row["n"]), {})[row["contestant"]] = row
+    return cases
+
+
+def speed(row: Row) -> float:
+    """Triangles a second."""
+    return row["cells"] / row["seconds"]
+
+
+def ratio(case: dict[str, Row], peer: str) -> float:
+    """Our triangles a second divided by the peer's; below 1 it is ahead."""
+    return speed(case[OURS]) / speed(case[peer])
+
+
+def table(rows: list[Row], work: str) -> str:
+    """A line for each case and contestant; **bold** where a peer is faster than we are."""
+    quality = work != "constrained"
+    sized = work in ("uniform", "graded")
+    head = ["input", "n", "by", "triangles", "1000 triangles/s", f"{OURS} ÷ it"]
+    head += ["least angle", "mean 2r/R", "least 2r/R"] if quality else []
+    head += ["edges within √2"] if sized else []
+    lines = ["| " + " | ".join(head) + " |", "|---" * 3 + "|---:" * (len(head) - 3) + "|"]
+    for (name, kind, n), case in times(rows).items():
+        if name != work or OURS not in case:
+            continue
+        for peer, row in case.items():
+            value = ratio(case, peer)
+            told = "" if peer == OURS else f"{value:.2f}" if value < 10 else f"{value:.0f}"
+            cells = [kind, short(n), peer, str(row["cells"]), figures(speed(row) / 1e3)]
+            cells.append(f"**{told}**" if told and value < 1 else told)
+            if quality:
+                cells += [f"{row['least_angle']:.1f}°", f"{row['mean_2r_R']:.4f}", f"{row['least_2r_R']:.2f}"]
+            if sized:
+                cells.append(f"{100 * row['conforming']:.1f} %")
+            lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def markdown(result: dict[str, Any]) -> str:
+    """The whole report of a run."""
+    rows = result["rows"]
+    parts = [
+        f"# Benchmarks: {result['suite']}",
+        f"{result['machine']}. One core; medians of CPU seconds, contestants interleaved; load average "
+        f"{result['load'][0]} before and {result['load'][1]} after. Versions: "
+        + ", ".join(f"{name} {number}" for name, number in result["versions"].items())
+        + ".",
+    ]
+    for work, title in TITLES.items():
+        if any(row["work"] == work for row in rows):
+            parts += [f"## {title}", table(rows, work)]
+    if result["failures"]:
+        parts += ["## Without an answer", "\n".join(f"- {text}" for text in result["failures"])]
+    return "\n\n".join(parts) + "\n"
+
+
+def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[str]]]) -> Any:
+    """All angles of the meshes of some contestants, one panel a case."""
+    import matplotlib.pyplot as plt
+
+    from unstruct.view import setup
+    from unstruct.view.colors import role
+
+    setup()
+    roles = ["circumcircle", "inserted", "voronoi", "front"]
+    figure, axes = plt.subplots(1, len(shown), figsize=(8, 2.9), squeeze=False)
+    for ax, (key, names) in zip(axes[0], shown):
+        for style, name in zip(map(role, roles), names):
+            counts = np.array(cases[key][name]["angles"], dtype=float)
+            edges = np.linspace(0.0, 180.0, len(counts) + 1)
+            ax.stairs(100 * counts / counts.sum(), edges, color=style.color, linewidth=1.6, label=name)
+        ax.set_title(f"{key[0]}, {short(key[2])} triangles", fontsize=10)
+        ax.set_xlim(0, 130)
+        ax.set_xticks(range(0, 121, 30))
+        ax.set_xlabel("angle in degrees")
+        ax.legend(fontsize=7)
+    axes[0, 0].set_ylabel("% of all angles")
+    return figure
+
+
+def plot(rows: list[Row]) -> Any:
+    """Histograms of the largest case of each work that has them."""
+    cases = times(rows)
+    shown = []
+    for work in ("refined", "uniform", "graded"):
+        keys = [key for key in cases if key[0] == work]
+        if keys:
+            shown.append((keys[-1], list(cases[keys[-1]])[:4]))
+    return histograms(cases, shown)
