@@ -21,7 +21,7 @@ from .refinement_account import account, history_of
 from .refinement_limits import make_limits
 from .refinement_run import Planned, Run
 from .refinement_state import BUDGET, EVENTS, FINISHED, MORE
-from .remeshing import plan_mesh
+from .remeshing import carry, plan_mesh
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -120,10 +120,13 @@ def refine(
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))
         steps["place"] /= c.factor
-    return c.mesh(
+    result = c.mesh(
         unrefined=slots, reasons=reasons, counts=run.counts() | {f"missed {k}": v for k, v in missed.items()},
         steps=steps, **planned.rest["mesh"],
     )  # fmt: skip
+    if isinstance(domain, Mesh):
+        carry(domain, planned, result)
+    return result
 
 
 def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
