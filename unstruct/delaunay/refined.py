@@ -30,6 +30,8 @@ class Refined(Mesh):
         What happened on the way, by name: insertions, splits, exceptional cases.
     steps : dict of str to array, optional
         The record of the run, where it was asked for; its arrays are described by the method.
+    figures : dict of str to float, optional
+        Measured on the way, by name, such as the quality before the last step.
     segments : array_like of int, shape (s, 2), optional
         All subsegments of the domain's pieces that are in the mesh, in the direction of their piece.
     piece : array_like of int, shape (s,), optional
@@ -51,6 +53,7 @@ class Refined(Mesh):
         unrefined: ArrayLike | None = None,
         reasons: ArrayLike | None = None,
         counts: Mapping[str, int] | None = None,
+        figures: Mapping[str, float] | None = None,
         steps: Mapping[str, NDArray] | None = None,
         segments: ArrayLike | None = None,
         piece: ArrayLike | None = None,
@@ -66,6 +69,7 @@ class Refined(Mesh):
         self.reasons: np.ndarray = frozen(why)
         self.complete: bool = len(self.unrefined) == 0
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
+        self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
         rows = np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32)
         self.segments: np.ndarray = frozen(rows.reshape(-1, 2))

@@ -75,7 +75,7 @@ def voronoi_segment(
     if budget is not None and budget < 0:
         raise InputError(f"budget = {budget} must not be negative")
     complex_ = planar_complex(domain, size, progress=progress)
-    run = Run(domain, complex_, size, None if priority == "alpha" else priority, rule, history)
+    run = Run(domain, complex_, size, priority if rule.general else None, rule, history)
     if progress:
         from tqdm.auto import tqdm
 
@@ -83,7 +83,7 @@ def voronoi_segment(
             run.insert(budget, bar)
     else:
         run.insert(budget, None)
-    return run.result()
+    return run.result(run.finish() if finish and not run.spent else None)
 
 
 def epsilon_chains(mesh: Refined) -> list[NDArray[np.float64]]:

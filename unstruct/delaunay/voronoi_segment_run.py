@@ -11,7 +11,8 @@ from ..errors import InputError
 from ..sizing import as_size
 from . import voronoi_segment_kernel as k
 from .cavity2 import blocked_by, commit_split, find_split
-from .front_queue import ASIDE, STATUS, WAITING, empty_queue, grown_links, push, unlink
+from .finishing import figures, finish
+from .front_queue import ASIDE, STATUS, WAITING, empty_queue, grown_links, unlink
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -67,12 +68,13 @@ class Run:
         complex_ = self.complex
         if vertices > len(complex_.xy) or complex_.segments + 8 > len(complex_.ends):
             complex_.reserve(vertices, complex_.segments + 64)
+        if len(complex_.region) > len(self.links):
             self.links = grown_links(self.links, len(complex_.region))
             self.scratch = complex_.scratch()
-            if self.history:
-                more = len(complex_.xy) - len(self.log)
-                self.log = np.concatenate([self.log, np.full((more, 5), -1, dtype=np.int32)])
-                self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
+        more = len(complex_.xy) - len(self.log)
+        if self.history and more > 0:
+            self.log = np.concatenate([self.log, np.tile(np.array([-1, -1, -1, -1, 0], np.int32), (more, 1))])
+            self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
 
     @property
     def _plane(self) -> tuple[NDArray, ...]:
@@ -162,30 +164,45 @@ class Run:
             "point": c.xy[self.first : stop] / c.factor,
         }
 
-    def waiting(self) -> tuple[NDArray[np.int64], NDArray[np.str_]]:
+    def finish(self) -> dict[str, Any]:
+        """The finishing pass; what `result` is to report of it."""
+        before = figures(self.complex)
+        counts, slots, reasons = finish(self.domain, self.complex, self.first)
+        self.reserve(self.complex.size)
+        self.links, self.gates = empty_queue(len(self.complex.region), len(self.gates))
+        k.start(*self._plane, self.complex.state, *self._sizes)
+        after = figures(self.complex)
+        measured = {
+            f"{name} {when}": x for when, f in (("before", before), ("after", after)) for name, x in f.items()
+        }
+        return {"counts": counts, "figures": measured, "slots": slots, "reasons": reasons}
+
+    def waiting(self) -> tuple[list[int], list[str]]:
         """Triangles that are not accepted, as slots, and why."""
         status = self.links[: self.complex.triangles, STATUS]
         slots = np.flatnonzero((self.complex.region[: self.complex.triangles] >= 0) & (status >= ASIDE))
-        given_up = status[slots] == ASIDE
-        return slots, np.where(given_up, "no room for a point", "budget")
+        return slots.tolist(), ["budget" if self.spent else "too large: no room for a point"] * len(slots)
 
-    def result(self, **account: Any) -> Refined:
-        """The mesh and its account."""
+    def result(self, finished: dict[str, Any] | None = None) -> Refined:
+        """The mesh and its account, that of the finishing pass included."""
         c = self.complex
         used = np.zeros(c.size, dtype=bool)
         used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
         place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         slots, reasons = self.waiting()
         counts = dict(zip(COUNT_NAMES, self.counts.tolist()))
+        if finished is None:
+            finished = {"counts": {}, "figures": figures(c), "slots": [], "reasons": []}
         return c.mesh(
             facets=len(self.domain.facets),
             markers=self.domain.markers,
             origin=np.arange(len(self.domain.points), dtype=np.int32),
             points=self.domain.points,
             steps=self.steps(place) if self.history else None,
-            unrefined=slots,
-            reasons=reasons,
-            counts=counts | account,
+            unrefined=np.array(slots + finished["slots"], dtype=np.int64),
+            reasons=np.array(reasons + finished["reasons"], dtype=str),
+            counts=counts | finished["counts"],
+            figures=finished["figures"],
         )
 
 
