@@ -36,6 +36,11 @@ from .states import empty_circle_state as empty_circle_state
 from .states import voronoi_dual_state as voronoi_dual_state
 from .strips import draw as draw
 from .strips import strip as strip
+from .swap_widgets import diagonal_choice as diagonal_choice
+from .swap_widgets import diagonal_swaps as diagonal_swaps
+from .swaps import diagonal_choice_state as diagonal_choice_state
+from .swaps import swap_history as swap_history
+from .swaps import swap_state as swap_state
 from .terrain import plot_terrain as plot_terrain
 from .widgets import bowyer_watson as bowyer_watson
 from .widgets import cavity_argument as cavity_argument

@@ -1,0 +1,100 @@
+"""The pictures of diagonal swapping: every state over its whole range; what they show is exactly so."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from unstruct import InputError, view
+from unstruct.plain.lawson import least_angle_choice
+from unstruct.plain.predicates import in_sphere, orient
+from unstruct.view.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag
+
+
+@pytest.mark.parametrize("preset", QUADRILATERALS)
+def test_the_choice_over_its_whole_range(preset):
+    for x in np.linspace(-2, 2, 9):
+        for y in np.linspace(-2, 2, 9):
+            view.check_frame(view.diagonal_choice_state(x, y, preset))
+
+
+@given(st.sampled_from(list(QUADRILATERALS)), st.integers(-8, 8), st.integers(-8, 8))
+def test_the_caption_is_the_exact_choice(preset, i, j):
+    frame = view.diagonal_choice_state(i / 4, j / 4, preset)
+    ring = [*map(tuple, QUADRILATERALS[preset]["triangle"]), (i / 4, j / 4)]
+    if orient([ring[0], ring[2], ring[3]]) <= 0:
+        assert "beyond AC" in frame["caption"]
+    elif min(orient([ring[k - 2], ring[k - 1], ring[k]]) for k in range(4)) <= 0:
+        assert "not strictly convex" in frame["caption"] and in_sphere(ring[:3], ring[3]) <= 0
+    else:
+        word = {1: "inside", -1: "outside", 0: "on the circle"}[least_angle_choice(*ring)]
+        assert word in frame["caption"] and "least of six" in frame["number"]
+
+
+def test_the_presets_show_what_they_promise():
+    start = {
+        name: view.diagonal_choice_state(*QUADRILATERALS[name]["start"], name) for name in QUADRILATERALS
+    }
+    assert "on the circle" in start["a rectangle: a tie"]["caption"]
+    grows = start["the largest angle grows"]
+    assert "BD comes" in grows["caption"] and "largest: AC 108.4°, BD 135.0°" in grows["number"]
+    worse = start["one triangle gets worse"]
+    assert "least of six: AC 18.4°, BD 26.6°" in worse["number"]
+
+
+@pytest.mark.parametrize("preset", RUNS)
+def test_runs_step_through_and_rise(preset):
+    history = view.swap_history(preset)
+    assert len(history) >= 4
+    for k, frame in enumerate(history):
+        assert view.swap_state(k, preset) == frame
+        view.check_frame(frame)
+    bars = []
+    for frame in history:
+        boxes = [b for i in frame["items"] if i["kind"] == "polygons" for b in i["data"] if b[0][0] >= 9]
+        bars.append([h for _, h in sorted((b[0][0], b[2][1]) for b in boxes)])
+    for before, after in pairwise(bars[:-1]):
+        assert after > before  # lexicographically
+    assert bars[-1] == bars[-2] and len(set(map(len, bars))) == 1
+    for wrong in (-1, len(history)):
+        with pytest.raises(InputError, match="step"):
+            view.swap_state(wrong, preset)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: view.diagonal_choice_state(3, 0),
+        lambda: view.diagonal_choice_state(float("nan"), 0),
+        lambda: view.diagonal_choice_state(0, 0, "no such"),
+        lambda: view.swap_state(0, "no such"),
+    ],
+)
+def test_values_out_of_range_are_refused(call):
+    with pytest.raises(InputError):
+        call()
+
+
+def test_the_choice_answers_to_its_controls():
+    panel = view.diagonal_choice()
+    assert list(panel.controls) == ["preset", "x", "y"] and panel.player.alt in repr(panel)
+    for name in QUADRILATERALS:
+        panel.controls["preset"].value = name
+        assert (panel.controls["x"].value, panel.controls["y"].value) == QUADRILATERALS[name]["start"]
+        shown = view.diagonal_choice_state(*QUADRILATERALS[name]["start"], name)
+        assert panel.player.frames[0]["caption"] == shown["caption"]
+    for x in (-2, 2):
+        panel.controls["x"].value = x
+        values = {name: control.value for name, control in panel.controls.items()}
+        assert panel.player.frames[0]["caption"] == view.diagonal_choice_state(**values)["caption"]
+    panel.player.dragged = {"handle": "D", "x": -3.1, "y": 0.4}
+    assert panel.controls["x"].value == pytest.approx(-0.5) and panel.controls["y"].value == 0.4
+    assert diagonal_choice_drag({}, "D", -2.6, 1.0) == {"x": 0.0, "y": 1.0}
+
+
+def test_the_runs_need_no_kernel():
+    panel = view.diagonal_swaps()
+    assert [v["name"] for v in panel.player.variants] == list(RUNS) and not panel.controls
+    assert [len(v["frames"]) for v in panel.player.variants] == [len(view.swap_history(n)) for n in RUNS]
