@@ -4,7 +4,8 @@ The measure is the square of R / f (or of another quotient alpha). Two buckets a
 exact order, and need neither a heap nor stale entries: a triangle that goes away is unlinked at once.
 Within a bucket the first in is the first out, so that the front advances evenly on all sides.
 
-``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is empty.
+``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
+empty.
 (Two arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
 """
 

@@ -1,11 +1,11 @@
 """Local improvement of a planar triangulation, compiled: smart Laplace steps and pattern search, with swaps.
 
-The arrays are those of `PlanarComplex` and `smoothing2`: ``at[v]`` is a half-edge opposite vertex v. ``still[v]``
-tells which vertices may not move: those on constrained edges, given points, and all outside. ``todo[v]`` tells
-which are to be looked at, so that the cost follows the number of poor triangles and not that of all. A move
-is made only if every triangle of the star stays positively oriented, by exact signs, and if the worst of
-them gets better; diagonals are swapped at once where the move asks for it, so that a constrained Delaunay
-triangulation remains one.
+The arrays are those of `PlanarComplex` and `smoothing2`: ``at[v]`` is a half-edge opposite vertex v.
+``still[v]`` tells which vertices may not move: those on constrained edges, given points, and all outside.
+``todo[v]`` tells which are to be looked at, so that the cost follows the number of poor triangles and not
+that of all. A move is made only if every triangle of the star stays positively oriented, by exact signs, and
+if the worst of them gets better; diagonals are swapped at once where the move asks for it, so that a
+constrained Delaunay triangulation remains one.
 
 Quality is 2 r / R (r inradius, R circumradius), 1 for the equilateral triangle; beside it the sine of the
 least angle is watched, which may not fall while it is below that of 30 degrees: a triangle may become
