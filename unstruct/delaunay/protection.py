@@ -21,6 +21,7 @@ from ..errors import InputError
 from ..mesh import as_points
 from ..simplex import circumradius
 from ..sizing import as_size
+from .compiled import LAST
 from .constrained import complex_of
 from .guarded import BREAKS, CROWDED, HIDDEN, INSERTED, OUTSIDE, REPEATED, guard_all, hit_all
 from .planar import PlanarComplex
@@ -162,7 +163,7 @@ def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray
     """Slots of the triangles that these points would replace; with a size, only those above it."""
     hit = np.zeros(c.triangles, dtype=bool)
     stack, cells, rim = c.scratch()[:3]
-    hit_all(c.xy, c.vertex, c.twin, c.mark, c.region, c.state[1], rows * c.factor, stack, cells, rim, hit)
+    hit_all(c.xy, c.vertex, c.twin, c.mark, c.region, c.state[LAST], rows * c.factor, stack, cells, rim, hit)
     slots = np.flatnonzero(hit & (c.region[: c.triangles] >= 0))
     if field is not None and len(slots):
         corners = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]] / c.factor

@@ -37,6 +37,7 @@ QUADRILATERALS: dict[str, dict[str, Any]] = {
     "the largest angle grows": {"triangle": [[-1.0, -1.0], [2.0, 1.0], [1.0, 2.0]], "start": (0.0, 2.0)},
     "one triangle gets worse": {"triangle": [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]], "start": (-1.0, 0.0)},
 }
+Cells = list[tuple[int, int, int]]
 APART = 2.6  # the two pictures stand at -APART and APART
 WINDOW = [-5.2, 5.2, -2.5, 2.7]
 
@@ -97,16 +98,14 @@ def diagonal_choice_drag(values: dict[str, Any], handle: str, px: float, py: flo
     return {"x": px + APART, "y": py}
 
 
-def _angle(corners: np.ndarray, cells: list[tuple[int, ...]]) -> np.ndarray:
+def _angle(corners: np.ndarray, cells: Cells) -> np.ndarray:
     """The angles of two triangles in degrees, (2, 3)."""
     return np.degrees(angles(corners[np.array(cells)]))
 
 
-def _panel(
-    corners: np.ndarray, cells: list[tuple[int, ...]], role: str, shift: float, handle: bool = True
-) -> list[fr.Item]:
+def _panel(corners: np.ndarray, cells: Cells, role: str, shift: float, handle: bool = True) -> list[fr.Item]:
     """Triangles with their angles; the least is highlighted."""
-    at = corners + [shift, 0]
+    at = corners + np.array([shift, 0.0])
     sizes = _angle(corners, cells)
     least = np.unravel_index(np.argmin(sizes), sizes.shape)
     items = [fr.polygons(role, [at[list(t)] for t in cells])]
