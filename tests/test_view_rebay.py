@@ -10,10 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unstruct import InputError
+from unstruct.plain import rebay
 from unstruct.plain import rebay_step as rs
 from unstruct.predicates import in_sphere
 from unstruct.view import check_frame
 from unstruct.view import rebay as rb
+from unstruct.view.rebay_history import rebay_frames
 from unstruct.view.rebay_widgets import rebay_cobweb, rebay_step
 
 
@@ -187,3 +189,22 @@ def test_a_preset_brings_its_own_start_and_drags_stay_in_range():
 def test_values_out_of_range_are_refused(call):
     with pytest.raises(InputError):
         call()
+
+
+# ---- a run ---------------------------------------------------------------------------------------
+
+
+def test_the_frames_of_a_run_count_what_happens():
+    """A square with two points on each side: every frame can be drawn, and the last has nothing waiting."""
+    points = [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+    segments = [(k, (k + 1) % 8) for k in range(8)]
+    judge = lambda p, c: rebay.is_accepted(p, c, lambda x: 0.55, 1.35)  # noqa: E731
+    cells, _ = rebay.start(points, segments)
+    history = list(rebay.voronoi_segment(points, segments, lambda x: 0.55))
+    frames = rebay_frames(points, cells, history, judge, cavities=2)
+    assert len(frames) == 1 + 2 * len(history) + min(2, len(history)) and len(history) >= 1
+    for frame in frames:
+        check_frame(frame)
+    assert frames[0]["number"].startswith("0 accepted") and frames[-1]["number"].endswith(" 0 waiting")
+    gone = next(i for i in frames[2]["items"] if i["role"] == "cavity")["data"]
+    assert len(gone) == len(history[0].cavity) and str(len(gone)) in frames[2]["number"]

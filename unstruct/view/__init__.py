@@ -23,6 +23,7 @@ from .proofs import star_proof_state as star_proof_state
 from .rebay import chain_frame as chain_frame
 from .rebay import cobweb_state as cobweb_state
 from .rebay import voronoi_segment_state as voronoi_segment_state
+from .rebay_history import rebay_frames as rebay_frames
 from .rebay_widgets import rebay_cobweb as rebay_cobweb
 from .rebay_widgets import rebay_step as rebay_step
 from .space import Space as Space

@@ -10,15 +10,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import inf, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InputError
-from ..plain import rebay_step as rs
 from ..predicates import in_sphere
 from ..simplex import angles, circumcenter, circumradius
 from . import frames as fr
+
+if TYPE_CHECKING:
+    from ..plain.rebay_step import Step
 
 __all__ = [
     "COBWEBS",
@@ -61,6 +63,8 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
         A frame; its caption tells by exact signs what happens to the edge AB, its number compares d with q
         and gives the angle at X.
     """
+    from ..plain import rebay_step as rs  # only pictures lean on the plain versions, and only when drawn
+
     given = _preset(SEGMENTS, preset)
     _within("f", f, *SIZE)
     _within("q", q, *REACH)
@@ -94,7 +98,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
     return fr.frame(_what_happens(got, c, d, x), *items, number=number, view=[-2.4, 2.4, -4.3, 2.0])
 
 
-def _what_happens(got: rs.Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str:
+def _what_happens(got: Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str:
     if in_sphere(np.array([A, B, c]), d) > 0:
         return "D is in circle ABC: this is no Delaunay mesh"
     if got.beyond:
@@ -191,13 +195,15 @@ def cobweb_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict
 
 def _next(deviation: float, growth: float) -> float:
     """epsilon of the next edges from that of an edge."""
+    from ..plain import rebay_step as rs
+
     ratio = deviation + IDEAL
     return rs.epsilon(rs.next_ratio(1 / ratio, growth), 1.0)
 
 
 def _web(growth: float, start: float) -> tuple[list[float], list[Any]]:
     """The deviations of a chain of edges, and the steps between curve and diagonal."""
-    orbit = [rs.epsilon(start, 1.0)]
+    orbit = [1 / start - IDEAL]
     for _ in range(STEPS):
         orbit.append(_next(orbit[-1], growth))
     web, here = [], [orbit[0], 0.0]
@@ -213,7 +219,7 @@ def _rest(growth: float) -> tuple[float, float]:
     if s <= 0.5:
         return -inf, -inf
     ratio = sqrt(4 * s - 1) / (2 * s)  # p / f = sin(2 arcsin(1 / (2 growth)))
-    return rs.epsilon(ratio, 1.0), -1 / (4 * s - 2)
+    return 1 / ratio - IDEAL, -1 / (4 * s - 2)
 
 
 def _tangent(growth: float) -> list[Any]:
@@ -263,6 +269,8 @@ def chain_frame(start: float = 0.55, growth: float = 1.0, count: int = 10) -> fr
     dict
         A frame; its number gives the angle at the new point of the first and of the last triangle.
     """
+    from ..plain import rebay_step as rs
+
     if count < 1:
         raise InputError(f"a chain of {count} triangles; ask for at least one")
     a, b, f = np.array([0.0, 0.0]), np.array([2 * start, 0.0]), 1.0
