@@ -205,6 +205,6 @@ def test_the_frames_of_a_run_count_what_happens():
     assert len(frames) == 1 + 2 * len(history) + min(2, len(history)) and len(history) >= 1
     for frame in frames:
         check_frame(frame)
-    assert frames[0]["number"].startswith("0 accepted") and frames[-1]["number"].endswith(" 0 waiting")
+    assert frames[0]["number"] == "4 accepted, 2 waiting" and frames[-1]["number"].endswith(" 0 waiting")
     gone = next(i for i in frames[2]["items"] if i["role"] == "cavity")["data"]
     assert len(gone) == len(history[0].cavity) and str(len(gone)) in frames[2]["number"]
