@@ -24,7 +24,8 @@ FLOORS = {
     **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),
-    **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
+    **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold", "segment_pairs"], 3),
+    **dict.fromkeys(["domain_faults", "domain_inside", "domain_repair", "domain_sample"], 4),
     **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
     **dict.fromkeys(
         [f"size_{kind}" for kind in "background boundary field solution sources table".split()], 4

@@ -14,8 +14,9 @@ import numpy as np
 
 from .arrays import as_points, frozen
 from .curves import Arc, CurveLike
-from .domain_faults import Fault, find_faults
+from .domain_faults import Fault, find_faults, piece_name
 from .domain_inside import enclosed_area, even_odd, left_parity, lune_area, lunes_hold
+from .domain_repair import Repair, Repairer
 from .domain_sample import Sampled, coarse, sized
 from .errors import InputError
 
@@ -79,6 +80,10 @@ class Domain:
         As given (after repairs), arrays read-only.
     repairs : list of Repair
         What ``resolve`` did; empty without it, and where nothing was wrong.
+    origin : (n,) int32
+        The input point that each point is, -1 for crossings; all of them but for ``resolve``.
+    piece_origin : (f + g,) int32
+        The input piece that each piece is part of, -1 for one that closes a gap.
 
     Notes
     -----
@@ -107,7 +112,11 @@ class Domain:
         self.curves: dict[int, CurveLike] = _curves(curves or {}, many)
         self.markers: dict[str, np.ndarray] = _markers(markers or {}, many)
         self.regions: dict[str, np.ndarray] = _seeds(regions or {})
-        self.repairs: list[Any] = []
+        self.repairs: list[Repair] = []
+        self.origin: np.ndarray = frozen(np.arange(len(self.points), dtype=np.int32))
+        self.piece_origin: np.ndarray = frozen(np.arange(many, dtype=np.int32))
+        if resolve:
+            self._resolve()
         faults = find_faults(self)
         if faults:
             raise InputError(_message(faults))
@@ -134,7 +143,7 @@ class Domain:
 
     def name(self, piece: int) -> str:
         """How messages call a piece: "facet 3", "inner segment 0"."""
-        return _name(piece, len(self.facets))
+        return piece_name(piece, len(self.facets))
 
     def at(self, piece: int, t: Any) -> np.ndarray:
         """Points of one piece by parameter.
@@ -321,12 +330,27 @@ class Domain:
 
     # ------------------------------------------------------------------ validation
 
+    def _resolve(self) -> None:
+        mended = Repairer(self.points, self.facets, self.inner, self.curves, self.markers)
+        mended.run()
+        pieces = [p for p in mended.pieces if p.facet] + [p for p in mended.pieces if not p.facet]
+        many = sum(p.facet for p in pieces)
+        rows = np.array([(p.a, p.b) for p in pieces], dtype=np.int32).reshape(-1, 2)
+        self.points, self.origin = frozen(mended.points), frozen(mended.origin.astype(np.int32))
+        self.facets, self.inner = frozen(rows[:many]), frozen(rows[many:])
+        self.piece_origin = frozen(np.array([p.origin for p in pieces], dtype=np.int32))
+        self.curves = {i: p.curve for i, p in enumerate(pieces) if p.curve is not None}
+        self.markers = {
+            name: frozen(np.array([i for i, p in enumerate(pieces) if name in p.names], dtype=np.int32))
+            for name in self.markers
+        }
+        self.repairs = mended.repairs
+
     def _check_curves(self) -> None:
         for piece, curve in self.curves.items():
             ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
             if ends.shape != (3, 2) or not np.isfinite(ends).all():
                 raise InputError(f"the curve of {self.name(piece)} must give finite points of shape (k, 2)")
-            stored = self.points[self.pieces[piece]]
             slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(self.points).max())
             for end, vertex, x in zip(("starts", "ends"), self.pieces[piece], ends[[0, 2]]):
                 if not (np.abs(x - self.points[vertex]) <= slack).all():
@@ -334,7 +358,6 @@ class Domain:
                         f"the curve of {self.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
                         f"{self.points[vertex].tolist()}; give that vertex the curve's end"
                     )
-            del stored
         _ = self._coarse
 
     def _check_seeds(self) -> None:
@@ -355,10 +378,6 @@ class Domain:
 
 
 # ---------------------------------------------------------------------- arrays as they come in
-
-
-def _name(piece: int, facets: int) -> str:
-    return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"
 
 
 def _positive(value: Any, name: str) -> float:

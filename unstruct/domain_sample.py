@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .domain_faults import meetings
 from .errors import InputError
 from .locate import BoxTree
+from .segment_pairs import meetings
 
 if TYPE_CHECKING:
     from .domain import Domain
@@ -194,6 +194,8 @@ def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
 def coarse(domain: Domain) -> Sampled:
     """Straight pieces whole, curves as coarsely as is safe."""
     whole = np.arange(len(domain.pieces))
+    if not domain.curves:  # validated as they stand
+        return assemble(domain, whole, np.zeros(len(whole)), np.ones(len(whole)))
     return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)))
 
 

@@ -1,0 +1,272 @@
+"""Which segments of many meet? Candidates by a grid or a tree in compiled code, then exact signs.
+
+Used to validate regions, see the book, chapter 2.6d.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .embedding import orient_rows
+from .jit import inline, kernel
+from .locate import BoxTree
+
+__all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
+
+CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
+WORK = 4000  # pairs in cells, for each segment, up to which the grid is used
+SLACK = 1e-15  # relative: above the rounding errors of the few operations below
+
+
+@inline
+def _beside(ax, ay, bx, by, ux, uy, vx, vy):
+    """Whether u and v lie strictly on one side of the line ab; if in doubt, no."""
+    dx, dy = bx - ax, by - ay
+    ux, uy, vx, vy = ux - bx, uy - by, vx - bx, vy - by
+    u, v = dx * uy - dy * ux, dx * vy - dy * vx
+    bound = SLACK * (abs(dx) * (abs(uy) + abs(vy)) + abs(dy) * (abs(ux) + abs(vx))) + 1e-290
+    return (u > bound and v > bound) or (u < -bound and v < -bound)
+
+
+@inline
+def _turns(ax, ay, bx, by, ux, uy):
+    """Whether u lies clearly off the line ab."""
+    dx, dy, ux, uy = bx - ax, by - ay, ux - bx, uy - by
+    return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
+
+
+@kernel
+def _may_meet(points, segments, s, t):
+    """False only where floating point proves that two segments meet in a common end at most."""
+    p, q, a, b = segments[s, 0], segments[s, 1], segments[t, 0], segments[t, 1]
+    px, py, qx, qy = points[p, 0], points[p, 1], points[q, 0], points[q, 1]
+    ax, ay, bx, by = points[a, 0], points[a, 1], points[b, 0], points[b, 1]
+    if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
+        return False
+    if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
+        return False
+    if p == a or q == a:
+        return (p == b or q == b) or not _turns(px, py, qx, qy, bx, by)
+    if p == b or q == b:
+        return not _turns(px, py, qx, qy, ax, ay)
+    return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
+
+
+# ---------------------------------------------------------------------- a uniform grid
+
+
+@inline
+def _cell_range(points, segments, s, x0, y0, scale, ny, row, rows):
+    """Columns that segment s may touch in a row of the grid (row < 0: its range of rows)."""
+    ax, ay = (points[segments[s, 0], 0] - x0) * scale, (points[segments[s, 0], 1] - y0) * scale
+    bx, by = (points[segments[s, 1], 0] - x0) * scale, (points[segments[s, 1], 1] - y0) * scale
+    if row < 0:
+        return int(min(ay, by) - 1e-9), min(int(max(ay, by) + 1e-9), ny - 1)
+    left, right = min(ax, bx), max(ax, bx)
+    if rows > 1 and abs(by - ay) > 0.5:
+        slope = (bx - ax) / (by - ay)
+        one, two = ax + (row - 1e-9 - ay) * slope, ax + (row + 1 + 1e-9 - ay) * slope
+        left, right = max(left, min(one, two)), min(right, max(one, two))
+    return int(max(left - 1e-9, 0.0)), int(max(right + 1e-9, 0.0))
+
+
+@kernel
+def _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed):
+    """Segments of each cell: counts them in ``start`` while ``listed`` is empty, then lists them."""
+    fill = listed.shape[0] > 0
+    for s in range(segments.shape[0]):
+        first, last = _cell_range(points, segments, s, x0, y0, scale, ny, -1, 0)
+        first = max(first, 0)
+        for row in range(first, last + 1):
+            left, right = _cell_range(points, segments, s, x0, y0, scale, ny, row, last - first + 1)
+            for column in range(left, min(right, nx - 1) + 1):
+                cell = row * nx + column
+                if fill:
+                    start[cell] -= 1
+                    listed[start[cell]] = s
+                else:
+                    start[cell] += 1
+
+
+@kernel
+def _grid_pairs(points, segments, start, listed, pairs):
+    """Candidates within cells, some several times; their number (only those that fit are written)."""
+    count = 0
+    for cell in range(start.shape[0] - 1):
+        for i in range(start[cell], start[cell + 1]):
+            for j in range(i + 1, start[cell + 1]):
+                s, t = listed[j], listed[i]  # cells list their segments downwards
+                if _may_meet(points, segments, s, t):
+                    if count < pairs.shape[0]:
+                        pairs[count, 0], pairs[count, 1] = s, t
+                    count += 1
+    return count
+
+
+@kernel
+def _work(counts):
+    total = 0.0
+    for c in counts:
+        total += 0.5 * c * c
+    return total
+
+
+# ---------------------------------------------------------------------- a tree, where lengths are uneven
+
+
+@inline
+def _apart(ax, ay, bx, by, low, high):
+    """Whether a box lies strictly on one side of the line ab; if in doubt, no."""
+    dx, dy = bx - ax, by - ay
+    # The corners farthest to the left and to the right of the direction.
+    left = dx * ((high[1] if dx > 0 else low[1]) - ay) - dy * ((low[0] if dy > 0 else high[0]) - ax)
+    right = dx * ((low[1] if dx > 0 else high[1]) - ay) - dy * ((high[0] if dy > 0 else low[0]) - ax)
+    wide, tall = abs(low[0] - ax) + abs(high[0] - ax), abs(low[1] - ay) + abs(high[1] - ay)
+    slack = SLACK * (abs(dx) * tall + abs(dy) * wide) + 1e-290
+    return left < -slack or right > slack
+
+
+@kernel
+def _tree_pairs(points, segments, low, high, order, pairs):
+    """Candidates by the tree of `BoxTree`, four boxes to a leaf; their number."""
+    leaves = low.shape[0] // 2
+    stack = np.empty(128, dtype=np.int64)
+    count = 0
+    for s in range(segments.shape[0]):
+        ax, ay = points[segments[s, 0], 0], points[segments[s, 0], 1]
+        bx, by = points[segments[s, 1], 0], points[segments[s, 1], 1]
+        x0, x1, y0, y1 = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
+        top = 1
+        stack[0] = 1
+        while top > 0:
+            top -= 1
+            node = stack[top]
+            l, h = low[node], high[node]
+            if l[0] > x1 or h[0] < x0 or l[1] > y1 or h[1] < y0 or _apart(ax, ay, bx, by, l, h):
+                continue
+            if node < leaves:
+                stack[top] = 2 * node
+                stack[top + 1] = 2 * node + 1
+                top += 2
+                continue
+            first = (node - leaves) * 4
+            for i in range(first, min(first + 4, order.shape[0])):
+                t = order[i]
+                if t > s and _may_meet(points, segments, s, t):
+                    if count < pairs.shape[0]:
+                        pairs[count, 0], pairs[count, 1] = s, t
+                    count += 1
+    return count
+
+
+# ---------------------------------------------------------------------- candidates, then exact signs
+
+
+def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Pairs s < t, unique, among them all that meet in more than a common end."""
+    s = len(segments)
+    if s < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    used = points[segments[:, 0]], points[segments[:, 1]]
+    x0, y0 = (min(float(p[:, k].min()) for p in used) for k in (0, 1))
+    x1, y1 = (max(float(p[:, k].max()) for p in used) for k in (0, 1))
+    wide, tall = x1 - x0, y1 - y0
+    longer = max(wide, tall)
+    pairs = np.empty((2 * s + 16, 2), dtype=np.int64)
+    listed = np.empty(0, dtype=np.int32)
+    if 1e-140 < longer < 1e140:
+        area = max(wide * tall, longer * longer / (2 * s))
+        scale = min(np.sqrt(2 * s / area), 2 * s / longer)
+        nx, ny = int(wide * scale) + 1, int(tall * scale) + 1
+        start = np.zeros(nx * ny + 1, dtype=np.int64)
+        if nx * ny < 16 * s + 64 and _lengths(used, scale) < 64 * s:
+            _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed)
+            if _work(start) < WORK * s:
+                np.cumsum(start, out=start)
+                listed = np.empty(start[-1], dtype=np.int32)
+                _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed)
+    if len(listed):
+        count = _grid_pairs(points, segments, start, listed, pairs)
+        if count > len(pairs):
+            pairs = np.empty((count, 2), dtype=np.int64)
+            _grid_pairs(points, segments, start, listed, pairs)
+    else:
+        ends = points[segments]
+        tree = BoxTree(ends.min(axis=1), ends.max(axis=1))
+        count = _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
+        if count > len(pairs):
+            pairs = np.empty((count, 2), dtype=np.int64)
+            _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
+    keys = np.sort(pairs[:count, 0] * s + pairs[:count, 1])
+    keys = keys[np.append(True, keys[1:] != keys[:-1])] if count else keys
+    return np.column_stack([keys // s, keys % s])
+
+
+def _lengths(used: tuple[np.ndarray, np.ndarray], scale: float) -> float:
+    """The number of cells that all segments touch, roughly."""
+    p, q = used
+    return float((np.abs(p[:, 0] - q[:, 0]) + np.abs(p[:, 1] - q[:, 1])).sum() * scale) + len(p)
+
+
+def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of segments that meet in more than a common end vertex, by exact signs.
+
+    Parameters
+    ----------
+    points : (n, 2) float64
+        No two equal among those used.
+    segments : (s, 2) int
+        None of zero length.
+
+    Returns
+    -------
+    pairs : (c, 2) int64
+        Rows of ``segments``, the smaller first, in lexicographic order.
+    kind : (c,) int8
+        1 crossing inside both, 2 an end of one inside the other, 3 overlapping along a line (or equal).
+
+    Notes
+    -----
+    About 0.2 microseconds a segment for segments of similar length; O(n log n) for most others.
+    """
+    pairs = _candidates(points, np.ascontiguousarray(segments))
+    s, t = segments[pairs[:, 0]], segments[pairs[:, 1]]
+    (p, q), (a, b) = s.T, t.T
+    signs = np.stack(
+        [orient_rows(points, np.column_stack(v)) for v in ((p, q, a), (p, q, b), (a, b, p), (a, b, q))]
+    )
+    kind = np.zeros(len(pairs), dtype=np.int8)
+    across, back = signs[0] * signs[1], signs[2] * signs[3]
+    shared = (s[:, :, None] == t[:, None, :]).any(axis=(1, 2))
+    kind[(across < 0) & (back < 0)] = CROSSING
+    kind[(across <= 0) & (back <= 0) & (kind == 0) & ~shared] = TOUCHING
+    flat = np.nonzero((signs == 0).all(axis=0))[0]
+    if len(flat):
+        p, q = _ordered(*points[s[flat]].transpose(1, 0, 2))
+        a, b = _ordered(*points[t[flat]].transpose(1, 0, 2))
+        start, end = np.where(_before(p, a)[:, None], a, p), np.where(_before(q, b)[:, None], q, b)
+        kind[flat] = np.where(_before(start, end), OVERLAPPING, 0)
+    return pairs[kind > 0], kind[kind > 0]
+
+
+def _before(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Lexicographic p < q; along a common line this is the order on it."""
+    return (p[..., 0] < q[..., 0]) | ((p[..., 0] == q[..., 0]) & (p[..., 1] < q[..., 1]))
+
+
+def _ordered(p: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    swap = _before(q, p)[:, None]
+    return np.where(swap, q, p), np.where(swap, p, q)
+
+
+def vertices_on_segments(points: np.ndarray, vertices: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Rows (vertex, segment) with the vertex strictly between the ends of the segment; exact."""
+    if len(vertices) == 0 or len(segments) == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    ends, at = points[segments], points[vertices]
+    query, hit = BoxTree(ends.min(axis=1), ends.max(axis=1)).pairs(at, at)
+    v, rows = vertices[query], segments[hit]
+    own = (rows == v[:, None]).any(axis=1)
+    v, rows, hit = v[~own], rows[~own], hit[~own]
+    flat = orient_rows(points, np.column_stack([rows, v])) == 0
+    return np.column_stack([v[flat], hit[flat]])
