@@ -1,6 +1,7 @@
 """Unstructured mesh generation, exact and fast: the library under the book."""
 
 from . import predicates as predicates
+from . import sizing as sizing
 from .check import check as check
 from .curves import Arc as Arc
 from .curves import Bezier as Bezier
