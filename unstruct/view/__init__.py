@@ -4,6 +4,9 @@
 same frames on paper and step by step, `view3d` turns, and the widgets answer to sliders.
 """
 
+from .centers import circumcenter_history as circumcenter_history
+from .centers import circumcenter_state as circumcenter_state
+from .centers import circumcenters as circumcenters
 from .colors import ROLES as ROLES
 from .colors import setup as setup
 from .frames import check_frame as check_frame
