@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import lean
 from ..predicates import orient2
 from .cavity2 import blocked_by, commit, end_of, find_cavity, start_of, walk
 from .compiled import LAST
@@ -21,7 +21,7 @@ __all__ = ["BREAKS", "CROWDED", "HIDDEN", "INSERTED", "OUTSIDE", "REPEATED", "gu
 INSERTED, OUTSIDE, REPEATED, BREAKS, CROWDED, HIDDEN = 0, 1, 2, 3, 4, 5  # what happened to a point
 
 
-@kernel
+@lean
 def judge_in(xy, vertex, mark, region, part, t, px, py):
     """(verdict, culprit): is p, in triangle t, a vertex, on a marked edge, outside of ``part`` (-1: any)?"""
     for k in range(3):
@@ -40,7 +40,7 @@ def judge_in(xy, vertex, mark, region, part, t, px, py):
     return INSERTED, np.int64(-1)
 
 
-@kernel
+@lean
 def judge_rim(xy, vertex, twin, mark, rim, k, discs, gap, px, py):
     """(verdict, culprit) by the edges around the cavity of p.
 
@@ -71,7 +71,7 @@ def judge_rim(xy, vertex, twin, mark, rim, k, discs, gap, px, py):
     return INSERTED, np.int64(-1)
 
 
-@kernel
+@lean
 def guard_all(
     xy,
     vertex,
@@ -120,7 +120,7 @@ def guard_all(
     return p
 
 
-@kernel
+@lean
 def hit_all(xy, vertex, twin, mark, region, start, points, stack, cells, rim, hit):
     """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace."""
     t = start

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import lean
 from ..predicates import incircle
 from .cavity2 import blocked_by, commit_split, end_of, find_split, start_of
 from .diametral import in_disc
@@ -22,7 +22,7 @@ __all__ = ["GABRIEL", "MISSING", "pick", "split_all"]
 MISSING, GABRIEL = 0, 1  # what makes a subsegment be split
 
 
-@kernel
+@lean
 def pick(xy, vertex, twin, where, rows, test, chosen):
     """Those of the subsegments ``rows`` that fail the test, into ``chosen``; how many."""
     count = 0
@@ -45,7 +45,7 @@ def pick(xy, vertex, twin, where, rows, test, chosen):
     return count
 
 
-@kernel
+@lean
 def split_all(
     xy,
     vertex,
