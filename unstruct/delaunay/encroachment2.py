@@ -95,7 +95,12 @@ def across_small_angle(xy, kind, joints, u, v):
         for j in range(2):
             w = joints[p, i]
             if w >= 0 and w == joints[q, j]:
-                ux, uy, vx, vy = xy[u, 0] - xy[w, 0], xy[u, 1] - xy[w, 1], xy[v, 0] - xy[w, 0], xy[v, 1] - xy[w, 1]
+                ux, uy, vx, vy = (
+                    xy[u, 0] - xy[w, 0],
+                    xy[u, 1] - xy[w, 1],
+                    xy[v, 0] - xy[w, 0],
+                    xy[v, 1] - xy[w, 1],
+                )
                 d, e = ux * ux + uy * uy, vx * vx + vy * vy
                 if 0.999 * e < d < 1.001 * e and 2.0 * (ux * vx + uy * vy) > 0.999 * d:
                     return w

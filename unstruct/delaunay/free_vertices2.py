@@ -18,8 +18,8 @@ from ..predicates import incircle, orient2
 from .cavity2 import free_slot, start_of
 from .encroachment2 import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .insertion2 import next_edge
-from .refinement_limits import misses
-from .refinement_state import OPEN, REMOVED, queue, record
+from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, misses
+from .refinement_state import OPEN, REMOVED, queue, record, unqueue
 
 MOST = 64  # corners of a polygon that is filled: a vertex with more stays
 # columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling
@@ -126,9 +126,12 @@ def remove_free(w, tally, limits, e):
     for i in range(count):
         t = w.polygon[i, SLOT]
         w.why[t] = OPEN
-        if misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], w.region[t], limits) != 0:
-            queue(w, tally, t)
+        unqueue(w, tally, t)
+        bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], w.region[t], limits)
+        if bits != 0:
+            queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
     for i in range(count, degree):
+        unqueue(w, tally, w.polygon[i, SLOT])
         free_slot(w.vertex, w.twin, w.region, w.state, w.polygon[i, SLOT])
     w.kind[v] = REMOVED_VERTEX
     tally[REMOVED] += 1

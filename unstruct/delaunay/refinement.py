@@ -136,7 +136,9 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
         raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
-    lens = 0.0 if method == "ruppert" else math.cos(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0))) ** 2
+    lens = (
+        0.0 if method == "ruppert" else math.cos(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0))) ** 2
+    )
     offset = 0.0
     if method == "off-centers" and angle > 0.0:
         # the apex over the shortest edge that makes the angle, a little lower so that rounding does no harm

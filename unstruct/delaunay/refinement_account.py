@@ -9,7 +9,17 @@ from ..jit import lean
 from .compiled import COUNT
 from .encroachment2 import across_small_angle
 from .refinement_limits import ANGLE, Limits, misses
-from .refinement_state import CENTERS, CURVE, EVENTS, FLOOR, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
+from .refinement_state import (
+    CENTERS,
+    CURVE,
+    FLOOR,
+    PRECISION,
+    REJECTED,
+    REMOVED,
+    SMALL_ANGLE,
+    SPLITS,
+    Work,
+)
 from .ruppert2 import shortest_first
 
 __all__ = ["account", "history_of"]
@@ -67,8 +77,11 @@ def account(
     reasons : ndarray of str, shape (k,)
     missed : dict of str to int
     """
-    found = np.empty((_survey(w, limits, np.empty((0, 5), dtype=np.int64)), 5), dtype=np.int64)
-    _survey(w, limits, found)
+    found = np.empty((0, 5), dtype=np.int64)
+    count = _survey(w, limits, found)
+    if count:
+        found = np.empty((count, 5), dtype=np.int64)
+        _survey(w, limits, found)
     slot, bits, apex, a, b = found.T
     why = w.why[slot].astype(np.int64)
     why[apex >= 0] = SMALL_ANGLE
@@ -88,5 +101,12 @@ def account(
 def history_of(w: Work, count: int) -> dict[str, NDArray]:
     """The record of a run as named arrays, unscaled coordinates excepted: the caller knows the factor."""
     event = w.event[:count]
-    kind = np.array([EVENT_NAMES[int(k)] for k in event[:, 0]], dtype=str) if count else np.empty(0, dtype="U12")
-    return {"kind": kind, "vertex": event[:, 1].copy(), "cause": event[:, 2:].copy(), "place": w.place[:count].copy()}
+    kind = (
+        np.array([EVENT_NAMES[int(k)] for k in event[:, 0]], dtype=str) if count else np.empty(0, dtype="U12")
+    )
+    return {
+        "kind": kind,
+        "vertex": event[:, 1].copy(),
+        "cause": event[:, 2:].copy(),
+        "place": w.place[:count].copy(),
+    }

@@ -22,6 +22,7 @@ from ..sizing import as_size
 __all__ = ["Limits"]
 
 ANGLE, AREA, SIZE = 1, 2, 4  # what a triangle misses: bits
+BY_ANGLE, BY_SIZE = 1, 2  # what a triangle or a subsegment is asked for: the angle only, or area and size
 
 
 class Limits(NamedTuple):
@@ -82,7 +83,9 @@ def make_limits(
     lens: float,
 ) -> Limits:  # fmt: skip
     """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates."""
-    areas = [_positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")]
+    areas = [
+        _positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")
+    ]
     radius2 = np.full(len(names), np.inf)
     first, last = np.full(len(names), -1, dtype=np.int64), np.full(len(names), -1, dtype=np.int64)
     child, values, rows = [np.empty(0, np.int32)], [np.empty((0, 4))], 0

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .acute import apexes
-from .cavity2 import SEGMENTS
 from .compiled import grown
-from .encroachment2 import FIRST, FREE_VERTEX, INPUT_VERTEX, OTHER, SECOND, STRAIGHT, shell
+from .encroachment2 import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
 from .free_vertices2 import MOST
 from .planar import PlanarComplex
 from .refinement_limits import Limits
 from .refinement_state import (
+    BUCKETS,
     CURVES,
     EVENTS,
     FRACTION,
@@ -74,13 +74,25 @@ class Run:
         self.given = np.full((s, 3), np.nan)
         self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
         self.queued, self.why = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=np.uint8)
-        self.triangles = np.empty(0, dtype=np.int32)
+        self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
+        self.gates = np.full((BUCKETS, 2), -1, dtype=np.int32)
         self.arc = planned.arc.copy()
         self.arc[:, :3] *= c.factor
         self.polygon = np.empty((MOST, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
-        self._make_room(2 * n + 64, 2 * s + 64)
+        self._make_room(min(self._expected(), budget) + 2 * n + 64, 2 * s + 64)
+
+    def _expected(self) -> int:
+        """About how many vertices the limits will lead to, as far as they are constant."""
+        c, limits = self.complex, self.limits
+        rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
+        part = c.region[: c.triangles][c.kept()]
+        a, b, d = (c.xy[rows[:, k]] for k in range(3))
+        twice = (b - a)[:, 0] * (d - a)[:, 1] - (b - a)[:, 1] * (d - a)[:, 0]
+        # as counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length
+        number = np.maximum(1.6 * twice / limits.twice_area[part], 0.75 * twice / limits.radius2[part])
+        return int(min(0.52 * number.sum(), 2.0**27))
 
     def _make_room(self, vertices: int, segments: int) -> None:
         c = self.complex
@@ -90,7 +102,7 @@ class Run:
         for name in ("apexes", "lock", "asked", "given", "segments", "wanted"):
             setattr(self, name, grown(getattr(self, name), s))
         before = len(self.queued)
-        for name in ("queued", "why", "triangles"):
+        for name in ("queued", "why", "ahead", "behind"):
             setattr(self, name, grown(getattr(self, name), t))
         self.queued[before:] = 0
         if self.tally[EVENTS] + 128 > len(self.event) > 0:
@@ -104,7 +116,7 @@ class Run:
         return Work(
             c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, self.kind,
             self.floor, self.apexes, self.lock, self.asked, self.given, self.segments, self.wanted, self.queued,
-            self.why, self.triangles, p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event,
+            self.why, self.ahead, self.behind, self.gates, p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event,
             self.place,
         )  # fmt: skip
 
@@ -117,8 +129,8 @@ class Run:
         code = advance(self.work(), self.tally, self.limits, self.offset, STEPS)
         if code == ROOM:
             c = self.complex
-            vertices = len(c.xy) if c.size + 1 <= len(c.xy) else len(c.xy) + len(c.xy) // 2
-            segments = len(c.where) if c.segments + 1 <= len(c.where) else len(c.where) + len(c.where) // 2
+            vertices = len(c.xy) if c.size + 1 <= len(c.xy) else 2 * len(c.xy)
+            segments = len(c.where) if c.segments + 1 <= len(c.where) else 2 * len(c.where)
             self._make_room(vertices, segments)
             return MORE
         if code == CURVES:
@@ -161,4 +173,6 @@ class Run:
     def counts(self) -> dict[str, int]:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
-        return {"removed": int(self.tally[REMOVED])} | {k: int(self.tally[6 + i]) for i, k in enumerate(names)}
+        return {"removed": int(self.tally[REMOVED])} | {
+            k: int(self.tally[6 + i]) for i, k in enumerate(names)
+        }

@@ -16,7 +16,7 @@ from ..jit import inline, lean
 from .cavity2 import SEGMENTS
 from .compiled import COUNT
 from .encroachment2 import encroaches
-from .refinement_limits import largest_radius2, misses
+from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses
 
 # reasons why something was given up
 OPEN, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 0, 1, 2, 3, 4
@@ -25,8 +25,11 @@ FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
 # entries of the tally
 SEGMENT_TOP, TRIANGLE_TOP, WANTED, LIMIT, REMOVED, EVENTS = 0, 1, 2, 3, 4, 5
 CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 6, 7, 8, 9, 10, 11
-BY_ANGLE, BY_SIZE = 1, 2  # who asked for a split
-FRACTION = 2.0**-10  # of the input's edges: where refinement for the angle ends at the latest
+BUCKET = 12
+BUCKETS = 256
+LARGE = BUCKETS - 1  # the bucket of triangles that are too large
+HALF_OCTAVE = math.sqrt(0.5)
+FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
 
 
 class Work(NamedTuple):
@@ -44,7 +47,7 @@ class Work(NamedTuple):
     state: NDArray[np.int64]
     # per vertex
     kind: NDArray[np.int32]  # the piece in whose interior it lies, or FREE_VERTEX, INPUT_VERTEX, ...
-    floor: NDArray[np.float64]  # new points for the angle's sake keep this distance
+    floor: NDArray[np.float64]  # new points for the angle's sake keep this distance, squared
     # per subsegment
     apexes: NDArray[np.uint8]
     lock: NDArray[np.uint8]  # why it cannot be split
@@ -55,7 +58,9 @@ class Work(NamedTuple):
     # per slot of a triangle
     queued: NDArray[np.uint8]
     why: NDArray[np.uint8]
-    triangles: NDArray[np.int32]  # the stack
+    ahead: NDArray[np.int32]  # the one before it in the same bucket
+    behind: NDArray[np.int32]  # the one after it
+    gates: NDArray[np.int32]  # (BUCKETS, 2) the first and the last one of each bucket
     # per piece
     curve: NDArray[np.int8]
     arc: NDArray[np.float64]
@@ -85,11 +90,68 @@ def ask(w, tally, s, by):
 
 
 @inline
-def queue(w, tally, t):
-    if w.queued[t] == 0:
-        w.queued[t] = 1
-        w.triangles[tally[TRIANGLE_TOP]] = t
-        tally[TRIANGLE_TOP] += 1
+def bucket_of(w, t):
+    """The bucket of triangle t, which misses the angle only: two an octave of its shortest edge, squared."""
+    a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+    p = (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2
+    q = (w.xy[b, 0] - w.xy[c, 0]) ** 2 + (w.xy[b, 1] - w.xy[c, 1]) ** 2
+    s = (w.xy[c, 0] - w.xy[a, 0]) ** 2 + (w.xy[c, 1] - w.xy[a, 1]) ** 2
+    f, e = math.frexp(min(p, q, s))
+    return min(max(1, 20 - 2 * e - (f > HALF_OCTAVE)), LARGE - 1)
+
+
+@inline
+def unqueue(w, tally, t):
+    """Triangle t waits no longer."""
+    k = w.queued[t]
+    if k > 0:
+        before, after = w.ahead[t], w.behind[t]
+        if before >= 0:
+            w.behind[before] = after
+        else:
+            w.gates[k, 0] = after
+        if after >= 0:
+            w.ahead[after] = before
+        else:
+            w.gates[k, 1] = before
+        w.queued[t] = 0
+        tally[TRIANGLE_TOP] -= 1
+
+
+@inline
+def queue(w, tally, t, by):
+    """Let triangle t, which does not wait, wait: first of all if it is too large, else by its shortest edge."""
+    k = LARGE if by == BY_SIZE else bucket_of(w, t)
+    w.queued[t] = k
+    tally[TRIANGLE_TOP] += 1
+    tally[BUCKET] = max(tally[BUCKET], k)
+    first, last = w.gates[k, 0], w.gates[k, 1]
+    if k == LARGE:  # last in, first out: what is near in the mesh stays near in memory
+        w.ahead[t], w.behind[t] = -1, first
+        w.gates[k, 0] = t
+        if first >= 0:
+            w.ahead[first] = t
+        else:
+            w.gates[k, 1] = t
+    else:
+        w.ahead[t], w.behind[t] = last, -1
+        w.gates[k, 1] = t
+        if last >= 0:
+            w.behind[last] = t
+        else:
+            w.gates[k, 0] = t
+
+
+@inline
+def next_triangle(w, tally):
+    """Take the first triangle of the highest bucket: it, and what it is there for."""
+    k = tally[BUCKET]
+    while w.gates[k, 0] < 0:
+        k -= 1
+    tally[BUCKET] = k
+    t = np.int64(w.gates[k, 0])
+    unqueue(w, tally, t)
+    return t, BY_SIZE if k == LARGE else BY_ANGLE
 
 
 @inline
@@ -117,6 +179,7 @@ def look_at_star(w, tally, limits, k):
     for i in range(k):
         t = w.fresh[i]
         w.why[t] = OPEN
+        unqueue(w, tally, t)
         if w.region[t] >= 0:
             p, a, b = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
             s = w.mark[3 * t]
@@ -124,8 +187,9 @@ def look_at_star(w, tally, limits, k):
                 w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], w.xy[p, 0], w.xy[p, 1], limits.lens
             ):
                 ask(w, tally, s, BY_ANGLE)
-            if misses(w.xy, p, a, b, w.region[t], limits) != 0:
-                queue(w, tally, t)
+            bits = misses(w.xy, p, a, b, w.region[t], limits)
+            if bits != 0:
+                queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
 
 
 @lean
@@ -136,8 +200,10 @@ def look_at_all(w, tally, limits):
     for t in range(w.state[COUNT] - 1, -1, -1):
         w.why[t] = OPEN
         r = w.region[t]
-        if r >= 0 and misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits) != 0:
-            queue(w, tally, t)
+        if r >= 0:
+            bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits)
+            if bits != 0:
+                queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
 
 
 @inline
@@ -156,7 +222,7 @@ def record(w, tally, what, p, a, b, c, px, py):
 
 @lean
 def set_floors(xy, vertex, mark, region, count, floor):
-    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across from it."""
+    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across; squared."""
     for t in range(count):
         if region[t] < 0:
             continue
@@ -164,9 +230,9 @@ def set_floors(xy, vertex, mark, region, count, floor):
             a, b, c = vertex[3 * t + i], vertex[3 * t + (i + 1) % 3], vertex[3 * t + (i + 2) % 3]
             ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
             vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
-            side = math.sqrt(ux * ux + uy * uy)
+            side = ux * ux + uy * uy
             floor[a], floor[b] = min(floor[a], side), min(floor[b], side)
             wx, wy = vx - ux, vy - uy
             if mark[3 * t + i] >= 0 and ux * wx + uy * wy < 0.0 < vx * wx + vy * wy:
-                height = abs(ux * vy - uy * vx) / math.sqrt(wx * wx + wy * wy)
+                height = (ux * vy - uy * vx) ** 2 / (wx * wx + wy * wy)
                 floor[a] = min(floor[a], height)

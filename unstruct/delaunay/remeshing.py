@@ -50,7 +50,9 @@ def plan_mesh(mesh: Mesh) -> Planned:
     ends, chain, span, flipped = chains(mesh.points, edges, np.column_stack([kinds, left < 0, right < 0]))
     left, right = np.where(flipped, right, left), np.where(flipped, left, right)
     joints = _joints(ends, span, chain)
-    inner = np.array([(left[chain == p] >= 0).all() and (right[chain == p] >= 0).all() for p in range(len(joints))])
+    inner = np.array(
+        [(left[chain == p] >= 0).all() and (right[chain == p] >= 0).all() for p in range(len(joints))]
+    )
     order = np.argsort(inner, kind="stable")  # facets first
     number = np.empty(len(order), dtype=np.int32)
     number[order] = np.arange(len(order))
@@ -123,7 +125,9 @@ def _constraints(
     start, end = (np.roll(mesh.simplices, -k, axis=1).astype(np.int64) for k in (1, 2))
     slots = np.minimum(start, end) * n + np.maximum(start, end)
     marked = [
-        mesh.markers[k].astype(np.int64) for k, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2
+        mesh.markers[k].astype(np.int64)
+        for k, rows in mesh.markers.items()
+        if rows.ndim == 2 and rows.shape[1] == 2
     ]
     keys = [np.sort(rows, axis=1) @ [n, 1] for rows in marked]
     stay = (mesh.neighbors < 0) | (group[mesh.neighbors] != group[:, None])
@@ -166,7 +170,9 @@ def chains(
     graph = coo_matrix((np.ones(join.sum()), (e[join], f[join])), shape=(m, m))
     chain = connected_components(graph, directed=False)[1].astype(np.int32)
     longest = np.lexsort((np.arange(m), chain))
-    lead = longest[np.flatnonzero(np.diff(chain[longest], prepend=-1))]  # one edge of each chain: its direction
+    lead = longest[
+        np.flatnonzero(np.diff(chain[longest], prepend=-1))
+    ]  # one edge of each chain: its direction
     direction = (points[edges[lead, 1]] - points[edges[lead, 0]])[chain]
     along = np.einsum("ijk,ik->ij", points[edges], direction)
     flipped = along[:, 0] > along[:, 1]

@@ -23,9 +23,18 @@ import numpy as np
 
 from ..jit import inline, lean
 from ..predicates import orient2
-from .cavity2 import SEGMENTS, VERTICES, blocked_by, commit, commit_split, end_of, find_cavity, find_split, start_of
+from .cavity2 import (
+    SEGMENTS,
+    VERTICES,
+    blocked_by,
+    commit,
+    commit_split,
+    end_of,
+    find_cavity,
+    find_split,
+    start_of,
+)
 from .encroachment2 import (
-    ARC,
     FIRST,
     FREE_VERTEX,
     OTHER,
@@ -37,7 +46,7 @@ from .encroachment2 import (
     split_straight,
 )
 from .free_vertices2 import clear_disc
-from .refinement_limits import ANGLE, misses
+from .refinement_limits import BY_ANGLE, BY_SIZE
 from .refinement_state import (
     BUDGET,
     BY_ANGLE,
@@ -67,10 +76,10 @@ from .refinement_state import (
     ask,
     look_at_segment,
     look_at_star,
+    next_triangle,
     queue,
     record,
 )
-
 
 FAR = 1e30  # a circumcenter beyond this cannot be judged
 
@@ -98,7 +107,9 @@ def _lock(w, tally, s, why):
 @inline
 def _find(w, s, px, py):
     """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
-    m, k, h = find_split(w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim)
+    m, k, h = find_split(
+        w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim
+    )
     if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
         k = -1
     return m, k, h
@@ -122,8 +133,8 @@ def split_next(w, tally, limits):
     )
     floor = min(w.floor[a], w.floor[b])
     if by & BY_SIZE:
-        floor = min(floor, FRACTION * math.sqrt(square))
-    elif square < floor * floor:
+        floor = min(floor, FRACTION * square)
+    elif square < floor:
         _lock(w, tally, s, FLOOR)
         return
     if limits.lens > 0.0 and w.apexes[s] == 0:
@@ -158,20 +169,25 @@ def split_next(w, tally, limits):
 
 @inline
 def _center(xy, a, b, c, offset):
-    """(x, y, R²): the circumcenter of a, b, c, or nearer to a-b as far as ``offset`` asks, a-b the shortest."""
+    """(x, y, R², sure): the circumcenter, or nearer to the shortest edge a-b as far as ``offset`` asks.
+
+    ``sure``: it is strictly inside the circle, however it was rounded. (The longest edge being L and the
+    shortest l, its error is at most R (4 eps L / l + 4 eps L² / D), with D = 2 area and l >= D / L.)
+    """
     ax, ay = xy[a, 0], xy[a, 1]
     bx, by, cx, cy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
     twice = 2.0 * (bx * cy - by * cx)
     if not twice > 0.0:
-        return ax, ay, 0.0
+        return ax, ay, 0.0, False
     b2, c2 = bx * bx + by * by, cx * cx + cy * cy
     ux, uy = (cy * b2 - by * c2) / twice, (bx * c2 - cx * b2) / twice
     square = ux * ux + uy * uy
+    sure = twice > 1e-9 * (b2 + c2) and square > 1e-20
     if offset > 0.0:  # an angle of the wanted size over a-b, if that point is nearer
         mx, my = 0.5 * bx - offset * by, 0.5 * by + offset * bx
         if mx * mx + my * my < square:
-            return ax + mx, ay + my, mx * mx + my * my
-    return ax + ux, ay + uy, square
+            return ax + mx, ay + my, mx * mx + my * my, sure
+    return ax + ux, ay + uy, square, sure
 
 
 @inline
@@ -190,13 +206,14 @@ def shortest_first(xy, vertex, t):
 
 @inline
 def _in_the_way(w, tally, limits, k, px, py, by):
-    """Ask for the rim's subsegments on which p encroaches: (how many of them, how many can be split, why not)."""
-    found = asked = 0
+    """Ask for what p encroaches on: (subsegments of the rim, encroached, those that can be split, why not)."""
+    marked = found = asked = 0
     why = OPEN
     for i in range(k):
         e = np.int64(w.rim[i])
         s = w.mark[e]
         if s >= 0:
+            marked += 1
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
@@ -204,7 +221,7 @@ def _in_the_way(w, tally, limits, k, px, py, by):
                     asked += 1
                 else:
                     why = w.lock[s]
-    return found, asked, why
+    return marked, found, asked, why
 
 
 @lean
@@ -225,11 +242,15 @@ def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
 
 
 @inline
-def _step_aside(w, tally, limits, t, k, px, py, by):
-    """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way."""
-    found, asked, why = _in_the_way(w, tally, limits, k, px, py, by)
+def _step_aside(w, tally, limits, t, k, px, py, sure, by):
+    """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
+
+    A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
+    Delaunay triangulation, and need not be tested.
+    """
+    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by)
     if found == 0:
-        if blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
+        if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
         a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
         gx, gy = (w.xy[a, 0] + w.xy[b, 0] + w.xy[c, 0]) / 3.0, (w.xy[a, 1] + w.xy[b, 1] + w.xy[c, 1]) / 3.0
@@ -243,7 +264,7 @@ def _step_aside(w, tally, limits, t, k, px, py, by):
     if asked > 0:
         tally[REJECTED] += 1
         record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
-        queue(w, tally, t)
+        queue(w, tally, t, by)
     else:
         tally[REFUSED] += 1
         w.why[t] = why
@@ -253,29 +274,19 @@ def _step_aside(w, tally, limits, t, k, px, py, by):
 @inline
 def improve_next(w, tally, limits, offset):
     """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
-    tally[TRIANGLE_TOP] -= 1
-    t = np.int64(w.triangles[tally[TRIANGLE_TOP]])
-    w.queued[t] = 0
-    r = w.region[t]
-    if r < 0:
-        return
+    t, by = next_triangle(w, tally)
     a, b, c = shortest_first(w.xy, w.vertex, t)
-    bits = misses(w.xy, a, b, c, r, limits)
-    if bits == 0:
-        return
     floor = min(w.floor[a], w.floor[b], w.floor[c])
-    px, py, square = _center(w.xy, a, b, c, offset)
-    by = BY_SIZE
-    if bits == ANGLE:
-        by = BY_ANGLE
+    px, py, square, sure = _center(w.xy, a, b, c, offset)
+    if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
             w.why[t] = SMALL_ANGLE
             return
-        if square < floor * floor:
+        if square < floor:
             w.why[t] = FLOOR
             return
     else:
-        floor = min(floor, FRACTION * math.sqrt(square))
+        floor = min(floor, FRACTION * square)
     if not (abs(px) < FAR and abs(py) < FAR):
         w.why[t] = PRECISION
         return
@@ -283,7 +294,7 @@ def improve_next(w, tally, limits, offset):
     if k < 0:
         w.why[t] = PRECISION
         return
-    if not _step_aside(w, tally, limits, t, k, px, py, by):
+    if not _step_aside(w, tally, limits, t, k, px, py, sure, by):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
