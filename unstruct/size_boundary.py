@@ -71,14 +71,47 @@ def _near(v, i, ends, turn):
 
 
 @inline
-def _apart(i, j, piece, ends, turn):
-    """Whether two features count as different, non-adjacent ones."""
+def _apart(j, group, b, rank, found, least, most, piece, ends, turn):
+    """Whether feature j is apart from one of a group: the features of one piece that were met before.
+
+    Of a group the least and the greatest turn are known, and one feature; the others are looked at only
+    where a piece shares both its ends with that of j, and turns far.
+    """
+    i = group
     if piece[i] == piece[j]:
-        return abs(turn[i, 0] - turn[j, 0]) > AROUND
-    for k in range(2):
-        if _near(ends[i, k], j, ends, turn) and _near(ends[i, k], i, ends, turn):
-            return False
-    return True
+        return turn[j, 0] - least > AROUND or most - turn[j, 0] > AROUND
+    start, stop = _near(ends[i, 0], j, ends, turn), _near(ends[i, 1], j, ends, turn)
+    total = turn[i, 0] + turn[i, 1]
+    if not (start or stop):
+        return True
+    far = (not start or most > AROUND) and (not stop or total - least > AROUND)
+    if far and start and stop:
+        far = False
+        for a in range(b):
+            k = found[rank[a]]
+            far = far or (piece[k] == piece[i] and turn[k, 0] > AROUND and turn[k, 1] > AROUND)
+    return far
+
+
+@inline
+def _first_apart(count, rank, found, groups, least, most, piece, ends, turn):
+    """The number, by rank, of the nearest feature that is apart from a nearer one; -1 for none."""
+    many = 0
+    for b in range(count):
+        j = found[rank[b]]
+        own = -1
+        for g in range(many):
+            if piece[groups[g]] == piece[j]:
+                own = g
+            if _apart(j, groups[g], b, rank, found, least[g], most[g], piece, ends, turn):
+                return b
+        if own < 0:
+            own = many
+            groups[own], least[own], most[own] = j, turn[j, 0], turn[j, 0]
+            many += 1
+        least[own] = min(least[own], turn[j, 0])
+        most[own] = max(most[own], turn[j, 0])
+    return -1
 
 
 @kernel
@@ -88,6 +121,7 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, nearest, sp
     stack = np.empty(128, dtype=np.int64)
     found = np.empty(segments.shape[0], dtype=np.int64)
     away = np.empty(segments.shape[0])
+    groups, least, most = np.empty_like(found), np.empty_like(away), np.empty_like(away)
     for q in range(x.shape[0]):
         limit = nearest[q] + span  # every feature is nearer
         radius = 2.0 * nearest[q] + FIRST * span
@@ -114,13 +148,9 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, nearest, sp
                         away[count] = d
                         count += 1
             rank = np.argsort(away[:count])
-            for b in range(1, count):  # the first that is apart from a nearer one
-                for a in range(b):
-                    if _apart(found[rank[a]], found[rank[b]], piece, ends, turn):
-                        result[q] = away[rank[b]]
-                        break
-                if result[q] < np.inf:
-                    break
+            b = _first_apart(count, rank, found, groups, least, most, piece, ends, turn)
+            if b >= 0:
+                result[q] = away[rank[b]]
             if radius > limit:
                 break
             radius *= 2.0
