@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import topology
+from .check_domain import check_domain, pinch_points
 from .embedding import RidgeFans, crossing_facets, orient_rows
 from .errors import InputError
 from .manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
@@ -17,6 +18,7 @@ from .predicates import in_sphere
 from .report import Problem, Report, problem
 
 if TYPE_CHECKING:
+    from .domain import Domain
     from .mesh import Mesh
 
 __all__ = ["Problem", "Report", "boundary_is_convex", "check"]
@@ -25,12 +27,17 @@ CHUNK = 1 << 19
 SMALL = 100_000  # points times cells, up to which the brute-force tests run by default
 
 
-def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None) -> Report:
+def check(
+    mesh: Mesh, *, domain: Domain | None = None, delaunay: bool | str = False, brute: bool | None = None
+) -> Report:
     """Examine a mesh.
 
     Parameters
     ----------
     mesh : Mesh
+    domain : Domain, optional
+        What the mesh claims to fill: every piece must be a chain of edges marked "facets" or "inner" on the
+        true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree.
     delaunay : bool or "constrained", optional
         True: the mesh claims to be a Delaunay triangulation of (the hull of) its points. "constrained": of
         a constrained one; facets named by the mesh's markers are then opaque.
@@ -64,20 +71,23 @@ def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None
     if not _arrays(mesh, report):
         return report
     if not mesh.is_simplicial:
+        report.skipped += ["the domain, which needs triangles"] if domain is not None else []
         from .check_cells import check_mixed
 
         check_mixed(mesh, report)
         return report
     _vertices(mesh, report)
-    sound, manifold = _topology(mesh, report)
+    pinches = np.empty(0, dtype=np.int64) if domain is None else pinch_points(mesh, domain)
+    sound, manifold = _topology(mesh, report, pinches)
     if not sound:
-        report.skipped.append("everything that needs sound adjacency")
+        report.skipped.append("everything that needs sound adjacency, the domain included")
         return report
     if mesh.dimension < mesh.points.shape[1]:
         _surface(mesh, report)
+        report.skipped += ["the domain, which needs a planar mesh"] if domain is not None else []
         return report
     if not _orientation(mesh, report):
-        report.skipped.append("overlap and spheres, which need positively oriented cells")
+        report.skipped.append("overlap, spheres and domain, which need positively oriented cells")
         return report
     if brute is None:
         brute = len(mesh.points) * mesh.size <= SMALL
@@ -93,6 +103,8 @@ def check(mesh: Mesh, *, delaunay: bool | str = False, brute: bool | None = None
         from .check_brute import check_brute
 
         check_brute(mesh, report)
+    if domain is not None:
+        check_domain(mesh, domain, report)
     return report
 
 
@@ -142,8 +154,11 @@ def _vertices(mesh: Mesh, report: Report) -> None:
     )
 
 
-def _topology(mesh: Mesh, report: Report) -> tuple[bool, bool]:
-    """Whether the adjacency is sound, and whether the complex is a manifold besides."""
+def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bool]:
+    """Whether the adjacency is sound, and whether the complex is a manifold besides.
+
+    At ``pinches`` the cells may fall into several fans, as the domain has it.
+    """
     simplices, k, n = mesh.simplices, mesh.dimension, len(mesh.points)
     table = topology.FaceTable(simplices)
     facets, cells = crowded_facets(table)
@@ -160,7 +175,12 @@ def _topology(mesh: Mesh, report: Report) -> tuple[bool, bool]:
     folded = problem("orientation", text, cells, facets.ravel())
     well &= report.note("coherent orientation: the two cells of a facet on opposite sides", folded)
     pinched = []
+    allowed = False
     for faces, fans in pinched_faces(table, neighbors):
+        if faces.shape[1] == 1 and len(pinches):
+            wrong_ones = ~np.isin(faces[:, 0], pinches)
+            allowed = not wrong_ones.all()
+            faces, fans = faces[wrong_ones], fans[wrong_ones]
         kind = {1: "pinched vertex", 2: "pinched edge"}.get(faces.shape[1], "pinched face")
         text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
         pinched.append(problem(kind, text, vertices=faces.ravel()))
@@ -174,7 +194,9 @@ def _topology(mesh: Mesh, report: Report) -> tuple[bool, bool]:
         )
     elif k > 3:
         report.skipped.append("whether vertex links are spheres (decided up to dimension 3 only)")
-    if manifold:
+    if manifold and allowed:
+        report.skipped.append("the Euler characteristic, where facets of the domain meet at a vertex")
+    elif manifold:
         manifold = _euler(table, boundary, report)
     return well, manifold
 

@@ -362,12 +362,14 @@ class Domain:
 
     def _check_seeds(self) -> None:
         for name, seeds in self.regions.items():
-            inside = self.contains(seeds)
-            if not inside.all():
-                row = int(np.argmin(inside))
+            straight = ~np.isin(self._coarse.piece, list(self.curves))
+            on = even_odd(self._coarse.points, self._coarse.ends[straight], seeds)[1]
+            wrong = on | ~self.contains(seeds) if len(self.facets) else on
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                where = "on a piece" if on[row] else "outside the region (even-odd)"
                 raise InputError(
-                    f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies outside the region (even-odd); "
-                    "move the seed inside"
+                    f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
                 )
 
     def __repr__(self) -> str:

@@ -110,7 +110,7 @@ def conflicts(domain: Domain, sampled: Sampled, curved: np.ndarray) -> np.ndarra
     rows = np.nonzero(curved)[0]
     if len(rows):
         chains = fine_chains(domain, sampled, rows)
-        pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(sampled, rows, chains)]
+        pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(domain, sampled, rows, chains)]
     return np.concatenate(pairs)
 
 
@@ -128,12 +128,11 @@ def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
 
-def _vertices_between(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
-    """Pairs (row, row): a vertex between the chord and the curve of a subsegment, and a reason to cut it."""
-    vertices = np.arange(len(sampled.points))
-    at = sampled.points
+def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+    """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
+    at = np.concatenate([sampled.points, *domain.regions.values()])
     query, hit = BoxTree(chains.min(axis=1), chains.max(axis=1)).pairs(at, at)
-    own = (sampled.ends[rows[hit]] == vertices[query][:, None]).any(axis=1)
+    own = (sampled.ends[rows[hit]] == query[:, None]).any(axis=1)
     query, hit = query[~own], hit[~own]
     polygon, x = chains[hit], at[query][:, None]
     a, b = polygon, np.roll(polygon, -1, axis=1)
