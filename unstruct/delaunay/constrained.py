@@ -19,7 +19,7 @@ from ..ordering import radix_argsort
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
 from .refined import Refined
-from .segments2 import CROSSES, DONE, OVERLAPS, carriers, fill_corners, insert_segments
+from .segments2 import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments
 
 if TYPE_CHECKING:
     from ..domain import Domain, Sampled
@@ -133,7 +133,7 @@ def insert_all(
     *,
     facets: int,
     progress: bool = False,
-) -> None:
+) -> NDArray[np.int64]:
     """Insert subsegments into a complex that has none: exact, every one ends up as an edge or several.
 
     Parameters
@@ -143,9 +143,14 @@ def insert_all(
     piece : ndarray of int32, shape (s,)
     span : ndarray, shape (s, 2)
     facets : int
-        How many pieces are facets (errors call the others inner segments).
+        How many pieces are facets; messages call the others inner segments (with -1, all are edges).
     progress : bool
         Show a bar.
+
+    Returns
+    -------
+    ndarray of int64, shape (s,)
+        How many triangles each of them crossed when its turn came: 0 for those that were there.
 
     Raises
     ------
@@ -156,14 +161,14 @@ def insert_all(
     corner = np.empty(n, dtype=np.int32)
     fill_corners(complex_.vertex, 3 * count, corner)
     order = _order(corner[ends[:, 0]], count)
-    chains = np.empty((3, count + 2), dtype=np.int64)
+    chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
     scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
     bar = _bar(len(ends)) if progress else None
     for start in range(0, len(ends), CHUNK):
         stop = min(start + CHUNK, len(ends))
         status, i, other = insert_segments(
             complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
-            *chains, scratch, stack,
+            crossed, *chains, scratch, stack,
         )  # fmt: skip
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)
@@ -172,6 +177,7 @@ def insert_all(
     if bar is not None:
         bar.close()
     _enter(complex_, ends, piece, span)
+    return crossed
 
 
 def _order(slots: NDArray[np.int32], count: int) -> NDArray[np.int64]:
@@ -191,11 +197,16 @@ def _bar(total: int) -> Any:
 def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> InputError:
     def name(s: int) -> str:
         p = int(piece[s])
-        kind = f"facet {p}" if p < facets else f"inner segment {p - facets}"
+        if facets < 0:
+            kind = f"edges[{p}]"
+        else:
+            kind = f"facet {p}" if p < facets else f"inner segment {p - facets}"
         return f"{kind} (vertices {ends[s, 0]} and {ends[s, 1]})"
 
-    if status not in (CROSSES, OVERLAPS):
+    if ends[i, 0] == ends[i, 1]:
         return InputError(f"{name(i)} leads nowhere: its ends must be different vertices")
+    if status in (LEAVES, LOST):
+        return InputError(f"{name(i)} leaves the mesh: take a mesh that covers it")
     verb = "crosses" if status == CROSSES else "overlaps"
     return InputError(
         f"{name(i)} {verb} {name(other)}: segments may meet at vertices only; "

@@ -12,12 +12,12 @@ import numpy as np
 from ..jit import inline, kernel
 from .signs import conflict, moved
 
-__all__ = ["FULL", "HIDDEN", "OUTSIDE", "insert_vertices"]
+__all__ = ["FIXED", "FULL", "HELD", "HIDDEN", "OUTSIDE", "insert_vertices"]
 
 # what `insert_vertices` stopped for
-DONE, OUTSIDE, HIDDEN, FULL = 0, 1, 2, 3
-# states of a cell during one insertion
-OUT, IN, DROPPED, WAITING = 0, 1, 2, 3
+DONE, OUTSIDE, HIDDEN, FULL, HELD = 0, 1, 2, 3, 4
+# states of a cell during one insertion; a fixed one is never in a cavity
+OUT, IN, DROPPED, WAITING, FIXED = 0, 1, 2, 3, 4
 # columns of the record
 TWIN, COMPONENT, BEHIND, ROUNDS, LOST, KEPT, MADE = range(7)
 
@@ -53,6 +53,35 @@ def locate(points, cells, neighbors, count, p, start):
             if inside:
                 return c
     return -1
+
+
+@kernel
+def fixed_holder(points, cells, neighbors, p, holder, state, cavity):
+    """A fixed cell that holds p, p on its boundary included; -1 for none. (``cavity``: work space.)
+
+    The closed cells with p in them hang together through facets that hold p.
+    """
+    cavity[0] = holder
+    size, i, found = 1, 0, -1
+    while i < size and found < 0:
+        c = cavity[i]
+        if state[c] == FIXED:
+            found = c
+            break
+        state[c] = WAITING
+        for k in range(cells.shape[1]):
+            n = neighbors[c, k]
+            if n >= 0 and state[n] != WAITING and moved(points, cells[c], k, p) == 0:
+                known = False
+                for j in range(i, size):
+                    known = known or cavity[j] == n
+                if not known:
+                    cavity[size] = n
+                    size += 1
+        i += 1
+    for j in range(i):
+        state[cavity[j]] = OUT
+    return found
 
 
 @kernel
@@ -290,7 +319,8 @@ def first_hidden(cells, neighbors, state, sides, cavity, size):
 def insert_vertices(
     points, first, last, reduce, cells, neighbors, source, state, sides, place, free, counters, records
 ):
-    """Insert vertices first..last - 1; return where it stopped, and what for (for HIDDEN, also the facet).
+    """Insert vertices first..last - 1; return where it stopped, and what for (for HIDDEN, also the facet; for
+    HELD, the fixed cell).
 
     ``counters``: rows of ``cells`` in use, free rows among them, a cell near the last vertex. A vertex
     that cannot be inserted leaves everything as it was before it.
@@ -310,6 +340,9 @@ def insert_vertices(
                 record[TWIN] = cells[holder, k]
         if record[TWIN] >= 0:
             continue
+        wall = fixed_holder(points, cells, neighbors, p, holder, state, cavity)
+        if wall >= 0:
+            return p, HELD, wall, -1
         size = principal_component(points, cells, neighbors, p, holder, state, cavity, sides)
         record[COMPONENT] = size
         kept = cavity[:size].copy()

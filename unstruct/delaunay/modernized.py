@@ -29,6 +29,7 @@ from ..errors import InputError, MeshError
 from ..mesh import Mesh, _remaining, as_points
 from ..predicates import orient, power_of_two
 from . import generalized_cavity as kernels
+from .fixed import as_cells
 
 __all__ = ["Baker", "Record", "insert"]
 
@@ -66,7 +67,7 @@ class Record:
         return self.hidden > 0
 
 
-def insert(mesh: Mesh, point: Any, *, reduce: bool = True) -> Mesh:
+def insert(mesh: Mesh, point: Any, *, reduce: bool = True, fixed: Any = None) -> Mesh:
     """Insert a point, or several, into an arbitrary triangulation in two or three dimensions.
 
     Parameters
@@ -77,6 +78,9 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True) -> Mesh:
         In the mesh, its boundary included.
     reduce : bool
         Whether a component that is not star-shaped is reduced; if not, such a point is an error.
+    fixed : str or array_like, optional
+        Cells that must stay: the name of a cell marker (those where it is not zero), a mask, or their
+        numbers. They take no part in any cavity; what is left of it around the point is used.
 
     Returns
     -------
@@ -90,7 +94,8 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True) -> Mesh:
     InputError
         For arrays of wrong shape, and for a point outside the mesh (the first such row is named).
     MeshError
-        For cells that are flat or negatively oriented, and with ``reduce=False`` where a facet is hidden.
+        For cells that are flat or negatively oriented, and with ``reduce=False`` where a facet is hidden;
+        for a point in a fixed cell or on its boundary.
 
     Notes
     -----
@@ -100,7 +105,7 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True) -> Mesh:
     to insert points one at a time use `Baker`.
     Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2.
     """
-    growing = Baker(mesh)
+    growing = Baker(mesh, fixed=fixed)
     points = np.asarray(point)
     growing.insert(points[None] if points.ndim == 1 else points, reduce=reduce)
     return growing.mesh()
@@ -111,7 +116,7 @@ class Baker:
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh, fixed
         As for `insert`.
 
     Attributes
@@ -120,7 +125,7 @@ class Baker:
         All vertices so far, read-only.
     """
 
-    def __init__(self, mesh: Mesh):
+    def __init__(self, mesh: Mesh, *, fixed: Any = None):
         d = mesh.points.shape[1]
         if d not in (2, 3) or mesh.dimension != d:
             raise InputError(
@@ -133,6 +138,7 @@ class Baker:
                 f"cell {c} is missing, flat or negatively oriented: use mesh.oriented(), drop flat cells"
             )
         self._old = mesh
+        self._fixed = as_cells(mesh, fixed)
         self._factor = power_of_two(mesh.points)
         self._count = len(mesh.points)
         self._points = mesh.points.copy()
@@ -236,6 +242,11 @@ class Baker:
                 "unstruct.delaunay for all points together"
             )
         vertices = self._cells[cell].tolist()
+        if status == kernels.HELD:
+            return MeshError(
+                f"points[{row}] = {point.tolist()} is refused: it lies in the fixed cell {vertices} or on "
+                "its boundary; choose another point, or unfix the cell"
+            )
         facet = vertices[:corner] + vertices[corner + 1 :]
         return MeshError(
             f"points[{row}] = {point.tolist()} is refused: of its principal component the facet {facet} "
@@ -246,6 +257,7 @@ class Baker:
         """Work arrays, as long as there are rows of cells."""
         m = len(self._cells)
         self._state = np.zeros(m, dtype=np.int8)
+        self._state[self._fixed] = kernels.FIXED  # rows of fixed cells never change
         self._sides = np.zeros(self._cells.shape, dtype=np.int8)
         self._place = np.zeros(m, dtype=np.int64)
         self._free = np.append(getattr(self, "_free", np.empty(0, np.int64)), np.zeros(m, np.int64))[:m]

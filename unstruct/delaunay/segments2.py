@@ -30,9 +30,12 @@ from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from .insertion2 import GHOST, next_edge, prev_edge
 
-__all__ = ["CROSSES", "DONE", "LOST", "OVERLAPS", "fill_corners", "find_edge", "insert_segments"]
+__all__ = [
+    "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
+    "find_edge", "insert_segments",
+]  # fmt: skip
 
-DONE, CROSSES, OVERLAPS, LOST = 0, 1, 2, 3  # how `insert_segments` ends
+DONE, CROSSES, OVERLAPS, LOST, LEAVES = 0, 1, 2, 3, 4  # how `insert_segments` ends
 
 
 @inline
@@ -80,6 +83,13 @@ def find_edge(vertex, twin, corner, a, b):
 
 
 @lean
+def absent(vertex, twin, corner, ends, missing):
+    """Which segments are not edges."""
+    for i in range(len(ends)):
+        missing[i] = find_edge(vertex, twin, corner, ends[i, 0], ends[i, 1]) < 0
+
+
+@lean
 def aim(xy, vertex, twin, corner, a, b):
     """Where the ray from a to b leaves a: (e, 0) within the triangle of slot e, (e, 1) along half-edge e.
 
@@ -107,17 +117,18 @@ def aim(xy, vertex, twin, corner, a, b):
 def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
-    Returns the lengths of both chains, and -1; or, as the last value, the half-edge of an earlier segment
-    that is in the way. Of a chain the half-edges within the crossed triangles are noted, from a on.
+    Returns the lengths of both chains, and -1; or, as the last value, the half-edge that is in the way: that
+    of an earlier segment, or one with a ghost behind it. Of a chain the half-edges within the crossed
+    triangles are noted, from a on.
     """
     cells[0] = e // 3
     left[0], right[0] = next_edge(e), prev_edge(e)
     m = above = below = 1
     while True:
-        if mark[e] >= 0:
-            return above, below, e
         o = np.int64(twin[e])
         c = vertex[o]
+        if mark[e] >= 0 or c == GHOST:
+            return above, below, e
         cells[m] = o // 3
         m += 1
         side = 0 if c == b else _side(xy, a, b, c)
@@ -214,12 +225,16 @@ def replace(xy, vertex, twin, mark, corner, left, right, cells, above, below, sc
 
 @lean
 def insert_segments(
-    xy, vertex, twin, mark, corner, ends, order, start, stop, left, right, cells, scratch, stack
+    xy, vertex, twin, mark, corner, ends, order, start, stop, crossed, left, right, cells, scratch, stack
 ):
-    """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one."""
+    """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one.
+
+    ``crossed[i]`` gets the number of triangles that segment i crossed.
+    """
     for at in range(start, stop):
         i = order[at]
         a, b = ends[i, 0], ends[i, 1]
+        crossed[i] = 0
         e = find_edge(vertex, twin, corner, a, b)
         while True:
             if e < 0:
@@ -229,7 +244,8 @@ def insert_segments(
                 if kind == 0:
                     above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
                     if wall >= 0:
-                        return CROSSES, i, np.int64(mark[wall])
+                        return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
+                    crossed[i] += above + below - 2
                     e = replace(
                         xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack
                     )
