@@ -1,4 +1,4 @@
-"""Taking free vertices out of the disc of a subsegment before it is split, compiled (Chew's second algorithm).
+"""Taking free vertices out of the disc of a subsegment before it is split, compiled: Chew's second algorithm.
 
 The triangles around a vertex leave a polygon that sees the vertex. It is filled as in `removal2`: the
 triangle on an edge takes the corner whose circle holds no other, and so on in what is left on both sides.
@@ -33,7 +33,7 @@ def _turn(xy, a, b, c):
 
 @lean
 def _ring(vertex, twin, e, polygon):
-    """The polygon around the vertex opposite half-edge e: corners, half-edges outside, slots; its size or 0."""
+    """The polygon around the vertex opposite half-edge e: corners, half-edges outside, slots; its size."""
     first, degree = e, 0
     while degree < MOST:
         polygon[degree, RING] = vertex[next_edge(e)]

@@ -1,7 +1,7 @@
 """Delaunay refinement with guarantees: `refine` (section 2.6 of the book).
 
-The kernels are in `ruppert2`; the loop around them, which makes room and answers what only Python knows, is in
-`refinement_run`.
+The kernels are in `ruppert2`; the loop around them, which makes room and answers what only Python knows, is
+in `refinement_run`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def refine(
     *,
     min_angle: float | None = None,
     max_area: Any = None,
-    method: Literal["ruppert", "chew", "off-centers"] = "ruppert",
+    method: Literal["ruppert", "chew", "off-centers"] = "off-centers",
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
@@ -58,11 +58,11 @@ def refine(
         The least angle wanted, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
         The largest area wanted.
-    method : "ruppert", "chew" or "off-centers"
+    method : "off-centers", "chew" or "ruppert"
         Ruppert: circumcenters and diametral discs. Chew's second algorithm: subsegments are split where a
-        vertex sees them under more than 180° - 2 ``min_angle``, after free vertices in their discs are taken
-        away; fewer triangles, and larger angles in practice. Üngör's off-centers, with Chew's rule: still
-        fewer where the angle drives.
+        vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are taken
+        away first. Off-centers (Üngör), with Chew's rule: points no farther from the shortest edge than the
+        angle needs; by far the fewest triangles where the angle drives, and as many where size or area does.
     budget : int, optional
         The number of vertices at which to stop.
     history : bool
@@ -92,12 +92,13 @@ def refine(
     All signs that decide the topology are exact. Split points of straight segments are rounded: a
     constraint is, from then on, its two stored halves. Points on curves lie on the true curve.
 
-    What is proved: on straight segments with angles of at least 60°, Ruppert's method ends for ``min_angle``
-    up to 20.7°, with triangles as large as the features allow within a constant. With concentric shells and
-    the rule that leaves triangles across small input angles alone (their reason is "input angle"), it ends
-    for any straight input up to 26.4° (Miller, Pav, Walkington); larger values mostly work up to 33°.
-    Beyond theorems the run ends because a point put in for the angle's sake must keep a distance of 2^-10 of
-    the input's edges nearby, and one for the size's sake, or the area's, keeps its distance by itself.
+    What is proved, for straight segments: where they meet at 60° or more, Ruppert's method ends for a
+    ``min_angle`` of up to 20.7° (Ruppert), Chew's for up to 26.5° (Shewchuk), with triangles as large as the
+    features allow within a constant. With concentric shells about small input angles, and the rule that
+    leaves triangles across them alone (their reason is "input angle"), Ruppert's method ends for any straight
+    input and up to 26.4° (Miller, Pav, Walkington). Larger values mostly work, up to about 33°. Beyond the
+    theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
+    the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
 
     O(n log n) in practice: no point is looked for, each starts at its own bad triangle. Sources: J. Ruppert,
     Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;

@@ -34,7 +34,7 @@ EVENT_NAMES = {CENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", R
 
 @lean
 def _survey(w, limits, found):
-    """Slots of the domain's triangles that miss a limit, what they miss, and the apex of a small input angle."""
+    """Slots of triangles that miss a limit, what they miss, and the apex of a small input angle; how many."""
     count = 0
     for t in range(w.state[COUNT]):
         r = w.region[t]

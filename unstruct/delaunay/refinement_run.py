@@ -35,6 +35,10 @@ from .ruppert2 import advance
 __all__ = ["Planned", "Run"]
 
 STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+PER_VERTEX = ("kind", "floor")
+PER_SEGMENT = ("apexes", "lock", "asked", "given", "segments", "wanted")
+PER_SLOT = ("queued", "why", "ahead", "behind")
+OWN = (*PER_VERTEX, *PER_SEGMENT, *PER_SLOT, "gates")  # in the order of `Work`
 At = Callable[[NDArray[np.int64], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -98,12 +102,10 @@ class Run:
         c = self.complex
         c.reserve(vertices, segments)
         n, s, t = len(c.xy), len(c.where), len(c.region)
-        self.kind, self.floor = grown(self.kind, n), grown(self.floor, n)
-        for name in ("apexes", "lock", "asked", "given", "segments", "wanted"):
-            setattr(self, name, grown(getattr(self, name), s))
         before = len(self.queued)
-        for name in ("queued", "why", "ahead", "behind"):
-            setattr(self, name, grown(getattr(self, name), t))
+        for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t)):
+            for name in names:
+                setattr(self, name, grown(getattr(self, name), size))
         self.queued[before:] = 0
         if self.tally[EVENTS] + 128 > len(self.event) > 0:
             self.event = grown(self.event, 2 * len(self.event))
@@ -113,11 +115,10 @@ class Run:
     def work(self) -> Work:
         """The arrays as they are now."""
         c, p = self.complex, self.planned
+        own = (getattr(self, name) for name in OWN)
         return Work(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, self.kind,
-            self.floor, self.apexes, self.lock, self.asked, self.given, self.segments, self.wanted, self.queued,
-            self.why, self.ahead, self.behind, self.gates, p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event,
-            self.place,
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, *own,
+            p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event, self.place,
         )  # fmt: skip
 
     def start(self) -> None:

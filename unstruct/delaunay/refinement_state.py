@@ -1,7 +1,10 @@
 """What a run of Delaunay refinement keeps beside its triangulation, and what it looks at after each change.
 
-Two stacks say what is still to be done: subsegments that must be split, and triangles that miss a limit. After
-each change only what is new is looked at: the new triangles, and the subsegments that they see.
+A stack has the subsegments that must be split, a queue the triangles that miss a limit: first those that are
+too large, the last one first; then those with too small an angle, the shortest edge first, in buckets, two an
+octave. (That order, and that triangles leave the queue when they vanish, saves a third of the vertices where
+the angle drives.) After each change only what is new is looked at: the new triangles, and the subsegments
+that they see.
 """
 
 from __future__ import annotations
@@ -120,7 +123,7 @@ def unqueue(w, tally, t):
 
 @inline
 def queue(w, tally, t, by):
-    """Let triangle t, which does not wait, wait: first of all if it is too large, else by its shortest edge."""
+    """Let triangle t wait (it does not yet): first of all if it is too large, else by its shortest edge."""
     k = LARGE if by == BY_SIZE else bucket_of(w, t)
     w.queued[t] = k
     tally[TRIANGLE_TOP] += 1

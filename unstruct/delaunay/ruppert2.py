@@ -11,8 +11,8 @@ After each change only what is new is looked at: the new triangles, and the subs
 cannot be done is not done: the subsegment is locked, with the reason, and so are, in the end, the triangles
 that would need it.
 
-No loop without end: what size and area ask for keeps its distance from all there is; what the angle asks for
-must keep the distance ``floor`` of the vertices around it, a small part of the edges that the input had there.
+No loop without end: what size and area ask for keeps its distance from all there is; what the angle asks
+for must keep the distance ``floor`` of the vertices around it, a small part of the input's edges there.
 """
 
 from __future__ import annotations
@@ -49,8 +49,6 @@ from .free_vertices2 import clear_disc
 from .refinement_limits import BY_ANGLE, BY_SIZE
 from .refinement_state import (
     BUDGET,
-    BY_ANGLE,
-    BY_SIZE,
     CENTERS,
     CURVE,
     CURVES,
@@ -206,7 +204,7 @@ def shortest_first(xy, vertex, t):
 
 @inline
 def _in_the_way(w, tally, limits, k, px, py, by):
-    """Ask for what p encroaches on: (subsegments of the rim, encroached, those that can be split, why not)."""
+    """Ask for what p encroaches on: (subsegments of the rim, encroached, of these asked for, why not)."""
     marked = found = asked = 0
     why = OPEN
     for i in range(k):

@@ -43,11 +43,8 @@ class Step:
 def refine(points: Sequence[Sequence[Any]], segments: Iterable[Sequence[int]], **options: Any) -> tuple:
     """Points, triangles of the region, and subsegments after the last step of `ruppert`."""
     known = list(exact_points(points))
-    step = None
-    for step in ruppert(known, segments, **options):
-        pass
-    assert step is not None
-    return known, inside(step.cells, step.segments), step.segments
+    *_, last = ruppert(known, segments, **options)
+    return known, inside(last.cells, last.segments), last.segments
 
 
 def ruppert(
