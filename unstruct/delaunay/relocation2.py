@@ -25,7 +25,8 @@ from .insertion2 import next_edge
 from .smoothing2 import legalize, turned
 
 SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
-GIVE = 1e-9  # the least gain for which a vertex is moved
+GIVE = 1e-6  # the least gain for which a vertex is moved
+FAIR = 0.85  # 2 r / R of a triangle that may become less round if the others of its star gain more
 
 
 @inline
@@ -44,28 +45,35 @@ def measures(ax, ay, bx, by, cx, cy):
 
 @lean
 def star_measures(xy, vertex, twin, e, x, y):
-    """The least 2 r / R and squared sine in the star of ``vertex[e]`` if that were at (x, y).
+    """The least 2 r / R and squared sine and the sum of 2 r / R in the star of ``vertex[e]`` put at (x, y).
 
     -1 where a triangle would not be positively oriented, by exact signs.
     """
     first = e
-    least, sine = 2.0, 2.0
+    least, sine, total = 2.0, 2.0, 0.0
     while True:
         a, b = start_of(vertex, e), end_of(vertex, e)
         ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
         if orient2(ax, ay, bx, by, x, y) <= 0:
-            return -1.0, -1.0
+            return -1.0, -1.0, -1.0
         q, s = measures(ax, ay, bx, by, x, y)
-        least, sine = min(least, q), min(sine, s)
+        least, sine, total = min(least, q), min(sine, s), total + q
         e = turned(twin, e)
         if e == first:
-            return least, sine
+            return least, sine, total
 
 
 @inline
-def better(q, s, least, sine):
-    """Whether a star of quality q and squared sine s is to be preferred to one of ``least``, ``sine``."""
-    return q > least + GIVE and (s >= sine or s >= SAFE)
+def better(q, s, u, least, sine, total):
+    """Whether a star with these measures is to be preferred to one of ``least``, ``sine``, ``total``.
+
+    Where the worst triangle is poor, it must become better; where all are fair, their sum.
+    """
+    if s < sine and s < SAFE:
+        return False
+    if least < FAIR:
+        return q > least + GIVE
+    return q >= FAIR and u > total + GIVE
 
 
 @lean
@@ -98,7 +106,7 @@ def middle_of_neighbors(xy, vertex, twin, e):
 
 
 @inline
-def search(xy, vertex, twin, e, least, sine):
+def search(xy, vertex, twin, e, least, sine, total):
     """A better place for ``vertex[e]`` by pattern search: eight directions, steps that are halved."""
     v = vertex[e]
     x, y = xy[v, 0], xy[v, 1]
@@ -113,13 +121,13 @@ def search(xy, vertex, twin, e, least, sine):
                 dx = -dx
             if k >= 4:
                 dx, dy = -dx, -dy
-            q, s = star_measures(xy, vertex, twin, e, x + step * dx, y + step * dy)
-            if better(q, s, least, sine):
-                x, y, least, sine, found = x + step * dx, y + step * dy, q, s, True
+            q, s, u = star_measures(xy, vertex, twin, e, x + step * dx, y + step * dy)
+            if better(q, s, u, least, sine, total):
+                x, y, least, sine, total, found = x + step * dx, y + step * dy, q, s, u, True
                 break
         if not found:
             step /= 2.0
-    return x, y, least, sine
+    return x, y
 
 
 @inline
@@ -149,15 +157,15 @@ def improve(xy, vertex, twin, mark, where, at, still, todo, threshold, patterns,
             continue
         todo[v] = False
         e = np.int64(at[v])
-        least, sine = star_measures(xy, vertex, twin, e, xy[v, 0], xy[v, 1])
+        least, sine, total = star_measures(xy, vertex, twin, e, xy[v, 0], xy[v, 1])
         if least >= threshold:
             continue
         x, y = middle_of_neighbors(xy, vertex, twin, e)
-        q, s = star_measures(xy, vertex, twin, e, x, y)
-        if not better(q, s, least, sine):
+        q, s, u = star_measures(xy, vertex, twin, e, x, y)
+        if not better(q, s, u, least, sine, total):
             x, y = xy[v, 0], xy[v, 1]
             if patterns:
-                x, y, q, s = search(xy, vertex, twin, e, least, sine)
+                x, y = search(xy, vertex, twin, e, least, sine, total)
             if x == xy[v, 0] and y == xy[v, 1]:
                 continue
         xy[v, 0], xy[v, 1] = x, y

@@ -218,6 +218,5 @@ def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool
         raise InputError(
             f"priority = {priority!r} must be 'alpha', 'circumradius' or a size to divide the circumradius by"
         )
-    return k.Rule(
-        float(accept), priority is not None, 1.0, evaluate == "center", order == "last", bool(split)
-    )
+    general = priority is not None and not (isinstance(priority, str) and priority == "alpha")
+    return k.Rule(float(accept), general, 1.0, evaluate == "center", order == "last", bool(split))
