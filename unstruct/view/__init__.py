@@ -9,6 +9,11 @@ from .centers import circumcenter_state as circumcenter_state
 from .centers import circumcenters as circumcenters
 from .colors import ROLES as ROLES
 from .colors import setup as setup
+from .constraints import constrained_insertion as constrained_insertion
+from .constraints import principal_component as principal_component
+from .constraints import principal_component_state as principal_component_state
+from .constraints import segment_history as segment_history
+from .constraints import segment_state as segment_state
 from .frames import check_frame as check_frame
 from .histories import baker_frames as baker_frames
 from .histories import flip_frames as flip_frames
