@@ -7,6 +7,7 @@ import pytest
 from fixtures import lattice2
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from regions import KINDS, random_region
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
 from unstruct.delaunay import constrained
@@ -224,7 +225,7 @@ def square(low, high):
 def test_nested_holes_and_islands():
     domain = Domain.polygon(square(0, 9), [square(1, 8), square(2, 7), square(3, 6)])
     mesh = constrained_delaunay(domain)
-    well(mesh)
+    well(mesh, domain=domain)
     assert mesh.volume == domain.area == 81 - 49 + 25 - 9
     assert len(np.unique(mesh.markers["region"])) == 2
     np.testing.assert_array_equal(mesh.points, domain.points[mesh.origin])
@@ -306,6 +307,24 @@ def test_seeds_that_cannot_be(seeds, words):
 def test_facets_that_do_not_close():
     with pytest.raises(InputError, match="do not close"):
         bare(square(0, 8), [(0, 1), (1, 2), (2, 3)], facets=3)
+
+
+@given(st.sampled_from(KINDS), st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_random_regions_of_every_kind(kind, seed):
+    domain = random_region(seed, kind)
+    mesh = constrained_delaunay(domain)
+    well(mesh, domain=domain)
+    well(constrained_delaunay(domain, hull=True))
+    size = float(np.ptp(domain.bounds, axis=0).max()) / 8
+    complex_ = planar_complex(domain, size)
+    cut = domain.sampled(size)
+    well(
+        complex_.mesh(
+            facets=len(domain.facets), origin=cut.origin, markers=domain.markers, points=cut.points
+        ),
+        domain=domain,
+    )
 
 
 def test_curves_are_chords():

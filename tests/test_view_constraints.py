@@ -21,7 +21,7 @@ from unstruct.view.constraints import (
 @pytest.mark.parametrize("preset", SEGMENTS)
 def test_segment_histories(preset):
     frames = segment_history(preset)
-    assert 6 <= len(frames) <= 16 and len({tuple(f["view"]) for f in frames}) == 1
+    assert 6 <= len(frames) <= 18 and len({tuple(f["view"]) for f in frames}) == 1
     for one in frames:
         check_frame(one)
     assert any("crossed" in f["number"] for f in frames)

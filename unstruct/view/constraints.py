@@ -255,6 +255,10 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     view = [low[0] - pad, high[0] + pad, low[1] - pad, high[1] + pad]
     if mesh.find_simplex(p) < 0:
         return fr.frame("P is outside: there is no cavity", *base, *point, number="Γ(P) unused", view=view)
+    if (mesh.points == p).all(axis=1).any():
+        return fr.frame(
+            "P is a vertex already: nothing to do", *base, *point, number="Γ(P) unused", view=view
+        )
     sets = cavities(mesh, p, fixed=fixed)
     apart = np.setdiff1d(sets.gamma, sets.gamma_component)
     used = sets.upsilon_component
