@@ -158,12 +158,14 @@ def hidden_facets(mesh: Mesh, cells: ArrayLike, point: ArrayLike) -> NDArray[np.
     Returns
     -------
     ndarray of int64, shape (k, 2)
-        Rows (cell, k). Empty: the set is star-shaped about the point.
+        Rows (cell, k). Empty: the set is star-shaped about the point. (A facet of the mesh's own boundary in
+        one plane with the point does not count: it is covered anew.)
     """
     facets = boundary_facets(mesh, cells)
     moved = mesh.corners[facets[:, 0]].copy()
     moved[np.arange(len(facets)), facets[:, 1]] = np.asarray(point, dtype=float)
-    return facets[np.asarray(orient(moved)).reshape(-1) <= 0]
+    sign = np.asarray(orient(moved)).reshape(-1)
+    return facets[(sign < 0) | ((sign == 0) & (mesh.neighbors[facets[:, 0], facets[:, 1]] >= 0))]
 
 
 def held_by(mesh: Mesh, points: ArrayLike, cells: Any) -> NDArray[np.int32]:
