@@ -83,7 +83,7 @@ def voronoi_segment(
             run.insert(budget, bar)
     else:
         run.insert(budget, None)
-    return run.result(run.finish() if finish and not run.spent else None)
+    return run.result(run.finish(budget) if finish and not run.spent else None)
 
 
 def epsilon_chains(mesh: Refined) -> list[NDArray[np.float64]]:

@@ -327,7 +327,8 @@ def advance(
             )  # fmt: skip
             if len(log) > 0:
                 log[v, 0], log[v, 1], log[v, 2], log[v, 3], log[v, 4] = a, b, c, w, case
-                numbers[v, 0], numbers[v, 1], numbers[v, 2], numbers[v, 3] = f, p, q, d
+                numbers[v, 0], numbers[v, 1], numbers[v, 2], numbers[v, 3] = x, y, f, p
+                numbers[v, 4], numbers[v, 5] = q, d
             continue
         unlink(links, gates, t, ASIDE)
         if to_split >= 0 and rule.split:

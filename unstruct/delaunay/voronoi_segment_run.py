@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..sizing import as_size
 from . import voronoi_segment_kernel as k
 from .cavity2 import blocked_by, commit_split, find_split
-from .finishing import figures, finish
+from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
 from .front_queue import ASIDE, STATUS, WAITING, empty_queue, grown_links, unlink
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ COUNT_NAMES = (
     "points", "capped", "clamped", "behind", "deleted", "cocircular", "circumcenters", "splits", "moved",
     "wide", "outside", "encroaching", "collisions", "rounded", "given up", "refused splits",
 )  # fmt: skip
+FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
+NO_LIMIT = 2**30
 CHUNK = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
 BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the last one
 MANY = 96  # of any other measure
@@ -60,7 +62,7 @@ class Run:
         self.ask = np.zeros(1, dtype=np.int64)
         self.first = complex_.size  # vertices from here on are new
         self.history, self.spent = history, False
-        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
+        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
         self.reserve(complex_.size + 1000)
 
     def reserve(self, vertices: int) -> None:
@@ -74,7 +76,7 @@ class Run:
         more = len(complex_.xy) - len(self.log)
         if self.history and more > 0:
             self.log = np.concatenate([self.log, np.tile(np.array([-1, -1, -1, -1, 0], np.int32), (more, 1))])
-            self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
+            self.numbers = np.concatenate([self.numbers, np.full((more, 6), np.nan)])
 
     @property
     def _plane(self) -> tuple[NDArray, ...]:
@@ -87,8 +89,12 @@ class Run:
 
     def insert(self, budget: int | None, bar: Any) -> None:
         """Insert points until no waiting triangle is left at the front, or the budget is spent."""
+        k.start(*self._plane, self.complex.state, *self._sizes)
+        self.advance(budget, bar)
+
+    def advance(self, budget: int | None, bar: Any) -> None:
+        """`insert` from where it stands."""
         c = self.complex
-        k.start(*self._plane, c.state, *self._sizes)
         while True:
             before = c.size
             limit = CHUNK if budget is None else min(CHUNK, self.first + budget - c.size)
@@ -126,7 +132,7 @@ class Run:
         p = c.size
         c.xy[p] = x, y
         if self.history:
-            self.log[p] = *c.ends[s], -1, -1, 1 << k.SPLITS
+            self.log[p], self.numbers[p, :2] = (*c.ends[s], -1, -1, 1 << k.SPLITS), (x, y)
         commit_split(
             c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
             e, cells, m, rim, n, h, p, t, hold, fresh,
@@ -135,6 +141,46 @@ class Run:
         self.counts[k.SPLITS] += 1
         return True
 
+    # ------------------------------------------------------------------ finishing
+
+    def restart(self) -> None:
+        """Look at all triangles anew: which are accepted, which wait at the front."""
+        self.reserve(self.complex.size)
+        self.links, self.gates = empty_queue(len(self.complex.region), len(self.gates))
+        k.start(*self._plane, self.complex.state, *self._sizes)
+
+    def finish(self, budget: int | None) -> dict[str, Any]:
+        """The finishing pass; what `result` is to report of it."""
+        c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
+        before = figures(c)
+        done = dict.fromkeys(FINISH_NAMES, 0)
+        slots: list[int] = []
+        reasons: list[str] = []
+        for number in range(PASSES + 1):
+            if number < PASSES:  # the last one refines only, so that the list is that of the result
+                moves, swaps = smooth_poor(c, self.first)
+                done["moves"] += moves
+                done["swaps"] += swaps
+            self.restart()
+            counted, size = self.counts.copy(), c.size
+            self.advance(budget, None)  # where a triangle has become too large again
+            done["points again"] += c.size - size
+            self.counts = counted
+            slots, reasons, changed = [], [], c.size > size
+            if figures(c)["least angle"] < LEAST:
+                found, slots, reasons = refine_angles(self.domain, c, self.first, most)
+                done["angle points"] += found["circumcenters"]
+                done["angle splits"] += found["splits"]
+                done["removed"] += found["removed"]
+                changed |= found["circumcenters"] + found["splits"] > 0
+                self.restart()
+            if not changed:
+                break
+        after = figures(c)
+        measured = {f"{name} before": x for name, x in before.items()}
+        measured |= {f"{name} after": x for name, x in after.items()}
+        return {"counts": done, "figures": measured, "slots": slots, "reasons": reasons}
+
     # ------------------------------------------------------------------ the account
 
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
@@ -142,7 +188,7 @@ class Run:
         stop, c = self.complex.size, self.complex
         log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
-        f, p, q, d = numbers.T
+        f, p, q, d = numbers[:, 2:].T
         last = edge.max(axis=1, initial=-1)
         row = np.maximum(last - self.first, 0)
         ends = edge[row]
@@ -161,21 +207,8 @@ class Run:
             "p": p.copy(),
             "q": q.copy(),
             "d": d.copy(),
-            "point": c.xy[self.first : stop] / c.factor,
+            "point": numbers[:, :2].copy(),
         }
-
-    def finish(self) -> dict[str, Any]:
-        """The finishing pass; what `result` is to report of it."""
-        before = figures(self.complex)
-        counts, slots, reasons = finish(self.domain, self.complex, self.first)
-        self.reserve(self.complex.size)
-        self.links, self.gates = empty_queue(len(self.complex.region), len(self.gates))
-        k.start(*self._plane, self.complex.state, *self._sizes)
-        after = figures(self.complex)
-        measured = {
-            f"{name} {when}": x for when, f in (("before", before), ("after", after)) for name, x in f.items()
-        }
-        return {"counts": counts, "figures": measured, "slots": slots, "reasons": reasons}
 
     def waiting(self) -> tuple[list[int], list[str]]:
         """Triangles that are not accepted, as slots, and why."""
@@ -189,18 +222,19 @@ class Run:
         used = np.zeros(c.size, dtype=bool)
         used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
         place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
-        slots, reasons = self.waiting()
+        waiting = dict(zip(*self.waiting()))
         counts = dict(zip(COUNT_NAMES, self.counts.tolist()))
         if finished is None:
             finished = {"counts": {}, "figures": figures(c), "slots": [], "reasons": []}
+        missed = dict(zip(finished["slots"], finished["reasons"])) | waiting
         return c.mesh(
             facets=len(self.domain.facets),
             markers=self.domain.markers,
             origin=np.arange(len(self.domain.points), dtype=np.int32),
             points=self.domain.points,
             steps=self.steps(place) if self.history else None,
-            unrefined=np.array(slots + finished["slots"], dtype=np.int64),
-            reasons=np.array(reasons + finished["reasons"], dtype=str),
+            unrefined=np.array(sorted(missed), dtype=np.int64),
+            reasons=np.array([missed[slot] for slot in sorted(missed)], dtype=str),
             counts=counts | finished["counts"],
             figures=finished["figures"],
         )
