@@ -25,7 +25,7 @@ FLOORS = {
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold", "segment_pairs"], 3),
-    **dict.fromkeys(["domain_faults", "domain_inside", "domain_repair", "domain_sample"], 4),
+    **dict.fromkeys(["domain_constructors", "domain_faults", "domain_files", "domain_input", "domain_inside", "domain_repair", "domain_sample", "domain_shapes"], 4),
     **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
     **dict.fromkeys(
         [f"size_{kind}" for kind in "background boundary field solution sources table".split()], 4

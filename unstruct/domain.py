@@ -5,17 +5,19 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
-from math import fsum, pi
+from math import fsum
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .arrays import as_points, frozen
 from .curves import Arc, CurveLike
-from .domain_faults import Fault, find_faults, piece_name
-from .domain_inside import enclosed_area, even_odd, left_parity, lune_area, lunes_hold
+from .domain_constructors import Constructors
+from .domain_faults import check_ends, check_seeds, find_faults, piece_name
+from .domain_input import as_curves, as_markers, as_seeds, as_segments, positive
+from .domain_inside import areas_beyond_chords, enclosed_area, even_odd, left_parity, lunes_hold
 from .domain_repair import Repair, Repairer
 from .domain_sample import Sampled, coarse, sized
 from .errors import InputError
@@ -38,7 +40,7 @@ class Cuts(NamedTuple):
     arc: np.ndarray
 
 
-class Domain:
+class Domain(Constructors):
     """A planar region: what is to be meshed.
 
     *Pieces* are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1. Each is straight
@@ -80,6 +82,8 @@ class Domain:
         As given (after repairs), arrays read-only.
     repairs : list of Repair
         What ``resolve`` did; empty without it, and where nothing was wrong.
+    max_areas : dict of str to float
+        Area bounds of regions by name, as `Domain.read` found them; `refine` takes them.
     origin : (n,) int32
         The input point that each point is, -1 for crossings; all of them but for ``resolve``.
     piece_origin : (f + g,) int32
@@ -106,22 +110,25 @@ class Domain:
         if coordinates.shape[1] != 2:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
         self.points: np.ndarray = frozen(coordinates)
-        self.facets: np.ndarray = _segments(facets, "facets")
-        self.inner: np.ndarray = _segments(() if inner is None else inner, "inner")
+        self.facets: np.ndarray = as_segments(facets, "facets")
+        self.inner: np.ndarray = as_segments(() if inner is None else inner, "inner")
         many = len(self.facets) + len(self.inner)
-        self.curves: dict[int, CurveLike] = _curves(curves or {}, many)
-        self.markers: dict[str, np.ndarray] = _markers(markers or {}, many)
-        self.regions: dict[str, np.ndarray] = _seeds(regions or {})
+        self.curves: dict[int, CurveLike] = as_curves(curves or {}, many)
+        self.markers: dict[str, np.ndarray] = as_markers(markers or {}, many)
+        self.regions: dict[str, np.ndarray] = as_seeds(regions or {})
         self.repairs: list[Repair] = []
+        self.max_areas: dict[str, float] = {}
         self.origin: np.ndarray = frozen(np.arange(len(self.points), dtype=np.int32))
         self.piece_origin: np.ndarray = frozen(np.arange(many, dtype=np.int32))
         if resolve:
             self._resolve()
         faults = find_faults(self)
         if faults:
-            raise InputError(_message(faults))
-        self._check_curves()
-        self._check_seeds()
+            more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+            raise InputError(faults[0].text + more)
+        check_ends(self)
+        _ = self._coarse
+        check_seeds(self)
 
     # ------------------------------------------------------------------ pieces
 
@@ -218,7 +225,7 @@ class Domain:
         """
         if size is None:
             return self._coarse
-        return sized(self, size, _positive(step, "step"))
+        return sized(self, size, positive(step, "step"))
 
     @cached_property
     def _coarse(self) -> Sampled:
@@ -262,22 +269,7 @@ class Domain:
         straight = enclosed_area(sampled.points, np.where(left[:, None], ends, ends[:, ::-1]))
         if not self.curves:
             return straight
-        whole = self._polygon_area(sampled, rows, left)
-        return fsum([straight, *whole])
-
-    def _polygon_area(self, sampled: Sampled, rows: np.ndarray, left: np.ndarray) -> list[float]:
-        """What lies between the chords and their curves, signed."""
-        parts = []
-        for piece, curve in self.curves.items():
-            mine = np.nonzero(sampled.piece[rows] == piece)[0]
-            if len(mine) == 0:
-                continue
-            a, b = self.points[self.pieces[piece]]
-            chain = sampled.points[sampled.ends[rows[mine], 0]] - a
-            ahead = sampled.points[sampled.ends[rows[mine], 1]] - a
-            chords = fsum(0.5 * (chain[:, 0] * ahead[:, 1] - chain[:, 1] * ahead[:, 0]))
-            parts.append((lune_area(curve, a, b) - chords) * (1 if left[mine[0]] else -1))
-        return parts
+        return fsum([straight, *areas_beyond_chords(self, sampled, rows, left)])
 
     @cached_property
     def bounds(self) -> np.ndarray:
@@ -289,44 +281,6 @@ class Domain:
             points.append(self.points_at(piece, np.tile(np.linspace(0, 1, 257), len(self.curves))))
         every = np.concatenate(points)
         return np.stack([every.min(axis=0), every.max(axis=0)])
-
-    # ------------------------------------------------------------------ constructors
-
-    @classmethod
-    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Domain:
-        """A polygon with holes.
-
-        Parameters
-        ----------
-        outer : array_like, shape (k, 2)
-            Corners in order, either way round; a last corner equal to the first is left out.
-        holes : sequence of array_like, optional
-            Rings; by the even-odd rule a ring within a hole is an island.
-        **options
-            As for `Domain`; piece numbers run along the rings.
-        """
-        rings = [_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
-        start = np.cumsum([0] + [len(ring) for ring in rings])
-        facets = [_around(first, len(ring)) for first, ring in zip(start, rings)]
-        return cls(np.concatenate(rings), np.concatenate(facets), **options)
-
-    @classmethod
-    def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Domain:
-        """A rectangle by two corners; pieces bottom, right, top, left, which are also its markers."""
-        (x0, y0), (x1, y1) = (as_points([c], name)[0] for c, name in ((lower, "lower"), (upper, "upper")))
-        if not (x0 < x1 and y0 < y1):
-            raise InputError(f"lower {[x0, y0]} must be less than upper {[x1, y1]} in both coordinates")
-        markers = {name: [i] for i, name in enumerate(("bottom", "right", "top", "left"))}
-        options["markers"] = markers | dict(options.get("markers") or {})
-        return cls([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], _around(0, 4), **options)
-
-    @classmethod
-    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Any) -> Domain:
-        """A disc, bounded by four arcs."""
-        (x, y), r = as_points([center], "center")[0], _positive(radius, "radius")
-        points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
-        arcs: dict[int, CurveLike] = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
-        return cls(points, _around(0, 4), curves=arcs, **options)
 
     # ------------------------------------------------------------------ validation
 
@@ -346,118 +300,8 @@ class Domain:
         }
         self.repairs = mended.repairs
 
-    def _check_curves(self) -> None:
-        for piece, curve in self.curves.items():
-            ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
-            if ends.shape != (3, 2) or not np.isfinite(ends).all():
-                raise InputError(f"the curve of {self.name(piece)} must give finite points of shape (k, 2)")
-            slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(self.points).max())
-            for end, vertex, x in zip(("starts", "ends"), self.pieces[piece], ends[[0, 2]]):
-                if not (np.abs(x - self.points[vertex]) <= slack).all():
-                    raise InputError(
-                        f"the curve of {self.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
-                        f"{self.points[vertex].tolist()}; give that vertex the curve's end"
-                    )
-        _ = self._coarse
-
-    def _check_seeds(self) -> None:
-        for name, seeds in self.regions.items():
-            straight = ~np.isin(self._coarse.piece, list(self.curves))
-            on = even_odd(self._coarse.points, self._coarse.ends[straight], seeds)[1]
-            wrong = on | ~self.contains(seeds) if len(self.facets) else on
-            if wrong.any():
-                row = int(np.argmax(wrong))
-                where = "on a piece" if on[row] else "outside the region (even-odd)"
-                raise InputError(
-                    f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
-                )
-
     def __repr__(self) -> str:
         curves = f", {len(self.curves)} curved" if self.curves else ""
         inner = f", {len(self.inner)} inner" if len(self.inner) else ""
         loose = f", {len(self.loose)} loose" if len(self.loose) else ""
         return f"<Domain: {len(self.points)} points, {len(self.facets)} facets{inner}{loose}{curves}>"
-
-
-# ---------------------------------------------------------------------- arrays as they come in
-
-
-def _positive(value: Any, name: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a number, not {value!r}") from None
-    if not (number > 0 and np.isfinite(number)):
-        raise InputError(f"{name} = {number} must be positive and finite")
-    return number
-
-
-def _segments(rows: Any, name: str) -> np.ndarray:
-    try:
-        array = np.asarray(rows)
-    except ValueError:
-        raise InputError(f"{name} must be an array of shape (s, 2): pairs of vertices") from None
-    if array.size == 0:
-        return frozen(np.empty((0, 2), dtype=np.int32))
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
-    if array.dtype.kind not in "iu":
-        raise InputError(f"{name} must be integers, not {array.dtype}")
-    if (array > np.iinfo(np.int32).max).any() or (array < np.iinfo(np.int32).min).any():
-        raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
-    return frozen(np.array(array, dtype=np.int32))
-
-
-def _curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
-    result = {}
-    for piece in sorted(curves):
-        if not 0 <= piece < many:
-            raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
-        if not isinstance(curves[piece], CurveLike):
-            raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
-        result[int(piece)] = curves[piece]
-    return result
-
-
-def _markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
-    result = {}
-    for name, pieces in markers.items():
-        array = np.asarray(pieces)
-        if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
-            raise InputError(f"markers[{name!r}] must be a list of piece numbers")
-        if array.size and not 0 <= array.min() <= array.max() < many:
-            raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}")
-        result[str(name)] = frozen(np.unique(array).astype(np.int32))
-    return result
-
-
-def _seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    result = {}
-    for name, seeds in regions.items():
-        array = np.asarray(seeds, dtype=float)
-        rows = as_points(array[None] if array.ndim == 1 else array, f"regions[{name!r}]")
-        if rows.shape[1] != 2:
-            raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
-        result[str(name)] = frozen(rows)
-    return result
-
-
-def _ring(ring: Any, name: str) -> np.ndarray:
-    rows = as_points(ring, name)
-    if rows.shape[1] != 2:
-        raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
-    if len(rows) > 1 and (rows[0] == rows[-1]).all():
-        rows = rows[:-1]
-    if len(rows) < 3:
-        raise InputError(f"{name} has {len(rows)} corners; a ring needs three")
-    return rows
-
-
-def _around(first: int, count: int) -> np.ndarray:
-    index = np.arange(count)
-    return np.column_stack([index, np.roll(index, -1)]) + first
-
-
-def _message(faults: list[Fault]) -> str:
-    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
-    return f"{faults[0].text}{more}"

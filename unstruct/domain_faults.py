@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .domain_inside import even_odd
+from .errors import InputError
 from .segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
 
 if TYPE_CHECKING:
     from .domain import Domain
 
-__all__ = ["Fault", "find_faults", "first_copies"]
+__all__ = ["Fault", "check_ends", "check_seeds", "find_faults", "first_copies"]
 
 
 @dataclass(frozen=True)
@@ -194,3 +196,36 @@ def _open_vertices(domain: Domain) -> list[Fault]:
         )
         result.append(Fault("open boundary", text, place, touching, (v,)))
     return result
+
+
+# ---------------------------------------------------------------------- curves and seeds
+
+
+def check_ends(domain: Domain) -> None:
+    """Raise where a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
+    for piece, curve in domain.curves.items():
+        ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
+        if ends.shape != (3, 2) or not np.isfinite(ends).all():
+            raise InputError(f"the curve of {domain.name(piece)} must give finite points of shape (k, 2)")
+        slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(domain.points).max())
+        for end, vertex, x in zip(("starts", "ends"), domain.pieces[piece], ends[[0, 2]]):
+            if not (np.abs(x - domain.points[vertex]) <= slack).all():
+                raise InputError(
+                    f"the curve of {domain.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
+                    f"{domain.points[vertex].tolist()}; give that vertex the curve's end"
+                )
+
+
+def check_seeds(domain: Domain) -> None:
+    """Raise where a seed of a region lies on a piece or outside."""
+    sampled = domain.sampled()
+    straight = ~np.isin(sampled.piece, list(domain.curves))
+    for name, seeds in domain.regions.items():
+        on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]
+        wrong = on | ~domain.contains(seeds) if len(domain.facets) else on
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            where = "on a piece" if on[row] else "outside the region (even-odd)"
+            raise InputError(
+                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
+            )

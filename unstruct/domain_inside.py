@@ -17,7 +17,7 @@ from .predicates import orient, power_of_two
 if TYPE_CHECKING:
     from .domain import Domain
 
-__all__ = ["enclosed_area", "even_odd", "left_parity", "lune_area", "lunes_hold"]
+__all__ = ["areas_beyond_chords", "enclosed_area", "even_odd", "left_parity", "lune_area", "lunes_hold"]
 
 CHUNK = 1 << 14  # points at a time
 DEPTH = 48  # halvings of a curve, after which a point is on it up to rounding
@@ -207,6 +207,23 @@ def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
         left = orient(np.stack([a, b, x], axis=1)) > 0 if len(x) else over
         crossings += over & left
     return crossings % 2 == 1
+
+
+def areas_beyond_chords(domain: Domain, sampled: Sampled, rows: np.ndarray, left: np.ndarray) -> list[float]:
+    """For each curved facet the area between its chords and the curve, positive where it adds to the inside.
+
+    ``rows`` are the subsegments of facets, ``left`` whether each has the inside on its left.
+    """
+    parts = []
+    for piece, curve in domain.curves.items():
+        mine = np.nonzero(sampled.piece[rows] == piece)[0]
+        if len(mine) == 0:
+            continue
+        a, b = domain.points[domain.pieces[piece]]
+        (x, y), (u, v) = (sampled.points[sampled.ends[rows[mine], k]].T - a[:, None] for k in (0, 1))
+        chords = fsum(0.5 * (x * v - y * u))
+        parts.append((lune_area(curve, a, b) - chords) * (1 if left[mine[0]] else -1))
+    return parts
 
 
 def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray) -> float:

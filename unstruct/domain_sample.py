@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Sampled"]
 
-FINE = 8  # chords within a chord, by which a curve is examined
+SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
+FINE = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
 ROUNDS = 40  # halvings, after which curves that still conflict do meet
 STRETCH = 1 << 20  # parameter intervals, beyond which a size is out of all proportion
@@ -90,18 +91,18 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 def fine_chains(domain: Domain, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
     """Points (r, FINE + 1, 2) along the stretches of curve over the subsegments ``rows``."""
-    t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * np.linspace(0, 1, FINE + 1)
+    t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
     chains = domain.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
     chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
     return chains
 
 
 def turning(chains: np.ndarray) -> np.ndarray:
-    """The total turn of each chain of points, scaled up for the halves of its end chords."""
+    """The total turn of each chain of points; that within its short first and last chords is left out."""
     d = np.diff(chains, axis=1)
     cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
     dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
-    return np.abs(np.arctan2(cross, dot)).sum(axis=1) * (FINE / (FINE - 1))
+    return np.abs(np.arctan2(cross, dot)).sum(axis=1)
 
 
 def conflicts(domain: Domain, sampled: Sampled, curved: np.ndarray) -> np.ndarray:
@@ -237,7 +238,8 @@ def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarra
         x = domain.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
         h = _sizes(size, x[1::2].reshape(-1, 2)).reshape(2, -1)
         h1 = _sizes(size, x[2])
-        length = np.linalg.norm(x[2::2] - x[:-2:2], axis=2)
+        dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
+        length = np.hypot(dx, dy)
         halves, whole = (length / h).sum(axis=0), length.sum(axis=0) / h1
         well = (np.abs(halves - whole) <= 0.01 * whole) & (
             np.abs(length[0] - length[1]) <= 0.01 * length.sum(axis=0)

@@ -1,0 +1,123 @@
+"""The arguments of a `Domain`: checked, of the right type, or an error that says which is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .arrays import as_points, frozen
+from .curves import CurveLike
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from .domain import Domain
+
+__all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined", "positive"]
+
+
+def positive(value: Any, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not (number > 0 and np.isfinite(number)):
+        raise InputError(f"{name} = {number} must be positive and finite")
+    return number
+
+
+def as_segments(rows: Any, name: str) -> np.ndarray:
+    try:
+        array = np.asarray(rows)
+    except ValueError:
+        raise InputError(f"{name} must be an array of shape (s, 2): pairs of vertices") from None
+    if array.size == 0:
+        return frozen(np.empty((0, 2), dtype=np.int32))
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
+    if array.dtype.kind not in "iu":
+        raise InputError(f"{name} must be integers, not {array.dtype}")
+    if (array > np.iinfo(np.int32).max).any() or (array < np.iinfo(np.int32).min).any():
+        raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
+    return frozen(np.array(array, dtype=np.int32))
+
+
+def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
+    result = {}
+    for piece in sorted(curves):
+        if not 0 <= piece < many:
+            raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
+        if not isinstance(curves[piece], CurveLike):
+            raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
+        result[int(piece)] = curves[piece]
+    return result
+
+
+def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
+    result = {}
+    for name, pieces in markers.items():
+        array = np.asarray(pieces)
+        if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+            raise InputError(f"markers[{name!r}] must be a list of piece numbers")
+        if array.size and not 0 <= array.min() <= array.max() < many:
+            raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}")
+        result[str(name)] = frozen(np.unique(array).astype(np.int32))
+    return result
+
+
+def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    result = {}
+    for name, seeds in regions.items():
+        array = np.asarray(seeds, dtype=float)
+        rows = as_points(array[None] if array.ndim == 1 else array, f"regions[{name!r}]")
+        if rows.shape[1] != 2:
+            raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
+        result[str(name)] = frozen(rows)
+    return result
+
+
+def as_ring(ring: Any, name: str) -> np.ndarray:
+    rows = as_points(ring, name)
+    if rows.shape[1] != 2:
+        raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
+    if len(rows) > 1 and (rows[0] == rows[-1]).all():
+        rows = rows[:-1]
+    if len(rows) < 3:
+        raise InputError(f"{name} has {len(rows)} corners; a ring needs three")
+    return rows
+
+
+def around(first: int, count: int) -> np.ndarray:
+    index = np.arange(count)
+    return np.column_stack([index, np.roll(index, -1)]) + first
+
+
+def joined(domains: list[Domain]) -> dict[str, Any]:
+    """The arguments of one domain with the pieces of several: all facets, then all inner segments."""
+    facets, inner, points = [], [], []
+    curves: dict[int, CurveLike] = {}
+    markers: dict[str, list[int]] = {}
+    regions: dict[str, list[np.ndarray]] = {}
+    many = sum(len(d.facets) for d in domains)
+    start, first, last = 0, 0, many
+    for d in domains:
+        f = len(d.facets)
+        number = np.concatenate([first + np.arange(f), last + np.arange(len(d.inner))])
+        facets.append(d.facets + start)
+        inner.append(d.inner + start)
+        points.append(d.points)
+        curves |= {int(number[piece]): curve for piece, curve in d.curves.items()}
+        for name, pieces in d.markers.items():
+            markers.setdefault(name, []).extend(number[pieces].tolist())
+        for name, seeds in d.regions.items():
+            regions.setdefault(name, []).extend(seeds)
+        start, first, last = start + len(d.points), first + f, last + len(d.inner)
+    return {
+        "points": np.concatenate(points),
+        "facets": np.concatenate(facets),
+        "inner": np.concatenate(inner),
+        "curves": curves,
+        "markers": markers,
+        "regions": regions,
+    }
