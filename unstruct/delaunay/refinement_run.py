@@ -36,7 +36,7 @@ __all__ = ["Planned", "Run"]
 
 STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
 PER_VERTEX = ("kind", "floor")
-PER_SEGMENT = ("apexes", "lock", "asked", "given", "segments", "wanted")
+PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("queued", "why", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, *PER_SLOT, "gates")  # in the order of `Work`
 At = Callable[[NDArray[np.int64], NDArray[np.float64]], NDArray[np.float64]]
@@ -75,7 +75,7 @@ class Run:
         self.floor *= FRACTION
         self.apexes = apexes(c, planned.curve != STRAIGHT)
         self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
-        self.given = np.full((s, 3), np.nan)
+        self.need, self.given = np.full(s, np.inf), np.full((s, 3), np.nan)
         self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
         self.queued, self.why = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=np.uint8)
         self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)

@@ -55,6 +55,7 @@ class Work(NamedTuple):
     apexes: NDArray[np.uint8]
     lock: NDArray[np.uint8]  # why it cannot be split
     asked: NDArray[np.uint8]  # on the stack, and by whom
+    need: NDArray[np.float64]  # the least floor of those who asked
     given: NDArray[np.float64]  # (., 3) x, y and parameter of a split worked out outside; nan: none
     segments: NDArray[np.int32]  # the stack
     wanted: NDArray[np.int32]  # those that wait for a point of a curve
@@ -81,14 +82,18 @@ class Work(NamedTuple):
 
 
 @inline
-def ask(w, tally, s, by):
-    """Put subsegment s on the stack, unless it is there or locked; whether it is there now."""
+def ask(w, tally, s, by, floor):
+    """Put subsegment s on the stack, unless it is there or locked; whether it is there now.
+
+    ``floor`` is that of the vertex or triangle that asks: the split may come as near as this.
+    """
     if w.lock[s] != OPEN:
         return False
     if w.asked[s] == 0:
         w.segments[tally[SEGMENT_TOP]] = s
         tally[SEGMENT_TOP] += 1
     w.asked[s] |= by
+    w.need[s] = min(w.need[s], floor)
     return True
 
 
@@ -171,9 +176,9 @@ def look_at_segment(w, tally, limits, s):
             continue
         p = w.vertex[o]
         if square > 4.0 * largest_radius2(limits, r, 0.5 * (ax + bx), 0.5 * (ay + by)):
-            ask(w, tally, s, BY_SIZE)
+            ask(w, tally, s, BY_SIZE, w.floor[p])
         elif encroaches(ax, ay, bx, by, w.xy[p, 0], w.xy[p, 1], limits.lens):
-            ask(w, tally, s, BY_ANGLE)
+            ask(w, tally, s, BY_ANGLE, w.floor[p])
 
 
 @inline
@@ -189,7 +194,7 @@ def look_at_star(w, tally, limits, k):
             if s >= 0 and encroaches(
                 w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], w.xy[p, 0], w.xy[p, 1], limits.lens
             ):
-                ask(w, tally, s, BY_ANGLE)
+                ask(w, tally, s, BY_ANGLE, w.floor[p])
             bits = misses(w.xy, p, a, b, w.region[t], limits)
             if bits != 0:
                 queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)

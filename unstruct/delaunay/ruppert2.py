@@ -129,7 +129,8 @@ def split_next(w, tally, limits):
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
-    floor = min(w.floor[a], w.floor[b])
+    floor = min(w.floor[a], w.floor[b], w.need[s])
+    w.need[s] = np.inf
     if by & BY_SIZE:
         floor = min(floor, FRACTION * square)
     elif square < floor:
@@ -155,7 +156,7 @@ def split_next(w, tally, limits):
     if w.apexes[s] == FIRST or w.apexes[s] == SECOND:
         tally[SHELLS] += 1
     w.apexes[new], w.apexes[s] = w.apexes[s] & SECOND, w.apexes[s] & FIRST
-    w.lock[new], w.asked[new] = OPEN, 0
+    w.lock[new], w.asked[new], w.need[new] = OPEN, 0, np.inf
     w.given[new, 0] = np.nan
     look_at_star(w, tally, limits, k)
     for i in range(2):
@@ -203,7 +204,7 @@ def shortest_first(xy, vertex, t):
 
 
 @inline
-def _in_the_way(w, tally, limits, k, px, py, by):
+def _in_the_way(w, tally, limits, k, px, py, by, floor):
     """Ask for what p encroaches on: (subsegments of the rim, encroached, of these asked for, why not)."""
     marked = found = asked = 0
     why = OPEN
@@ -215,7 +216,7 @@ def _in_the_way(w, tally, limits, k, px, py, by):
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
-                if ask(w, tally, s, by):
+                if ask(w, tally, s, by, floor):
                     asked += 1
                 else:
                     why = w.lock[s]
@@ -240,13 +241,13 @@ def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
 
 
 @inline
-def _step_aside(w, tally, limits, t, k, px, py, sure, by):
+def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
     """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
 
     A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
     Delaunay triangulation, and need not be tested.
     """
-    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by)
+    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
@@ -255,7 +256,7 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by):
         s = _hidden_by(w.xy, w.vertex, w.mark, w.rim, k, gx, gy, px, py)
         why = PRECISION
         if s >= 0:
-            if ask(w, tally, s, by):
+            if ask(w, tally, s, by, floor):
                 asked = 1
             else:
                 why = w.lock[s]
@@ -292,7 +293,7 @@ def improve_next(w, tally, limits, offset):
     if k < 0:
         w.why[t] = PRECISION
         return
-    if not _step_aside(w, tally, limits, t, k, px, py, sure, by):
+    if not _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py

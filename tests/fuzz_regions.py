@@ -1,0 +1,218 @@
+"""Mesh very many small random regions and judge every mesh: ``python -m tests.fuzz_regions COUNT --seed S``.
+
+Region i of seed S is `regions.random_region` of the pair (S, i), so that ``--first i --count 1`` repeats it.
+Each mesh is judged by a compiled check (adjacency, orientation and empty circles by exact signs, area, every
+limit that the mesh claims to keep), and now and then, and wherever that finds a fault, by `unstruct.check`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from regions import KINDS
+
+from unstruct import Domain, Mesh, UnstructError, check, constrained_delaunay, refine
+from unstruct.jit import kernel
+from unstruct.predicates import incircle, orient2, scaled
+
+SECONDS = 20  # for one mesh, after the first of its kind
+SAMPLE = 50  # one mesh in so many gets the full check
+BUDGET = 30_000
+
+
+class TooLong(Exception):
+    """A mesh took longer than `SECONDS`."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise `TooLong` when the time is up."""
+
+    def stop(*_: Any) -> None:
+        raise TooLong(f"more than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+# --- judging ---------------------------------------------------------------------------------------
+
+
+@kernel
+def first_fault(P, T, N, fixed):
+    """0 for none; else 1 turned, 2 neighbors, 3 overlap, 4 not Delaunay; and the cell."""
+    for t in range(len(T)):
+        a, b, c = P[T[t, 0]], P[T[t, 1]], P[T[t, 2]]
+        if orient2(a[0], a[1], b[0], b[1], c[0], c[1]) <= 0:
+            return 1, t
+        for i in range(3):
+            s = N[t, i]
+            if s < 0:
+                continue
+            j = 0
+            while j < 3 and N[s, j] != t:
+                j += 1
+            if j == 3:
+                return 2, t
+            if T[s, (j + 1) % 3] != T[t, (i + 2) % 3] or T[s, (j + 2) % 3] != T[t, (i + 1) % 3]:
+                return 3, t
+            q = P[T[s, j]]
+            if not fixed[t, i] and incircle(a[0], a[1], b[0], b[1], c[0], c[1], q[0], q[1]) > 0:
+                return 4, t
+    return 0, -1
+
+
+FAULTS = ("", "turned cell", "neighbors not mutual", "overlap", "not Delaunay")
+
+
+def fixed_edges(mesh: Mesh) -> np.ndarray:
+    """Which edges opposite corners belong to segments."""
+    n = len(mesh.points)
+    start, end = (np.roll(mesh.simplices, -k, axis=1).astype(np.int64) for k in (1, 2))
+    rows = np.concatenate([mesh.markers["facets"], mesh.markers["inner"]]).astype(np.int64)
+    keys = rows.min(axis=1) * n + rows.max(axis=1)
+    return np.isin(np.minimum(start, end) * n + np.maximum(start, end), keys)
+
+
+def quick(mesh: Mesh, domain: Domain, delaunay: bool = True) -> str:
+    """What is wrong with a mesh of a domain, as far as that is quickly seen; "" for nothing."""
+    points, _ = scaled(mesh.points)
+    fixed = fixed_edges(mesh)
+    fault, cell = first_fault(
+        points, mesh.simplices, mesh.neighbors, fixed if delaunay else np.ones_like(fixed)
+    )
+    if fault:
+        return f"{FAULTS[fault]} at cell {cell}"
+    if (mesh.neighbors[~fixed] < 0).any():
+        return "a boundary edge is no part of a segment"
+    if not domain.curves and abs(mesh.volume - domain.area) > 1e-12 * np.ptp(domain.bounds, axis=0).prod():
+        return f"area {mesh.volume} instead of {domain.area}"
+    return ""
+
+
+def promises(mesh: Mesh, min_angle: float, max_area: float | None) -> str:
+    """Whether the cells that miss a limit are those that the mesh says it could not refine."""
+    said = np.zeros(mesh.size, dtype=bool)
+    said[mesh.unrefined] = True
+    missed = mesh.quality("min_angle") < min_angle - 1e-6
+    if max_area is not None:
+        missed |= mesh.volumes > max_area * (1 + 1e-9)
+    if (missed & ~said).any():
+        return f"cell {int(np.argmax(missed & ~said))} misses a limit and is not in unrefined"
+    if mesh.complete != (not said.any()):
+        return "complete does not fit unrefined"
+    return ""
+
+
+# --- what is done to each region -------------------------------------------------------------------
+
+
+def refined(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """A refinement with options at random: its name, the mesh, and what is wrong with it."""
+    method = ("ruppert", "chew", "off-centers")[rng.integers(3)]
+    angle = float(rng.choice([0, 15, 20, 25, 30, 33]))
+    options: dict[str, Any] = {}
+    which = rng.integers(4)
+    extent = float(np.ptp(domain.bounds, axis=0).prod())
+    if which == 1:
+        options["max_area"] = extent * 10.0 ** -rng.uniform(1, 3)
+    elif which == 2:
+        options["size"] = extent**0.5 * 10.0 ** -rng.uniform(0.5, 1.5)
+    elif which == 3:
+        x, y = domain.points[rng.integers(len(domain.points))]
+        h = extent**0.5 * 10.0 ** -rng.uniform(1, 2)
+        options["size"] = lambda p: h + 0.3 * np.hypot(p[:, 0] - x, p[:, 1] - y)
+    mesh = refine(domain, min_angle=angle, method=method, budget=BUDGET, **options)
+    fault = quick(mesh, domain) or promises(mesh, angle, options.get("max_area"))
+    reasons = sorted({str(reason).split(":")[0].split(" ")[0] for reason in mesh.reasons})
+    return f"refine {method}: {'complete' if mesh.complete else ' + '.join(reasons)}", mesh, fault
+
+
+def constrained(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """The constrained Delaunay triangulation."""
+    mesh = constrained_delaunay(domain)
+    return "constrained_delaunay", mesh, quick(mesh, domain)
+
+
+WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
+    "refine": refined,
+    "constrained": constrained,
+}
+
+
+def one(seed: int, i: int, names: list[str]) -> tuple[str, list[str], list[str]]:
+    """Region i: its kind, what came of it, and the faults."""
+    rng = np.random.default_rng([seed, i])
+    kind = list(KINDS)[i % len(KINDS)]
+    outcomes, faults = [], []
+    try:
+        with limited(SECONDS):
+            domain = KINDS[kind](rng)
+    except (UnstructError, TooLong) as error:
+        return kind, [f"domain: {type(error).__name__}"], [f"domain: {error}"]
+    for name in names:
+        try:
+            with limited(SECONDS):
+                outcome, mesh, fault = WORK[name](domain, rng)
+            if fault or i % SAMPLE == 0:
+                report = check(mesh, delaunay="constrained")
+                fault = fault or ("" if report else str(report))
+            outcomes.append(outcome)
+            if fault:
+                faults.append(f"{outcome}: {fault}")
+        except TooLong as error:
+            faults.append(f"{name}: {error}")
+        except Exception as error:
+            faults.append(f"{name}: {type(error).__name__}: {error}\n{traceback.format_exc(limit=-3)}")
+    return kind, outcomes, faults
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Parse the command line, mesh, print the totals; 1 where anything was at fault."""
+    parser = argparse.ArgumentParser(prog="python -m tests.fuzz_regions", description=__doc__)
+    parser.add_argument("count", type=int, nargs="?", default=1000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--first", type=int, default=0, help="number of the first region")
+    parser.add_argument("--work", nargs="*", choices=sorted(WORK), default=sorted(WORK))
+    options = parser.parse_args(arguments)
+    kinds: Counter[str] = Counter()
+    outcomes: Counter[str] = Counter()
+    faults = slowest = 0
+    begin = time.perf_counter()
+    for i in range(options.first, options.first + options.count):
+        start = time.perf_counter()
+        kind, came, wrong = one(options.seed, i, options.work)
+        slowest = max(slowest, time.perf_counter() - start)
+        kinds[kind] += 1
+        outcomes.update(came)
+        faults += len(wrong)
+        for text in wrong:
+            print(f"region {i} ({kind}): {text}", flush=True)
+    seconds = time.perf_counter() - begin
+    print(f"seed {options.seed}, regions {options.first} to {i}: {dict(kinds)}")
+    for outcome, number in sorted(outcomes.items()):
+        print(f"{number:8d}  {outcome}")
+    print(f"{faults} faults in {seconds:.0f} s, the slowest region {slowest:.2f} s")
+    return int(faults > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
