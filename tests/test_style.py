@@ -32,7 +32,7 @@ FLOORS = {
     ),
     **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain"], 4),
     "delaunay": 5,
-    **dict.fromkeys(["examples", "structured", "point_sets"], 6),
+    **dict.fromkeys(["example_regions", "examples", "structured", "point_sets"], 6),
     "view": 7,
 }
 
