@@ -85,3 +85,27 @@ def test_the_cache_sees_edits_two_files_away(tmp_path: Path) -> None:
     assert run(code, tmp_path, **cache).split() == ["4", "1"], "the second run compiles again"
     (tmp_path / "helper.py").write_text(HELPER.format(amount=10))
     assert run(code, tmp_path, **cache).split() == ["40", "0"], "old machine code after an edit"
+
+
+RULED = """
+from typing import NamedTuple
+from unstruct.jit import kernel
+
+class {name}(NamedTuple):
+    step: int
+
+@kernel
+def ahead(rule, x):
+    return x + rule.step
+
+print(ahead({name}({step}), 0))
+"""
+
+
+@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> None:
+    """numba would fail to read the index of its cache after an upgrade that renames a class."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for name, step in (("Rule", 1), ("Law", 2), ("Law", 3)):
+        (tmp_path / "ruled.py").write_text(RULED.format(name=name, step=step))
+        assert run("import ruled", tmp_path, **cache).split() == [str(step)]

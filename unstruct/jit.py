@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
+from pickle import UnpicklingError
 from typing import Any
 
 try:
@@ -43,7 +45,7 @@ def lean(function: Callable) -> Any:
     """
     if numba is None:
         return function
-    return _stamped(numba.njit(cache=True, forceinline=False, _nrt=False)(function))
+    return _stamped(numba.njit(cache=True, forceinline=False, _nrt=False)(function))  # type: ignore[call-overload]
 
 
 def inline(function: Callable) -> Any:
@@ -58,7 +60,16 @@ def _stamped(dispatcher: Any) -> Any:
     index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if index is not None:  # None with NUMBA_DISABLE_JIT
         index._source_stamp = tuple(sorted(_file_stamp(f) for f in _source_files(dispatcher, set())))
+        index._load_index = partial(_entries, index._load_index)
     return dispatcher
+
+
+def _entries(load: Callable[[], dict]) -> dict:
+    """The entries of a cache on disk, none where it names a class that this version no longer has."""
+    try:
+        return load()
+    except (AttributeError, ImportError, UnpicklingError):
+        return {}
 
 
 def _source_files(dispatcher: Any, seen: set[int]) -> set[str]:
