@@ -63,7 +63,7 @@ def new_edges(points: list[Any], cells: Iterable[Cell], p: Any) -> tuple[Step, d
     exact = exact_points([*points, p])
     done = insert(exact, cells, len(points))
     others = {v for cell in done.star for v in cell} - {GHOST, len(points)}
-    return done, {v: square(exact[v], exact[-1]) for v in others}
+    return done, {v: square(*_exact(exact[v], exact[-1])) for v in others}
 
 
 def alpha2(a: Any, b: Any, c: Any, f: Callable[[Point], Any]) -> Fraction:
