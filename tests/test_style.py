@@ -24,13 +24,15 @@ FLOORS = {
     **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),
-    **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold", "segment_pairs"], 3),
-    **dict.fromkeys(["domain_constructors", "domain_faults", "domain_files", "domain_input", "domain_inside", "domain_repair", "domain_sample", "domain_shapes"], 4),
+    **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
+    "segment_pairs": 3,
+    **dict.fromkeys(["domain_constructors", "domain_faults", "domain_files", "domain_input"], 4),
+    **dict.fromkeys(["domain_inside", "domain_repair", "domain_sample", "domain_shapes"], 4),
     **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
     **dict.fromkeys(
         [f"size_{kind}" for kind in "background boundary field solution sources table".split()], 4
     ),
-    **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain"], 4),
+    **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain", "curve_distance"], 4),
     "delaunay": 5,
     **dict.fromkeys(["example_regions", "examples", "structured", "point_sets"], 6),
     "view": 7,

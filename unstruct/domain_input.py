@@ -18,6 +18,7 @@ __all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segme
 
 
 def positive(value: Any, name: str) -> float:
+    """A positive finite number, or an error that calls it by ``name``."""
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -28,6 +29,7 @@ def positive(value: Any, name: str) -> float:
 
 
 def as_segments(rows: Any, name: str) -> np.ndarray:
+    """Pairs of vertices as int32, shape (s, 2)."""
     try:
         array = np.asarray(rows)
     except ValueError:
@@ -44,6 +46,7 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
 
 
 def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
+    """Curves by piece number, in order."""
     result = {}
     for piece in sorted(curves):
         if not 0 <= piece < many:
@@ -55,6 +58,7 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
 
 
 def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
+    """Unique piece numbers by name."""
     result = {}
     for name, pieces in markers.items():
         array = np.asarray(pieces)
@@ -67,6 +71,7 @@ def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
 
 
 def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Seeds (r, 2) by name; a single point is one seed."""
     result = {}
     for name, seeds in regions.items():
         array = np.asarray(seeds, dtype=float)
@@ -78,6 +83,7 @@ def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 
 def as_ring(ring: Any, name: str) -> np.ndarray:
+    """The corners of a ring, (k, 2), without a repeated last one."""
     rows = as_points(ring, name)
     if rows.shape[1] != 2:
         raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
@@ -89,6 +95,7 @@ def as_ring(ring: Any, name: str) -> np.ndarray:
 
 
 def around(first: int, count: int) -> np.ndarray:
+    """The segments of a ring of ``count`` vertices from ``first`` on."""
     index = np.arange(count)
     return np.column_stack([index, np.roll(index, -1)]) + first
 

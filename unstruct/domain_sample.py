@@ -25,6 +25,7 @@ SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # wh
 FINE = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
 ROUNDS = 40  # halvings, after which curves that still conflict do meet
+MOST = 1 << 25  # subsegments, and
 STRETCH = 1 << 20  # parameter intervals, beyond which a size is out of all proportion
 
 
@@ -146,8 +147,10 @@ def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains
     return np.column_stack([cut, cut])
 
 
-def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> Sampled:
-    """Cut on until the chords are safe; straight pieces that rounding lets touch others become whole."""
+def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
+    """Cut on until the chords are safe, and none stands for more than this turn of its curve.
+
+    Straight pieces that rounding lets touch others become whole."""
     bent = np.zeros(len(domain.pieces), dtype=bool)
     bent[list(domain.curves)] = True
     for _ in range(ROUNDS):
@@ -156,7 +159,7 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> S
         rows = np.nonzero(curved)[0]
         cut = np.zeros(len(curved), dtype=bool)
         if len(rows):
-            cut[rows[turning(fine_chains(domain, sampled, rows)) > TURN * (1 + 1e-9)]] = True
+            cut[rows[turning(fine_chains(domain, sampled, rows)) > turn * (1 + 1e-9)]] = True
         if not cut.any():
             pairs = conflicts(domain, sampled, curved)
             if len(pairs) == 0:
@@ -196,7 +199,7 @@ def coarse(domain: Domain) -> Sampled:
     whole = np.arange(len(domain.pieces))
     if not domain.curves:  # validated as they stand
         return assemble(domain, whole, np.zeros(len(whole)), np.ones(len(whole)))
-    return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)))
+    return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
 
 
 def sized(domain: Domain, size: Any, step: float) -> Sampled:
@@ -205,6 +208,8 @@ def sized(domain: Domain, size: Any, step: float) -> Sampled:
     start = np.searchsorted(piece, np.arange(len(domain.pieces)))
     begin = total[start]
     amount = np.append(begin[1:], total[-1]) - begin if len(start) else np.empty(0)
+    if amount.sum() / step > MOST:
+        raise InputError(_too_small(domain, int(np.argmax(amount)), 0.5))
     count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
     owner = np.repeat(np.arange(len(count)), count)
     j = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
@@ -219,13 +224,13 @@ def sized(domain: Domain, size: Any, step: float) -> Sampled:
     t0 = np.where(j == 0, 0.0, t0)
     last = np.append(owner[1:] != owner[:-1], True)
     t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
-    return safe(domain, owner, t0, t1)
+    return safe(domain, owner, t0, t1, np.inf)
 
 
 def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples (piece, t) in order with the integral of ds / size up to each, over all pieces.
 
-    Intervals are halved until the two halves agree with the whole to 1 percent, or are far below a step.
+    Intervals are halved until their halves are nearly alike and agree with the whole, or far below a step.
     """
     many = len(domain.pieces)
     parts = np.where(np.isin(np.arange(many), list(domain.curves)), 16, 1)
@@ -240,20 +245,18 @@ def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarra
         h1 = _sizes(size, x[2])
         dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
         length = np.hypot(dx, dy)
-        halves, whole = (length / h).sum(axis=0), length.sum(axis=0) / h1
-        well = (np.abs(halves - whole) <= 0.01 * whole) & (
-            np.abs(length[0] - length[1]) <= 0.01 * length.sum(axis=0)
-        )
-        well |= (halves < 0.05) & (whole < 0.05)
-        done.append((piece[well], t0[well], t1[well], halves[well]))
+        halves = length / h
+        whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)
+        even = np.abs(length[0] - length[1]) <= 0.02 * length.sum(axis=0)
+        even &= (np.abs(halves[0] - halves[1]) <= 0.02 * amount) & (np.abs(amount - whole) <= 0.01 * amount)
+        well = even | ((amount < 0.02) & (whole < 0.02))
+        done.append((piece[well], t0[well], t1[well], amount[well]))
         piece, (t0, t1) = (
             np.repeat(piece[~well], 2),
             np.stack([np.stack([t0, t[2]])[:, ~well].T.ravel(), np.stack([t[2], t1])[:, ~well].T.ravel()]),
         )
         if len(piece) > STRETCH:
-            x, y = domain.points_at(piece[:1], t0[:1])[0]
-            raise InputError(f"the size is too small or too rough along {domain.name(int(piece[0]))} near "
-                             f"({x:.6g}, {y:.6g})")  # fmt: skip
+            raise InputError(_too_small(domain, int(piece[0]), float(t0[0])))
     piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
     order = np.lexsort((t0, piece))
     piece, t1, amount = piece[order], t1[order], amount[order]
@@ -265,6 +268,11 @@ def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarra
         np.insert(t1, heads, 0.0),
         np.insert(total, heads, np.concatenate([[0.0], total])[heads]),
     )
+
+
+def _too_small(domain: Domain, piece: int, t: float) -> str:
+    x, y = domain.at(piece, t)[0]
+    return f"the size is too small or too rough along {domain.name(piece)} near ({x:.6g}, {y:.6g}); raise it"
 
 
 def _sizes(size: Any, x: np.ndarray) -> np.ndarray:

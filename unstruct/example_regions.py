@@ -6,6 +6,7 @@ See the book, chapter 2.6d; `running_domain` goes through all chapters.
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +87,7 @@ def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
     from contourpy import FillType, contour_generator
     from matplotlib.cbook import get_sample_data
 
-    data = get_sample_data("topobathy.npz")
+    data: Any = get_sample_data("topobathy.npz")
     relief, x, y = (np.asarray(data[name], dtype=float) for name in ("topo", "longitude", "latitude"))
     x, y = (x - x[0]) * np.cos(np.radians(y.mean())), y - y[0]
     lower, upper = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
