@@ -173,7 +173,7 @@ def one(seed: int, i: int, names: list[str]) -> tuple[str, list[str], list[str]]
             with limited(SECONDS):
                 outcome, mesh, fault = WORK[name](domain, rng)
             if fault or i % SAMPLE == 0:
-                report = check(mesh, delaunay="constrained")
+                report = check(mesh, domain=domain, delaunay="constrained")
                 fault = fault or ("" if report else str(report))
             outcomes.append(outcome)
             if fault:

@@ -39,7 +39,7 @@ PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("queued", "why", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, *PER_SLOT, "gates")  # in the order of `Work`
-At = Callable[[NDArray[np.int64], NDArray[np.float64]], NDArray[np.float64]]
+At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass
@@ -115,11 +115,12 @@ class Run:
     def work(self) -> Work:
         """The arrays as they are now."""
         c, p = self.complex, self.planned
-        own = (getattr(self, name) for name in OWN)
-        return Work(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, *own,
-            p.curve, self.arc, p.joints, *self.scratch, self.polygon, self.event, self.place,
-        )  # fmt: skip
+        arrays: list[NDArray] = [
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+            *(getattr(self, name) for name in OWN), p.curve, self.arc, p.joints, *self.scratch, self.polygon,
+            self.event, self.place,
+        ]  # fmt: skip
+        return Work(*arrays)
 
     def start(self) -> None:
         """Look at all subsegments and triangles."""

@@ -78,7 +78,7 @@ def plan_mesh(mesh: Mesh) -> Planned:
     )  # fmt: skip
 
 
-def _never(piece: NDArray[np.int64], t: NDArray[np.float64]) -> NDArray[np.float64]:
+def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
     raise AssertionError("all pieces of a mesh are straight")
 
 

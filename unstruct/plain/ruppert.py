@@ -155,7 +155,8 @@ def inside(cells: Iterable[Cell], parts: frozenset[Segment]) -> set[Cell]:
 def _sides2(points: Sequence[Point], t: Cell) -> list[Fraction]:
     """Squared lengths of the three sides, the shortest first."""
     corners = [points[v] for v in t]
-    return sorted(sum((p - q) ** 2 for p, q in zip(corners[k], corners[k - 1])) for k in range(3))
+    sides = [[p - q for p, q in zip(corners[k], corners[k - 1])] for k in range(3)]
+    return sorted(x * x + y * y for x, y in sides)
 
 
 def _radius2(points: Sequence[Point], t: Cell) -> Fraction:
