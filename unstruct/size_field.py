@@ -290,8 +290,9 @@ def control(mesh: Any, size: Any) -> Array:
     Returns
     -------
     ndarray, shape (m,)
-        alpha(S) = R_S / f(Q_S), where Q_S is the circumcenter of S. It may lie outside of S, and outside of
-        the region: the size is asked there all the same. Flat triangles have no circumcenter: infinity.
+        alpha: the circumradius of each triangle over f at its circumcenter. That may lie outside of the
+        triangle, and of the region: the size is asked there all the same. Flat triangles have no
+        circumcenter: infinity.
 
     Notes
     -----
