@@ -26,8 +26,8 @@ def test_segment_histories(preset):
         check_frame(one)
     assert any("crossed" in f["number"] for f in frames)
     assert segment_state(-3, preset) == frames[0] and segment_state(10**6, preset) == frames[-1]
-    gone, come = frames[-2 if "refused" in frames[-1]["caption"] else -1]["number"].split(", ")
-    assert gone.split(" = ")[1] == come.split(" = ")[1], "as many triangles come as go"
+    come, gone = frames[-2 if "refused" in frames[-1]["caption"] else -1]["number"].split(" of ")
+    assert come.split(" = ")[1] == gone, "as many triangles come as go"
 
 
 def test_the_presets_show_what_they_say():

@@ -138,12 +138,12 @@ def _passage(rows: np.ndarray, before: Mesh, after: Refined, done: Sequence, pai
     for base_edge, cell in _from_bases(new - old, parts):
         come.append(cell)
         (apex,) = set(cell) - set(base_edge)
-        text = f"on {base_edge[0]} {base_edge[1]} stands {apex}: its circle is empty of other corners"
+        text = f"on {base_edge[0]} {base_edge[1]} stands {apex}: its circle is empty"
         circle = fr.circles(
             "circumcircle", [circumcenter(rows[list(cell)])], [circumradius(rows[list(cell)])]
         )
         cells = fr.polygons("accepted", [rows[list(c)] for c in come])
-        number = f"triangles gone = {len(crossed)}, come = {len(come)}"
+        number = f"new triangles = {len(come)} of {len(crossed)}"
         made.append(fr.frame(text, rest, rim, cells, circle, walls, *names, number=number))
     return made
 
@@ -264,7 +264,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     used = sets.upsilon_component
     items = [
         *base,
-        fr.polygons("muted", mesh.corners[np.setdiff1d(sets.gamma_component, used)]),
+        fr.polygons("cavity", mesh.corners[np.setdiff1d(sets.gamma_component, used)], opacity=0.3),
         fr.polygons("waiting", mesh.corners[apart]),
         fr.polygons("cavity", mesh.corners[used]),
     ]
