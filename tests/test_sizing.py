@@ -198,6 +198,7 @@ def test_a_constant_is_one_node() -> None:
     assert table.child.dtype == np.int32 and table.values.dtype == table.box.dtype == np.float64
     assert table.box.tolist() == [-0.5, -0.5, 0.5, 0.5] and table.error == 0
     assert (table(np.random.default_rng(0).normal(size=(100, 2)) * 10) == 0.3).all()
+    assert table.capped == {"resolved": 0, "depth": 0, "nodes": 0}
 
 
 @pytest.mark.parametrize("field", [*SMOOTH.values(), jump])
@@ -259,6 +260,11 @@ def test_landmarks_are_not_overlooked() -> None:
     assert told.table([0, 0], [1, 1]).error > 0.02 and blind.table([0, 0], [1, 1]).error == 0
 
 
+def test_landmarks_in_space_have_no_table_in_the_plane() -> None:
+    with pytest.raises(InputError, match="landmarks"):
+        SizeField(lambda x: x[:, 0] + 1, landmarks=[[0, 0, 0]]).table([0, 0], [1, 1])
+
+
 @pytest.mark.parametrize("upper", [[1, 0], [0, 1], [0, 0]])
 def test_flat_boxes(upper: list[float]) -> None:
     field = as_size(lambda x: 0.01 + x.sum(axis=1))
@@ -291,6 +297,8 @@ def test_corners_are_those_of_the_leaves() -> None:
         ([0, 0], [1, 1], {"tolerance": -1.0}, "tolerance"),
         ([0, 0], [1, 1], {"factor": 2.0**-1060}, "range of doubles"),
         ([0, 0], [1, 1], {"factor": 2.0**1023}, "range of doubles"),
+        ([0, 0], [1, 1], {"max_depth": -1}, "max_depth"),
+        ([0, 0], [1, 1], {"max_depth": 51}, "max_depth"),
     ],
 )
 def test_bad_tables(lower: list, upper: list, options: dict, words: str) -> None:
@@ -347,5 +355,25 @@ def test_control_asks_at_the_circumcenter() -> None:
 def test_control_of_flat_and_foreign_cells() -> None:
     flat = unstruct.Mesh([[0, 0], [1, 1], [2, 2], [2, 0]], [[0, 1, 2], [0, 3, 2]])
     assert control(flat, 1.0)[0] == np.inf and np.isfinite(control(flat, 1.0)[1])
+    thin = unstruct.Mesh([[0, 0], [1, 1e-320], [2, 0]], [[0, 2, 1]])
+    assert control(thin, lambda x: np.full(len(x), 1.0))[0] == np.inf  # its center is beyond all doubles
     with pytest.raises(InputError, match="triangles in the plane"):
         control(unstruct.delaunay(np.random.default_rng(0).random((8, 3))), 1.0)
+
+
+# ---------------------------------------------------------------------- what the methods make of bad sizes
+
+
+@pytest.mark.parametrize(
+    "method", [unstruct.refine, unstruct.circumcenter_insertion, unstruct.voronoi_segment]
+)
+def test_methods_name_the_place_of_a_bad_size(method: object) -> None:
+    domain = unstruct.Domain.rectangle((0, 0), (1, 1))
+    for bad in (0.0, -0.1, math.nan, math.inf, "fine", [0.1, 0.2]):
+        with pytest.raises(InputError, match=r"size (must be|is .* must be)"):
+            method(domain, bad)
+    for value in (0.0, -0.1, math.nan):
+        with pytest.raises(InputError, match=r"is (0.0|-0.1|nan) at .*\[0\.\d+, 0\.\d+\]"):
+            method(domain, lambda x: np.where(np.hypot(*(x - 0.5).T) < 0.2, value, 0.1))  # noqa: B023
+    with pytest.raises(InputError, match=r"ZeroDivisionError .* at x\[\d+\]"):
+        method(domain, lambda x: 1 / 0)

@@ -15,6 +15,7 @@ import numpy as np
 from .errors import InputError
 from .locate import BoxTree
 from .segment_pairs import meetings
+from .size_field import SizeField, as_size
 
 if TYPE_CHECKING:
     from .domain import Domain
@@ -204,6 +205,7 @@ def coarse(domain: Domain) -> Sampled:
 
 def sized(domain: Domain, size: Any, step: float) -> Sampled:
     """Equal steps of the integral of ds / size along each piece, a whole count on each."""
+    size = as_size(size)
     piece, t, total = _table(domain, size)
     start = np.searchsorted(piece, np.arange(len(domain.pieces)))
     begin = total[start]
@@ -214,7 +216,7 @@ def sized(domain: Domain, size: Any, step: float) -> Sampled:
     owner = np.repeat(np.arange(len(count)), count)
     j = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
     even = np.ones(len(domain.pieces), dtype=bool)
-    if callable(size):
+    if size.constant is None:
         even[:] = False
     else:
         even[list(domain.curves)] = False
@@ -227,7 +229,7 @@ def sized(domain: Domain, size: Any, step: float) -> Sampled:
     return safe(domain, owner, t0, t1, np.inf)
 
 
-def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples (piece, t) in order with the integral of ds / size up to each, over all pieces.
 
     Intervals are halved until their halves are nearly alike and agree with the whole, or far below a step.
@@ -241,8 +243,8 @@ def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarra
     while len(piece):
         t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
         x = domain.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
-        h = _sizes(size, x[1::2].reshape(-1, 2)).reshape(2, -1)
-        h1 = _sizes(size, x[2])
+        h = size(x[1::2].reshape(-1, 2)).reshape(2, -1)
+        h1 = size(x[2])
         dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
         length = np.hypot(dx, dy)
         halves = length / h
@@ -273,12 +275,3 @@ def _table(domain: Domain, size: Any) -> tuple[np.ndarray, np.ndarray, np.ndarra
 def _too_small(domain: Domain, piece: int, t: float) -> str:
     x, y = domain.at(piece, t)[0]
     return f"the size is too small or too rough along {domain.name(piece)} near ({x:.6g}, {y:.6g}); raise it"
-
-
-def _sizes(size: Any, x: np.ndarray) -> np.ndarray:
-    values = np.broadcast_to(np.asarray(size(x) if callable(size) else size, dtype=float), len(x))
-    bad = ~((values > 0) & np.isfinite(values))
-    if bad.any():
-        row = int(np.argmax(bad))
-        raise InputError(f"size is {values[row]} at {x[row].tolist()}; it must be positive and finite")
-    return values

@@ -304,8 +304,7 @@ def control(mesh: Any, size: Any) -> Array:
     if corners.shape[1:] != (3, 2):
         raise InputError(f"control needs triangles in the plane, not cells of shape {corners.shape[1:]}")
     alpha = np.full(len(corners), np.inf)
-    radius = circumradius(corners)
-    solid = np.isfinite(radius)
-    centers = circumcenter(corners[solid])
-    alpha[solid] = radius[solid] * np.sqrt(3.0) / as_size(size)(centers)
+    radius, centers = circumradius(corners), circumcenter(corners)
+    solid = np.isfinite(radius) & np.isfinite(centers).all(axis=1)
+    alpha[solid] = radius[solid] * np.sqrt(3.0) / as_size(size)(centers[solid])
     return alpha

@@ -22,6 +22,7 @@ __all__ = ["Nodes", "SizeTable", "build", "size_at"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FIRST = 5  # levels that are always made: a first look at 32 x 32 leaves, nine points in each
+DEEPEST = 50  # levels: places are exact in doubles
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
 # Where a leaf is looked at, in its own coordinates: its children's corners, then their centers.
@@ -152,9 +153,12 @@ def build(
     All leaves of one depth are looked at together, with one call of the field.
     """
     box = _box(lower, upper, factor, tolerance)
+    if not 0 <= max_depth <= DEEPEST:
+        raise InputError(f"max_depth must lie in 0..{DEEPEST}, not {max_depth!r}")
+    capped = {"resolved": 0, "depth": 0, "nodes": 0}
     constant = getattr(field, "constant", None)
     if constant is not None:
-        return _table([np.full((1, 4), constant)], np.array([-1]), box, factor, 0.0, {})
+        return _table([np.full((1, 4), constant)], np.array([-1]), box, factor, 0.0, capped)
     span = box[1] - box[0]
 
     def at(place: Array) -> Array:  # (..., 2) relative coordinates -> (...)
@@ -166,7 +170,6 @@ def build(
     first = np.concatenate([CORNERS, [[0.5, 0.5]]])
     level = _Level(np.zeros(1, np.int64), np.zeros((1, 2), np.int64), at(first)[None], every, 0 * every)
     blocks, child, worst = [level.values[:, :4]], np.array([-1]), 0.0
-    capped = {"resolved": 0, "depth": 0, "nodes": 0}
     for depth in range(max_depth + 1):
         side = 0.5**depth
         probes = at((level.place[:, None] + FRESH) * side)
@@ -194,6 +197,10 @@ def _landmarks(field: Callable[[Array], Array], landmarks: Array, box: Array) ->
     """Relative coordinates of the landmarks in the box, and the sizes there."""
     if len(landmarks) == 0:
         return np.empty((0, 2)), np.empty(0)
+    if landmarks.shape[1] != 2:
+        raise InputError(
+            f"a table is of the plane, but the landmarks of the size have shape {landmarks.shape}"
+        )
     marks = landmarks[((landmarks >= box[0]) & (landmarks <= box[1])).all(axis=1)]
     span = box[1] - box[0]
     relative = np.clip((marks - box[0]) / np.where(span > 0, span, 1.0), 0.0, 1.0)
