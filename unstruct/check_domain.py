@@ -196,11 +196,8 @@ def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray,
     lost = sorted(i for rest in by_ends.values() for i in rest)
     missing = [i for i in lost if i < len(domain.facets) or _meshed(domain, i)]
     text = "chains of marked edges that are no piece of the domain"
-    ends = domain.pieces[missing].ravel()
-    names = ", ".join(domain.name(i) for i in missing[:8])
-    absent = Problem(
-        "missing piece", f"{names} (in all {len(missing)}); domain vertices {ends[:16].tolist()}"
-    )
+    names = ", ".join(f"{domain.name(i)} = {domain.pieces[i].tolist()}" for i in missing[:8])
+    absent = Problem("missing piece", f"{names} ({len(missing)} in all; by vertices of the domain)")
     return report.note(
         "every piece of the domain is a chain of marked edges, and no other edge is marked",
         problem("stray chain", text, vertices=stray),
