@@ -58,9 +58,7 @@ def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
         closed = np.concatenate([corners, corners[:1]])
         step = np.hypot(*np.diff(closed, axis=0).T)
         if not (step > 0).all():
-            raise InputError(
-                f"ring {i} has two equal corners in a row, number {int(np.argmin(step))}; drop one"
-            )
+            raise InputError(f"ring {i}: corner {int(np.argmin(step))} equals the next one; drop one of them")
         t = np.concatenate([[0.0], np.cumsum(step)])
         spline = CubicSpline(t, closed, bc_type="periodic")
         curves |= {len(curves) + j: Curve(spline, t[j], t[j + 1]) for j in range(len(corners))}
@@ -125,6 +123,8 @@ def letters(text: str, size: float, font: str) -> Parts:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
+    if not (isinstance(text, str) and text.strip()):  # matplotlib fails on these
+        raise InputError(f"the text {text!r} has no outline: give at least one visible letter")
     path = TextPath((0, 0), text, size=positive(size, "size"), prop=FontProperties(family=font))
     points: list[list[float]] = []
     facets: list[list[int]] = []
