@@ -160,7 +160,8 @@ def cobweb_state(
     preset : str
         A key of `COBWEBS`; the widget sets both sliders by it, the picture does not depend on it.
     measured : pairs of floats, optional
-        Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run, drawn over the curve.
+        Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run with one size, drawn over
+        the curve while ``growth`` is 1.
 
     Returns
     -------
@@ -173,7 +174,7 @@ def cobweb_state(
     orbit, web = _web(growth, start)
     curve = [[e, _next(e, growth)] for e in np.linspace(LOW, HIGH, 89).tolist()]
     inside = [piece for piece in pairwise(curve) if max(p[1] for p in piece) < 2]
-    pairs = np.reshape(np.asarray(measured, dtype=float), (-1, 2))
+    pairs = np.reshape(np.asarray(measured if abs(growth - 1) < 5e-3 else (), dtype=float), (-1, 2))
     items = [
         fr.segments("edge", [[[LOW, 0.0], [HIGH, 0.0]], [[0.0, LOW], [0.0, HIGH]]], opacity=0.5),
         fr.segments("muted", [[[LOW, LOW], [HIGH, HIGH]]]),

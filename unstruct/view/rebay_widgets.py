@@ -49,7 +49,8 @@ def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
     Parameters
     ----------
     measured : pairs of floats, optional
-        Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run, drawn over the curve.
+        Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run with one size, drawn over
+        the curve while the size is constant.
 
     Returns
     -------
