@@ -200,7 +200,10 @@ def main(arguments: list[str] | None = None) -> int:
     for i in range(options.first, options.first + options.count):
         start = time.perf_counter()
         kind, came, wrong = one(options.seed, i, options.work)
-        slowest = max(slowest, time.perf_counter() - start)
+        took = time.perf_counter() - start
+        slowest = max(slowest, took)
+        if took > 5:
+            print(f"region {i} ({kind}) took {took:.1f} s: {came}", flush=True)
         kinds[kind] += 1
         outcomes.update(came)
         faults += len(wrong)

@@ -80,7 +80,9 @@ class Run:
         self.queued, self.why = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=np.uint8)
         self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
         self.gates = np.full((BUCKETS, 2), -1, dtype=np.int32)
-        self.arc = planned.arc.copy()
+        # copies, so that none is read-only: that would be another type, and a second compilation
+        self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
+        self.joints = planned.joints.astype(np.int32)
         self.arc[:, :3] *= c.factor
         self.polygon = np.empty((MOST, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
@@ -114,11 +116,11 @@ class Run:
 
     def work(self) -> Work:
         """The arrays as they are now."""
-        c, p = self.complex, self.planned
+        c = self.complex
         arrays: list[NDArray] = [
             c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-            *(getattr(self, name) for name in OWN), p.curve, self.arc, p.joints, *self.scratch, self.polygon,
-            self.event, self.place,
+            *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
+            self.polygon, self.event, self.place,
         ]  # fmt: skip
         return Work(*arrays)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import frozen
-from ..errors import MeshError
+from ..errors import InputError, MeshError
 from ..jit import lean
 from ..mesh import Mesh
 from ..predicates import orient
@@ -58,7 +58,10 @@ def plan_mesh(mesh: Mesh) -> Planned:
     number[order] = np.arange(len(order))
     chain, joints = number[chain], joints[order]
     c = PlanarComplex(mesh.points[used])
-    insert_all(c, place[ends], chain, span, facets=int((~inner).sum()))
+    try:
+        insert_all(c, place[ends], chain, span, facets=-1)
+    except InputError as error:
+        raise MeshError(f"cells of the mesh overlap: among the vertices that are used, {error}") from error
     if c.segments != len(ends):
         raise MeshError("a vertex of the mesh lies on an edge that it does not belong to; see unstruct.check")
     _color(c, left, right)
