@@ -26,7 +26,7 @@ __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 
 CHUNK = 100_000  # vertices of a kernel call
 # first the stars with a triangle below 0.99, by Laplace steps, then those below 0.85, by search; most rounds
-ROUNDS = ((0.99, False, 5), (0.85, True, 6))
+ROUNDS = ((0.99, False, 3), (0.85, True, 6))
 LEAST = 25.0  # degrees: what is promised
 WANTED = 26.0  # and what is asked for
 PASSES = 3  # of refinement and smoothing

@@ -2,11 +2,13 @@
 
 The measure is the square of R / f (or of another quotient alpha). Two buckets an octave are as good as an
 exact order, and need neither a heap nor stale entries: a triangle that goes away is unlinked at once.
-Within a bucket the first in is the first out, so that the front advances evenly on all sides.
+Within a bucket the first in is the first out, so that the front advances evenly on all sides. In a large mesh
+the whole front does not fit into the processor's cache; so a *batch* of neighbors, as they stand in the line,
+advances for some generations among themselves, before the rest of it goes to the end of the line.
 
 ``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
-empty.
-(Two arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
+empty; the second half of the buckets is that of the batch, ``turn[0]`` its steps left plus one.
+(Arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
 """
 
 from __future__ import annotations
@@ -16,18 +18,20 @@ from math import frexp
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import inline
+from ..jit import inline, lean
 from .compiled import grown
 
 STATUS, LEVEL, AHEAD, BEHIND = 0, 1, 2, 3
 # What is known of a slot; a status >= 0 is the bucket in which it waits.
 WAITING, ASIDE, ACCEPTED = -1, -2, -3  # too large, not at the front · given up · small enough, or outside
+BATCH, GENERATIONS = 256, 12
 HALF = 0.7071067811865476
 
 
-def empty_queue(slots: int, buckets: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """``links`` and ``gates`` of a queue in which no slot waits, and all are accepted."""
-    return grown_links(np.empty((0, 4), dtype=np.int32), slots), np.full((buckets, 2), -1, dtype=np.int32)
+def empty_queue(slots: int, buckets: int) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
+    """``links``, ``gates`` and ``turn`` of a queue in which no slot waits, and all are accepted."""
+    links = grown_links(np.empty((0, 4), dtype=np.int32), slots)
+    return links, np.full((2 * buckets, 2), -1, dtype=np.int32), np.zeros(1, dtype=np.int64)
 
 
 def grown_links(links: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
@@ -49,9 +53,17 @@ def bucket_of(square, buckets):
 
 
 @inline
-def push(links, gates, slot, last_first):
-    """Put a slot at the end of its bucket, or at the beginning."""
+def push(links, gates, turn, slot, last_first):
+    """Put a slot at the end of its bucket, or at the beginning; in the nearer half while a batch is on."""
     bucket = links[slot, LEVEL]
+    if turn[0] > 0:
+        bucket += len(gates) // 2
+    append(links, gates, slot, bucket, last_first)
+
+
+@inline
+def append(links, gates, slot, bucket, last_first):
+    """Put a slot at the end of this bucket, or at the beginning."""
     links[slot, STATUS] = bucket
     if last_first:
         first = gates[bucket, 0]
@@ -86,10 +98,36 @@ def unlink(links, gates, slot, status):
     links[slot, STATUS] = status
 
 
-@inline
-def top(gates):
-    """The first slot of the highest bucket that is not empty; -1 where all are."""
-    for b in range(len(gates) - 1, -1, -1):
+@lean
+def end_batch(links, gates, turn):
+    """Put what is left of a batch at the end of the line."""
+    half = len(gates) // 2
+    for b in range(half):
+        while gates[half + b, 0] >= 0:
+            slot = np.int64(gates[half + b, 0])
+            unlink(links, gates, slot, WAITING)
+            append(links, gates, slot, b, False)
+    turn[0] = 0
+
+
+@lean
+def next_slot(links, gates, turn, last_first):
+    """The slot whose turn it is: the first of the highest bucket that is not empty; -1 where all are."""
+    half = len(gates) // 2
+    if turn[0] == 1:
+        end_batch(links, gates, turn)
+    for b in range(half - 1, -1, -1):
+        if gates[half + b, 0] >= 0:
+            turn[0] -= 1
+            return gates[half + b, 0]
         if gates[b, 0] >= 0:
+            if not last_first:
+                for _ in range(BATCH):
+                    slot = np.int64(gates[b, 0])
+                    if slot >= 0:
+                        unlink(links, gates, slot, WAITING)
+                        append(links, gates, slot, half + b, False)
+                turn[0] = BATCH * GENERATIONS
+                return gates[half + b, 0]
             return gates[b, 0]
     return -1

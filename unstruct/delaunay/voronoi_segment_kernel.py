@@ -26,9 +26,9 @@ import numpy as np
 from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from ..size_table import size_at
-from .cavity2 import VERTICES, commit, end_of, find_cavity, start_of
+from .cavity2 import SEGMENTS, VERTICES, commit, end_of, find_cavity, start_of
 from .compiled import COUNT
-from .front_queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, push, top, unlink
+from .front_queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 
 # how a call of `advance` ends
 DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
@@ -49,12 +49,13 @@ class Rule(NamedTuple):
     at_center: bool  # f is taken at the center of the new triangle, not at M
     last_first: bool  # within a bucket
     split: bool  # long boundary edges that reject a point are split
+    constant: float  # f, where it is the same everywhere; else 0
 
 
 @inline
-def wanted(child, values, box, x, y):
+def wanted(child, values, box, rule, x, y):
     """The wanted circumradius f at a point: that of an equilateral triangle with edges of the wanted size."""
-    return size_at(child, values, box, x, y) / ROOT3
+    return rule.constant if rule.constant > 0.0 else size_at(child, values, box, x, y) / ROOT3
 
 
 @inline
@@ -79,20 +80,23 @@ def circle(xy, vertex, t):
 
 
 @inline
-def classify(xy, vertex, region, links, gates, child, values, box, child2, values2, box2, rule, t):
+def classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t):
     """Accepted or waiting; in the second case also the bucket for it."""
-    if region[t] < 0:
-        links[t, STATUS] = ACCEPTED
-        return
-    square, qx, qy, gx, gy = circle(xy, vertex, t)
-    f = wanted(child, values, box, gx, gy)
-    if square < rule.accept * rule.accept * f * f:
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+    wx, wy, double = vx - ux, vy - uy, ux * vy - uy * vx
+    product = (ux * ux + uy * uy) * (vx * vx + vy * vy) * (wx * wx + wy * wy)
+    below = 4.0 * double * double  # R^2 = product / below
+    f = wanted(child, values, box, rule, xy[a, 0] + (ux + vx) / 3.0, xy[a, 1] + (uy + vy) / 3.0)
+    if double > 0.0 and product < below * rule.accept * rule.accept * f * f:
         links[t, STATUS] = ACCEPTED
         return
     links[t, STATUS] = WAITING
     if rule.general:
-        f = wanted(child2, values2, box2, qx, qy)
-    links[t, LEVEL] = bucket_of(square / (f * f * rule.scale), len(gates))
+        _, x, y, _, _ = circle(xy, vertex, t)
+        f = size_at(child2, values2, box2, x, y) / ROOT3
+    scale = below * f * f * rule.scale
+    links[t, LEVEL] = bucket_of(product / scale, len(gates) // 2) if scale > 0.0 else len(gates) // 2 - 1
 
 
 @inline
@@ -102,7 +106,7 @@ def is_active(twin, mark, links, e):
 
 
 @inline
-def join_queue(twin, mark, links, gates, rule, t):
+def join_queue(twin, mark, links, gates, turn, rule, t):
     """Queue triangle t if it waits at the front."""
     if links[t, STATUS] == WAITING:
         e = 3 * t
@@ -111,36 +115,44 @@ def join_queue(twin, mark, links, gates, rule, t):
             or is_active(twin, mark, links, e + 1)
             or is_active(twin, mark, links, e + 2)
         ):
-            push(links, gates, t, rule.last_first)
+            push(links, gates, turn, t, rule.last_first)
 
 
 @lean
 def settle(
-    xy, vertex, twin, mark, region, links, gates, child, values, box, child2, values2, box2, rule, fresh, k
-):
+    xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule, fresh, k
+):  # fmt: skip
     """Classify new triangles; queue those at the front, and the neighbors that the front now reaches."""
     for i in range(k):
-        t = np.int64(fresh[i])
-        classify(xy, vertex, region, links, gates, child, values, box, child2, values2, box2, rule, t)
+        classify(
+            xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, np.int64(fresh[i])
+        )
     for i in range(k):
         t = np.int64(fresh[i])
-        join_queue(twin, mark, links, gates, rule, t)
+        join_queue(twin, mark, links, gates, turn, rule, t)
         if mark[3 * t] < 0:
             o = np.int64(twin[3 * t] // 3)
             status = links[o, STATUS]
             if status == ASIDE or (status == WAITING and links[t, STATUS] == ACCEPTED):
-                push(links, gates, o, rule.last_first)
+                push(links, gates, turn, o, rule.last_first)
 
 
 @lean
 def start(
-    xy, vertex, twin, mark, region, state, links, gates, child, values, box, child2, values2, box2, rule
-):
-    """Classify all triangles, and queue those at the boundary or beside accepted ones."""
+    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
+    box2, rule,
+):  # fmt: skip
+    """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones."""
     for t in range(state[COUNT]):
-        classify(xy, vertex, region, links, gates, child, values, box, child2, values2, box2, rule, t)
+        links[t, STATUS] = ACCEPTED
+        if region[t] >= 0:
+            classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t)
+    for s in range(state[SEGMENTS]):
+        e = np.int64(where[s])
+        join_queue(twin, mark, links, gates, turn, rule, e // 3)
+        join_queue(twin, mark, links, gates, turn, rule, np.int64(twin[e] // 3))
     for t in range(state[COUNT]):
-        join_queue(twin, mark, links, gates, rule, t)
+        join_queue(twin, mark, links, gates, turn, rule, np.int64(t))
 
 
 @inline
@@ -154,10 +166,10 @@ def point_for(xy, vertex, child, values, box, rule, e, counts):
     wx, wy = xy[c, 0] - mx, xy[c, 1] - my
     high = wx * nx + wy * ny
     q = (wx * wx + wy * wy - p * p) / (2.0 * high) if high > 0.0 else inf
-    f = wanted(child, values, box, mx, my)
+    f = wanted(child, values, box, rule, mx, my)
     d = min(far_point(max(f, p), p), q)
-    if rule.at_center and len(child) > 1:
-        g = wanted(child, values, box, mx + nx * d / 3.0, my + ny * d / 3.0)
+    if rule.at_center and rule.constant == 0.0:
+        g = wanted(child, values, box, rule, mx + nx * d / 3.0, my + ny * d / 3.0)
         if abs(g - f) > 0.1 * f:
             counts[MOVED] += 1
         f = g
@@ -267,10 +279,10 @@ def case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts):
 
 
 @inline
-def last_resort(xy, vertex, twin, mark, t, child, values, box, stack, cells, rim, counts):
+def last_resort(xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts):
     """Try the circumcenter of triangle t: (outcome, m, k, place in the rim, x, y, f)."""
     square, x, y, gx, gy = circle(xy, vertex, t)
-    f = wanted(child, values, box, gx, gy)
+    f = wanted(child, values, box, rule, gx, gy)
     if square == inf:
         return ROUNDED, 0, 0, -1, x, y, f
     outcome, m, k, i = attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts)
@@ -281,14 +293,14 @@ def last_resort(xy, vertex, twin, mark, t, child, values, box, stack, cells, rim
 
 @lean
 def advance(
-    xy, vertex, twin, mark, region, where, state, links, gates, child, values, box, child2, values2, box2,
-    rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
+    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
+    box2, rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
 ):  # fmt: skip
     """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split half-edge ``ask[0]``."""
     for _ in range(limit):
         if state[VERTICES] >= len(xy) or state[COUNT] + 4 > len(links):
             return ROOM
-        t = np.int64(top(gates))
+        t = np.int64(next_slot(links, gates, turn, rule.last_first))
         if t < 0:
             return DONE
         tried, to_split = 0, np.int64(-1)
@@ -308,7 +320,7 @@ def advance(
                     c = -1 if mark[e] >= 0 else vertex[twin[e]]
             else:
                 outcome, m, k, i, x, y, f = last_resort(
-                    xy, vertex, twin, mark, t, child, values, box, stack, cells, rim, counts
+                    xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts
                 )
                 case = 1 << CENTERS
             if outcome != INSERTED:
@@ -322,8 +334,8 @@ def advance(
             xy[v, 0], xy[v, 1] = x, y
             commit(vertex, twin, mark, region, where, state, cells, m, rim, k, v, hold, fresh)
             settle(
-                xy, vertex, twin, mark, region, links, gates, child, values, box, child2, values2, box2,
-                rule, fresh, k,
+                xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule,
+                fresh, k,
             )  # fmt: skip
             if len(log) > 0:
                 log[v, 0], log[v, 1], log[v, 2], log[v, 3], log[v, 4] = a, b, c, w, case

@@ -12,7 +12,7 @@ from ..sizing import as_size
 from . import voronoi_segment_kernel as k
 from .cavity2 import blocked_by, commit_split, find_split
 from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
-from .front_queue import ASIDE, STATUS, WAITING, empty_queue, grown_links, unlink
+from .front_queue import ACCEPTED, ASIDE, STATUS, WAITING, empty_queue, grown_links, unlink
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -50,14 +50,16 @@ class Run:
     ):
         self.domain, self.complex = domain, complex_
         lower, upper = domain.bounds
-        self.table = as_size(size).table(lower, upper, factor=complex_.factor).nodes
+        field = as_size(size)
+        self.table = field.table(lower, upper, factor=complex_.factor).nodes
         self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
         if priority is not None:
             measure = 1.0 if isinstance(priority, str) else priority
             self.order, buckets = as_size(measure).table(lower, upper, factor=complex_.factor).nodes, MANY
             scale *= (self.table.values.min() / self.order.values.max()) ** 2
-        self.rule = rule._replace(scale=float(scale))
-        self.links, self.gates = empty_queue(0, buckets)
+        constant = 0.0 if field.constant is None else self.table.values[0, 0] / k.ROOT3
+        self.rule = rule._replace(scale=float(scale), constant=float(constant))
+        self.links, self.gates, self.turn = empty_queue(0, buckets)
         self.counts = np.zeros(k.COUNTS, dtype=np.int64)
         self.ask = np.zeros(1, dtype=np.int64)
         self.first = complex_.size  # vertices from here on are new
@@ -85,11 +87,11 @@ class Run:
 
     @property
     def _sizes(self) -> tuple[Any, ...]:
-        return self.links, self.gates, *self.table, *self.order, self.rule
+        return self.links, self.gates, self.turn, *self.table, *self.order, self.rule
 
     def insert(self, budget: int | None, bar: Any) -> None:
         """Insert points until no waiting triangle is left at the front, or the budget is spent."""
-        k.start(*self._plane, self.complex.state, *self._sizes)
+        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes)
         self.advance(budget, bar)
 
     def advance(self, budget: int | None, bar: Any) -> None:
@@ -137,7 +139,10 @@ class Run:
             c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
             e, cells, m, rim, n, h, p, t, hold, fresh,
         )  # fmt: skip
-        k.settle(*self._plane, *self._sizes, fresh, n)
+        inside = c.region[fresh[:n]] >= 0
+        self.links[fresh[:n][~inside], STATUS] = ACCEPTED
+        seen = fresh[:n][inside]
+        k.settle(c.xy, c.vertex, c.twin, c.mark, *self._sizes, seen, len(seen))
         self.counts[k.SPLITS] += 1
         return True
 
@@ -146,8 +151,8 @@ class Run:
     def restart(self) -> None:
         """Look at all triangles anew: which are accepted, which wait at the front."""
         self.reserve(self.complex.size)
-        self.links, self.gates = empty_queue(len(self.complex.region), len(self.gates))
-        k.start(*self._plane, self.complex.state, *self._sizes)
+        self.links, self.gates, self.turn = empty_queue(len(self.complex.region), len(self.gates) // 2)
+        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes)
 
     def finish(self, budget: int | None) -> dict[str, Any]:
         """The finishing pass; what `result` is to report of it."""
@@ -253,4 +258,4 @@ def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool
             f"priority = {priority!r} must be 'alpha', 'circumradius' or a size to divide the circumradius by"
         )
     general = priority is not None and not (isinstance(priority, str) and priority == "alpha")
-    return k.Rule(float(accept), general, 1.0, evaluate == "center", order == "last", bool(split))
+    return k.Rule(float(accept), general, 1.0, evaluate == "center", order == "last", bool(split), 0.0)
