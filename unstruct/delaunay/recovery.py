@@ -9,7 +9,7 @@ split at distances that are powers of two. Pieces of equal length never cut each
 on each piece keeps its distance from the apex: so shells at all apices always end.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585 (midpoints, shells, lower bounds on lengths); H.
-Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-223 (how many points it may take).
+Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-213 (how many points it may take).
 Book: 2.4b.
 """
 
