@@ -7,6 +7,7 @@ import pytest
 
 from unstruct import Domain, voronoi_segment
 from unstruct.delaunay.voronoi_segment import CASES
+from unstruct.distance import SegmentTree
 from unstruct.examples import running_region, running_size
 from unstruct.plain import rebay
 from unstruct.plain import rebay_step as rs
@@ -133,3 +134,23 @@ def test_plain_and_fast_reach_the_same_quality():
     assert abs(len(last.points) - len(fast.points)) <= 0.06 * len(fast.points)
     radii = [rebay.circumradius(last.points, cell) for cell in last.cells]
     assert np.mean(np.array(radii) < 1.35 * size / sqrt(3)) > 0.97
+
+
+# ---- the theorem of the book ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", ["first", "last"])
+@pytest.mark.parametrize("accept", [1.1, 1.2, 1.35, 1.41, 1.5, 1.8])
+def test_edges_and_angles_away_from_the_boundary(accept, order):
+    """No edge is shorter than m f, m = min(sqrt 2, delta), and no angle less than arcsin(m / 2 delta)."""
+    shortest = min(sqrt(2), accept)
+    bound = np.degrees(np.arcsin(shortest / (2 * accept)))
+    domains = [(Domain(*running_region(h)), h) for h in (0.045, 0.06)] + [(Domain.disc(), 0.08)]
+    for domain, h in domains:
+        mesh = voronoi_segment(domain, h, accept=accept, finish=False, order=order)
+        far = SegmentTree(mesh.points[mesh.boundary]).distance(mesh.points) > 1.2 * h
+        ends = mesh.points[mesh.edges[far[mesh.edges].all(axis=1)]]
+        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) * sqrt(3) / h
+        assert len(lengths) > 100 and lengths.min() >= shortest * (1 - 1e-12)
+        cells = mesh.select(far[mesh.simplices].all(axis=1))
+        assert cells.quality("min_angle").min() >= bound * (1 - 1e-12)
