@@ -102,7 +102,7 @@ def center(points: list[Point], cell: Cell) -> Point:
     """The circumcenter."""
     a, b, c = ((points[v][0], points[v][1]) for v in cell)
     found = circumcenter(a, b, c)
-    assert found is not None, "cells of a Delaunay triangulation are not flat"
+    assert found is not None, "Delaunay cells are never flat"
     return found
 
 
