@@ -25,10 +25,11 @@ __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FINE = np.radians(2.5)  # curves are looked at in steps that turn by no more than this, where possible
+FINE = np.radians(6.0)  # curves are looked at in steps that turn by no more than this, where possible
 ROUNDS = 12  # of halving: a kink in a curve never gets there
 AROUND = np.pi / 2  # a curve that has turned by more is another feature of itself
-FIRST = 1e-3  # the first radius looked at, relative to the whole region
+FIRST = 1 / 16  # the first radius looked at is larger than the least distance by so much of it, and at least
+LEAST = 1e-3  # by so much of the whole region; then by twice as much, and so on
 
 
 class Chain(NamedTuple):
@@ -43,7 +44,7 @@ def _chain(domain: Domain, piece: int, fine: float = FINE) -> Chain:
     """A straight piece whole; a curve in steps fine enough for its turns."""
     if piece not in domain.curves:
         return Chain(domain.points[domain.pieces[piece]], np.zeros(1), 0.0)
-    t = np.linspace(0.0, 1.0, 33)
+    t = np.linspace(0.0, 1.0, 17)
     for _ in range(ROUNDS):
         joint = _joints(domain.at(piece, t))
         steep = np.maximum(np.append(joint, 0.0), np.insert(joint, 0, 0.0)) > fine
@@ -124,9 +125,14 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, nearest, sp
     groups, least, most = np.empty_like(found), np.empty_like(away), np.empty_like(away)
     for q in range(x.shape[0]):
         limit = nearest[q] + span  # every feature is nearer
-        radius = 2.0 * nearest[q] + FIRST * span
+        more = FIRST * nearest[q] + LEAST * span
+        if q > 0 and result[q - 1] < np.inf:  # near the last point its own size, plus the way, is enough
+            way = np.hypot(x[q, 0] - x[q - 1, 0], x[q, 1] - x[q - 1, 1])
+            if way < 0.5 * result[q - 1]:
+                more = max(more, (result[q - 1] + way) * (1.0 + 1e-12) - nearest[q])
         result[q] = np.inf
         while result[q] == np.inf:
+            radius = nearest[q] + more
             count = 0
             top = 1
             stack[0] = 1
@@ -153,7 +159,7 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, nearest, sp
                 result[q] = away[rank[b]]
             if radius > limit:
                 break
-            radius *= 2.0
+            more *= 2.0
 
 
 class FeatureSize:
@@ -211,7 +217,7 @@ def local_feature_size(domain: Domain, x: ArrayLike) -> Array:
     -----
     Features are the vertices, the straight pieces, and the curves. Two vertices are never adjacent; a vertex
     is adjacent to the pieces that end in it, and two pieces to each other where they share an end: so a
-    sharp corner between two pieces does not make the size zero. A curve is cut into steps of at most 2.5
+    sharp corner between two pieces does not make the size zero. A curve is cut into steps of at most 6
     degrees of turn (that is the accuracy), which are adjacent to one another while it turns by less than 90
     degrees between them; then it counts as another feature of itself. In the same way a curve is adjacent to
     what it starts from only for its first 90 degrees. A minimum, over fixed pairs, of the larger of two
@@ -239,7 +245,8 @@ def from_features(domain: Domain, fraction: float = 0.5, *, far: float | None = 
     Returns
     -------
     SizeField
-        Evaluated at the asked points themselves, not interpolated.
+        Evaluated at the asked points themselves, not interpolated. The vertices of a domain are features: a
+        polygon with many short sides asks for cells of their length.
 
     Raises
     ------

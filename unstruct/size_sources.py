@@ -220,7 +220,7 @@ def limited(
     corners, values = table.corners()
     tree = SegmentTree(corners, values)
     # only corners that are not overruled by another one matter, and only those need a second look
-    kept = tree.least(corners, growth)[0] >= values * (1 - 1e-12)
+    kept = tree.least(corners, growth, values * (1 - 1e-12))[1] < 0
     tree = SegmentTree(corners[kept], values[kept])
     return SizeField(
         lambda x: tree.least(x, growth, field(x))[0],
