@@ -5,10 +5,11 @@ Nothing here looks at good triangles more than once: what it costs follows the n
 
 from __future__ import annotations
 
-from math import degrees
+from math import asin, degrees, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .encroachment2 import FREE_VERTEX, INPUT_VERTEX
 from .refinement_account import account
@@ -16,7 +17,7 @@ from .refinement_limits import make_limits
 from .refinement_run import Planned
 from .refinement_run import Run as Refinement
 from .refinement_state import BUDGET, MORE
-from .relocation2 import fill_at, improve, mark_poor, survey
+from .relocation2 import fill_at, improve, survey
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -33,12 +34,14 @@ PASSES = 3  # of refinement and smoothing
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
 
 
-def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int]:
+def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int, dict[str, float]]:
     """Move vertices of poor triangles in place; those below number ``given`` and on segments stay.
 
     Returns
     -------
     moves, swaps : int
+    before : dict of str to float
+        The `figures` of the mesh as it was.
     """
     c = complex_
     n, count = c.size, c.triangles
@@ -48,10 +51,11 @@ def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int]:
     still[:given] = True
     still[c.ends[: c.segments].ravel()] = True
     stack, counts = c.scratch()[0], np.zeros(2, dtype=np.int64)
+    before: dict[str, float] = {}
     for threshold, patterns, rounds in ROUNDS:
         todo = np.zeros(n, dtype=bool)
-        if mark_poor(c.xy, c.vertex, c.region, count, threshold, todo) == 0:
-            break
+        found = _survey(c, threshold, todo)
+        before = before or _named(found)
         for _ in range(rounds):
             moves = 0
             for start in range(0, n, CHUNK):
@@ -61,19 +65,26 @@ def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int]:
                 )  # fmt: skip
             if moves == 0:
                 break
-    return int(counts[0]), int(counts[1])
+    return int(counts[0]), int(counts[1]), before
 
 
 def figures(complex_: PlanarComplex) -> dict[str, float]:
-    """Least angle in degrees, least and mean 2 r / R of the triangles of the domain."""
-    c = complex_
-    found = np.zeros(4)
-    survey(c.xy, c.vertex, c.region, c.triangles, found)
+    """Number of triangles of the domain, least angle in degrees, least and mean 2 r / R."""
+    return _named(_survey(complex_, 0.0, np.zeros(complex_.size, dtype=bool)))
+
+
+def _survey(c: PlanarComplex, threshold: float, todo: NDArray[np.bool_]) -> NDArray[np.float64]:
+    found = np.zeros(5)
+    survey(c.xy, c.vertex, c.region, c.triangles, threshold, todo, found)
+    return found
+
+
+def _named(found: NDArray[np.float64]) -> dict[str, float]:
     return {
-        "triangles": found[0],
-        "least angle": degrees(np.arcsin(np.sqrt(min(found[3], 0.75)))),
-        "least 2r/R": found[2],
-        "mean 2r/R": found[1] / max(found[0], 1),
+        "triangles": float(found[0]),
+        "least angle": degrees(asin(sqrt(min(found[3], 0.75)))),
+        "least 2r/R": float(found[2]),
+        "mean 2r/R": float(found[1] / max(found[0], 1.0)),
     }
 
 

@@ -2,9 +2,11 @@
 
 The measure is the square of R / f (or of another quotient alpha). Two buckets an octave are as good as an
 exact order, and need neither a heap nor stale entries: a triangle that goes away is unlinked at once.
-Within a bucket the first in is the first out, so that the front advances evenly on all sides. In a large mesh
-the whole front does not fit into the processor's cache; so a *batch* of neighbors, as they stand in the line,
-advances for some generations among themselves, before the rest of it goes to the end of the line.
+Within a bucket the first in is the first out, so that the front advances evenly to all sides, but only among
+a *batch*: some neighbors in the line, which advance together for some generations before what is left of them
+goes back to the beginning of the line. So the work stays where the processor's cache has it; a plain queue
+takes nearly twice the time for a million triangles, and a plain stack, which lets thin fingers grow, leaves
+three to five times as much of imperfection.
 
 ``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
 empty; the second half of the buckets is that of the batch, ``turn[0]`` its steps left plus one.
@@ -24,7 +26,7 @@ from .compiled import grown
 STATUS, LEVEL, AHEAD, BEHIND = 0, 1, 2, 3
 # What is known of a slot; a status >= 0 is the bucket in which it waits.
 WAITING, ASIDE, ACCEPTED = -1, -2, -3  # too large, not at the front · given up · small enough, or outside
-BATCH, GENERATIONS = 256, 12
+BATCH, GENERATIONS = 64, 12
 HALF = 0.7071067811865476
 
 
@@ -100,13 +102,13 @@ def unlink(links, gates, slot, status):
 
 @lean
 def end_batch(links, gates, turn):
-    """Put what is left of a batch at the end of the line."""
+    """Put what is left of a batch back to the beginning of the line, in its order."""
     half = len(gates) // 2
     for b in range(half):
-        while gates[half + b, 0] >= 0:
-            slot = np.int64(gates[half + b, 0])
+        while gates[half + b, 1] >= 0:
+            slot = np.int64(gates[half + b, 1])
             unlink(links, gates, slot, WAITING)
-            append(links, gates, slot, b, False)
+            append(links, gates, slot, b, True)
     turn[0] = 0
 
 

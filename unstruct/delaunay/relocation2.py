@@ -147,8 +147,8 @@ def mark_star(vertex, twin, e, todo):
 def improve(xy, vertex, twin, mark, where, at, still, todo, threshold, patterns, start, stop, stack, counts):
     """Look at the vertices ``start <= v < stop`` that are to be looked at, and move those that gain.
 
-    Each goes to the mean of its neighbors, and a little farther, if that makes the worst triangle of its star better (a *smart*
-    Laplace step), or, with ``patterns``, to the best place that a pattern search finds. A star whose
+    Each goes to the mean of its neighbors, and a little farther, if its star is `better` then (a *smart*
+    Laplace step), or else, with ``patterns``, to the best place that a pattern search finds. A star whose
     triangles are all beyond ``threshold`` is left alone. Vertices around a move are looked at again.
     ``counts``: moves, swaps.
     """
@@ -180,30 +180,25 @@ def improve(xy, vertex, twin, mark, where, at, still, todo, threshold, patterns,
 
 
 @lean
-def mark_poor(xy, vertex, region, count, threshold, todo):
-    """Put the ats of all triangles below the threshold on the list; how many triangles there are."""
-    poor = 0
-    for t in range(count):
-        if region[t] >= 0:
-            a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-            q, _ = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
-            if q < threshold:
-                todo[a] = todo[b] = todo[c] = True
-                poor += 1
-    return poor
+def survey(xy, vertex, region, count, threshold, todo, found):
+    """Look at all triangles, and put the corners of those with 2 r / R below the threshold on the list.
 
-
-@lean
-def survey(xy, vertex, region, count, found):
-    """Write the number of triangles, the sum and the least of 2 r / R, the least squared sine of an angle."""
-    found[0], found[1], found[2], found[3] = 0.0, 0.0, 1.0, 1.0
+    ``found`` gets the number of triangles, the sum and the least of 2 r / R, the least squared sine of an
+    angle, and how many are below the threshold.
+    """
+    total = poor = cells = 0.0
+    least = sine = 1.0
     for t in range(count):
         if region[t] >= 0:
             a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
             q, s = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
-            found[0] += 1.0
-            found[1] += q
-            found[2], found[3] = min(found[2], q), min(found[3], s)
+            cells += 1.0
+            total += q
+            least, sine = min(least, q), min(sine, s)
+            if q < threshold:
+                todo[a] = todo[b] = todo[c] = True
+                poor += 1.0
+    found[0], found[1], found[2], found[3], found[4] = cells, total, least, sine, poor
 
 
 @lean

@@ -157,34 +157,35 @@ class Run:
     def finish(self, budget: int | None) -> dict[str, Any]:
         """The finishing pass; what `result` is to report of it."""
         c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
-        before = figures(c)
         done = dict.fromkeys(FINISH_NAMES, 0)
-        slots: list[int] = []
-        reasons: list[str] = []
+        before: dict[str, float] = {}
         for number in range(PASSES + 1):
             if number < PASSES:  # the last one refines only, so that the list is that of the result
-                moves, swaps = smooth_poor(c, self.first)
+                moves, swaps, measured = smooth_poor(c, self.first)
+                before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
             self.restart()
             counted, size = self.counts.copy(), c.size
             self.advance(budget, None)  # where a triangle has become too large again
             done["points again"] += c.size - size
-            self.counts = counted
-            slots, reasons, changed = [], [], c.size > size
-            if figures(c)["least angle"] < LEAST:
+            self.counts, after = counted, figures(c)
+            changed = c.size > size
+            slots: list[int] = []
+            reasons: list[str] = []
+            if after["least angle"] < LEAST:
                 found, slots, reasons = refine_angles(self.domain, c, self.first, most)
                 done["angle points"] += found["circumcenters"]
                 done["angle splits"] += found["splits"]
                 done["removed"] += found["removed"]
-                changed |= found["circumcenters"] + found["splits"] > 0
+                if found["circumcenters"] + found["splits"] > 0:
+                    changed, after = True, figures(c)
                 self.restart()
             if not changed:
                 break
-        after = figures(c)
-        measured = {f"{name} before": x for name, x in before.items()}
-        measured |= {f"{name} after": x for name, x in after.items()}
-        return {"counts": done, "figures": measured, "slots": slots, "reasons": reasons}
+        kept = {f"{name} before": x for name, x in before.items()}
+        kept |= {f"{name} after": x for name, x in after.items()}
+        return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
 
     # ------------------------------------------------------------------ the account
 
