@@ -24,7 +24,17 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from regions import KINDS
 
-from unstruct import Domain, Mesh, UnstructError, check, constrained_delaunay, refine
+from unstruct import (
+    Domain,
+    Mesh,
+    UnstructError,
+    check,
+    conforming_delaunay,
+    constrained_delaunay,
+    insert_without_breaking,
+    refine,
+    skeleton_points,
+)
 from unstruct.jit import kernel
 from unstruct.predicates import incircle, orient2, scaled
 
@@ -152,7 +162,40 @@ def constrained(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, st
     return "constrained_delaunay", mesh, quick(mesh, domain)
 
 
+def conforming(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """Midpoints and shells until the boundary is there by itself: then Delaunay across every segment."""
+    test = ("missing", "gabriel")[rng.integers(2)]
+    shells = ("auto", True, False)[rng.integers(3)]
+    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    size = extent * 10.0 ** -rng.uniform(0.3, 1.3) if rng.random() < 0.3 else None
+    mesh = conforming_delaunay(domain, size, test=test, shells=shells, budget=BUDGET // 10)
+    fault = quick(mesh, domain)
+    if mesh.complete and not fault:
+        points, _ = scaled(mesh.points)
+        kind, cell = first_fault(points, mesh.simplices, mesh.neighbors, np.zeros((mesh.size, 3), dtype=bool))
+        fault = f"complete, but {FAULTS[kind]} across a segment at cell {cell}" if kind else ""
+    elif not fault and (len(mesh.missing) == 0 or not all(mesh.why)):
+        fault = "not complete, and it does not say why"
+    why = "complete" if mesh.complete else " + ".join(sorted({w.split(" of ")[0][-24:] for w in mesh.why}))
+    return f"conforming {test}, shells {shells}: {why}", mesh, fault
+
+
+def guarded(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """Points thrown at the box of the domain, those that would break its boundary turned away; a skeleton."""
+    low, high = domain.bounds
+    points = rng.uniform(low, high, (60, 2))
+    result = insert_without_breaking(domain, points)
+    fault = quick(result.mesh, domain)
+    went = result.vertex >= 0
+    if not (result.mesh.points[result.vertex[went]] == points[went]).all():
+        fault = fault or "a point is not where it was given"
+    skeleton = skeleton_points(domain, float((high - low).max()) / 8)
+    return "guarded", result.mesh, fault or quick(skeleton.mesh, domain)
+
+
 WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
+    "conforming": conforming,
+    "guarded": guarded,
     "refine": refined,
     "constrained": constrained,
 }
