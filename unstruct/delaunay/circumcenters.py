@@ -30,6 +30,7 @@ __all__ = ["circumcenter_insertion"]
 
 CHUNK = 20_000  # insertions a kernel call: a fraction of a second
 MOST = 1_000_000  # insertions, where nothing but a limit of shape could end the run
+SHORTEST = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
 STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
 
 
@@ -211,13 +212,15 @@ class _Run:
         k = self.complex
         stack, cells, rim, hold, fresh = self.scratch
         s = int(k.mark[e])
+        a, b = k.xy[k.ends[s]]
         piece, middle, p = int(k.piece[s]), float(k.span[s].mean()), k.size
         if piece in self.domain.curves:
             point = self.domain.at(piece, [middle])[0] * k.factor
         else:
-            point = k.xy[k.ends[s]].mean(axis=0)
+            point = (a + b) / 2
         m, n, h = find_split(k.xy, k.vertex, k.twin, k.mark, e, *point, stack, cells, rim)
-        if m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, rim, n, *point) >= 0:
+        short = np.hypot(*(b - a)) < SHORTEST
+        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, rim, n, *point) >= 0:
             self.why[t] = REFUSED
             put(self.tree, t, NONE)
             return
