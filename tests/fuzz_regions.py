@@ -29,10 +29,12 @@ from unstruct import (
     Mesh,
     UnstructError,
     check,
+    circumcenter_insertion,
     conforming_delaunay,
     constrained_delaunay,
     insert_without_breaking,
     refine,
+    simplex,
     skeleton_points,
 )
 from unstruct.jit import kernel
@@ -193,7 +195,39 @@ def guarded(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     return "guarded", result.mesh, fault or quick(skeleton.mesh, domain)
 
 
+def centers(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """Circumcenters of worst triangles, by a size or by a limit: exactly those that miss it must be listed."""
+    boundary = ("split", "keep")[rng.integers(2)]
+    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    name = ("circumradius", "alpha", "radius_edge", "min_angle", "radius_ratio", "area")[rng.integers(6)]
+    if name == "min_angle" and rng.random() < 0.5:
+        goal: dict[str, Any] = {"limit": float(rng.choice([10.0, 20.0, 30.0])), "budget": 2000}
+    else:
+        goal = {
+            "size": extent * 10.0 ** -rng.uniform(0.5, 1.5),
+            "step": float(rng.choice([0.75, 2.0, 100.0])),
+        }
+    mesh = circumcenter_insertion(domain, priority=name, boundary=boundary, **goal)
+    if "size" in goal:
+        missed = 3**0.5 * simplex.circumradius(mesh.corners) / goal["size"] - 1
+    else:
+        missed = goal["limit"] - mesh.quality("min_angle")
+    said = np.zeros(mesh.size, dtype=bool)
+    said[mesh.unrefined] = True
+    wrong = (missed > 1e-6) & ~said | (missed < -1e-6) & said
+    fault = quick(mesh, domain) or (
+        f"cell {int(np.argmax(wrong))} is wrongly listed or not" if wrong.any() else ""
+    )
+    reasons = " + ".join(sorted({reason[-16:] for reason in mesh.reasons.tolist()}))
+    return (
+        f"centers {boundary}, {'size' if 'size' in goal else 'limit'}: {reasons or 'complete'}",
+        mesh,
+        fault,
+    )
+
+
 WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
+    "centers": centers,
     "conforming": conforming,
     "guarded": guarded,
     "refine": refined,
