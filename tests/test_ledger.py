@@ -13,7 +13,17 @@ EVIDENCE = {"derived", "exact", "property-tested", "counterexample", "measured",
 WITHOUT_CELL = {"historical", "unverified"}
 NEEDS_CORRECTION = {"needs-assumption", "false", "misprint", "vague"}
 # How many rows each section of the source chapter has, numbered from 1 without gaps.
-ROWS = {"12.1": 2, "12.2": 15, "12.2.1": 12, "12.2.2": 15, "12.2.3": 2, "12.2.4": 26, "12.2.5": 14, "12.6": 1}
+ROWS = {
+    "12.1": 2,
+    "12.2": 15,
+    "12.2.1": 12,
+    "12.2.2": 15,
+    "12.2.3": 2,
+    "12.2.4": 26,
+    "12.2.5": 14,
+    "12.2.6": 40,
+    "12.6": 1,
+}
 
 
 def cells_of_claims() -> dict[str, list[str]]:
