@@ -196,7 +196,7 @@ def guarded(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
 
 
 def centers(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
-    """Circumcenters of worst triangles, by a size or by a limit: exactly those that miss it must be listed."""
+    """Circumcenters of worst triangles, by a size or a limit: exactly those that miss it must be listed."""
     boundary = ("split", "keep")[rng.integers(2)]
     extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
     name = ("circumradius", "alpha", "radius_edge", "min_angle", "radius_ratio", "area")[rng.integers(6)]
