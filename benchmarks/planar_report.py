@@ -51,7 +51,7 @@ def table(rows: list[Row], work: str) -> str:
             continue
         for peer, row in case.items():
             value = ratio(case, peer)
-            told = "" if peer == OURS else f"{value:.2f}" if value < 10 else f"{value:.0f}"
+            told = "" if peer in (OURS, RAW) else f"{value:.2f}" if value < 10 else f"{value:.0f}"
             cells = [kind, short(n), peer, str(row["cells"]), figures(speed(row) / 1e3)]
             cells.append(f"**{told}**" if told and value < 1 else told)
             if quality:

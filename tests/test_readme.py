@@ -14,7 +14,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_taste_runs(tmp_path: Path) -> None:
-    (code,) = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    code, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     assert 8 <= len([line for line in code.splitlines() if line.strip()]) <= 13
     result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
@@ -22,6 +22,16 @@ def test_the_taste_runs(tmp_path: Path) -> None:
     assert 0 < float(degrees) < 60
     assert re.fullmatch(r"\d+ tetrahedra, total volume 512\.0", cubes)
     assert (tmp_path / "points.vtu").stat().st_size > 100_000
+
+
+def test_the_region_is_meshed() -> None:
+    _, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    *figures, last = result.stdout.splitlines()
+    assert any(line.startswith("mean 2r/R") and float(line.split()[-1]) > 0.95 for line in figures)
+    complete, degrees = last.split()
+    assert complete == "True" and float(degrees) >= 30.0
 
 
 def test_links_lead_somewhere() -> None:
