@@ -124,7 +124,8 @@ class Domain(Constructors):
             self._resolve()
         faults = find_faults(self)
         if faults:
-            more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+            rest = len(faults) - 1
+            more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
             raise InputError(faults[0].text + more)
         check_ends(self)
         _ = self._coarse
