@@ -41,8 +41,8 @@ def periodic_circumcenters(
         The first points, taken modulo 1; no disk of radius 1/4 may be without one.
     size : float or function of points (k, 2), optional
         The wanted edge length h: triangles with sqrt(3) R >= h(Q) are bad, Q the circumcenter modulo 1.
-    priority, limit, budget, history
-        As for `circumcenter_insertion`.
+    priority, limit, budget, history : optional
+        As for `circumcenter_insertion`; without a budget at most 10^7 points are inserted.
 
     Returns
     -------
