@@ -17,8 +17,8 @@ from unstruct.delaunay.insertion import delaunay
 from unstruct.delaunay.recovery import conforming_delaunay
 from unstruct.delaunay.swapping import swap_diagonals
 from unstruct.domain import Domain
-from unstruct.errors import InputError
-from unstruct.examples import running_region
+from unstruct.errors import InputError, MeshError
+from unstruct.examples import flip_at_random, running_region
 from unstruct.mesh import Mesh
 from unstruct.plain import bowyer_watson as bw
 from unstruct.plain import conforming as plain
@@ -87,8 +87,7 @@ def vertices(mesh):
 def conforms(mesh, domain):
     """Complete, valid, and every subsegment an edge of a Delaunay triangulation of all vertices."""
     assert mesh.complete and len(mesh.missing) == 0
-    assert check(mesh, delaunay="constrained")
-    np.testing.assert_allclose(mesh.volume, domain.area, rtol=1e-9)
+    assert check(mesh, domain=domain, delaunay="constrained")
     for name in ("facets", "inner"):
         edges = {frozenset(e) for e in mesh.edges.tolist()}
         assert {frozenset(e) for e in mesh.markers[name].tolist()} <= edges
@@ -132,7 +131,7 @@ def test_the_same_points_as_the_plain_rounds(test, seed):
 
 
 @given(st.integers(0, 10**6), st.integers(2, 6))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_random_inner_segments(seed, count):
     rng = np.random.default_rng(seed)
     points = np.unique(rng.integers(1, 40, (2 * count, 2)), axis=0).astype(float)
@@ -223,7 +222,7 @@ def test_the_run_follows_the_forced_states(name):
 def test_two_lengths_at_equal_angles(n):
     """Such a fan never ends exactly if max(r, 1 / 2r) < cos(360 / n), r in (1/2, 1]: from ten spokes on."""
     looping = 0
-    for ratio in np.linspace(0.51, 1.0, 50):
+    for ratio in np.linspace(0.51, 1.0, 25):
         limit = max(ratio, 1 / (2 * ratio)) - cos(2 * pi / n)
         if abs(limit) > 1e-9:
             spokes = equal_fan(n, ratio)
@@ -233,7 +232,7 @@ def test_two_lengths_at_equal_angles(n):
 
 
 @given(st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=9, unique=True))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_fans_are_judged_alike(spokes):
     directions = {(Fraction(x, abs(x) + abs(y)), Fraction(y, abs(x) + abs(y))) for x, y in spokes if x or y}
     assume((0, 0) not in spokes and len(directions) == len(spokes))
@@ -357,10 +356,27 @@ def test_a_constrained_delaunay_mesh_has_nothing_to_swap(seed):
     domain = Domain.polygon(random_polygon(rng, 14))
     mesh = constrained_delaunay(domain)
     assert len(swap_diagonals(mesh, history=True)[1]) == 0
-    shaken = Mesh(mesh.points, mesh.simplices, markers={"facets": mesh.markers["facets"]})
+    shaken = Mesh(
+        mesh.points, flip_at_random(mesh, 200, seed).simplices, markers={"facets": mesh.markers["facets"]}
+    )
     after = swap_diagonals(shaken)
     marked = {frozenset(e) for e in mesh.markers["facets"].tolist()}
     assert marked <= {frozenset(e) for e in after.edges.tolist()}
+    assert check(after, delaunay="constrained")
+
+
+@pytest.mark.parametrize("name", FANS)
+def test_swaps_leave_inner_segments_alone(name):
+    """The spokes as constraints: nothing to swap; without the marks some of them go; with them, none."""
+    mesh = constrained_delaunay(fan_domain(FANS[name]))
+    assert len(swap_diagonals(mesh, history=True)[1]) == 0
+    spokes = {frozenset(e) for e in mesh.markers["inner"].tolist()}
+    free = swap_diagonals(Mesh(mesh.points, mesh.simplices))
+    assert not spokes <= {frozenset(e) for e in free.edges.tolist()}
+    kept = swap_diagonals(Mesh(mesh.points, mesh.simplices, markers={"wall": mesh.markers["inner"]}))
+    assert spokes <= {frozenset(e) for e in kept.edges.tolist()}
+    with pytest.raises(MeshError, match="no edge of the mesh"):
+        swap_diagonals(Mesh(free.points, free.simplices, markers={"wall": mesh.markers["inner"]}))
 
 
 def test_delaunay_of_the_vertices_shows_the_boundary():

@@ -74,8 +74,7 @@ def split_all(
     """Split the subsegments ``rows`` at ``points`` (parameters ``t``); vertices are numbered from ``first``.
 
     ``refused[i]`` where a split would touch or cross something; nothing has changed there. ``touched`` gets
-    each subsegment that lies on a new triangle once (``stamp`` knows by ``now``); returned is their number,
-    and that of the new vertices.
+    each subsegment that lies on a new triangle once (``stamp`` knows by ``now``); returned is their number.
     """  # fmt: skip
     count, made = 0, 0
     for i in range(len(rows)):
@@ -99,4 +98,4 @@ def split_all(
                     stamp[s] = now
                     touched[count] = s
                     count += 1
-    return count, made
+    return count

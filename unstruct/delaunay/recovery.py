@@ -35,6 +35,9 @@ __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
 FLOOR = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
 DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells there
+CHUNK = 100_000  # splits a kernel call: a fraction of a second
+SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
+TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would touch or cross another piece"
 SHARP = np.cos(np.pi / 3)  # pieces at a larger angle than 60 degrees cannot cut each other for ever
 
 
@@ -104,7 +107,7 @@ def conforming_delaunay(
         Whether pieces that meet at less than 60 degrees are split on concentric shells about their vertex
         instead of in the middle. "auto": where midpoints provably never end, or have not after 12 halvings.
     budget : int, optional
-        The most new points; by default 10,000 and 20 for each subsegment.
+        The most new points; by default 10,000 and 5 for each subsegment.
     progress : bool
         Show the number of new points.
 
@@ -171,12 +174,14 @@ class _Run:
     ):
         self.domain, self.complex = domain, complex_
         self.test = GABRIEL if test == "gabriel" else MISSING
-        self.budget = 10_000 + 20 * complex_.segments if budget is None else budget
+        self.budget = 10_000 + 5 * complex_.segments if budget is None else budget
         self.curved = np.zeros(len(domain.pieces), dtype=bool)
         self.curved[list(domain.curves)] = True
         self.start = complex_.size
         self.queue = np.arange(complex_.segments, dtype=np.int32)
-        self.why: dict[int, str] = {}  # subsegment -> why it was not split when it was to be
+        self.why = np.zeros(
+            complex_.segments, dtype=np.int8
+        )  # why a subsegment was not split when it was to be
         self.made: list[int] = []
         self.added = np.zeros(len(domain.pieces), dtype=np.int64)
         xy = complex_.xy[: self.start]
@@ -198,31 +203,36 @@ class _Run:
         rows = chosen[: pick(c.xy, c.vertex, c.twin, c.where, self.queue, self.test, chosen)]
         rows = np.sort(rows)
         length = np.linalg.norm(c.xy[c.ends[rows, 0]] - c.xy[c.ends[rows, 1]], axis=1)
-        for s in rows[length < self.floor]:
-            self.why[int(s)] = "it is shorter than 2^-40 of the extent"
-        rows = rows[length >= self.floor]
         left = self.budget - (c.size - self.start)
-        for s in rows[left:]:
-            self.why[int(s)] = f"the budget of {self.budget} points is spent"
+        self.why = np.append(self.why, np.zeros(c.segments - len(self.why), dtype=np.int8))
+        self.why[rows] = 0
+        self.why[rows[length < self.floor]] = SHORT
+        rows = rows[length >= self.floor]
+        self.why[rows[left:]] = SPENT
+        self.queue = rows[:0]
         rows = rows[:left]
-        if len(rows) == 0:
-            self.queue = rows
-            return 0
+        if len(rows):
+            self._split(rows)
+        return len(rows)
+
+    def _split(self, rows: NDArray[np.int32]) -> None:
+        """Split these subsegments, in chunks, so that Ctrl-C is heard."""
+        c, before = self.complex, self.complex.size
         points, t = self._places(rows)
         c.reserve(c.size + len(rows), c.segments + len(rows))
         refused, stamp = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=np.int32)
-        touched, before = np.empty(len(c.ends), dtype=np.int32), c.size
+        touched, count, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.scratch()
         piece = c.piece[rows]
-        count, made = split_all(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, rows,
-            points, t, before, refused, *c.scratch(), stamp, 1, touched,
-        )  # fmt: skip
-        for s in rows[refused]:
-            self.why[int(s)] = "a split would touch or cross another piece"
+        for start in range(0, len(rows), CHUNK):
+            part = slice(start, start + CHUNK)
+            count += split_all(
+                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+                rows[part], points[part], t[part], c.size, refused[part], *scratch, stamp, 1, touched[count:],
+            )  # fmt: skip
+        self.why[rows[refused]] = REFUSED
         self.added += np.bincount(piece[~refused], minlength=len(self.added))
-        self.made.append(int(made))
+        self.made.append(c.size - before)
         self.queue = touched[:count].copy()
-        return int(made)
 
     def _places(self, rows: NDArray[np.int32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where to split: midpoints, or shells where an end is an apex; and the parameters there."""
@@ -281,10 +291,11 @@ class _Run:
         """The result, with its account."""
         c = self.complex
         failing = self.failing()
-        why = [self.why.get(int(s), "") for s in failing]
+        text = {SHORT: TOO_SHORT, SPENT: f"the budget of {self.budget} points is spent", REFUSED: TOO_CLOSE}
+        why = np.array([text.get(code, "") for code in range(4)])[self.why[failing]]
         half = c.where[failing].astype(np.int64)
         slots = np.concatenate([half // 3, c.twin[half] // 3])
-        reasons = np.array([f"a subsegment beside it stays: {text}" for text in why] * 2, dtype=str)
+        reasons = np.tile(np.char.add("a subsegment beside it stays: ", why), 2)
         kept = c.region[slots] >= 0
         slots, first = np.unique(slots[kept], return_index=True)
         counts = {"rounds": len(self.made), "splits": sum(self.made), "missing": len(failing)}
@@ -296,7 +307,7 @@ class _Run:
         inside = (c.region[half // 3] >= 0) | (c.region[c.twin[half] // 3] >= 0)
         row, seen = np.cumsum(inside, dtype=np.int32) - np.int32(1), inside[failing]
         return Conforming(
-            base, missing=row[failing[seen]], why=np.array(why, dtype=str)[seen],
+            base, missing=row[failing[seen]], why=why[seen],
             rounds=np.array(self.made, dtype=np.int64), added=self.added,
             apices=np.flatnonzero(self.used).astype(np.int32), endless=self.endless,
         )  # fmt: skip
@@ -320,6 +331,12 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     length = np.linalg.norm(d, axis=1)
     sharp = (dot > SHARP * length * length[following]) & (following != np.arange(len(tail)))
     candidates = np.unique(tail[sharp]).astype(np.int32)
-    spokes = dict(zip(tail[begin].tolist(), np.split(head, begin[1:])))
-    endless = [v for v in candidates.tolist() if never_ends(c.xy[v], c.xy[spokes[v]], encroached=encroached)]
+    # next to a gap of 180 degrees nothing can be missing for ever
+    gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
+    suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
+    endless = []
+    for v in suspects.tolist():
+        low, high = np.searchsorted(tail, [v, v + 1])
+        if never_ends(c.xy[v], c.xy[head[low:high]], encroached=encroached):
+            endless.append(v)
     return candidates, np.array(endless, dtype=np.int32)
