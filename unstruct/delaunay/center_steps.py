@@ -20,7 +20,8 @@ HIDDEN, ROUNDED, REFUSED = 1, 2, 3  # why a triangle is left as it is
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "its circumcenter cannot be told from the triangle's own edges by doubles",
-    REFUSED: "the edge between it and its circumcenter is too short to be halved in doubles",
+    REFUSED: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
+    "or a vertex lies between chord and curve",
     0: "budget",
 }
 FAR = 4.0  # a center this far away is only a direction (the domain lies within 1)
