@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from regions import KINDS
 from test_jit import run
 
 import unstruct
@@ -248,6 +249,26 @@ def test_records_of_a_split_run() -> None:
     assert all(last[name] == pytest.approx(steps[name][-1], rel=1e-9) for name in last)
     assert len(mesh.markers["crack"]) >= 2 and mesh.origin[:7].tolist() == list(range(7))
     assert (mesh.origin[7:] == -1).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_regions(kind: str) -> None:
+    for seed in range(3):
+        domain = KINDS[kind](np.random.default_rng(seed))
+        size = 0.15 * float(np.ptp(domain.bounds, axis=0).max())
+        for boundary in ("split", "keep"):
+            mesh = circumcenter_insertion(domain, size, boundary=boundary, step=2.0)
+            assert check(mesh, domain=domain, delaunay="constrained")
+            bad = alpha(mesh, size) >= 1 + 1e-9
+            assert set(np.flatnonzero(bad)) <= set(mesh.unrefined.tolist())
+            assert (mesh.reasons != "").all()
+
+
+def test_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    circumcenter_insertion(DOMAINS["square"], 0.1)
+    assert capsys.readouterr().err == ""
+    mesh = circumcenter_insertion(DOMAINS["square"], 0.1, progress=True)
+    assert f"{mesh.counts['circumcenters']} points" in capsys.readouterr().err
 
 
 # ---------------------------------------------------------------------- other definitions of the worst

@@ -67,6 +67,8 @@ def test_bad_input() -> None:
         periodic_delaunay(np.zeros((4, 3)))
     with pytest.raises(InputError, match="budget"):
         periodic_circumcenters(LATTICE)
+    with pytest.raises(InputError, match="-3"):
+        periodic_circumcenters(LATTICE, budget=-3)
 
 
 def test_check_finds_what_is_wrong() -> None:
@@ -175,6 +177,13 @@ def test_budget_tells_the_truth() -> None:
     assert not mesh.complete and set(mesh.reasons) == {"budget"}
     bad = np.flatnonzero(simplex.circumradius(mesh.corners) >= 0.02 / math.sqrt(3))
     assert np.array_equal(mesh.unrefined, bad)
+
+
+def test_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    quiet = periodic_circumcenters(jittered(5), budget=50)
+    assert capsys.readouterr().err == ""
+    loud = periodic_circumcenters(jittered(5), budget=50, progress=True)
+    assert "50 points" in capsys.readouterr().err and np.array_equal(loud.points, quiet.points)
 
 
 def test_large() -> None:

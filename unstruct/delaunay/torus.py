@@ -32,6 +32,7 @@ def periodic_circumcenters(
     limit: float | None = None,
     budget: int | None = None,
     history: bool = False,
+    progress: bool = False,
 ) -> PeriodicMesh:
     """Put points at circumcenters of maximal triangles, on the unit torus: no boundary, no exception.
 
@@ -41,7 +42,7 @@ def periodic_circumcenters(
         The first points, taken modulo 1; no disk of radius 1/4 may be without one.
     size : float or function of points (k, 2), optional
         The wanted edge length h: triangles with sqrt(3) R >= h(Q) are bad, Q the circumcenter modulo 1.
-    priority, limit, budget, history : optional
+    priority, limit, budget, history, progress : optional
         As for `circumcenter_insertion`; without a budget at most 10^7 points are inserted.
 
     Returns
@@ -61,10 +62,12 @@ def periodic_circumcenters(
     if priority is not None and not isinstance(priority, str):
         priority = _wrapped(priority)
     rule = make_rule(field, priority, limit, ([-0.5, -0.5], [1.5, 1.5]))
+    if budget is not None and budget < 0:
+        raise InputError(f"budget must not be negative, but is {budget}")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
     run = _Run(start, rule, history)
-    end = run.advance(len(start.points) + (MOST if budget is None else budget))
+    end = run.advance(len(start.points) + (MOST if budget is None else budget), progress)
     return run.result(end)
 
 
@@ -105,11 +108,15 @@ class _Run:
             self.watch = np.stack([grown_tree(tree, slots) for tree in self.watch])
             self.rows, self.events = grown(self.rows, len(self.xy)), grown(self.events, len(self.xy))
 
-    def advance(self, last: int) -> int:
+    def advance(self, last: int, progress: bool) -> int:
         """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
+        from tqdm.auto import tqdm
+
         end = FULL
+        bar = tqdm(unit=" points", disable=not progress)
         while end == FULL and self.state[VERTICES] < last:
-            stop = min(int(self.state[VERTICES]) + CHUNK, last)
+            before = int(self.state[VERTICES])
+            stop = min(before + CHUNK, last)
             self._reserve(stop)
             room = 2 * len(self.xy) + 8
             stack, spare, fresh = (np.empty(room, dtype=np.int32) for _ in range(3))
@@ -120,6 +127,8 @@ class _Run:
                     stack, frame, spare, fresh, self.rows, self.events,
                 )
             )  # fmt: skip
+            bar.update(int(self.state[VERTICES]) - before)
+        bar.close()
         return end
 
     def result(self, end: int) -> PeriodicMesh:
