@@ -17,6 +17,7 @@ TITLES = {
     "graded": "A wanted edge length that grows from the hole",
 }
 RAW = f"{OURS}, unfinished"
+DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 
 
 def times(rows: list[Row]) -> dict[Case, dict[str, Row]]:
@@ -91,10 +92,18 @@ def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[s
     roles = ["circumcircle", "inserted", "voronoi", "front"]
     figure, axes = plt.subplots(1, len(shown), figsize=(8, 2.9), squeeze=False)
     for ax, (key, names) in zip(axes[0], shown):
-        for style, name in zip(map(role, roles), names):
+        for style, dash, width, name in zip(map(role, roles), DASHES, (2.4, 1.6, 1.6, 1.2), names):
             counts = np.array(cases[key][name]["angles"], dtype=float)
             edges = np.linspace(0.0, 180.0, len(counts) + 1)
-            ax.stairs(100 * counts / counts.sum(), edges, color=style.color, linewidth=1.6, label=name)
+            ax.stairs(
+                100 * counts / counts.sum(),
+                edges,
+                color=style.color,
+                linestyle=dash,
+                linewidth=width,
+                label=name,
+            )
+        ax.set_ylim(0, 1.3 * ax.get_ylim()[1])
         ax.set_title(f"{key[0]}, {short(key[2])} triangles", fontsize=10)
         ax.set_xlim(0, 130)
         ax.set_xticks(range(0, 121, 30))
