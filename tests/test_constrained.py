@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
+from unstruct.check import Report, _spheres, boundary_is_convex
 from unstruct.delaunay import constrained
 from unstruct.delaunay import segments2 as kernels
 from unstruct.delaunay.constrained import complex_of, insert_all, mark_regions, planar_complex
@@ -58,7 +59,7 @@ def same_up_to_ties(points, cells, others, fixed):
     """Exchanging triangulations of cocircular groups, and no more, leads from one to the other."""
     from unstruct.plain.predicates import in_sphere
 
-    closed = {frozenset(edge) for edge in fixed}
+    closed = {frozenset(map(int, edge)) for edge in fixed}
 
     def groups(cells):
         apex = {edge: w for cell in cells for edge, w in plain.corners(cell)}
@@ -427,6 +428,56 @@ def test_a_segment_across_a_hundred_thousand_triangles_is_not_quadratic():
     mesh = hull_mesh(points, [(0, 1)])  # one chain of 25 000 vertices on either side
     assert len(mesh.segments) == 1
     well(mesh)
+
+
+def rows_along(n):
+    """Two rows of points along a segment: each base that is filled cuts off one corner only."""
+    k = (n - 2) // 2
+    upper = np.column_stack([np.arange(n - 2 - k), np.ones(n - 2 - k)])
+    lower = np.column_stack([np.arange(k) + 0.5, -np.ones(k)])
+    return np.concatenate([[(-1.0, 0.0), (n / 2, 0.0)], upper, lower])
+
+
+@pytest.mark.parametrize("make", [rows_along, lambda n: parabola(n)[0]])
+def test_rows_along_a_segment_are_not_quadratic(make):
+    well(hull_mesh(make(1000), [(0, 1)]))
+    mesh = hull_mesh(make(100_000), [(0, 1)])
+    assert len(mesh.segments) == 1
+    # the general overlap test would be quadratic on fans of a hundred thousand needles
+    assert boundary_is_convex(mesh), "the triangles tile the hull"
+    report = Report("")
+    _spheres(mesh, report, opaque=True)
+    assert report, str(report)
+
+
+@given(st.integers(0, 10**6), st.sampled_from(["strewn", "grid", "rows"]))
+@settings(max_examples=60, deadline=None)
+def test_cutting_ears_and_swapping_gives_the_same(seed, kind):
+    rng = np.random.default_rng(seed)
+    points = {
+        "strewn": lambda: rng.random((30, 2)),
+        "grid": lambda: np.unique(rng.integers(0, 7, (30, 2)), axis=0).astype(float),
+        "rows": lambda: rows_along(24),
+    }[kind]()
+    n = len(points)
+    pairs = [(0, 1)] + [tuple(rng.choice(n, 2, replace=False).tolist()) for _ in range(15)]
+    segments = noncrossing(points, pairs)
+    one = hull_mesh(points, segments)
+    usual, constrained.PATIENCE = constrained.PATIENCE, 0
+    try:
+        other = hull_mesh(points, segments)
+    finally:
+        constrained.PATIENCE = usual
+    well(other)
+    np.testing.assert_array_equal(one.segments, other.segments)
+    assert same_up_to_ties(points.tolist(), cells_of(one.simplices), cells_of(other.simplices), one.segments)
+
+
+def test_a_dangling_edge_among_ears(monkeypatch):
+    points, segments = dangling()
+    expected = cells_of(hull_mesh(points, segments).simplices)
+    monkeypatch.setattr(constrained, "PATIENCE", 0)
+    assert cells_of(hull_mesh(points, segments).simplices) == expected
 
 
 def test_progress_and_chunks(monkeypatch, capsys):

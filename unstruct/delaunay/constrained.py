@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["complex_of", "constrained_delaunay", "insert_all", "planar_complex"]
 
+PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
 CHUNK = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
 
 
@@ -62,8 +63,9 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     Exact for any scaled doubles. A vertex on a segment splits it; both parts keep its number in ``piece``.
     Ties (four points on a circle) are decided by the Delaunay triangulation of the vertices, the same for the
     same input. After the O(n) practice of `delaunay`, a segment that crosses k triangles takes O(k log k) in
-    practice, O(k^2) at worst. Sources: D. T. Lee, A. K. Lin, Discrete & Computational Geometry 1 (1986)
-    201-217; L. P. Chew, Algorithmica 4 (1989) 97-108; M. V. Anglada, Computers & Graphics 21 (1997) 215-223.
+    practice, rows of points along it included. Sources: D. T. Lee, A. K. Lin, Discrete & Computational
+    Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108; M. V. Anglada, Computers & Graphics
+    21 (1997) 215-223.
     Book: 2.5.
     """
     sampled = domain.sampled()
@@ -163,12 +165,13 @@ def insert_all(
     order = _order(corner[ends[:, 0]], count)
     chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
     scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
     bar = _bar(len(ends)) if progress else None
     for start in range(0, len(ends), CHUNK):
         stop = min(start + CHUNK, len(ends))
         status, i, other = insert_segments(
             complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
-            crossed, *chains, scratch, stack,
+            crossed, PATIENCE, *chains, scratch, stack, where, pending,
         )  # fmt: skip
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)

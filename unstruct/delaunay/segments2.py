@@ -7,8 +7,8 @@ with ``vertex[e] == v``, so that the star of v can be turned through. A segment 
 2. *March* through the triangles that the segment crosses, up to the first vertex on it (b, or a vertex
    that happens to lie there: the segment is then in parts). The sides of these triangles that are not
    crossed form one chain above and one below.
-3. *Fill* both pseudo-polygons with their constrained Delaunay triangles: on the base V_i V_j stands the
-   vertex of the chain between whose circle holds no other; so on, on the two new bases.
+3. *Fill* both pseudo-polygons with their constrained Delaunay triangles (`filling2`): on the base V_i V_j
+   stands the vertex of the chain between whose circle holds no other; so on, on the two new bases.
 
 Why the third step is right: every vertex of a chain was joined to the other side by an edge across
 the segment. This straight edge runs within the polygon, so it crosses every base that is set between
@@ -18,8 +18,7 @@ of an edge, twice (a dangling edge): its tip then lies in the triangle of that v
 so the vertex is never chosen before the tip. Outside the two polygons nothing changes, and edges that
 were constrained Delaunay stay so, as a new segment can only hide vertices.
 
-Source: M. V. Anglada, An improved incremental algorithm for constructing restricted Delaunay
-triangulations, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
+Book: 2.5.
 """
 
 from __future__ import annotations
@@ -27,7 +26,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, lean
-from ..predicates import incircle, orient2
+from ..predicates import orient2
+from .filling2 import fill, load, swap_all
 from .insertion2 import GHOST, next_edge, prev_edge
 
 __all__ = [
@@ -107,10 +107,10 @@ def aim(xy, vertex, twin, corner, a, b):
             if right == 0 and left > 0:
                 return prev_edge(e), 1
             if right < 0 and left == 0:
-                return next_edge(e), 2
+                return np.int64(twin[next_edge(e)]), 1
         e = turn(twin, e)
         if e == first:
-            return np.int64(-1), 3
+            return np.int64(-1), 1
 
 
 @lean
@@ -144,119 +144,83 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
 
 
 @lean
-def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
-    """Note what a chain of n half-edges borders on, before its triangles are overwritten.
-
-    Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
-    """
-    for k in range(n):
-        h = np.int64(chain[k])
-        corners[k], beyond[k], marks[k], fresh[k] = vertex[prev_edge(h)], twin[h], mark[h], -1
-    corners[n] = vertex[next_edge(np.int64(chain[n - 1]))]
-    for k in range(n):
-        twin[beyond[k]] = -2 - k
-    for k in range(n):
-        if twin[chain[k]] < 0:
-            beyond[k] = twin[chain[k]]
-
-
-@lean
-def fill(xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n, stack):
-    """Triangulate the polygon on the left of V_0 V_n whose other sides are the chain; its base half-edge.
-
-            V_c                 On V_i V_j: slot s, the base opposite V_c;
-           /   \\  s + 1        the chain's parts from V_i to V_c and from V_c to V_j
-    s + 2 /  s  \\              come next, on s + 2 and s + 1.
-        V_i-----V_j
-    """
-    base = np.int64(-1)
-    stack[0, 0], stack[0, 1], stack[0, 2] = 0, n, -1
-    depth, used = 1, 0
-    while depth > 0:
-        depth -= 1
-        i, j, g = stack[depth, 0], stack[depth, 1], stack[depth, 2]
-        if j == i + 1:
-            o = beyond[i]
-            mark[g] = marks[i]
-            fresh[i] = g
-            if o < 0:
-                o = fresh[-2 - o]
-            if o >= 0:
-                twin[g], twin[o] = o, g
-            continue
-        a, b, c = corners[i], corners[j], i + 1
-        v = corners[c]
-        for k in range(i + 2, j):
-            p = corners[k]
-            if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[v, 0], xy[v, 1], xy[p, 0], xy[p, 1]) > 0:
-                c, v = k, p
-        s = 3 * np.int64(cells[used])
-        used += 1
-        vertex[s], vertex[s + 1], vertex[s + 2] = v, a, b
-        corner[v], corner[a], corner[b] = s, s + 1, s + 2
-        mark[s], mark[s + 1], mark[s + 2] = -1, -1, -1
-        if g < 0:
-            base = s
-        else:
-            twin[s], twin[g] = g, s
-        stack[depth, 0], stack[depth, 1], stack[depth, 2] = i, c, s + 2
-        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = c, j, s + 1
-        depth += 2
-    return base
-
-
-@lean
-def replace(xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack):
-    """Fill what is above and below a segment after a march; the segment's half-edge, from a on."""
+def replace(
+    xy,
+    vertex,
+    twin,
+    mark,
+    corner,
+    left,
+    right,
+    cells,
+    above,
+    below,
+    scratch,
+    stack,
+    i,
+    patience,
+    where,
+    pending,
+):
+    """Fill what is above and below segment i after a march, and mark it; its half-edge, from a on."""
     for k in range(below // 2):  # the lower polygon is on the left of b a
         right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
     load(vertex, twin, mark, left, above, scratch[0], scratch[1], scratch[2], scratch[3])
     load(vertex, twin, mark, right, below, scratch[4], scratch[5], scratch[6], scratch[7])
-    upper = fill(
-        xy, vertex, twin, mark, corner, cells, scratch[0], scratch[1], scratch[2], scratch[3], above, stack
-    )
-    lower = fill(
-        xy, vertex, twin, mark, corner, cells[above - 1 :], scratch[4], scratch[5], scratch[6], scratch[7],
-        below, stack,
+    upper, first = fill(
+        xy, vertex, twin, mark, corner, cells, scratch[0], scratch[1], scratch[2], scratch[3],
+        above, stack, patience, left, right,
+    )  # fmt: skip
+    rest = cells[above - 1 :]
+    lower, second = fill(
+        xy, vertex, twin, mark, corner, rest, scratch[4], scratch[5], scratch[6], scratch[7],
+        below, stack, patience, left, right,
     )  # fmt: skip
     twin[upper], twin[lower] = lower, upper
-    return upper
+    mark[upper], mark[lower] = i, i
+    if first >= above - 1 and second >= below - 1:
+        return upper
+    a, b = vertex[next_edge(upper)], vertex[prev_edge(upper)]
+    swap_all(xy, vertex, twin, mark, where, corner, cells, first, above - 1, pending)
+    swap_all(xy, vertex, twin, mark, where, corner, rest, second, below - 1, pending)
+    return find_edge(vertex, twin, corner, a, b)
 
 
 @lean
 def insert_segments(
-    xy, vertex, twin, mark, corner, ends, order, start, stop, crossed, left, right, cells, scratch, stack
-):
+    xy, vertex, twin, mark, corner, ends, order, start, stop, crossed, patience, left, right, cells, scratch,
+    stack, where, pending,
+):  # fmt: skip
     """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one.
 
-    ``crossed[i]`` gets the number of triangles that segment i crossed.
+    ``crossed[i]`` gets the number of triangles that segment i crossed; ``patience``: tests of a corner, per
+    corner, after which `fill` cuts ears. The rest is work space.
     """
     for at in range(start, stop):
         i = order[at]
         a, b = ends[i, 0], ends[i, 1]
         crossed[i] = 0
         e = find_edge(vertex, twin, corner, a, b)
-        while True:
+        while a != b or e < 0:
+            kind = 1
             if e < 0:
                 e, kind = aim(xy, vertex, twin, corner, a, b)
-                if e < 0:
-                    return LOST, i, np.int64(-1)
-                if kind == 0:
-                    above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
-                    if wall >= 0:
-                        return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
-                    crossed[i] += above + below - 2
-                    e = replace(
-                        xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack
-                    )
-                elif kind == 2:
-                    e = np.int64(twin[e])
-            if mark[e] >= 0:
+            if e < 0:
+                return LOST, i, np.int64(-1)
+            if kind == 0:
+                above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
+                if wall >= 0:
+                    return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
+                crossed[i] += above + below - 2
+                e = replace(
+                    xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack, i,
+                    patience, where, pending,
+                )  # fmt: skip
+            elif mark[e] >= 0:
                 return OVERLAPS, i, np.int64(mark[e])
-            mark[e] = i
-            mark[twin[e]] = i
+            else:
+                mark[e] = i
+                mark[twin[e]] = i
             a = vertex[prev_edge(e)]
-            if a == b:
-                break
-            e = np.int64(-1)
+            e = np.int64(-1) if a != b else e
     return DONE, np.int64(-1), np.int64(-1)
