@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
 FLOOR = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
+LOOKED = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells there
 CHUNK = 100_000  # splits a kernel call: a fraction of a second
 SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
@@ -64,7 +65,8 @@ class Conforming(Refined):
     apices : (k,) int32
         Vertices of the domain around which pieces were split on shells.
     endless : (k,) int32
-        Vertices of the domain at which midpoints alone provably never end (`never_ends`).
+        Vertices of the domain, among the first 5000 in question, at which midpoints alone provably never
+        end (`never_ends`).
     """
 
     def __init__(
@@ -335,7 +337,7 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
     suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
     endless = []
-    for v in suspects.tolist():
+    for v in suspects[:LOOKED].tolist():
         low, high = np.searchsorted(tail, [v, v + 1])
         if never_ends(c.xy[v], c.xy[head[low:high]], encroached=encroached):
             endless.append(v)
