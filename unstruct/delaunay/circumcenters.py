@@ -21,7 +21,7 @@ from .constrained import complex_of
 from .insertion import delaunay
 from .planar import PlanarComplex
 from .refined import Refined
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, measures, put, unscaled, watched
+from .worst import KIND, NONE, Rule, grown_tree, make_rule, measures, progress_bar, put, unscaled, watched
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -188,10 +188,8 @@ class _Run:
 
     def advance(self, budget: int, progress: bool) -> None:
         """Insert until nothing is bad that can be mended, or the budget is used up."""
-        from tqdm.auto import tqdm
-
         k, last = self.complex, self.first + budget
-        bar = tqdm(unit=" points", disable=not progress)
+        bar = progress_bar(progress)
         while self.end != DONE and k.size < last:
             before = k.size
             stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
@@ -204,8 +202,10 @@ class _Run:
             if self.end == SPLIT:
                 self._reserve(k.size + 1)
                 self._split(int(self.ask[0]), int(self.ask[1]))
-            bar.update(k.size - before)
-        bar.close()
+            if bar is not None:
+                bar.update(k.size - before)
+        if bar is not None:
+            bar.close()
 
     def _split(self, e: int, t: int) -> None:
         """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""

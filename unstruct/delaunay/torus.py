@@ -16,7 +16,7 @@ from ..sizing import as_size
 from .compiled import COUNT, grown
 from .periodic import PeriodicMesh, periodic_delaunay
 from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, unscaled, watched
+from .worst import KIND, NONE, Rule, grown_tree, make_rule, progress_bar, unscaled, watched
 
 __all__ = ["periodic_circumcenters"]
 
@@ -110,10 +110,8 @@ class _Run:
 
     def advance(self, last: int, progress: bool) -> int:
         """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
-        from tqdm.auto import tqdm
-
         end = FULL
-        bar = tqdm(unit=" points", disable=not progress)
+        bar = progress_bar(progress)
         while end == FULL and self.state[VERTICES] < last:
             before = int(self.state[VERTICES])
             stop = min(before + CHUNK, last)
@@ -127,8 +125,10 @@ class _Run:
                     stack, frame, spare, fresh, self.rows, self.events,
                 )
             )  # fmt: skip
-            bar.update(int(self.state[VERTICES]) - before)
-        bar.close()
+            if bar is not None:
+                bar.update(int(self.state[VERTICES]) - before)
+        if bar is not None:
+            bar.close()
         return end
 
     def result(self, end: int) -> PeriodicMesh:
