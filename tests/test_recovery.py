@@ -6,8 +6,10 @@ from math import atan2, cos, pi, sin
 
 import numpy as np
 import pytest
+from fuzz_regions import conforming, guarded
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from regions import KINDS
 
 from unstruct.check import check
 from unstruct.curves import Arc
@@ -305,6 +307,17 @@ def test_the_lake(spacing):
         conforms(conforming_delaunay(domain, test=test), domain)
     points, _, bad = plain_result(domain) if spacing > 0.35 else (None, None, None)
     assert points is None or (not bad and vertices(conforming_delaunay(domain)) == set(map(tuple, points)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nasty_regions(kind):
+    """Whatever comes out is valid, Delaunay where it says complete, and says why where not."""
+    for seed in range(6):
+        rng = np.random.default_rng([77, seed])
+        domain = KINDS[kind](rng)
+        for work in (conforming, guarded):
+            outcome, _, fault = work(domain, rng)
+            assert not fault, f"{outcome}: {fault}"
 
 
 def test_a_budget_is_kept_and_told():
