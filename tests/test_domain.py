@@ -16,6 +16,7 @@ from regions import KINDS, random_region
 from unstruct import Arc, Curve, Domain, InputError, UnstructError
 from unstruct.embedding import crossing_facets
 from unstruct.segment_pairs import meetings
+from unstruct.sweep import any_meeting
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 RING = [[0, 1], [1, 2], [2, 3], [3, 0]]
@@ -177,6 +178,38 @@ def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     found = set(map(tuple, meetings(points, segments)[0].tolist()))
     wanted = {(i, j) for i, j in combinations(range(len(rows)), 2) if oracle_meet(points, rows[i], rows[j])}
     assert found == wanted
+    assert any_meeting(points, segments) == bool(wanted)
+    alone = [i for i in range(len(rows)) if all((j, i) not in wanted for j in range(i))]
+    clean = [i for i in alone if all((i, j) not in wanted for j in alone)]
+    assert not any_meeting(points, segments[clean])
+
+
+def hedgehog(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Spikes, all close together: a line cuts very many at once."""
+    angle = 2 * np.pi * np.arange(n) / n
+    radius = np.where(np.arange(n) % 2 == 0, 1.0, 0.6)
+    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return points, np.column_stack([np.arange(n), np.roll(np.arange(n), -1)])
+
+
+def test_a_sweep_over_many_segments_at_once() -> None:
+    points, segments = hedgehog(20_000)
+    assert any_meeting(points, segments) is False
+    rng = np.random.default_rng(0)
+    for _ in range(20):  # a short segment across a spike, or beside it
+        k = 2 * int(rng.integers(10_000))
+        tip, root = points[k], points[(k + 1) % len(points)]
+        middle, across = (tip + root) / 2, 1e-6 * np.array([tip[1], -tip[0]])
+        extra = np.concatenate([segments, [[len(points), len(points) + 1]]])
+        crossing = np.concatenate([points, [middle + across, middle - across]])
+        assert any_meeting(crossing, extra) is True
+        beyond = np.concatenate([points, [1.001 * tip, 1.002 * tip]])
+        assert any_meeting(beyond, extra) is False
+    assert (
+        any_meeting(np.array([[0, 0], [2.0**-1074, 1], [2.0**1000, 0]]), np.array([[0, 1], [1, 2]])) is None
+    )
+    wide = Domain([[0, 0], [2.0**-1074, 1], [2.0**1000, 0]], [[0, 1], [1, 2], [2, 0]])  # decided all the same
+    assert wide.contains([[1.0, 0.5]])[0]
 
 
 def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,6 +220,7 @@ def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> No
     segments = segments[np.unique(np.sort(segments, axis=1), axis=0, return_index=True)[1]]
     by_grid, kinds = meetings(points, segments)
     monkeypatch.setattr("unstruct.segment_pairs.WORK", 0)
+    monkeypatch.setattr("unstruct.segment_pairs.LITTLE", 0)
     by_tree, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_tree) and np.array_equal(kinds, same)
     assert np.array_equal(by_grid, crossing_facets(points, segments))

@@ -11,6 +11,7 @@ import numpy as np
 from .domain_inside import even_odd
 from .errors import InputError
 from .segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
+from .sweep import lexicographic
 
 if TYPE_CHECKING:
     from .domain import Domain
@@ -31,17 +32,14 @@ class Fault:
 
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
+    order = lexicographic(points)
+    head = np.ones(len(points), dtype=bool)
+    head[1:] = (points[order[1:], 0] != points[order[:-1], 0]) | (
+        points[order[1:], 1] != points[order[:-1], 1]
+    )
     first = np.arange(len(points))
-    order = np.argsort(points[:, 0], kind="stable")
-    x = points[order, 0]
-    same = x[1:] == x[:-1]
-    if not same.any():
-        return first
-    some = order[np.append(same, False) | np.append(False, same)]
-    order = some[np.lexsort((some, points[some, 1], points[some, 0]))]
-    head = np.ones(len(order), dtype=bool)
-    head[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    first[order] = order[np.maximum.accumulate(np.where(head, np.arange(len(order)), 0))]
+    if not head.all():
+        first[order] = order[np.maximum.accumulate(np.where(head, first, 0))]
     return first
 
 
