@@ -20,7 +20,7 @@ from .refined import Refined
 from .refinement_account import account, history_of
 from .refinement_limits import make_limits
 from .refinement_run import Planned, Run
-from .refinement_state import BUDGET, EVENTS, FINISHED, MORE
+from .refinement_state import BUDGET, EVENTS, FINISHED, MORE, REFUSED
 from .remeshing import carry, plan_mesh
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def refine(
     run = Run(planned, limits, offset, _budget(budget), history)
     run.start()
     code = _loop(run, progress)
-    slots, reasons, missed = account(run.work(), limits, code == BUDGET)
+    slots, reasons, missed = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))

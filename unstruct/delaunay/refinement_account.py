@@ -13,6 +13,7 @@ from .refinement_state import (
     CENTERS,
     CURVE,
     FLOOR,
+    LARGE,
     PRECISION,
     REJECTED,
     REMOVED,
@@ -61,15 +62,18 @@ def _survey(w, limits, found):
 
 
 def account(
-    w: Work, limits: Limits, budget: bool
+    w: Work, limits: Limits, finished: bool, given_up: bool
 ) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
     """Slots of triangles that miss a limit, the reason for each, and how many miss what.
 
     Parameters
     ----------
     w, limits : as the kernels have them
-    budget : bool
-        Whether the run stopped at its budget: then that is the reason where no other is known.
+    finished : bool
+        Whether the run came to its end; else the reason is its budget where no other is known.
+    given_up : bool
+        Whether it ever gave a triangle up. If not, and it is finished, nothing misses a limit: each triangle
+        was looked at when it was made, and waited until it was gone.
 
     Returns
     -------
@@ -78,18 +82,18 @@ def account(
     missed : dict of str to int
     """
     found = np.empty((0, 5), dtype=np.int64)
-    count = _survey(w, limits, found)
+    count = 0 if finished and not given_up else _survey(w, limits, found)
     if count:
         found = np.empty((count, 5), dtype=np.int64)
         _survey(w, limits, found)
     slot, bits, apex, a, b = found.T
-    why = w.why[slot].astype(np.int64)
+    why = w.status[slot].astype(np.int64) & 255
     why[apex >= 0] = SMALL_ANGLE
     reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
     for code, text in TEXTS.items():
         reasons[why == code] = text
-    if budget:
-        reasons[why == 0] = "budget"
+    if not finished:
+        reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
     u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
     turn = np.abs(np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))

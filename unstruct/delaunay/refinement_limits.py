@@ -51,6 +51,20 @@ def largest_radius2(limits, r, x, y):
 
 
 @inline
+def misses_of(twice, p, q, s, x, y, r, limits):
+    """`misses` for twice the area, the squared edges, and the centroid.
+
+    R = abc / (2 twice), and the sine of the least angle is twice over the product of the two longer edges.
+    No branch: the outcome is a matter of chance, and wrong guesses of the processor cost more than all else.
+    """
+    square, product = twice * twice, p * q * s
+    angle = square * min(min(p, q), s) < limits.sine2 * product
+    area = twice > limits.twice_area[r]
+    size = product > 4.0 * square * largest_radius2(limits, r, x, y)
+    return ANGLE * angle + AREA * area + SIZE * size
+
+
+@inline
 def misses(xy, a, b, c, r, limits):
     """Which limits the counterclockwise triangle a, b, c of region r misses: a sum of bits, 0 for none."""
     ax, ay, bx, by, cx, cy = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]
@@ -58,21 +72,7 @@ def misses(xy, a, b, c, r, limits):
     p = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
     q = (cx - bx) * (cx - bx) + (cy - by) * (cy - by)
     s = (ax - cx) * (ax - cx) + (ay - cy) * (ay - cy)
-    if p <= q and p <= s:
-        least, others = p, q * s
-    elif q <= s:
-        least, others = q, s * p
-    else:
-        least, others = s, p * q
-    square = twice * twice
-    bits = 0
-    if square < limits.sine2 * others:  # the sine of the least angle is twice the area over both long sides
-        bits |= ANGLE
-    if twice > limits.twice_area[r]:
-        bits |= AREA
-    if least * others > 4.0 * square * largest_radius2(limits, r, (ax + bx + cx) / 3.0, (ay + by + cy) / 3.0):
-        bits |= SIZE
-    return bits
+    return misses_of(twice, p, q, s, (ax + bx + cx) / 3.0, (ay + by + cy) / 3.0, r, limits)
 
 
 # --- building them ---------------------------------------------------------------------------------

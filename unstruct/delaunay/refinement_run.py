@@ -16,10 +16,11 @@ from .free_vertices2 import MOST
 from .planar import PlanarComplex
 from .refinement_limits import Limits
 from .refinement_state import (
-    BUCKETS,
+    CENTERS,
     CURVES,
     EVENTS,
     FRACTION,
+    LARGE,
     LIMIT,
     MORE,
     REMOVED,
@@ -37,8 +38,8 @@ __all__ = ["Planned", "Run"]
 STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
 PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
-PER_SLOT = ("queued", "why", "ahead", "behind")
-OWN = (*PER_VERTEX, *PER_SEGMENT, *PER_SLOT, "gates")  # in the order of `Work`
+PER_SLOT = ("large", "ahead", "behind")
+OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -77,9 +78,9 @@ class Run:
         self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
         self.need, self.given = np.full(s, np.inf), np.full((s, 3), np.nan)
         self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
-        self.queued, self.why = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=np.uint8)
+        self.status, self.large = np.zeros(0, dtype=np.uint16), np.empty(0, dtype=np.int32)
         self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
-        self.gates = np.full((BUCKETS, 2), -1, dtype=np.int32)
+        self.gates = np.full((LARGE, 2), -1, dtype=np.int32)
         # copies, so that none is read-only: that would be another type, and a second compilation
         self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
         self.joints = planned.joints.astype(np.int32)
@@ -98,17 +99,20 @@ class Run:
         twice = (b - a)[:, 0] * (d - a)[:, 1] - (b - a)[:, 1] * (d - a)[:, 0]
         # as counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length
         number = np.maximum(1.6 * twice / limits.twice_area[part], 0.75 * twice / limits.radius2[part])
-        return int(min(0.52 * number.sum(), 2.0**27))
+        return int(min(0.52 * number.sum(), 2.0**25))
 
     def _make_room(self, vertices: int, segments: int) -> None:
         c = self.complex
         c.reserve(vertices, segments)
         n, s, t = len(c.xy), len(c.where), len(c.region)
-        before = len(self.queued)
+        before = len(self.status)
         for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t)):
             for name in names:
                 setattr(self, name, grown(getattr(self, name), size))
-        self.queued[before:] = 0
+        if t > before:  # zeroed pages that are not touched cost nothing
+            status = np.zeros(len(self.large), dtype=np.uint16)
+            status[:before] = self.status
+            self.status = status
         if self.tally[EVENTS] + 128 > len(self.event) > 0:
             self.event = grown(self.event, 2 * len(self.event))
             self.place = grown(self.place, len(self.event))
@@ -178,5 +182,5 @@ class Run:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
         return {"removed": int(self.tally[REMOVED])} | {
-            k: int(self.tally[6 + i]) for i, k in enumerate(names)
+            k: int(self.tally[CENTERS + i]) for i, k in enumerate(names)
         }

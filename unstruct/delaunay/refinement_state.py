@@ -19,18 +19,18 @@ from ..jit import inline, lean
 from .cavity2 import SEGMENTS
 from .compiled import COUNT
 from .encroachment2 import encroaches
-from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses
+from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
-# reasons why something was given up
-OPEN, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 0, 1, 2, 3, 4
+# what is known of a triangle: nothing; the bucket in which it waits, for its angle; that it is too large; or
+# the reason why it, or a subsegment, was given up
+OPEN, LARGE = 0, 250
+SMALL_ANGLE, FLOOR, PRECISION, CURVE = 251, 252, 253, 254
+STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
 # what `advance` returns
 FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
-# entries of the tally
-SEGMENT_TOP, TRIANGLE_TOP, WANTED, LIMIT, REMOVED, EVENTS = 0, 1, 2, 3, 4, 5
-CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 6, 7, 8, 9, 10, 11
-BUCKET = 12
-BUCKETS = 256
-LARGE = BUCKETS - 1  # the bucket of triangles that are too large
+# entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
+SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
+REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 8, 9, 10, 11, 12, 13, 14
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
 
@@ -60,11 +60,11 @@ class Work(NamedTuple):
     segments: NDArray[np.int32]  # the stack
     wanted: NDArray[np.int32]  # those that wait for a point of a curve
     # per slot of a triangle
-    queued: NDArray[np.uint8]
-    why: NDArray[np.uint8]
+    status: NDArray[np.uint16]  # OPEN, a bucket, LARGE, or why it was given up; and the bit STACKED
+    large: NDArray[np.int32]  # the stack of those that are too large, some of them out of date
     ahead: NDArray[np.int32]  # the one before it in the same bucket
     behind: NDArray[np.int32]  # the one after it
-    gates: NDArray[np.int32]  # (BUCKETS, 2) the first and the last one of each bucket
+    gates: NDArray[np.int32]  # (LARGE, 2) the first and the last one of each bucket
     # per piece
     curve: NDArray[np.int8]
     arc: NDArray[np.float64]
@@ -109,57 +109,81 @@ def bucket_of(w, t):
 
 
 @inline
-def unqueue(w, tally, t):
-    """Triangle t waits no longer."""
-    k = w.queued[t]
-    if k > 0:
-        before, after = w.ahead[t], w.behind[t]
-        if before >= 0:
-            w.behind[before] = after
-        else:
-            w.gates[k, 0] = after
-        if after >= 0:
-            w.ahead[after] = before
-        else:
-            w.gates[k, 1] = before
-        w.queued[t] = 0
-        tally[TRIANGLE_TOP] -= 1
+def unlink(w, tally, t, k):
+    """Take triangle t out of bucket k."""
+    before, after = w.ahead[t], w.behind[t]
+    if before >= 0:
+        w.behind[before] = after
+    else:
+        w.gates[k, 0] = after
+    if after >= 0:
+        w.ahead[after] = before
+    else:
+        w.gates[k, 1] = before
+    tally[LINKED] -= 1
+
+
+@inline
+def give_up(w, tally, t, why):
+    """Note why triangle t, which waits no longer, was not refined."""
+    w.status[t] = (w.status[t] & STACKED) | why
+    tally[REFUSED] += 1
+
+
+@inline
+def forget(w, tally, t):
+    """What was known of the triangle in slot t holds no longer."""
+    k = w.status[t] & 255
+    if k == LARGE:
+        tally[LARGE_ONES] -= 1
+    elif 0 < k < LARGE:
+        unlink(w, tally, t, k)
+    w.status[t] &= STACKED
 
 
 @inline
 def queue(w, tally, t, by):
-    """Let triangle t wait (it does not yet): first of all if it is too large, else by its shortest edge."""
-    k = LARGE if by == BY_SIZE else bucket_of(w, t)
-    w.queued[t] = k
-    tally[TRIANGLE_TOP] += 1
+    """Let triangle t wait, of which nothing is known: on the stack if it is too large, else in a bucket."""
+    if by == BY_SIZE:
+        if w.status[t] & STACKED == 0:
+            w.large[tally[STACK_TOP]] = t
+            tally[STACK_TOP] += 1
+        w.status[t] = STACKED | LARGE
+        tally[LARGE_ONES] += 1
+        return
+    k = bucket_of(w, t)
+    w.status[t] = (w.status[t] & STACKED) | k
+    tally[LINKED] += 1
     tally[BUCKET] = max(tally[BUCKET], k)
-    first, last = w.gates[k, 0], w.gates[k, 1]
-    if k == LARGE:  # last in, first out: what is near in the mesh stays near in memory
-        w.ahead[t], w.behind[t] = -1, first
-        w.gates[k, 0] = t
-        if first >= 0:
-            w.ahead[first] = t
-        else:
-            w.gates[k, 1] = t
+    last = w.gates[k, 1]
+    w.ahead[t], w.behind[t] = last, -1
+    w.gates[k, 1] = t
+    if last >= 0:
+        w.behind[last] = t
     else:
-        w.ahead[t], w.behind[t] = last, -1
-        w.gates[k, 1] = t
-        if last >= 0:
-            w.behind[last] = t
-        else:
-            w.gates[k, 0] = t
+        w.gates[k, 0] = t
 
 
 @inline
 def next_triangle(w, tally):
-    """Take the first triangle of the highest bucket: it, and what it is there for."""
+    """Take the last triangle that is too large, else the first of the highest bucket; and why it waits."""
+    while tally[LARGE_ONES] > 0:
+        tally[STACK_TOP] -= 1
+        t = np.int64(w.large[tally[STACK_TOP]])
+        k = w.status[t] & 255
+        if k == LARGE:
+            w.status[t] = OPEN
+            tally[LARGE_ONES] -= 1
+            return t, BY_SIZE
+        w.status[t] = k  # an entry that is out of date
     k = tally[BUCKET]
     while w.gates[k, 0] < 0:
         k -= 1
     tally[BUCKET] = k
     t = np.int64(w.gates[k, 0])
-    unqueue(w, tally, t)
-    return t, BY_SIZE if k == LARGE else BY_ANGLE
+    unlink(w, tally, t, k)
+    w.status[t] &= STACKED
+    return t, BY_ANGLE
 
 
 @inline
@@ -186,8 +210,7 @@ def look_at_star(w, tally, limits, k):
     """Queue the bad ones of the k fresh triangles, and the subsegments on which their apex encroaches."""
     for i in range(k):
         t = w.fresh[i]
-        w.why[t] = OPEN
-        unqueue(w, tally, t)
+        forget(w, tally, t)
         if w.region[t] >= 0:
             p, a, b = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
             s = w.mark[3 * t]
@@ -200,13 +223,36 @@ def look_at_star(w, tally, limits, k):
                 queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
 
 
+@inline
+def look_at_fan(w, tally, limits, p, r, k):
+    """`look_at_star` within one region, from what `commit` left in ``hold``: it takes a fifth of all time."""
+    px, py = w.xy[p, 0], w.xy[p, 1]
+    a = w.hold[0, 0]
+    ax, ay = w.xy[a, 0], w.xy[a, 1]
+    ux, uy = ax - px, ay - py
+    near = ux * ux + uy * uy
+    for i in range(k):
+        b, s, t = w.hold[i, 1], w.hold[i, 3], w.fresh[i]
+        bx, by = w.xy[b, 0], w.xy[b, 1]
+        vx, vy = bx - px, by - py
+        far = vx * vx + vy * vy
+        forget(w, tally, t)
+        if s >= 0 and encroaches(ax, ay, bx, by, px, py, limits.lens):
+            ask(w, tally, s, BY_ANGLE, w.floor[p])
+        rim = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
+        x, y = (px + ax + bx) / 3.0, (py + ay + by) / 3.0
+        bits = misses_of(ux * vy - uy * vx, near, far, rim, x, y, r, limits)
+        if bits != 0:
+            queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
+        ax, ay, ux, uy, near = bx, by, vx, vy, far
+
+
 @lean
 def look_at_all(w, tally, limits):
     """Look at every subsegment and every triangle, to begin with."""
     for s in range(w.state[SEGMENTS] - 1, -1, -1):
         look_at_segment(w, tally, limits, s)
     for t in range(w.state[COUNT] - 1, -1, -1):
-        w.why[t] = OPEN
         r = w.region[t]
         if r >= 0:
             bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits)

@@ -56,12 +56,13 @@ from .refinement_state import (
     FINISHED,
     FLOOR,
     FRACTION,
+    LARGE_ONES,
     LIMIT,
+    LINKED,
     LOCKED,
     MORE,
     OPEN,
     PRECISION,
-    REFUSED,
     REJECTED,
     REMOVED,
     ROOM,
@@ -69,9 +70,10 @@ from .refinement_state import (
     SHELLS,
     SMALL_ANGLE,
     SPLITS,
-    TRIANGLE_TOP,
     WANTED,
     ask,
+    give_up,
+    look_at_fan,
     look_at_segment,
     look_at_star,
     next_triangle,
@@ -265,8 +267,7 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
         record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
         queue(w, tally, t, by)
     else:
-        tally[REFUSED] += 1
-        w.why[t] = why
+        give_up(w, tally, t, why)
     return False
 
 
@@ -274,24 +275,28 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
 def improve_next(w, tally, limits, offset):
     """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
     t, by = next_triangle(w, tally)
-    a, b, c = shortest_first(w.xy, w.vertex, t)
+    if by == BY_ANGLE:
+        a, b, c = shortest_first(w.xy, w.vertex, t)
+    else:  # off-centers serve the angle
+        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+        offset = 0.0
     floor = min(w.floor[a], w.floor[b], w.floor[c])
     px, py, square, sure = _center(w.xy, a, b, c, offset)
     if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
-            w.why[t] = SMALL_ANGLE
+            give_up(w, tally, t, SMALL_ANGLE)
             return
         if square < floor:
-            w.why[t] = FLOOR
+            give_up(w, tally, t, FLOOR)
             return
     else:
         floor = min(floor, FRACTION * square)
     if not (abs(px) < FAR and abs(py) < FAR):
-        w.why[t] = PRECISION
+        give_up(w, tally, t, PRECISION)
         return
     m, k = find_cavity(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
     if k < 0:
-        w.why[t] = PRECISION
+        give_up(w, tally, t, PRECISION)
         return
     if not _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
         return
@@ -301,7 +306,7 @@ def improve_next(w, tally, limits, offset):
     record(w, tally, CENTERS, p, a, b, c, px, py)
     commit(w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh)
     tally[CENTERS] += 1
-    look_at_star(w, tally, limits, k)
+    look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
 
 
 # --- the loop --------------------------------------------------------------------------------------
@@ -315,7 +320,7 @@ def advance(w, tally, limits, offset, steps):
             return ROOM
         if len(w.event) > 0 and tally[EVENTS] + 64 > len(w.event):
             return ROOM
-        if tally[SEGMENT_TOP] + tally[WANTED] + tally[TRIANGLE_TOP] == 0:
+        if tally[SEGMENT_TOP] + tally[WANTED] + tally[LARGE_ONES] + tally[LINKED] == 0:
             return FINISHED
         if w.state[VERTICES] - tally[REMOVED] >= tally[LIMIT]:
             return BUDGET
