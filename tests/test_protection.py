@@ -175,7 +175,7 @@ def test_inner_segments_have_tips_on_both_sides():
     row = [k for k, e in enumerate(s.mesh.segments.tolist()) if s.mesh.piece[k] == 4]
     assert sorted(s.side[np.isin(s.segment, row)].tolist()) == [-1, 1]
     corner = [w for (r, _), w in zip(s.bare.tolist(), s.why.tolist()) if s.mesh.piece[r] < 4]
-    assert corner and all("near" in w or "disc" in w for w in corner)  # the tips of a corner crowd each other
+    assert corner and all("near" in w or "disk" in w for w in corner)  # the tips of a corner crowd each other
 
 
 def test_a_skeleton_cannot_bring_an_edge_back():

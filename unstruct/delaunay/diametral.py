@@ -1,7 +1,7 @@
 """The circle with a segment as its diameter: which points are inside, exactly.
 
 A point sees a segment under more than a right angle exactly where it lies inside that circle: a sign of
-the dot product of its directions to the two ends. A segment whose open disc holds no vertex is an edge of
+the dot product of its directions to the two ends. A segment whose open disk holds no vertex is an edge of
 a Delaunay triangulation of them (K. R. Gabriel and R. R. Sokal, Systematic Zoology 18, 1969, 259-278).
 Book: 2.4b.
 """

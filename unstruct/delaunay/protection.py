@@ -3,8 +3,8 @@
 Two remedies besides midpoints. `insert_without_breaking` refuses points that would remove an edge of the
 boundary, which always keeps it and may starve what lies along it: the triangles there stay as large as they
 are, and the account says which. `skeleton_points` puts an equilateral triangle on each subsegment, on
-all sides that are inside. It rests on two facts. An edge whose open diametral disc holds no vertex is
-Delaunay, whatever there is outside of the disc. And every point of that disc is within l / sqrt(3) of an
+all sides that are inside. It rests on two facts. An edge whose open diametral disk holds no vertex is
+Delaunay, whatever there is outside of the disk. And every point of that disk is within l / sqrt(3) of an
 end of an edge of length l, or of the tip of the triangle on its side: so points that keep a larger distance
 from all vertices leave the edge alone. Book: 2.4b.
 """
@@ -212,7 +212,7 @@ class Skeleton:
     Attributes
     ----------
     mesh : Refined
-        The Delaunay mesh of the domain with the skeleton. If ``complete``, the open diametral discs of its
+        The Delaunay mesh of the domain with the skeleton. If ``complete``, the open diametral disks of its
         ``segments`` are empty.
     points : (k, 2) float64
         The skeleton.
@@ -227,7 +227,7 @@ class Skeleton:
     why : (b,) array of str
         Why, for each of them.
     complete : bool
-        Whether all diametral discs could be emptied by midpoints before.
+        Whether all diametral disks could be emptied by midpoints before.
     """
 
     mesh: Refined
@@ -247,7 +247,7 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     ----------
     domain : Domain
     size : number, function or size field, optional
-        The wanted length of subsegments. They are halved further until their diametral discs are empty.
+        The wanted length of subsegments. They are halved further until their diametral disks are empty.
     gap : float
         A tip nearer than ``gap`` times the length of its subsegment to a vertex that is there is left out;
         short subsegments come first.
@@ -263,7 +263,7 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
 
     Notes
     -----
-    No tip lies in an open diametral disc of any subsegment (exact), so all of them stay Delaunay. Afterwards
+    No tip lies in an open diametral disk of any subsegment (exact), so all of them stay Delaunay. Afterwards
     an edge of length l with both of its tips stays, whatever further points come, if these keep a distance
     of more than l / sqrt(3) from all vertices. Book: 2.4b.
     """
@@ -294,7 +294,7 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     placed = verdict == INSERTED
     place, row = np.cumsum(_used(c)) - 1, _rows(c)
     why = _reasons(domain, c, verdict[~placed], culprit[~placed], place)
-    why = np.array([w.replace("it would break", "it lies in the disc of") for w in why], dtype=str)
+    why = np.array([w.replace("it would break", "it lies in the disk of") for w in why], dtype=str)
     mesh = c.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points,
         counts={"skeleton": int(placed.sum()), "bare": int((~placed).sum())},

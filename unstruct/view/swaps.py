@@ -34,8 +34,8 @@ __all__ = [
 QUADRILATERALS: dict[str, dict[str, Any]] = {
     "any quadrilateral": {"triangle": [[-1.6, -0.8], [1.2, -1.2], [1.5, 1.0]], "start": (-0.5, 1.1)},
     "a rectangle: a tie": {"triangle": [[-1.5, -1.0], [1.5, -1.0], [1.5, 1.0]], "start": (-1.5, 1.0)},
-    "the largest angle grows": {"triangle": [[-1.0, -1.0], [2.0, 1.0], [1.0, 2.0]], "start": (0.0, 2.0)},
-    "one triangle gets worse": {"triangle": [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]], "start": (-1.0, 0.0)},
+    "the largest angle grows": {"triangle": [[-1.8, -1.8], [1.8, 0.6], [0.6, 1.8]], "start": (-0.6, 1.8)},
+    "one triangle gets worse": {"triangle": [[-1.6, -1.6], [1.6, -1.6], [0.0, 1.6]], "start": (-1.6, 0.0)},
 }
 Cells = list[tuple[int, int, int]]
 APART = 2.6  # the two pictures stand at -APART and APART
@@ -114,13 +114,15 @@ def _panel(corners: np.ndarray, cells: Cells, role: str, shift: float, handle: b
         for k in range(3):
             p, q, r = at[t[k]], at[t[k - 2]], at[t[k - 1]]
             way = (q - p) / np.linalg.norm(q - p) + (r - p) / np.linalg.norm(r - p)
-            reach = 0.30 * min(np.linalg.norm(q - p), np.linalg.norm(r - p))
+            reach = 0.38 * min(np.linalg.norm(q - p), np.linalg.norm(r - p))
             places.append(p + reach * way / max(float(np.linalg.norm(way)), 1e-9) - [0.16, 0.12])
             texts.append(f"{sizes[i, k]:.0f}°")
             if (i, k) == least:
                 near = np.array([p, p + 0.3 * (q - p), p + 0.3 * (r - p)])
                 items.append(fr.polygons("highlight", [near]))
-    items += [fr.dots("vertex", at[:3]), fr.labels("vertex", at, "ABCD")]
+    away = at - at.mean(axis=0)  # names stand outside, clear of the angles
+    names = at + 0.3 * away / np.linalg.norm(away, axis=1)[:, None] - [0.22, 0.22]
+    items += [fr.dots("vertex", at[:3]), fr.labels("vertex", names, "ABCD")]
     items.append(fr.labels("edge", places, texts))
     items.append(fr.dots("inserted", at[3], handles=["D"]) if handle else fr.dots("inserted", at[3]))
     return items
