@@ -16,7 +16,7 @@ from .refinement_account import account
 from .refinement_limits import make_limits
 from .refinement_run import Planned
 from .refinement_run import Run as Refinement
-from .refinement_state import BUDGET, MORE
+from .refinement_state import FINISHED, MORE, REFUSED
 from .relocation2 import fill_at, improve, survey
 
 if TYPE_CHECKING:
@@ -28,14 +28,19 @@ __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 CHUNK = 100_000  # vertices of a kernel call
 # first the stars with a triangle below 0.99, by Laplace steps, then those below 0.85, by search; most rounds
 ROUNDS = ((0.99, False, 3), (0.85, True, 6))
+AGAIN = ((0.9, True, 6),)
 LEAST = 25.0  # degrees: what is promised
 WANTED = 26.0  # and what is asked for
 PASSES = 3  # of refinement and smoothing
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
 
 
-def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int, dict[str, float]]:
+def smooth_poor(
+    complex_: PlanarComplex, given: int, again: bool = False
+) -> tuple[int, int, dict[str, float]]:
     """Move vertices of poor triangles in place; those below number ``given`` and on segments stay.
+
+    ``again``: the mesh was smoothed before, and has changed in few places.
 
     Returns
     -------
@@ -52,7 +57,7 @@ def smooth_poor(complex_: PlanarComplex, given: int) -> tuple[int, int, dict[str
     still[c.ends[: c.segments].ravel()] = True
     stack, counts = c.scratch()[0], np.zeros(2, dtype=np.int64)
     before: dict[str, float] = {}
-    for threshold, patterns, rounds in ROUNDS:
+    for threshold, patterns, rounds in AGAIN if again else ROUNDS:
         todo = np.zeros(n, dtype=bool)
         found = _survey(c, threshold, todo)
         before = before or _named(found)
@@ -128,5 +133,5 @@ def refine_angles(
     code = run.advance()
     while code == MORE:
         code = run.advance()
-    slots, reasons, _ = account(run.work(), limits, code == BUDGET)
+    slots, reasons, _ = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
     return run.counts(), slots.tolist(), reasons.tolist()

@@ -7,9 +7,9 @@ that of all. A move is made only if every triangle of the star stays positively 
 if the worst of them gets better; diagonals are swapped at once where the move asks for it, so that a
 constrained Delaunay triangulation remains one.
 
-Quality is 2 r / R (r inradius, R circumradius), 1 for the equilateral triangle; beside it the sine of the
-least angle is watched, which may not fall while it is below that of 30 degrees: a triangle may become
-rounder and have a smaller least angle. Book: 2.6c.
+Quality is 2 r / R (r inradius, R circumradius), 1 for the equilateral triangle; moves are judged by a cheaper
+measure, `fairness`. Beside it the sine of the least angle is watched, which may not fall while it is below
+that of 30 degrees: a triangle may become rounder and have a smaller least angle. Book: 2.6c.
 """
 
 from __future__ import annotations
@@ -24,10 +24,12 @@ from .cavity2 import end_of, start_of
 from .insertion2 import next_edge
 from .smoothing2 import legalize, turned
 
+TWICE_ROOT3 = 2.0 * sqrt(3.0)
+EASY = 0.77
 SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
 OVER = 0.2  # steps go that much farther than to the mean: three rounds then do what five do
 GIVE = 1e-6  # the least gain for which a vertex is moved
-FAIR = 0.85  # 2 r / R of a triangle that may become less round if the others of its star gain more
+FAIR = 0.85  # a triangle beyond it may become less fair if the others of its star gain more
 
 
 @inline
@@ -44,9 +46,25 @@ def measures(ax, ay, bx, by, cx, cy):
     return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / (u * v * w)
 
 
+@inline
+def fairness(ax, ay, bx, by, cx, cy):
+    """4 sqrt(3) area / (a^2 + b^2 + c^2), 1 for the equilateral triangle; the squared sine where it matters.
+
+    Near 1 it falls as 2 r / R does, and takes no roots. Beyond `EASY` every angle is above 30 degrees (the
+    extreme triangle has angles of 30, 75 and 75), and 1 is returned for the sine.
+    """
+    ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+    double = ux * (cy - ay) - uy * (cx - ax)
+    u, v, w = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
+    if double <= 0.0 or u == 0.0 or v == 0.0 or w == 0.0:
+        return 0.0, 0.0
+    fair = TWICE_ROOT3 * double / (u + v + w)
+    return fair, 1.0 if fair > EASY else double * double * min(u, v, w) / (u * v * w)
+
+
 @lean
 def star_measures(xy, vertex, twin, e, x, y):
-    """The least 2 r / R and squared sine and the sum of 2 r / R in the star of ``vertex[e]`` put at (x, y).
+    """The least fairness and squared sine and the sum of fairness in the star of ``vertex[e]`` put at (x, y).
 
     -1 where a triangle would not be positively oriented, by exact signs.
     """
@@ -57,7 +75,7 @@ def star_measures(xy, vertex, twin, e, x, y):
         ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
         if orient2(ax, ay, bx, by, x, y) <= 0:
             return -1.0, -1.0, -1.0
-        q, s = measures(ax, ay, bx, by, x, y)
+        q, s = fairness(ax, ay, bx, by, x, y)
         least, sine, total = min(least, q), min(sine, s), total + q
         e = turned(twin, e)
         if e == first:

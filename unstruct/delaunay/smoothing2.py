@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import inline, kernel
+from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from .cavity2 import end_of, start_of
 from .insertion2 import next_edge, prev_edge
@@ -22,7 +22,7 @@ LAPLACE, OPTIMAL, CENTROID = 0, 1, 2  # where to: mean of the neighbors, of circ
 MOVED, INVALID, WORSE, FLIPS, LOOKED = 0, 1, 2, 3, 4  # what is counted
 
 
-@kernel
+@lean
 def opposite_half_edges(vertex, count, at):
     """For each vertex of the first ``count`` triangles a half-edge opposite to it; -1 for the others."""
     at[:] = -1
@@ -65,7 +65,7 @@ def flip_edge(vertex, twin, mark, where, at, e):
     at[p], at[a], at[q], at[b] = e, n, o, on
 
 
-@kernel
+@lean
 def legalize(xy, vertex, twin, mark, where, at, stack, depth):
     """Swap the half-edges on the stack, and what follows, until all are locally Delaunay; how many."""
     flips = 0
@@ -90,7 +90,7 @@ def legalize(xy, vertex, twin, mark, where, at, stack, depth):
     return flips
 
 
-@kernel
+@lean
 def legalize_all(xy, vertex, twin, mark, where, at, region, count, stack):
     """`legalize` from every edge of the domain, as often as the stack is too short; how many swaps."""
     flips = 0
@@ -114,7 +114,7 @@ def turned(twin, e):
     return next_edge(np.int64(twin[next_edge(e)]))
 
 
-@kernel
+@lean
 def ring_of(twin, mark, first, ring):
     """The half-edges opposite a vertex, counterclockwise from ``first``; how many, 0 if it is not free."""
     e = np.int64(first)
@@ -140,7 +140,7 @@ def roundness(ax, ay, bx, by, cx, cy):
     return 4.0 * area2 * abs(area2) / below if below > 0.0 else 0.0
 
 
-@kernel
+@lean
 def star_quality(xy, vertex, ring, degree, x, y):
     """The least 2 r / R around a vertex put at (x, y); -1 where a triangle would not be counterclockwise."""
     least = 1.0
@@ -152,7 +152,7 @@ def star_quality(xy, vertex, ring, degree, x, y):
     return least
 
 
-@kernel
+@lean
 def target(xy, vertex, ring, degree, v, method):
     """Where the method would have vertex v: relative to it, so that nothing is lost far from the origin."""
     x0, y0 = xy[v, 0], xy[v, 1]
@@ -179,7 +179,7 @@ def target(xy, vertex, ring, degree, v, method):
     return x0 + sx / weight, y0 + sy / weight
 
 
-@kernel
+@lean
 def move(xy, vertex, twin, mark, where, at, ring, degree, v, x, y, swap, stack, counts):
     """Put vertex v there, and swap what is no longer locally Delaunay around it."""
     xy[v, 0], xy[v, 1] = x, y
@@ -193,7 +193,7 @@ def move(xy, vertex, twin, mark, where, at, ring, degree, v, x, y, swap, stack, 
         counts[FLIPS] += max(flips, 0)
 
 
-@kernel
+@lean
 def smooth_round(
     xy, vertex, twin, mark, where, at, fixed, method, smart, swap, threshold, start, stop, ring, stack, counts
 ):
@@ -221,7 +221,7 @@ def smooth_round(
             move(xy, vertex, twin, mark, where, at, ring, degree, v, x, y, swap, stack, counts)
 
 
-@kernel
+@lean
 def search_round(xy, vertex, twin, mark, where, at, fixed, swap, threshold, start, stop, ring, stack, counts):
     """As `smooth_round`, smart, by trial: eight directions, a step that halves where none helps."""
     for v in range(start, stop):

@@ -300,7 +300,7 @@ def advance(
     for _ in range(limit):
         if state[VERTICES] >= len(xy) or state[COUNT] + 4 > len(links):
             return ROOM
-        t = np.int64(next_slot(links, gates, turn, rule.last_first))
+        t = np.int64(next_slot(links, gates, turn))
         if t < 0:
             return DONE
         tried, to_split = 0, np.int64(-1)

@@ -12,7 +12,7 @@ from ..sizing import as_size
 from . import voronoi_segment_kernel as k
 from .cavity2 import blocked_by, commit_split, find_split
 from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
-from .front_queue import ACCEPTED, ASIDE, STATUS, WAITING, empty_queue, grown_links, unlink
+from .front_queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -26,6 +26,7 @@ COUNT_NAMES = (
 FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
 NO_LIMIT = 2**30
 CHUNK = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
+TOLERANCE = 0.04  # of the size table, relative
 BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the last one
 MANY = 96  # of any other measure
 
@@ -51,7 +52,7 @@ class Run:
         self.domain, self.complex = domain, complex_
         lower, upper = domain.bounds
         field = as_size(size)
-        self.table = field.table(lower, upper, factor=complex_.factor).nodes
+        self.table = field.table(lower, upper, factor=complex_.factor, tolerance=TOLERANCE).nodes
         self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
         if priority is not None:
             measure = 1.0 if isinstance(priority, str) else priority
@@ -59,7 +60,8 @@ class Run:
             scale *= (self.table.values.min() / self.order.values.max()) ** 2
         constant = 0.0 if field.constant is None else self.table.values[0, 0] / k.ROOT3
         self.rule = rule._replace(scale=float(scale), constant=float(constant))
-        self.links, self.gates, self.turn = empty_queue(0, buckets)
+        self.batch = BATCH if field.constant is not None and not rule.last_first else 0
+        self.links, self.gates, self.turn = empty_queue(0, buckets, self.batch)
         self.counts = np.zeros(k.COUNTS, dtype=np.int64)
         self.ask = np.zeros(1, dtype=np.int64)
         self.first = complex_.size  # vertices from here on are new
@@ -151,7 +153,8 @@ class Run:
     def restart(self) -> None:
         """Look at all triangles anew: which are accepted, which wait at the front."""
         self.reserve(self.complex.size)
-        self.links, self.gates, self.turn = empty_queue(len(self.complex.region), len(self.gates) // 2)
+        slots, buckets = len(self.complex.region), len(self.gates) // 2
+        self.links, self.gates, self.turn = empty_queue(slots, buckets, self.batch)
         k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes)
 
     def finish(self, budget: int | None) -> dict[str, Any]:
@@ -161,7 +164,7 @@ class Run:
         before: dict[str, float] = {}
         for number in range(PASSES + 1):
             if number < PASSES:  # the last one refines only, so that the list is that of the result
-                moves, swaps, measured = smooth_poor(c, self.first)
+                moves, swaps, measured = smooth_poor(c, self.first, number > 0)
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
