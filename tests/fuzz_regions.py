@@ -36,13 +36,15 @@ from unstruct import (
     refine,
     simplex,
     skeleton_points,
+    voronoi_segment,
 )
 from unstruct.jit import kernel
 from unstruct.predicates import incircle, orient2, scaled
 
 SECONDS = 20  # for one mesh, after the first of its kind
 SAMPLE = 50  # one mesh in so many gets the full check
-BUDGET = 30_000
+BUDGET = 20_000
+LARGEST = 3000  # cells, for the full check where nothing is suspicious
 
 
 class TooLong(Exception):
@@ -226,12 +228,31 @@ def centers(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     )
 
 
+def some_size(domain: Domain, rng: np.random.Generator) -> Any:
+    """A constant size, or one that grows away from a vertex."""
+    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    if rng.random() < 0.5:
+        return extent * 10.0 ** -rng.uniform(0.3, 1.3)
+    x, y = domain.points[rng.integers(len(domain.points))]
+    h = extent * 10.0 ** -rng.uniform(0.7, 1.7)
+    return lambda p: h + 0.3 * np.hypot(p[:, 0] - x, p[:, 1] - y)
+
+
+def segments(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """Rebay's insertion, finished or not."""
+    finish = bool(rng.random() < 0.7)
+    mesh = voronoi_segment(domain, some_size(domain, rng), finish=finish, budget=BUDGET)
+    name = "voronoi_segment" + (" finished" if finish else "")
+    return f"{name}: {'complete' if mesh.complete else 'incomplete'}", mesh, quick(mesh, domain)
+
+
 WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
     "centers": centers,
     "conforming": conforming,
     "guarded": guarded,
     "refine": refined,
     "constrained": constrained,
+    "segments": segments,
 }
 
 
@@ -248,8 +269,8 @@ def one(seed: int, i: int, names: list[str]) -> tuple[str, list[str], list[str]]
     for name in names:
         try:
             with limited(SECONDS):
-                outcome, mesh, fault = WORK[name](domain, rng)
-            if fault or i % SAMPLE == 0:
+                outcome, mesh, fault = WORK[name](domain, np.random.default_rng([seed, i, *name.encode()]))
+            if fault or (i % SAMPLE == 0 and mesh.size < LARGEST):
                 report = check(mesh, domain=domain, delaunay="constrained")
                 fault = fault or ("" if report else str(report))
             outcomes.append(outcome)
