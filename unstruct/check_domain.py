@@ -15,7 +15,7 @@ import numpy as np
 from . import topology
 from .curve_distance import distance_to_piece
 from .curves import Arc
-from .domain_inside import enclosed_area, even_odd, left_parity, two_product
+from .domain_inside import enclosed_area, even_odd, left_parity, right_parity, two_product
 from .predicates import power_of_two
 from .report import Problem, Report, problem
 
@@ -194,7 +194,7 @@ def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray,
         if int(origin[chain.vertices[0]]) != domain.pieces[best, 0]:
             chain.vertices.reverse()
     lost = sorted(i for rest in by_ends.values() for i in rest)
-    missing = [i for i in lost if i < len(domain.facets) or _meshed(domain, i)]
+    missing = np.array(lost, dtype=int)[_meshed(domain)[lost]].tolist() if lost else []
     text = "chains of marked edges that are no piece of the domain"
     names = ", ".join(f"{domain.name(i)} = {domain.pieces[i].tolist()}" for i in missing[:8])
     absent = Problem("missing piece", f"{names} ({len(missing)} in all; by vertices of the domain)")
@@ -205,9 +205,13 @@ def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray,
     )
 
 
-def _meshed(domain: Domain, piece: int) -> bool:
-    """Whether an inner piece lies inside: pieces do not cross, so that one point tells."""
-    return bool(domain.contains(domain.at(piece, [0.5]))[0])
+def _meshed(domain: Domain) -> np.ndarray:
+    """Whether each piece bounds or lies inside: pieces do not cross, so that the side of one end tells."""
+    sampled = domain.sampled()
+    facets = sampled.piece < len(domain.facets)
+    first = np.unique(sampled.piece, return_index=True)[1]
+    inside = right_parity(sampled.points, sampled.ends[facets], sampled.ends[first])
+    return inside | (np.arange(len(domain.pieces)) < len(domain.facets))
 
 
 def _away(mesh: Mesh, domain: Domain, chain: Chain, piece: int) -> float:

@@ -17,7 +17,15 @@ from .predicates import orient, power_of_two
 if TYPE_CHECKING:
     from .domain import Domain
 
-__all__ = ["areas_beyond_chords", "enclosed_area", "even_odd", "left_parity", "lune_area", "lunes_hold"]
+__all__ = [
+    "areas_beyond_chords",
+    "enclosed_area",
+    "even_odd",
+    "left_parity",
+    "lune_area",
+    "lunes_hold",
+    "right_parity",
+]
 
 CHUNK = 1 << 14  # points at a time
 DEPTH = 48  # halvings of a curve, after which a point is on it up to rounding
@@ -74,24 +82,35 @@ def left_parity(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     chain, along = np.empty(len(segments), dtype=np.int64), np.zeros(len(segments), dtype=bool)
     _chains(_mates(segments), chain, along)
     heads = np.unique(chain, return_index=True)[1]
+    inside = right_parity(points, segments, segments[heads])
+    return np.where(_below(points, segments[heads]), ~inside, inside)[chain] ^ along
+
+
+def right_parity(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Whether an odd number of segments lies to the right of each of ``rows``; exact.
+
+    Seen upward, at the lower end of each row and just right of it. The rows may be segments themselves, or
+    other pairs of vertices that cross none of them.
+    """
+    if len(segments) == 0:
+        return np.zeros(len(rows), dtype=bool)
     up = _below(points, segments)
     lower, upper = np.where(up[:, None], segments, segments[:, ::-1]).T
-    foot, top = lower[heads], upper[heads]
+    foot, top = np.where(_below(points, rows)[:, None], rows, rows[:, ::-1]).T
     ends = points[segments]
     low, high = ends.min(axis=1), ends.max(axis=1)
     at = points[foot]
     reach = at.copy()
-    reach[:, 0] = high[:, 0].max()
+    reach[:, 0] = np.maximum(high[:, 0].max(), at[:, 0])
     query, hit = BoxTree(low, high).pairs(at, reach)
     f, c, d = foot[query], lower[hit], upper[hit]
     same = c == f
     over = (same | _below(points, np.column_stack([c, f]))) & _below(points, np.column_stack([f, d]))
     query, f, c, d, same = query[over], f[over], c[over], d[over], same[over]
-    # To the right at the height of the foot, or leaving the foot itself on the right of the segment.
-    rows = np.column_stack([f, np.where(same, d, c), np.where(same, top[query], d)])
-    right = orient_rows(points, rows) > 0
-    inside = np.bincount(query[right], minlength=len(heads)) % 2 == 1
-    return np.where(up[heads], ~inside, inside)[chain] ^ along
+    # To the right at the height of the foot, or leaving the foot itself on the right of the row.
+    corners = np.column_stack([f, np.where(same, d, c), np.where(same, top[query], d)])
+    right = orient_rows(points, corners) > 0
+    return np.bincount(query[right], minlength=len(rows)) % 2 == 1
 
 
 def _below(points: np.ndarray, rows: np.ndarray) -> np.ndarray:

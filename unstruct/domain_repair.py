@@ -3,7 +3,7 @@
 Straight pieces only: crossings are split at their point, rounded to doubles, pieces at vertices that lie on
 them; copies of points are merged; pieces without length go; of equal facets an even number cancels, as the
 even-odd rule has it. A rounded point may lie on the other side of a third piece: so it all starts again until
-the exact check finds nothing.
+the exact check finds nothing (in the sixth round and later with crossings on a coarser and coarser grid).
 
 An open boundary bounds nothing, so that nobody can know what was meant. Two cases are mended. Where a chain
 that is a single path has a gap no longer than its longest piece, a facet closes the gap. Elsewhere short
@@ -17,7 +17,7 @@ import heapq
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import hypot
+from math import frexp, hypot, ldexp
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,8 @@ from .segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
 
 __all__ = ["Repair", "Repairer"]
 
-ROUNDS = 100
+ROUNDS = 60
+FINE = 6  # rounds in which crossings are rounded to the nearest doubles only
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ class Repairer:
     ) -> None:
         self.points = points
         self.origin = np.arange(len(points))
+        self.round = 0
         self.facets = len(facets)
         self.repairs: list[Repair] = []
         names: dict[int, set[str]] = {}
@@ -94,7 +96,7 @@ class Repairer:
     def run(self) -> None:
         """Mend until nothing changes."""
         self._drop_missing()
-        for _ in range(ROUNDS):
+        for self.round in range(ROUNDS):
             self._merge_points()
             self._drop_short()
             self._cancel_repeated()
@@ -199,7 +201,7 @@ class Repairer:
         for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
             names = f"{self._name(straight[i])} and {self._name(straight[j])}"
             if kind == CROSSING:
-                place = crossing_place(self.points, segments[i], segments[j])
+                place = self._rounded(crossing_place(self.points, segments[i], segments[j]))
                 vertex = where.setdefault(place, len(self.points) + len(fresh))
                 if vertex == len(self.points) + len(fresh):
                     fresh.append(place)
@@ -222,6 +224,18 @@ class Repairer:
             self.origin = np.concatenate([self.origin, np.full(len(fresh), -1)])
         self._cut(straight, cuts)
         return bool(cuts)
+
+    def _rounded(self, place: tuple[float, float]) -> tuple[float, float]:
+        """The crossing as it is for some rounds; then on a grid that doubles from round to round.
+
+        Where the input has only few digits left in one direction, every split may bend segments into new
+        crossings. A grid has ever fewer places for them.
+        """
+        if self.round < FINE:
+            return place
+        spacing = ldexp(1.0, frexp(float(np.abs(self.points).max()))[1] - 53 + self.round - FINE)
+        x, y = (round(c / spacing) * spacing for c in place)
+        return x, y
 
     def _cut(self, straight: list[_Piece], cuts: dict[int, set[int]]) -> None:
         at = {id(straight[s]): vertices for s, vertices in cuts.items()}
@@ -263,8 +277,10 @@ class Repairer:
                 for piece in path:
                     if join.pop(id(piece), None) is None:
                         join[id(piece)] = piece
+        forest = _without_cycles(list(join.values()), set(odd))
+        join = {id(piece): piece for piece in forest}
         added = False
-        for chain in _connected(list(join.values())):
+        for chain in _connected(forest):
             added |= self._mend_chain(chain, at, join)
         return added
 
@@ -311,6 +327,36 @@ def _connected(pieces: list[_Piece]) -> list[list[_Piece]]:
     for piece in pieces:
         groups.setdefault(root(piece.a), []).append(piece)
     return list(groups.values())
+
+
+def _without_cycles(pieces: list[_Piece], odd: set[int]) -> list[_Piece]:
+    """Those pieces of a spanning forest that have an odd number of odd vertices on either side."""
+    at: dict[int, list[_Piece]] = {}
+    for piece in pieces:
+        for v in (piece.a, piece.b):
+            at.setdefault(v, []).append(piece)
+    order: list[tuple[int, int, _Piece]] = []  # vertex, its parent, the piece between, parents first
+    seen: set[int] = set()
+    for root in at:
+        if root in seen:
+            continue
+        seen.add(root)
+        stack = [root]
+        while stack:
+            v = stack.pop()
+            for piece in at[v]:
+                other = piece.b if piece.a == v else piece.a
+                if other not in seen:
+                    seen.add(other)
+                    order.append((other, v, piece))
+                    stack.append(other)
+    below = {v: v in odd for v in at}
+    kept = []
+    for v, parent, piece in reversed(order):
+        if below[v]:
+            kept.append(piece)
+            below[parent] = not below[parent]
+    return kept
 
 
 def _nearest(
