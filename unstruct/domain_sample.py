@@ -25,7 +25,8 @@ __all__ = ["Sampled"]
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
 FINE = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
-ROUNDS = 40  # halvings, after which curves that still conflict do meet
+ROUNDS = 40  # halvings, after which curves that still conflict do meet,
+SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
 MOST = 1 << 25  # subsegments, and
 STRETCH = 1 << 20  # parameter intervals, beyond which a size is out of all proportion
 
@@ -151,7 +152,8 @@ def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains
 def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
     """Cut on until the chords are safe, and none stands for more than this turn of its curve.
 
-    Straight pieces that rounding lets touch others become whole."""
+    Straight pieces that rounding lets touch others become whole.
+    """
     bent = np.zeros(len(domain.pieces), dtype=bool)
     bent[list(domain.curves)] = True
     for _ in range(ROUNDS):
@@ -175,6 +177,9 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn
                 piece, (t0, t1) = sampled.piece[~whole], sampled.span[~whole].T.copy()
                 t1[straight[~whole]] = 1.0
                 continue
+        a, b = sampled.points[sampled.ends[cut]].transpose(1, 0, 2)
+        if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
+            break
         piece, t0, t1 = halve(sampled, cut)
     raise InputError(_meeting_text(domain, sampled, conflicts(domain, sampled, curved)))
 
