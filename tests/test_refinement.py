@@ -230,7 +230,7 @@ def test_random_regions(seed: int, kind: str, method: Any, angle: float, limit: 
 
 
 def test_a_sample_of_the_fuzz() -> None:
-    assert fuzz_regions.main(["90", "--seed", "7"]) == 0
+    assert fuzz_regions.main(["27", "--seed", "7"]) == 0
 
 
 def test_no_subsegment_is_encroached_in_the_end() -> None:
@@ -516,11 +516,29 @@ def test_bad_meshes(points: list, cells: list, message: str) -> None:
         ({"method": "delaunay"}, "method = 'delaunay'"),
         ({"budget": 2}, "budget = 2"),
         ({"budget": 10.5}, "budget = 10.5"),
+        ({"budget": "many"}, "budget = 'many'"),
+        ({"min_angle": "large"}, "min_angle must be a number"),
     ],
 )
 def test_bad_limits(options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         refine(two_regions(), **options)
+
+
+def test_neither_domain_nor_mesh() -> None:
+    with pytest.raises(InputError, match="must be a Domain or a Mesh, not list"):
+        refine(SQUARE)  # type: ignore[arg-type]
+
+
+def test_a_curve_that_has_no_point() -> None:
+    class Broken:
+        def point(self, t: np.ndarray) -> np.ndarray:
+            y = np.where((t > 0) & (np.round(t * 64) != t * 64), np.nan, 0.1 * np.sin(np.pi * t))
+            return np.column_stack([t, y])
+
+    domain = Domain(SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0]], curves={0: Broken()})
+    with pytest.raises(InputError, match="piece 0 is not finite at parameter"):
+        refine(domain, max_area=1e-5)
 
 
 def test_no_limits_at_all_is_the_constrained_triangulation() -> None:

@@ -21,7 +21,7 @@ from .insertion2 import next_edge
 from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, misses
 from .refinement_state import REMOVED, forget, queue, record
 
-MOST = 64  # corners of a polygon that is filled: a vertex with more stays
+MOST = 64  # corners of a polygon that is filled: a vertex with more stays; and vertices taken at a time
 # columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling
 RING, OUTER, SLOT, LOW, BEST, HIGH, HALF = range(7)
 
@@ -143,7 +143,7 @@ def clear_disc(w, tally, limits, s):
     a, b = w.ends[s, 0], w.ends[s, 1]
     removed = 0
     for side in range(2):
-        while True:
+        while removed < MOST:
             e = np.int64(w.where[s])
             if (start_of(w.vertex, e) == a) != (side == 0):
                 e = np.int64(w.twin[e])

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
+from ..domain import Domain
 from ..errors import InputError
 from ..mesh import Mesh
 from ..sizing import as_size
@@ -22,9 +23,6 @@ from .refinement_limits import make_limits
 from .refinement_run import Planned, Run
 from .refinement_state import BUDGET, EVENTS, FINISHED, MORE, REFUSED
 from .remeshing import carry, plan_mesh
-
-if TYPE_CHECKING:
-    from ..domain import Domain
 
 __all__ = ["refine"]
 
@@ -50,7 +48,8 @@ def refine(
     domain : Domain or Mesh
         A region; or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
         edges and edges between cells of different "region" are kept as edges (divided, where need be);
-        where it is not constrained Delaunay it is made so first.
+        where it is not constrained Delaunay it is made so first. Its edges are straight, whatever curve they
+        came from; ``piece`` of the result numbers straight chains of the edges that were kept.
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length.
@@ -105,6 +104,8 @@ def refine(
     A. Üngör, LATIN (2004) 152-161; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller,
     S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003). Book: 2.6a, 2.6d.
     """
+    if not isinstance(domain, Domain | Mesh):
+        raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
     angle, lens, offset = _method(method, min_angle)
     planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
     c = planned.complex_
@@ -132,7 +133,10 @@ def refine(
 
 def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
     """The least angle, the lens' squared cosine, and how far off the middle of an edge off-centers lie."""
-    angle = 25.0 if min_angle is None else float(min_angle)
+    try:
+        angle = 25.0 if min_angle is None else float(min_angle)
+    except (TypeError, ValueError):
+        raise InputError(f"min_angle must be a number of degrees, not {min_angle!r}") from None
     if not 0.0 <= angle <= MOST_ANGLE:
         raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
@@ -150,7 +154,7 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
 def _budget(budget: int | None) -> int:
     if budget is None:
         return 2**31 // 6 - 4  # half-edges are numbered by 32 bits
-    if isinstance(budget, bool) or int(budget) != budget or budget < 3:
+    if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
     return int(budget)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from .acute import apexes
 from .compiled import grown
 from .encroachment2 import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
@@ -113,7 +114,7 @@ class Run:
             status = np.zeros(len(self.large), dtype=np.uint16)
             status[:before] = self.status
             self.status = status
-        if self.tally[EVENTS] + 128 > len(self.event) > 0:
+        if self.tally[EVENTS] + 256 > len(self.event) > 0:
             self.event = grown(self.event, 2 * len(self.event))
             self.place = grown(self.place, len(self.event))
         self.scratch = c.scratch()
@@ -156,7 +157,11 @@ class Run:
         c, count = self.complex, int(self.tally[WANTED])
         s = self.wanted[:count].copy()
         t = self._parameters(s)
-        self.given[s, :2] = self.planned.at(c.piece[s], t) * c.factor
+        x = self.planned.at(c.piece[s], t)
+        if not np.isfinite(x).all():
+            i = int(np.argmin(np.isfinite(x).all(axis=1)))
+            raise InputError(f"the curve of piece {c.piece[s[i]]} is not finite at parameter {t[i]}")
+        self.given[s, :2] = x * c.factor
         self.given[s, 2] = t
         top = int(self.tally[SEGMENT_TOP])
         self.segments[top : top + count] = s[::-1]

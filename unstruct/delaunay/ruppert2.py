@@ -45,7 +45,7 @@ from .encroachment2 import (
     split_arc,
     split_straight,
 )
-from .free_vertices2 import clear_disc
+from .free_vertices2 import MOST, clear_disc
 from .refinement_limits import BY_ANGLE, BY_SIZE
 from .refinement_state import (
     BUDGET,
@@ -318,7 +318,7 @@ def advance(w, tally, limits, offset, steps):
     for _ in range(steps):
         if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
             return ROOM
-        if len(w.event) > 0 and tally[EVENTS] + 64 > len(w.event):
+        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST + 8 > len(w.event):
             return ROOM
         if tally[SEGMENT_TOP] + tally[WANTED] + tally[LARGE_ONES] + tally[LINKED] == 0:
             return FINISHED
