@@ -11,7 +11,8 @@ import nbformat
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 FRONT = "index"
-BACK = ["benchmarks", "benchmarks-planar", "ledger", "errata", "reference", "references"]  # after the chapters, in this order
+# after the chapters, in this order
+BACK = ["benchmarks", "benchmarks-planar", "ledger", "errata", "reference", "references"]
 
 
 def write_pages(book: Path, site: Path) -> None:
