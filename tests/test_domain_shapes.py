@@ -1,4 +1,4 @@
-"""Ready-made regions: aerofoils, letters, splines, geographic outlines, the book's own; .poly files."""
+"""Ready-made regions: airfoils, letters, splines, geographic outlines, the book's own; .poly files."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def thickness_area(thickness: float, last: float) -> float:
 
 @pytest.mark.parametrize("closed", [True, False])
 @pytest.mark.parametrize("digits", ["0012", "2412", "6509"])
-def test_aerofoils(digits: str, closed: bool) -> None:
+def test_airfoils(digits: str, closed: bool) -> None:
     wing = Domain.naca(digits, chord=2.0, nose=(1, 1), attack=10, closed=closed)
     flat = Domain.naca(digits, closed=closed)
     wanted = thickness_area(int(digits[2:]) / 100, -0.1036 if closed else -0.1015)

@@ -71,7 +71,7 @@ class Constructors:
         closed: bool = True,
         **options: Any,
     ) -> Self:
-        """A NACA four-digit aerofoil section, as true curves.
+        """A NACA four-digit airfoil section, as true curves.
 
         Parameters
         ----------
@@ -92,7 +92,7 @@ class Constructors:
         E. N. Jacobs, K. E. Ward, R. M. Pinkerton, *The characteristics of 78 related airfoil sections*, NACA
         report 460 (1933).
         """
-        return cls._of(shapes.aerofoil(digits, chord, nose, attack, closed), options)
+        return cls._of(shapes.airfoil(digits, chord, nose, attack, closed), options)
 
     @classmethod
     def letters(cls, text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Any) -> Self:

@@ -1,4 +1,4 @@
-"""Ready-made regions: polygons, discs, smooth closed curves, aerofoils, letters, and geographic outlines.
+"""Ready-made regions: polygons, discs, smooth closed curves, airfoils, letters, and geographic outlines.
 
 Each function gives the arguments of a `Domain`: points, facets, and options. See the book, chapter 2.6d.
 """
@@ -17,7 +17,7 @@ from .curves import Arc, Bezier, Curve, CurveLike
 from .domain_input import around, as_ring, positive
 from .errors import InputError
 
-__all__ = ["Parts", "aerofoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
+__all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
 
 Parts = dict[str, Any]  # points, facets, and what else `Domain` takes
 
@@ -65,10 +65,10 @@ def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
     return {**parts, "curves": curves}
 
 
-# ---------------------------------------------------------------------- aerofoils
+# ---------------------------------------------------------------------- airfoils
 
 
-def aerofoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -> Parts:
+def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -> Parts:
     """A NACA four-digit section as two curves, trailing edge to nose and back; see `Domain.naca`."""
     if not (isinstance(digits, str) and len(digits) == 4 and digits.isdigit()):
         raise InputError(f"a four-digit section is named by a string such as '2412', not {digits!r}")

@@ -47,7 +47,7 @@ def running_domain() -> Domain:
 
 
 def wing_with_flap(radius: float = 6.0) -> Domain:
-    """An aerofoil (NACA 2412) and, behind and below it, a flap, in a round far field.
+    """An airfoil (NACA 2412) and, behind and below it, a flap, in a round far field.
 
     Parameters
     ----------
