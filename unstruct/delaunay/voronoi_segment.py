@@ -68,8 +68,52 @@ def voronoi_segment(
     Returns
     -------
     Refined
-        ``counts`` tells how often each special case came up, ``steps`` (with ``history``) what each new
-        vertex did.
+        ``counts``, by name. Of the points put in: "points"; those "capped", with d = q because the circle
+        through A, B and F is smaller than f; "clamped", because q < p; "behind", F lying on the other side of
+        AB; "deleted": X in the circle of the accepted triangle, so that AB goes; "cocircular": X exactly on
+        it; "moved": f at the center differs from f at M by more than a tenth; "wide": X sees a boundary
+        edge under 90 to 120 degrees. Of those rejected: "outside" (beyond a boundary edge), "encroaching"
+        (120 degrees or more), "collisions" (nearer than 0.7 f to a vertex), "rounded". Then "circumcenters"
+        and boundary "splits" as a last resort, "refused splits", triangles "given up". Of the finishing pass
+        "moves", "swaps", "points again", "angle points", "angle splits", "removed".
+        ``figures``: least angle, least and mean 2r/R, before and after finishing. ``unrefined`` lists the
+        triangles that are too large, and after finishing those with an angle below 26 degrees, with
+        ``reasons``: "input angle ..." (the angle of the domain that leaves no choice), "budget", ...
+        ``steps`` (with ``history``): columns with one row for each new vertex, in order: "vertex", "point"
+        (as put in), "edge" A B, "accepted" C and "waiting" D (-1: none), "f", "p", "q", "d", "case" (bits, see
+        `CASES`), "parent" (the row that made AB as its AX or XB, or -1); vertices that finishing has
+        taken away are -1.
+
+    Raises
+    ------
+    InputError
+        For options that are not in the list, sizes that are not positive and finite (with the place), and as
+        `unstruct.constrained_delaunay` does.
+
+    Notes
+    -----
+    *The step.* AB is the shortest active edge of the chosen triangle ADB, M its middle, p = |AM|, F the
+    circumcenter of ADB and q = |MF|. X is on the bisector at d = R + sqrt(R^2 - p^2), R = min(max(f, p),
+    (p^2 + q^2) / 2q): the chapter's (12.4) and (12.5). q < p is possible, against the chapter; then d stops
+    at q. Boundary edges are active from the beginning, as if accepted triangles lay beyond.
+
+    *What is proved,* for one f and away from the boundary, where R < delta f for accepted triangles and
+    R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since d >= R >= f; and
+    where X = F, |AX| is the circumradius of a waiting triangle, at least delta f. X lies on the Voronoi edge
+    of AB unless the accepted triangle is very obtuse (above 135 degrees), so that A and B are its nearest
+    vertices. Hence new edges have at least the length m f with m = min(sqrt(2), delta), and by the law of
+    sines an accepted triangle has angles of at least arcsin(m / (2 delta)): 30 degrees for delta <= sqrt(2),
+    and 28 for the chapter's 3/2. At the boundary, and where f varies, this does not hold: angles just below
+    30 degrees come up; narrow places and small input angles need the finishing pass.
+
+    *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then a pattern search),
+    swaps diagonals so that the mesh stays constrained Delaunay, and refines by Chew's second algorithm where
+    an angle is below 25 degrees. It ends with all angles at least 25 degrees but those it lists.
+
+    All signs that decide the topology are exact. Triangles are taken by R / f in buckets of half an octave of
+    its square, first in first out; O(n) after the boundary is triangulated. Every new edge is longer than
+    f, so that the number of points is bounded. Sources: S. Rebay, Journal of Computational Physics 106 (1993)
+    125-138; L. P. Chew, Symposium on Computational Geometry (1993) 274-280. Book: 2.6c.
     """
     rule = rule_of(accept, evaluate, order, priority, split_boundary)
     if budget is not None and budget < 0:
