@@ -82,6 +82,27 @@ def test_good_meshes_of_random_regions_pass(kind: str) -> None:
         assert check(fine, domain=domain, delaunay="constrained"), f"refined {kind} {seed}"
 
 
+@pytest.mark.parametrize("kind", range(4))
+def test_mended_garbage_passes(kind: int) -> None:
+    """Random segments on few points: integers, doubles, a strip of sixteen last bits, multiples of 0.1."""
+    for seed in range(40):
+        rng = np.random.default_rng([kind, seed])
+        m = int(rng.integers(3, 20))
+        points = [
+            rng.integers(0, 6, size=(m, 2)).astype(float),
+            rng.random((m, 2)),
+            rng.random((m, 2)) * [1, 2.0**-48] + 1,
+            rng.integers(0, 4, size=(m, 2)) * 0.1,
+        ][kind]
+        order = rng.permutation(m)
+        ring = np.column_stack([order, np.roll(order, -1)])
+        rows = ring if seed % 2 else rng.integers(0, m, size=(int(rng.integers(1, 15)), 2))
+        domain = Domain(points, rows, inner=rng.integers(0, m, size=(4, 2)), resolve=True)
+        if len(domain.facets):
+            mesh = constrained_delaunay(domain)
+            assert check(mesh, domain=domain, delaunay="constrained"), seed
+
+
 def test_every_cell_is_needed(good) -> None:
     mesh, domain = good
     for cell in range(0, mesh.size, 7):
