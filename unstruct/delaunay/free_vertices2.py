@@ -18,8 +18,8 @@ from ..predicates import incircle, orient2
 from .cavity2 import free_slot, start_of
 from .encroachment2 import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .insertion2 import next_edge
-from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, misses
-from .refinement_state import REMOVED, forget, queue, record
+from .refinement_limits import misses
+from .refinement_state import REMOVED, record, settle
 
 MOST = 64  # corners of a polygon that is filled: a vertex with more stays; and vertices taken at a time
 # columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling
@@ -125,12 +125,10 @@ def remove_free(w, tally, limits, e):
     _put(w.vertex, w.twin, w.mark, w.polygon, degree, count)
     for i in range(count):
         t = w.polygon[i, SLOT]
-        forget(w, tally, t)
         bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], w.region[t], limits)
-        if bits != 0:
-            queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
+        settle(w, tally, t, bits)
     for i in range(count, degree):
-        forget(w, tally, w.polygon[i, SLOT])
+        settle(w, tally, w.polygon[i, SLOT], 0)
         free_slot(w.vertex, w.twin, w.region, w.state, w.polygon[i, SLOT])
     w.kind[v] = REMOVED_VERTEX
     tally[REMOVED] += 1

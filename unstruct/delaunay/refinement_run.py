@@ -107,7 +107,7 @@ class Run:
         c.reserve(vertices, segments)
         n, s, t = len(c.xy), len(c.where), len(c.region)
         before = len(self.status)
-        for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t)):
+        for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t + 1)):
             for name in names:
                 setattr(self, name, grown(getattr(self, name), size))
         if t > before:  # zeroed pages that are not touched cost nothing

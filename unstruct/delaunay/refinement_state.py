@@ -131,28 +131,10 @@ def give_up(w, tally, t, why):
 
 
 @inline
-def forget(w, tally, t):
-    """What was known of the triangle in slot t holds no longer."""
-    k = w.status[t] & 255
-    if k == LARGE:
-        tally[LARGE_ONES] -= 1
-    elif 0 < k < LARGE:
-        unlink(w, tally, t, k)
-    w.status[t] &= STACKED
-
-
-@inline
-def queue(w, tally, t, by):
-    """Let triangle t wait, of which nothing is known: on the stack if it is too large, else in a bucket."""
-    if by == BY_SIZE:
-        if w.status[t] & STACKED == 0:
-            w.large[tally[STACK_TOP]] = t
-            tally[STACK_TOP] += 1
-        w.status[t] = STACKED | LARGE
-        tally[LARGE_ONES] += 1
-        return
+def link(w, tally, t):
+    """Let triangle t wait at the end of the bucket of its shortest edge."""
     k = bucket_of(w, t)
-    w.status[t] = (w.status[t] & STACKED) | k
+    w.status[t] |= k
     tally[LINKED] += 1
     tally[BUCKET] = max(tally[BUCKET], k)
     last = w.gates[k, 1]
@@ -162,6 +144,27 @@ def queue(w, tally, t, by):
         w.behind[last] = t
     else:
         w.gates[k, 0] = t
+
+
+@inline
+def settle(w, tally, t, bits):
+    """Slot t has a new triangle that misses the limits ``bits``: it waits on the stack, in a bucket, or not.
+
+    Without branches as long as no bucket has to do with it, for the reason that `misses_of` gives: the entry
+    on the stack is always written, and counted where it is one. (An entry that the slot had stays.)
+    """
+    before = np.int64(w.status[t])
+    known, stacked = before & 255, before & STACKED
+    if 0 < known < LARGE:
+        unlink(w, tally, t, known)
+    is_large = np.int64(bits > ANGLE)
+    top = tally[STACK_TOP]
+    w.large[top] = t
+    tally[STACK_TOP] = top + (is_large & (stacked == 0))
+    tally[LARGE_ONES] += is_large - (known == LARGE)
+    w.status[t] = stacked | is_large * (STACKED | LARGE)
+    if bits == ANGLE:
+        link(w, tally, t)
 
 
 @inline
@@ -210,7 +213,7 @@ def look_at_star(w, tally, limits, k):
     """Queue the bad ones of the k fresh triangles, and the subsegments on which their apex encroaches."""
     for i in range(k):
         t = w.fresh[i]
-        forget(w, tally, t)
+        bits = 0
         if w.region[t] >= 0:
             p, a, b = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
             s = w.mark[3 * t]
@@ -219,8 +222,7 @@ def look_at_star(w, tally, limits, k):
             ):
                 ask(w, tally, s, BY_ANGLE, w.floor[p])
             bits = misses(w.xy, p, a, b, w.region[t], limits)
-            if bits != 0:
-                queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
+        settle(w, tally, t, bits)
 
 
 @inline
@@ -236,14 +238,12 @@ def look_at_fan(w, tally, limits, p, r, k):
         bx, by = w.xy[b, 0], w.xy[b, 1]
         vx, vy = bx - px, by - py
         far = vx * vx + vy * vy
-        forget(w, tally, t)
         if s >= 0 and encroaches(ax, ay, bx, by, px, py, limits.lens):
             ask(w, tally, s, BY_ANGLE, w.floor[p])
         rim = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
         x, y = (px + ax + bx) / 3.0, (py + ay + by) / 3.0
         bits = misses_of(ux * vy - uy * vx, near, far, rim, x, y, r, limits)
-        if bits != 0:
-            queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
+        settle(w, tally, t, bits)
         ax, ay, ux, uy, near = bx, by, vx, vy, far
 
 
@@ -256,8 +256,7 @@ def look_at_all(w, tally, limits):
         r = w.region[t]
         if r >= 0:
             bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits)
-            if bits != 0:
-                queue(w, tally, t, BY_ANGLE if bits == ANGLE else BY_SIZE)
+            settle(w, tally, t, bits)
 
 
 @inline

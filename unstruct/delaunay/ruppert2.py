@@ -46,7 +46,7 @@ from .encroachment2 import (
     split_straight,
 )
 from .free_vertices2 import MOST, clear_disc
-from .refinement_limits import BY_ANGLE, BY_SIZE
+from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE
 from .refinement_state import (
     BUDGET,
     CENTERS,
@@ -77,8 +77,8 @@ from .refinement_state import (
     look_at_segment,
     look_at_star,
     next_triangle,
-    queue,
     record,
+    settle,
 )
 
 FAR = 1e30  # a circumcenter beyond this cannot be judged
@@ -265,7 +265,7 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
     if asked > 0:
         tally[REJECTED] += 1
         record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
-        queue(w, tally, t, by)
+        settle(w, tally, t, SIZE if by == BY_SIZE else ANGLE)
     else:
         give_up(w, tally, t, why)
     return False
