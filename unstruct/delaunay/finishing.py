@@ -27,7 +27,7 @@ __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 
 CHUNK = 100_000  # vertices of a kernel call
 # first the stars with a triangle below 0.99, by Laplace steps, then those below 0.85, by search; most rounds
-ROUNDS = ((0.99, False, 3), (0.85, True, 6))
+STAGES = ((0.99, False, 3), (0.85, True, 6))
 AGAIN = ((0.9, True, 6),)
 LEAST = 25.0  # degrees: what is promised
 WANTED = 26.0  # and what is asked for
@@ -56,11 +56,10 @@ def smooth_poor(
     still[:given] = True
     still[c.ends[: c.segments].ravel()] = True
     stack, counts = c.scratch()[0], np.zeros(2, dtype=np.int64)
-    before: dict[str, float] = {}
-    for threshold, patterns, rounds in AGAIN if again else ROUNDS:
-        todo = np.zeros(n, dtype=bool)
-        found = _survey(c, threshold, todo)
-        before = before or _named(found)
+    todo = np.zeros(n, dtype=bool)
+    stages = AGAIN if again else STAGES
+    found = _survey(c, stages[0][0], todo)
+    for threshold, patterns, rounds in stages:
         for _ in range(rounds):
             moves = 0
             for start in range(0, n, CHUNK):
@@ -70,7 +69,7 @@ def smooth_poor(
                 )  # fmt: skip
             if moves == 0:
                 break
-    return int(counts[0]), int(counts[1]), before
+    return int(counts[0]), int(counts[1]), _named(found)
 
 
 def figures(complex_: PlanarComplex) -> dict[str, float]:

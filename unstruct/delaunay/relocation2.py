@@ -188,6 +188,7 @@ def improve(xy, vertex, twin, mark, where, at, still, todo, threshold, patterns,
             if patterns:
                 x, y = search(xy, vertex, twin, e, least, sine, total)
             if x == xy[v, 0] and y == xy[v, 1]:
+                todo[v] = least < FAIR and not patterns  # for the search to come
                 continue
         xy[v, 0], xy[v, 1] = x, y
         moves += 1

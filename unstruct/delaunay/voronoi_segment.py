@@ -80,8 +80,8 @@ def voronoi_segment(
         triangles that are too large, and after finishing those with an angle below 26 degrees, with
         ``reasons``: "input angle ..." (the angle of the domain that leaves no choice), "budget", ...
         ``steps`` (with ``history``): columns with one row for each new vertex, in order: "vertex", "point"
-        (as put in), "edge" A B, "accepted" C and "waiting" D (-1: none), "f", "p", "q", "d", "case" (bits, see
-        `CASES`), "parent" (the row that made AB as its AX or XB, or -1); vertices that finishing has
+        (as put in), "edge" A B, "accepted" C and "waiting" D (-1: none), "f", "p", "q", "d", "case" (bits,
+        see `CASES`), "parent" (the row that made AB as its AX or XB, or -1); vertices that finishing has
         taken away are -1.
 
     Raises
@@ -98,13 +98,13 @@ def voronoi_segment(
     at q. Boundary edges are active from the beginning, as if accepted triangles lay beyond.
 
     *What is proved,* for one f and away from the boundary, where R < delta f for accepted triangles and
-    R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since d >= R >= f; and
-    where X = F, |AX| is the circumradius of a waiting triangle, at least delta f. X lies on the Voronoi edge
-    of AB unless the accepted triangle is very obtuse (above 135 degrees), so that A and B are its nearest
-    vertices. Hence new edges have at least the length m f with m = min(sqrt(2), delta), and by the law of
-    sines an accepted triangle has angles of at least arcsin(m / (2 delta)): 30 degrees for delta <= sqrt(2),
-    and 28 for the chapter's 3/2. At the boundary, and where f varies, this does not hold: angles just below
-    30 degrees come up; narrow places and small input angles need the finishing pass.
+    R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since
+    d >= R >= f; and where X = F, |AX| is the circumradius of a waiting triangle, at least delta f. X lies
+    on the Voronoi edge of AB unless the accepted triangle is very obtuse (above 135 degrees), so that A and B
+    are its nearest vertices. Hence new edges have at least the length m f with m = min(sqrt(2), delta), and
+    by the law of sines an accepted triangle has angles of at least arcsin(m / (2 delta)): 30 degrees for
+    delta <= sqrt(2), and 28 for the chapter's 3/2. At the boundary, and where f varies, this does not hold:
+    angles just below 30 degrees come up; narrow places and small input angles need the finishing pass.
 
     *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then a pattern search),
     swaps diagonals so that the mesh stays constrained Delaunay, and refines by Chew's second algorithm where

@@ -67,7 +67,9 @@ class Run:
         self.first = complex_.size  # vertices from here on are new
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
-        self.reserve(complex_.size + 1000)
+        # room for all points at once where their number is foreseen: what is not used costs nothing
+        expected = 0.0 if field.constant is None else 1.2 * domain.area * 2.0 / k.ROOT3 / field.constant**2
+        self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
         """Make room for so many vertices in all, and for a few more subsegments."""
@@ -173,7 +175,7 @@ class Run:
             self.advance(budget, None)  # where a triangle has become too large again
             done["points again"] += c.size - size
             self.counts, after = counted, figures(c)
-            changed = c.size > size
+            refined = False
             slots: list[int] = []
             reasons: list[str] = []
             if after["least angle"] < LEAST:
@@ -182,9 +184,9 @@ class Run:
                 done["angle splits"] += found["splits"]
                 done["removed"] += found["removed"]
                 if found["circumcenters"] + found["splits"] > 0:
-                    changed, after = True, figures(c)
+                    refined, after = True, figures(c)
                 self.restart()
-            if not changed:
+            if not refined and (c.size == size or number > 0):
                 break
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
