@@ -104,7 +104,7 @@ def walk(xy, vertex, twin, t, px, py):
                 return t
 
 
-@lean
+@inline
 def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
     """Turn through the cavity from the inner half-edges on the stack; marked edges belong to the rim."""
     while depth > 0:
@@ -126,6 +126,14 @@ def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
     return m, k
 
 
+@inline
+def find_cavity_here(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
+    """`find_cavity`, inlined: for the hottest loops, where to hand over ten arrays costs as much as a triangle."""
+    cells[0] = t
+    stack[0], stack[1], stack[2] = 3 * t + 2, 3 * t + 1, 3 * t
+    return _grow(xy, vertex, twin, mark, np.int64(3), px, py, stack, cells, np.int64(1), rim, np.int64(0))
+
+
 @lean
 def find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
     """The cavity of p from triangle t, whose open circle holds p: (m, k), ``cells[:m]`` and ``rim[:k]``.
@@ -133,9 +141,7 @@ def find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
     The rim has the inner half-edges, counterclockwise; k = m + 2. k is ``TOO_LARGE`` where the seed is hidden
     from p in such a way that the search goes round (the arrays have the length of the triangulation).
     """
-    cells[0] = t
-    stack[0], stack[1], stack[2] = 3 * t + 2, 3 * t + 1, 3 * t
-    return _grow(xy, vertex, twin, mark, np.int64(3), px, py, stack, cells, np.int64(1), rim, np.int64(0))
+    return find_cavity_here(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
 
 
 @lean
@@ -155,7 +161,7 @@ def blocked_by(xy, vertex, rim, k, px, py):
     return k if turns > 1 else -1
 
 
-@lean
+@inline
 def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fresh):
     """Join p to the rim: the triangle on rim edge i is ``fresh[i]``, p first. Mark ``split`` is dropped."""
     for i in range(k):
@@ -184,13 +190,9 @@ def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fr
     state[LAST] = fresh[0]
 
 
-@lean
-def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
-    """Replace the cavity by the star of p, whose coordinates are in its row of ``xy``.
-
-    ``fresh[:k]`` are the new triangles; each has p as its first vertex, so that half-edge 3 t is on the rim.
-    They inherit the region of the cavity. ``hold`` (., 4) is scratch.
-    """
+@inline
+def commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
+    """`commit`, inlined."""
     state[BUSY] = 1
     part = region[cells[0]]
     _star(vertex, twin, mark, where, state, cells, m, rim, k, UNUSED, p, hold, fresh)
@@ -198,6 +200,16 @@ def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, 
         region[fresh[i]] = part
     state[VERTICES] = max(state[VERTICES], p + 1)
     state[BUSY] = 0
+
+
+@lean
+def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
+    """Replace the cavity by the star of p, whose coordinates are in its row of ``xy``.
+
+    ``fresh[:k]`` are the new triangles; each has p as its first vertex, so that half-edge 3 t is on the rim.
+    They inherit the region of the cavity. ``hold`` (., 4) is scratch.
+    """
+    commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
 
 
 @lean

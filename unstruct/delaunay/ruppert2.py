@@ -27,10 +27,10 @@ from .cavity2 import (
     SEGMENTS,
     VERTICES,
     blocked_by,
-    commit,
+    commit_here,
     commit_split,
     end_of,
-    find_cavity,
+    find_cavity_here,
     find_split,
     start_of,
 )
@@ -294,7 +294,7 @@ def improve_next(w, tally, limits, offset):
     if not (abs(px) < FAR and abs(py) < FAR):
         give_up(w, tally, t, PRECISION)
         return
-    m, k = find_cavity(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
+    m, k = find_cavity_here(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
     if k < 0:
         give_up(w, tally, t, PRECISION)
         return
@@ -304,7 +304,9 @@ def improve_next(w, tally, limits, offset):
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = FREE_VERTEX, floor
     record(w, tally, CENTERS, p, a, b, c, px, py)
-    commit(w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh)
+    commit_here(
+        w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh
+    )
     tally[CENTERS] += 1
     look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
 
