@@ -128,7 +128,7 @@ def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
 
 @inline
 def find_cavity_here(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
-    """`find_cavity`, inlined: for the hottest loops, where to hand over ten arrays costs as much as a triangle."""
+    """`find_cavity`, inlined: for hot loops, where handing over ten arrays costs as much as a triangle."""
     cells[0] = t
     stack[0], stack[1], stack[2] = 3 * t + 2, 3 * t + 1, 3 * t
     return _grow(xy, vertex, twin, mark, np.int64(3), px, py, stack, cells, np.int64(1), rim, np.int64(0))
