@@ -41,7 +41,7 @@ from unstruct import (
 from unstruct.jit import kernel
 from unstruct.predicates import incircle, orient2, scaled
 
-SECONDS = 20  # for one mesh, after the first of its kind
+SECONDS = 20  # of the processor, for one mesh
 SAMPLE = 50  # one mesh in so many gets the full check
 BUDGET = 20_000
 LARGEST = 3000  # cells, for the full check where nothing is suspicious
@@ -53,18 +53,18 @@ class TooLong(Exception):
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `TooLong` when the time is up."""
+    """Raise `TooLong` when so much processor time is used up."""
 
     def stop(*_: Any) -> None:
         raise TooLong(f"more than {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 # --- judging ---------------------------------------------------------------------------------------
@@ -299,9 +299,9 @@ def main(arguments: list[str] | None = None) -> int:
             check(WORK[name](kind(np.random.default_rng(1)), np.random.default_rng(1))[1])
     begin = time.perf_counter()
     for i in range(options.first, options.first + options.count):
-        start = time.perf_counter()
+        start = time.process_time()
         kind, came, wrong = one(options.seed, i, options.work)
-        took = time.perf_counter() - start
+        took = time.process_time() - start
         slowest = max(slowest, took)
         if took > 5:
             print(f"region {i} ({kind}) took {took:.1f} s: {came}", flush=True)
