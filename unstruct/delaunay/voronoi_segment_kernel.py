@@ -26,7 +26,7 @@ import numpy as np
 from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from ..size_table import size_at
-from .cavity2 import SEGMENTS, VERTICES, commit, end_of, find_cavity, start_of
+from .cavity2 import SEGMENTS, VERTICES, commit_here, end_of, find_cavity_here, start_of
 from .compiled import COUNT
 from .front_queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 
@@ -212,7 +212,7 @@ def attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts):
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], x, y) <= 0:
         return ROUNDED, 0, 0, -1
-    m, k = find_cavity(xy, vertex, twin, mark, t, x, y, stack, cells, rim)
+    m, k = find_cavity_here(xy, vertex, twin, mark, t, x, y, stack, cells, rim)
     if k < 0:
         return ROUNDED, 0, 0, -1
     outcome, i = judge(xy, vertex, mark, rim, k, x, y, f, counts)
@@ -332,7 +332,7 @@ def advance(
             clear(links, gates, cells, m)
             v = state[VERTICES]
             xy[v, 0], xy[v, 1] = x, y
-            commit(vertex, twin, mark, region, where, state, cells, m, rim, k, v, hold, fresh)
+            commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, v, hold, fresh)
             settle(
                 xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule,
                 fresh, k,
