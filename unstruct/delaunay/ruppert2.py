@@ -11,8 +11,9 @@ After each change only what is new is looked at: the new triangles, and the subs
 cannot be done is not done: the subsegment is locked, with the reason, and so are, in the end, the triangles
 that would need it.
 
-No loop without end: what size and area ask for keeps its distance from all there is; what the angle asks
-for must keep the distance ``floor`` of the vertices around it, a small part of the input's edges there.
+No loop without end: what the angle asks for must keep the distance ``floor`` of the vertices around it, a
+small part of the input's edges there; what size and area ask for keeps a part of the wanted length. So all
+vertices keep a least distance, and there is room for so many only.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import math
 import numpy as np
 
 from ..jit import inline, lean
-from ..predicates import orient2
+from ..predicates import incircle, orient2
 from .cavity2 import (
     SEGMENTS,
     VERTICES,
@@ -46,7 +47,7 @@ from .encroachment2 import (
     split_straight,
 )
 from .free_vertices2 import MOST, clear_disc
-from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE
+from .refinement_limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
 from .refinement_state import (
     BUDGET,
     CENTERS,
@@ -105,6 +106,18 @@ def _lock(w, tally, s, why):
 
 
 @inline
+def _wanted(w, limits, s, px, py):
+    """The smaller limit, as a squared length, on the two sides of subsegment s at (x, y)."""
+    least = np.inf
+    for side in range(2):
+        o = w.where[s] if side == 0 else w.twin[w.where[s]]
+        r = w.region[o // 3]
+        if r >= 0:
+            least = min(least, limits.twice_area[r], largest_radius2(limits, r, px, py))
+    return least
+
+
+@inline
 def _find(w, s, px, py):
     """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
     m, k, h = find_split(
@@ -133,9 +146,11 @@ def split_next(w, tally, limits):
     )
     floor = min(w.floor[a], w.floor[b], w.need[s])
     w.need[s] = np.inf
+    least = floor
     if by & BY_SIZE:
+        least = FRACTION * _wanted(w, limits, s, px, py)
         floor = min(floor, FRACTION * square)
-    elif square < floor:
+    if square < least:
         _lock(w, tally, s, FLOOR)
         return
     if limits.lens > 0.0 and w.apexes[s] == 0:
@@ -271,6 +286,11 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
     return False
 
 
+@lean
+def _in_circle(xy, a, b, c, px, py):
+    return incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], px, py) > 0
+
+
 @inline
 def improve_next(w, tally, limits, offset):
     """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
@@ -292,6 +312,9 @@ def improve_next(w, tally, limits, offset):
     else:
         floor = min(floor, FRACTION * square)
     if not (abs(px) < FAR and abs(py) < FAR):
+        give_up(w, tally, t, PRECISION)
+        return
+    if not sure and not _in_circle(w.xy, a, b, c, px, py):
         give_up(w, tally, t, PRECISION)
         return
     m, k = find_cavity_here(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
