@@ -541,6 +541,23 @@ def test_a_curve_that_has_no_point() -> None:
         refine(domain, max_area=1e-5)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_split_that_would_leave_the_region_is_refused(method: Any) -> None:
+    """A curve with a spike that nobody could foresee: its subsegment stays, and the reason is told."""
+
+    class Spike:
+        def point(self, t: np.ndarray) -> np.ndarray:
+            return np.column_stack([t, np.where(t == 5 / 64, 2.0, 0.0)])
+
+    domain = Domain(SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0]], curves={0: Spike()})
+    mesh = refine(domain, max_area=3e-5, min_angle=20, method=method)
+    assert check(mesh, delaunay="constrained")
+    assert mesh.volume == pytest.approx(1.0)
+    assert not mesh.complete and mesh.counts["locked"] == 1
+    assert {str(reason).split(":")[0] for reason in mesh.reasons} == {"curve"}
+    assert np.abs(mesh.corners[mesh.unrefined].mean(axis=1) - (5 / 64, 0)).max() < 0.03
+
+
 def test_no_limits_at_all_is_the_constrained_triangulation() -> None:
     domain = two_regions()
     mesh = refine(domain, min_angle=0, method="chew")
