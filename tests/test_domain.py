@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from fractions import Fraction
 from itertools import combinations, pairwise
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -175,7 +176,8 @@ def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     )
     points = points * data.draw(st.sampled_from([1.0, 1e-300, 2.0**600, 0.1]))
     segments = np.array(rows, dtype=int).reshape(-1, 2)
-    found = set(map(tuple, meetings(points, segments)[0].tolist()))
+    with mock.patch("unstruct.segment_pairs.FEW", data.draw(st.sampled_from([0, 1000]))):
+        found = set(map(tuple, meetings(points, segments)[0].tolist()))
     wanted = {(i, j) for i, j in combinations(range(len(rows)), 2) if oracle_meet(points, rows[i], rows[j])}
     assert found == wanted
     assert any_meeting(points, segments) == bool(wanted)
@@ -224,6 +226,26 @@ def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> No
     by_tree, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_tree) and np.array_equal(kinds, same)
     assert np.array_equal(by_grid, crossing_facets(points, segments))
+
+
+@pytest.mark.parametrize("longest", [0.01, 0.05, 1.0])
+def test_a_table_of_fine_cells_finds_what_the_tree_finds(
+    longest: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(5)
+    start = rng.random((1500, 2)) * [1, 0.3]
+    length = longest * rng.random((1500, 1)) ** 3
+    angle = rng.uniform(0, 2 * np.pi, 1500)
+    end = start + length * np.column_stack([np.cos(angle), np.sin(angle)])
+    points = np.concatenate([start, end])
+    segments = np.column_stack([np.arange(1500), 1500 + np.arange(1500)])
+    rows = np.concatenate([segments, np.column_stack([segments[:-1, 1], segments[1:, 0]])[::50]])
+    by_table, kinds = meetings(points, rows)
+    assert len(by_table) > 20
+    monkeypatch.setattr("unstruct.segment_pairs.FEW", 10**9)
+    monkeypatch.setattr("unstruct.segment_pairs.WORK", 0)
+    by_tree, same = meetings(points, rows)
+    assert np.array_equal(by_table, by_tree) and np.array_equal(kinds, same)
 
 
 def test_near_crossings_are_decided_exactly() -> None:

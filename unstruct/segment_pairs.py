@@ -17,6 +17,7 @@ __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segme
 CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 LITTLE = 60  # pairs in cells, for each segment, up to which the grid is faster than a sweep
 WORK = 4000  # the same, up to which it is used where the sweep finds that some do meet
+FEW = 1000  # segments up to which a table of cells is not worth its making
 SLACK = 1e-15  # relative: above the rounding errors of the few operations below
 
 
@@ -106,6 +107,41 @@ def _grid_pairs(points, segments, start, listed, pairs):
 
 
 @kernel
+def _fine_pairs(points, segments, x0, y0, scale, ny, head, entries, pairs):
+    """Candidates in the cells of a fine grid, of which a hash table holds those that are touched.
+
+    The number of pairs, of which those that fit are written; -1 where there are too many entries or tests.
+    An entry has the row and the column of its cell, a segment, and the entry before it in the same slot.
+    """
+    used, count, left_over = 0, 0, LITTLE * segments.shape[0]
+    mask = head.shape[0] - 1
+    for s in range(segments.shape[0]):
+        first, last = _cell_range(points, segments, s, x0, y0, scale, ny, -1, 0)
+        first = max(first, 0)
+        for row in range(first, last + 1):
+            left, right = _cell_range(points, segments, s, x0, y0, scale, ny, row, last - first + 1)
+            for column in range(left, right + 1):
+                slot = (row * 73856093 + column * 19349663) & mask
+                e = head[slot]
+                while e >= 0:
+                    if entries[e, 0] == row and entries[e, 1] == column:
+                        t = entries[e, 2]
+                        left_over -= 1
+                        if _may_meet(points, segments, t, s):
+                            if count < pairs.shape[0]:
+                                pairs[count, 0], pairs[count, 1] = t, s
+                            count += 1
+                    e = entries[e, 3]
+                if used == entries.shape[0] or left_over < 0:
+                    return -1
+                entries[used, 0], entries[used, 1], entries[used, 2] = row, column, s
+                entries[used, 3] = head[slot]
+                head[slot] = used
+                used += 1
+    return count
+
+
+@kernel
 def _work(counts):
     total = 0.0
     for c in counts:
@@ -178,6 +214,13 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     listed = np.empty(0, dtype=np.int32)
     swept: bool | None = None
     if 1e-140 < longer < 1e140:
+        scale = 0.5 * s / _extent(used)  # cells of twice the mean length
+        if s > FEW and longer * scale < 2**31 and _lengths(used, scale) < 3 * s:
+            head = np.full(2 ** int(np.ceil(np.log2(4 * s))), -1, dtype=np.int32)
+            entries = np.empty((6 * s, 4), dtype=np.int32)
+            count = _fine_pairs(points, segments, x0, y0, scale, int(tall * scale) + 1, head, entries, pairs)
+            if 0 <= count <= len(pairs):
+                return _unique(pairs[:count], s)
         area = max(wide * tall, longer * longer / (2 * s))
         scale = min(np.sqrt(2 * s / area), 2 * s / longer)
         nx, ny = int(wide * scale) + 1, int(tall * scale) + 1
@@ -206,15 +249,25 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
         if count > len(pairs):
             pairs = np.empty((count, 2), dtype=np.int64)
             _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
-    keys = np.sort(pairs[:count, 0] * s + pairs[:count, 1])
-    keys = keys[np.append(True, keys[1:] != keys[:-1])] if count else keys
+    return _unique(pairs[:count], s)
+
+
+def _unique(pairs: np.ndarray, s: int) -> np.ndarray:
+    """Sorted, each once."""
+    keys = np.sort(pairs[:, 0] * s + pairs[:, 1])
+    keys = keys[np.append(True, keys[1:] != keys[:-1])] if len(keys) else keys
     return np.column_stack([keys // s, keys % s])
+
+
+def _extent(used: tuple[np.ndarray, np.ndarray]) -> float:
+    """The widths and heights of all segments, added up."""
+    p, q = used
+    return float((np.abs(p[:, 0] - q[:, 0]) + np.abs(p[:, 1] - q[:, 1])).sum())
 
 
 def _lengths(used: tuple[np.ndarray, np.ndarray], scale: float) -> float:
     """The number of cells that all segments touch, roughly."""
-    p, q = used
-    return float((np.abs(p[:, 0] - q[:, 0]) + np.abs(p[:, 1] - q[:, 1])).sum() * scale) + len(p)
+    return _extent(used) * scale + len(used[0])
 
 
 def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
