@@ -154,6 +154,17 @@ def test_a_split_that_would_touch_is_refused() -> None:
     well(c)
 
 
+def test_there_is_a_slot_for_every_triangle_that_the_rows_admit() -> None:
+    """Rows grew by half, slots by what was asked for: refinement wrote beyond the last one."""
+    c = square(np.random.default_rng(0).random((100, 2)))
+    for vertices in (105, 160, 161, 300, 301, 5000):
+        c.reserve(vertices, 4)
+        slots = 2 * len(c.xy) - 2
+        assert len(c.xy) >= vertices and len(c.region) >= slots
+        assert min(len(c.vertex), len(c.twin), len(c.mark)) >= 3 * slots
+    well(c)
+
+
 def test_bad_points() -> None:
     with pytest.raises(InputError, match="points 0 and 2 are equal"):
         PlanarComplex([[0, 0], [1, 0], [0, 0], [0, 1]])

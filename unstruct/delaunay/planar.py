@@ -148,10 +148,11 @@ class PlanarComplex:
     def reserve(self, vertices: int, segments: int) -> None:
         """Make room for so many vertices and subsegments in all; the arrays are replaced where they grow.
 
-        Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them.
+        Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels go on as
+        long as there are rows of ``xy``, and it may have grown by more than was asked for: so all rows count.
         """
         self.xy = grown(self.xy, vertices)
-        slots = max(2 * vertices, self.triangles)
+        slots = max(2 * len(self.xy), self.triangles)
         self.vertex, self.twin = grown(self.vertex, 3 * slots), grown(self.twin, 3 * slots)
         self.mark, self.region = grown(self.mark, 3 * slots), grown(self.region, slots)
         self.ends, self.piece = grown(self.ends, segments), grown(self.piece, segments)
@@ -159,9 +160,10 @@ class PlanarComplex:
 
     def scratch(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
+        # a search that goes round is given up when the cells are full: the rim has two edges more than cells
         room = len(self.region) + 8
-        stack, cells, rim, fresh = (np.empty(room, dtype=np.int32) for _ in range(4))
-        return stack, cells, rim, np.empty((room, 4), dtype=np.int64), fresh
+        stack, cells, rim, fresh = (np.empty(room + more, dtype=np.int32) for more in (8, 0, 8, 8))
+        return stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh
 
     # ------------------------------------------------------------------ the result
 
