@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain import Domain
 from ..errors import InputError, MeshError
 from ..mesh import Mesh, _remaining
-from ..predicates import scaled
+from ..predicates import power_of_two, scaled
 from ..topology import as_simplices
 from .constrained import insert_all, mark_regions
 from .insertion2 import GHOST
@@ -176,7 +176,7 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
     complex_ = PlanarComplex.__new__(PlanarComplex)
     vertex, twin = half_edges(mesh)
     count = len(vertex) // 3
-    complex_.factor, complex_.xy = _factor(mesh.points), xy
+    complex_.factor, complex_.xy = power_of_two(mesh.points), xy
     complex_.vertex, complex_.twin = vertex, twin
     complex_.mark, complex_.region = np.full(3 * count, -1, np.int32), np.full(count, -1, np.int32)
     complex_.ends, complex_.piece = np.empty((0, 2), np.int32), np.empty(0, np.int32)
@@ -217,12 +217,6 @@ def half_edges(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         np.concatenate([vertex, ghosts.ravel()]).astype(np.int32),
         np.concatenate([twin, ring.ravel()]).astype(np.int32),
     )
-
-
-def _factor(points: NDArray[np.float64]) -> float:
-    from ..predicates import power_of_two
-
-    return power_of_two(points)
 
 
 def _edges(mesh: Mesh, edges: ArrayLike) -> NDArray[np.int32]:

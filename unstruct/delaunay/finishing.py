@@ -55,7 +55,8 @@ def smooth_poor(
     still = at < 0
     still[:given] = True
     still[c.ends[: c.segments].ravel()] = True
-    stack, counts = c.scratch()[0], np.zeros(2, dtype=np.int64)
+    # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
+    stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
     todo = np.zeros(n, dtype=bool)
     stages = AGAIN if again else STAGES
     found = _survey(c, stages[0][0], todo)

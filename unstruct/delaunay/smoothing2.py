@@ -90,24 +90,6 @@ def legalize(xy, vertex, twin, mark, where, at, stack, depth):
     return flips
 
 
-@lean
-def legalize_all(xy, vertex, twin, mark, where, at, region, count, stack):
-    """`legalize` from every edge of the domain, as often as the stack is too short; how many swaps."""
-    flips = 0
-    again = True
-    while again:
-        again = False
-        for e in range(3 * count):
-            if region[e // 3] >= 0 and mark[e] < 0 and twin[e] > e:
-                stack[0] = e
-                done = legalize(xy, vertex, twin, mark, where, at, stack, np.int64(1))
-                if done < 0:
-                    again = True
-                else:
-                    flips += done
-    return flips
-
-
 @inline
 def turned(twin, e):
     """The half-edge opposite the same vertex in the next triangle, counterclockwise."""
