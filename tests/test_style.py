@@ -20,7 +20,7 @@ PACKAGE = ROOT / "unstruct"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # A module imports, at its top, only from its own floor or from floors below.
 FLOORS = {
-    **dict.fromkeys(["errors", "jit"], 0),
+    **dict.fromkeys(["errors", "jit", "progress"], 0),
     **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "predicates"], 2),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..ordering import radix_argsort
+from ..progress import progress_bar
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
 from .refined import Refined
@@ -166,7 +167,7 @@ def insert_all(
     chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
     scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
     where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
-    bar = _bar(len(ends)) if progress else None
+    bar = progress_bar(progress, " segments", total=len(ends))
     for start in range(0, len(ends), CHUNK):
         stop = min(start + CHUNK, len(ends))
         status, i, other = insert_segments(
@@ -175,10 +176,8 @@ def insert_all(
         )  # fmt: skip
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)
-        if bar is not None:
-            bar.update(stop - start)
-    if bar is not None:
-        bar.close()
+        bar.update(stop - start)
+    bar.close()
     _enter(complex_, ends, piece, span)
     return crossed
 
@@ -196,12 +195,6 @@ def _order(slots: NDArray[np.int32], count: int) -> NDArray[np.int64]:
         share += 3
     bits = int(count).bit_length() + 2
     return radix_argsort((rounds << bits) | slots, bits + 4)
-
-
-def _bar(total: int) -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(total=total, unit=" segments")
 
 
 def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> InputError:
