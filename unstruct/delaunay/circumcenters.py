@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import as_points
 from ..errors import InputError
+from ..progress import progress_bar
 from ..sizing import as_size
 from .cavity2 import blocked_by, commit_split, find_split
 from .center_steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
@@ -21,7 +22,7 @@ from .constrained import complex_of
 from .insertion import delaunay
 from .planar import PlanarComplex
 from .refined import Refined
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, measures, progress_bar, put, unscaled, watched
+from .worst import KIND, NONE, Rule, grown_tree, make_rule, measures, put, unscaled, watched
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -189,7 +190,7 @@ class _Run:
     def advance(self, budget: int, progress: bool) -> None:
         """Insert until nothing is bad that can be mended, or the budget is used up."""
         k, last = self.complex, self.first + budget
-        bar = progress_bar(progress)
+        bar = progress_bar(progress, " points")
         while self.end != DONE and k.size < last:
             before = k.size
             stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
@@ -202,10 +203,8 @@ class _Run:
             if self.end == SPLIT:
                 self._reserve(k.size + 1)
                 self._split(int(self.ask[0]), int(self.ask[1]))
-            if bar is not None:
-                bar.update(k.size - before)
-        if bar is not None:
-            bar.close()
+            bar.update(k.size - before)
+        bar.close()
 
     def _split(self, e: int, t: int) -> None:
         """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..mesh import as_points
+from ..progress import progress_bar
 from ..simplex import circumradius
 from ..sizing import as_size
 from .compiled import LAST
@@ -138,25 +139,16 @@ def _guard(
     parts = np.full(count, -1, dtype=np.int32) if parts is None else parts
     gaps = np.zeros(count) if gaps is None else gaps * c.factor
     verdict, culprit = np.empty(count, dtype=np.int8), np.full(count, -1, dtype=np.int64)
-    bar = _bar(count) if progress else None
-    for start in range(0, count, CHUNK):
-        stop = min(start + CHUNK, count)
-        c.reserve(c.size + stop - start, c.segments)
-        guard_all(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.state, scaled, parts, gaps, discs, start,
-            stop, c.size, *c.scratch(), verdict, culprit,
-        )  # fmt: skip
-        if bar is not None:
+    with progress_bar(progress, " points", total=count) as bar:
+        for start in range(0, count, CHUNK):
+            stop = min(start + CHUNK, count)
+            c.reserve(c.size + stop - start, c.segments)
+            guard_all(
+                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.state, scaled, parts, gaps, discs, start,
+                stop, c.size, *c.scratch(), verdict, culprit,
+            )  # fmt: skip
             bar.update(stop - start)
-    if bar is not None:
-        bar.close()
     return verdict, culprit
-
-
-def _bar(total: int) -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(total=total, unit=" points")
 
 
 def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray[np.int64]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..arrays import frozen
 from ..errors import InputError
+from ..progress import progress_bar
 from .constrained import complex_of
 from .fans import never_ends
 from .midpoints import GABRIEL, MISSING, pick, split_all
@@ -152,20 +153,10 @@ def conform(
 ) -> _Run:
     """`conforming_delaunay` for a complex that stands already, in place."""
     run = _Run(domain, complex_, test, shells, budget)
-    bar = _bar() if progress else None
-    while len(run.queue):
-        made = run.round()
-        if bar is not None:
-            bar.update(made)
-    if bar is not None:
-        bar.close()
+    with progress_bar(progress, "", desc="splits") as bar:
+        while len(run.queue):
+            bar.update(run.round())
     return run
-
-
-def _bar() -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(desc="splits", unit="")
 
 
 class _Run:

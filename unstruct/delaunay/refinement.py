@@ -15,6 +15,7 @@ import numpy as np
 from ..domain import Domain
 from ..errors import InputError
 from ..mesh import Mesh
+from ..progress import progress_bar
 from ..sizing import as_size
 from .constrained import planar_complex
 from .refined import Refined
@@ -178,18 +179,11 @@ def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
 
 
 def _loop(run: Run, progress: bool) -> int:
-    bar = None
-    if progress:
-        from tqdm.auto import tqdm
-
-        bar = tqdm(desc="refine", unit=" vertices")
     code = MORE
-    while code == MORE:
-        before = run.vertices
-        code = run.advance()
-        if bar is not None:
+    with progress_bar(progress, " vertices", desc="refine") as bar:
+        while code == MORE:
+            before = run.vertices
+            code = run.advance()
             bar.update(run.vertices - before)
-    if bar is not None:
-        bar.close()
     assert code in (FINISHED, BUDGET)
     return code

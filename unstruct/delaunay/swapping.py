@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import combinations
-from typing import Any, Literal, overload
+from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,7 @@ from ..exact import exact_incircle, exact_orient2
 from ..jit import inline, kernel
 from ..mesh import Mesh
 from ..predicates import incircle, orient2, scaled
+from ..progress import progress_bar
 
 __all__ = ["replay", "swap_diagonals"]
 
@@ -290,22 +291,13 @@ def _run(P: NDArray, T: NDArray, N: NDArray, wide: bool, history: bool, progress
     buffer = np.empty(min(STEPS, max(3 * T.size, 1024)), dtype=np.int64)
     events = [np.empty(0, dtype=np.int64)]
     top = _suspect_all(N, queued, stack)
-    bar = _progress_bar() if progress else None
-    while top:
-        top, count = _legalize(P, T, N, queued, stack, top, buffer, len(buffer), wide)
-        if history:
-            events.append(buffer[:count].copy())
-        if bar is not None:
+    with progress_bar(progress, "", desc="swaps") as bar:
+        while top:
+            top, count = _legalize(P, T, N, queued, stack, top, buffer, len(buffer), wide)
+            if history:
+                events.append(buffer[:count].copy())
             bar.update(count)
-    if bar is not None:
-        bar.close()
     return np.concatenate(events)
-
-
-def _progress_bar() -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(desc="swaps", unit="")
 
 
 def constraints(

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..jit import inline, kernel
 from ..mesh import Mesh
+from ..progress import progress_bar
 from .triangulation import Triangulation
 
 Triangle = tuple[int, int, int]
@@ -108,9 +109,7 @@ def greedy_terrain(
     last = grid.size if count is None else min(count, grid.size)
     growing = _Growing(grid, scale, last)
     errors = [growing.error()]
-    from tqdm.auto import tqdm
-
-    with tqdm(total=last, initial=growing.n, unit="points", disable=not progress) as bar:
+    with progress_bar(progress, " points", total=last, initial=growing.n) as bar:
         while growing.n < last and errors[-1] > tolerance:
             growing.insert_worst()
             errors.append(growing.error())

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..progress import progress_bar
 from ..sizing import as_size
 from .compiled import COUNT, grown
 from .periodic import PeriodicMesh, periodic_delaunay
 from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, progress_bar, unscaled, watched
+from .worst import KIND, NONE, Rule, grown_tree, make_rule, unscaled, watched
 
 __all__ = ["periodic_circumcenters"]
 
@@ -111,7 +112,7 @@ class _Run:
     def advance(self, last: int, progress: bool) -> int:
         """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
         end = FULL
-        bar = progress_bar(progress)
+        bar = progress_bar(progress, " points")
         while end == FULL and self.state[VERTICES] < last:
             before = int(self.state[VERTICES])
             stop = min(before + CHUNK, last)
@@ -125,10 +126,8 @@ class _Run:
                     stack, frame, spare, fresh, self.rows, self.events,
                 )
             )  # fmt: skip
-            if bar is not None:
-                bar.update(int(self.state[VERTICES]) - before)
-        if bar is not None:
-            bar.close()
+            bar.update(int(self.state[VERTICES]) - before)
+        bar.close()
         return end
 
     def result(self, end: int) -> PeriodicMesh:

@@ -17,6 +17,7 @@ from ..errors import DegenerateInputError, InputError, MeshError
 from ..mesh import Mesh, as_points
 from ..ordering import brio, hilbert_order
 from ..predicates import in_sphere, orient, power_of_two
+from ..progress import progress_bar
 from .compiled import Compiled, gather, grown
 from .first import first_simplex
 from .insertion2 import Planar
@@ -28,12 +29,6 @@ __all__ = ["Triangulation"]
 COMPILED: dict[int, type[Compiled]] = {2: Planar, 3: Spatial}
 MOST = 2**28  # points: their triangles have 6 half-edges a point
 FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
-
-
-def _bar(total: int, done: int) -> Any:
-    from tqdm.auto import tqdm
-
-    return tqdm(total=total, initial=done, unit=" points")
 
 
 class Triangulation:
@@ -147,16 +142,11 @@ class Triangulation:
         engine = self._engine
         if engine is None or engine.done == engine.size:
             return
-        bar = _bar(engine.size, engine.done) if progress else None
-        try:
+        with progress_bar(progress, " points", total=engine.size, initial=engine.done) as bar:
             while engine.done < engine.size:
                 before = engine.done
                 engine.advance()
-                if bar is not None:
-                    bar.update(engine.done - before)
-        finally:
-            if bar is not None:
-                bar.close()
+                bar.update(engine.done - before)
 
     def _start(self, exact: bool) -> None:
         """Find a first simplex among all points, and hand them to an engine."""

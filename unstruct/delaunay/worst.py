@@ -185,12 +185,3 @@ def make_rule(
 def unscaled(priority: int, value: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
     """Values of `judge` in the units of the input, the least angle as a positive number."""
     return value * {0: 1 / factor, 3: -1.0, 5: 1 / factor**2}.get(priority, 1.0)
-
-
-def progress_bar(wanted: bool) -> Any:
-    """A bar that counts points, where one is wanted; tqdm is imported only then."""
-    if not wanted:
-        return None
-    from tqdm.auto import tqdm
-
-    return tqdm(unit=" points")
