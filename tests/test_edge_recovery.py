@@ -18,7 +18,7 @@ from unstruct import (
     delaunay,
     swap_diagonals,
 )
-from unstruct.delaunay.edge_recovery import complex_of_mesh, half_edges, recover_edges, remove_outside
+from unstruct.delaunay.edge_recovery import complex_of_mesh, recover_edges, remove_outside, with_ghosts
 from unstruct.examples import random_triangulation
 
 
@@ -81,7 +81,7 @@ def test_markers_that_still_hold_stay():
 
 def test_a_region_with_a_hole_has_ghosts_on_both_rims():
     ring = constrained_delaunay(Domain.polygon(square(0, 9), [square(3, 6)]))
-    vertex, twin = half_edges(ring)
+    vertex, twin = with_ghosts(ring)
     np.testing.assert_array_equal(twin[twin], np.arange(len(twin)))
     after = np.arange(len(twin)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
     before = np.arange(len(twin)).reshape(-1, 3)[:, [2, 0, 1]].ravel()

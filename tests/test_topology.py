@@ -56,6 +56,12 @@ def test_everything_against_sets(simplices):
     for v in range(n):
         assert indices[indptr[v] : indptr[v + 1]].tolist() == sorted(joined[v])
         assert cells[star[v] : star[v + 1]].tolist() == [t for t, row in enumerate(rows) if v in row]
+    twin, facet = topology.twins(neighbors), {}
+    for t, row in enumerate(rows):
+        for i in range(width):
+            facet.setdefault(frozenset(row) - {row[i]}, []).append(t * width + i)
+    for numbers in facet.values():
+        assert [twin[e] for e in numbers] == ([-1] if len(numbers) == 1 else numbers[::-1])
     assert topology.euler(simplices) == 1
     assert topology.components(neighbors)[0] == 1
 

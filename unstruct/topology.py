@@ -25,6 +25,7 @@ __all__ = [
     "facets",
     "neighbors",
     "stars",
+    "twins",
     "vertex_neighbors",
 ]
 
@@ -260,6 +261,26 @@ def neighbors(simplices: np.ndarray) -> np.ndarray:
         Where more than two cells share a facet; the message names the facet and its cells.
     """
     return FaceTable(as_simplices(simplices)).neighbors()
+
+
+def twins(neighbors: np.ndarray) -> np.ndarray:
+    """The same facet as its two cells number it: facet i of cell t has the number t (k + 1) + i.
+
+    In the plane these are half-edges.
+
+    Parameters
+    ----------
+    neighbors : ndarray of int32, shape (m, k + 1)
+        No two cells share more than one facet.
+
+    Returns
+    -------
+    ndarray of int32, shape (m (k + 1),)
+        For each facet its number in the cell beyond, or -1 on the boundary.
+    """
+    m, width = neighbors.shape
+    back = (neighbors[neighbors] == np.arange(m)[:, None, None]).argmax(axis=2)
+    return np.where(neighbors >= 0, width * neighbors + back, -1).astype(np.int32).ravel()
 
 
 def oriented_facet(simplices: np.ndarray, cells: np.ndarray, corner: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..domain import Domain
 from ..errors import InputError, MeshError
 from ..mesh import Mesh, _remaining
 from ..predicates import power_of_two, scaled
-from ..topology import as_simplices
+from ..topology import as_simplices, twins
 from .constrained import insert_all, mark_regions
 from .insertion2 import GHOST
 from .planar import BUSY, COUNT, FREE, VERTICES, PlanarComplex
@@ -174,7 +174,7 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
             "the exponents of the coordinates span too much for one scale: round small ones to 0"
         )
     complex_ = PlanarComplex.__new__(PlanarComplex)
-    vertex, twin = half_edges(mesh)
+    vertex, twin = with_ghosts(mesh)
     count = len(vertex) // 3
     complex_.factor, complex_.xy = power_of_two(mesh.points), xy
     complex_.vertex, complex_.twin = vertex, twin
@@ -186,14 +186,11 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
     return complex_
 
 
-def half_edges(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def with_ghosts(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """``vertex`` and ``twin`` as in `insertion2`: the triangles of the mesh, then the ghosts."""
     m = mesh.size
     vertex = as_simplices(mesh.simplices, vertices=len(mesh.points)).ravel()
-    twin = np.full(3 * m, -1, dtype=np.int64)
-    t, k = np.nonzero(mesh.neighbors >= 0)
-    beyond = mesh.neighbors[t, k]
-    twin[3 * t + k] = 3 * beyond + (mesh.neighbors[beyond] == t[:, None]).argmax(axis=1)
+    twin = twins(mesh.neighbors)
     rim = np.flatnonzero(twin < 0)
     start, stop = (
         vertex[np.where(rim % 3 == 2, rim - 2, rim + 1)],

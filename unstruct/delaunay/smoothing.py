@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, MeshError
 from ..mesh import Mesh
+from ..topology import twins
 from .refined import Refined
 from .smoothing2 import (
     CENTROID,
@@ -102,7 +103,8 @@ def smooth(
         raise MeshError(f"this mesh cannot be smoothed: {what}; see unstruct.check")
     markers, locked = constraints(mesh, None)
     xy = coordinates.copy()
-    vertex, twin, mark = half_edges(mesh, locked)
+    vertex, twin = mesh.simplices.ravel().copy(), twins(mesh.neighbors)
+    mark = np.where((twin >= 0) & ~locked.ravel(), -1, 0).astype(np.int32)  # 0 where an edge is closed
     at = np.empty(len(xy), dtype=np.int32)
     opposite_half_edges(vertex, mesh.size, at)
     stays = _staying(mesh, fixed)
@@ -127,18 +129,6 @@ def smooth(
     points[moved] = (xy / _factor(mesh.points, coordinates))[moved]
     points[mesh.duplicates[:, 0]] = points[mesh.duplicates[:, 1]]
     return _result(mesh, points, vertex.reshape(-1, 3), markers, found)
-
-
-def half_edges(
-    mesh: Mesh, locked: NDArray[np.bool_]
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """vertex, twin, mark of a mesh: twins are -1 on the boundary, marks are 0 where an edge is closed."""
-    beyond = mesh.neighbors
-    inner = beyond >= 0
-    back = (beyond[beyond] == np.arange(mesh.size)[:, None, None]).argmax(axis=2)
-    twin = np.where(inner, 3 * beyond + back, -1).astype(np.int32)
-    mark = np.where(inner & ~locked, -1, 0).astype(np.int32)
-    return mesh.simplices.ravel().copy(), twin.ravel(), mark.ravel()
 
 
 def _factor(points: NDArray[np.float64], coordinates: NDArray[np.float64]) -> float:
