@@ -176,7 +176,8 @@ def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     )
     points = points * data.draw(st.sampled_from([1.0, 1e-300, 2.0**600, 0.1]))
     segments = np.array(rows, dtype=int).reshape(-1, 2)
-    with mock.patch("unstruct.segment_pairs.FEW", data.draw(st.sampled_from([0, 1000]))):
+    tables = data.draw(st.sampled_from([((0.5, 1000),), ((4.0, 1000),), ((0.5, 0), (4.0, 2)), ()]))
+    with mock.patch("unstruct.segment_pairs.TABLES", tables):
         found = set(map(tuple, meetings(points, segments)[0].tolist()))
     wanted = {(i, j) for i, j in combinations(range(len(rows)), 2) if oracle_meet(points, rows[i], rows[j])}
     assert found == wanted
@@ -221,8 +222,10 @@ def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> No
     segments = segments[segments[:, 0] != segments[:, 1]]
     segments = segments[np.unique(np.sort(segments, axis=1), axis=0, return_index=True)[1]]
     by_grid, kinds = meetings(points, segments)
-    monkeypatch.setattr("unstruct.segment_pairs.WORK", 0)
-    monkeypatch.setattr("unstruct.segment_pairs.LITTLE", 0)
+    monkeypatch.setattr("unstruct.segment_pairs.TABLES", ())
+    by_last, same = meetings(points, segments)
+    assert np.array_equal(by_grid, by_last) and np.array_equal(kinds, same)
+    monkeypatch.setattr("unstruct.segment_pairs.LAST", (4.0, -1))
     by_tree, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_tree) and np.array_equal(kinds, same)
     assert np.array_equal(by_grid, crossing_facets(points, segments))
@@ -242,8 +245,8 @@ def test_a_table_of_fine_cells_finds_what_the_tree_finds(
     rows = np.concatenate([segments, np.column_stack([segments[:-1, 1], segments[1:, 0]])[::50]])
     by_table, kinds = meetings(points, rows)
     assert len(by_table) > 20
-    monkeypatch.setattr("unstruct.segment_pairs.FEW", 10**9)
-    monkeypatch.setattr("unstruct.segment_pairs.WORK", 0)
+    monkeypatch.setattr("unstruct.segment_pairs.TABLES", ())
+    monkeypatch.setattr("unstruct.segment_pairs.LAST", (4.0, -1))
     by_tree, same = meetings(points, rows)
     assert np.array_equal(by_table, by_tree) and np.array_equal(kinds, same)
 

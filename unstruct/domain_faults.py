@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Fault", "check_ends", "check_seeds", "find_faults", "first_copies"]
 
+ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads the bits of coordinates: 2^64 by the golden ratio
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -32,12 +34,17 @@ class Fault:
 
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
+    first = np.arange(len(points))
+    x, y = np.ascontiguousarray(points.T + 0.0).view(np.uint64)  # -0.0 becomes 0.0
+    mixed = x * ODD
+    key = np.sort((mixed ^ (mixed >> np.uint64(29))) * ODD ^ y)  # equal points have equal keys
+    if (key[1:] != key[:-1]).all():
+        return first
     order = lexicographic(points)
     head = np.ones(len(points), dtype=bool)
     head[1:] = (points[order[1:], 0] != points[order[:-1], 0]) | (
         points[order[1:], 1] != points[order[:-1], 1]
     )
-    first = np.arange(len(points))
     if not head.all():
         first[order] = order[np.maximum.accumulate(np.where(head, first, 0))]
     return first
@@ -82,8 +89,10 @@ def _at(place: tuple[float, float]) -> str:
 
 
 def _indices(domain: Domain) -> list[Fault]:
-    n = len(domain.points)
-    bad = np.nonzero(((domain.pieces < 0) | (domain.pieces >= n)).any(axis=1))[0]
+    n, pieces = len(domain.points), domain.pieces
+    if pieces.size == 0 or 0 <= pieces.min() <= pieces.max() < n:
+        return []
+    bad = np.nonzero(((pieces < 0) | (pieces >= n)).any(axis=1))[0]
     return [
         Fault(
             "index out of range",
@@ -121,13 +130,15 @@ def _zero_length(domain: Domain) -> list[Fault]:
 
 def _straight(domain: Domain) -> np.ndarray:
     """The straight pieces."""
+    if not domain.curves:
+        return np.arange(len(domain.pieces))
     return np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves), assume_unique=True)
 
 
 def _repeated(domain: Domain) -> list[Fault]:
     rows = _straight(domain)
-    low, high = np.sort(domain.pieces[rows], axis=1).astype(np.int64).T
-    key = low * len(domain.points) + high
+    a, b = domain.pieces[rows].astype(np.int64).T
+    key = np.minimum(a, b) * len(domain.points) + np.maximum(a, b)
     ordered = np.sort(key)
     if (ordered[1:] != ordered[:-1]).all():
         return []
@@ -156,6 +167,8 @@ def _crossings(domain: Domain) -> list[Fault]:
     rows = _straight(domain)
     segments = domain.pieces[rows]
     pairs, kinds = meetings(domain.points, segments)
+    if len(pairs) == 0 and len(domain.loose) == 0:
+        return []
     result = []
     for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
         one, two = int(rows[i]), int(rows[j])

@@ -40,7 +40,7 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
         raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} must be integers, not {array.dtype}")
-    if (array > np.iinfo(np.int32).max).any() or (array < np.iinfo(np.int32).min).any():
+    if array.max() > np.iinfo(np.int32).max or array.min() < np.iinfo(np.int32).min:
         raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
     return frozen(np.array(array, dtype=np.int32))
 

@@ -121,9 +121,8 @@ class Mesh:
                 f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
-        bad = ((array < 0) | (array >= len(self.points))).any(axis=1)
-        if bad.any():
-            row = int(np.argmax(bad))
+        if array.size and not 0 <= array.min() <= array.max() < len(self.points):
+            row = int(np.argmax(((array < 0) | (array >= len(self.points))).any(axis=1)))
             raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
         return frozen(array.astype(np.int32))
 

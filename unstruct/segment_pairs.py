@@ -15,9 +15,9 @@ from .sweep import any_meeting
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
 
 CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
-LITTLE = 60  # pairs in cells, for each segment, up to which the grid is faster than a sweep
-WORK = 4000  # the same, up to which it is used where the sweep finds that some do meet
-FEW = 1000  # segments up to which a table of cells is not worth its making
+# Cells that a segment of mean length spans, and looks at others for each segment up to which a table of such
+# cells is used: wide ones for chains, narrow ones for segments side by side; after a sweep, with patience.
+TABLES, LAST = ((0.5, 8), (4.0, 60)), (4.0, 4000)
 SLACK = 1e-15  # relative: above the rounding errors of the few operations below
 
 
@@ -55,7 +55,7 @@ def _may_meet(points, segments, s, t):
     return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
 
 
-# ---------------------------------------------------------------------- a uniform grid
+# ---------------------------------------------------------------------- a table of cells
 
 
 @inline
@@ -74,46 +74,14 @@ def _cell_range(points, segments, s, x0, y0, scale, ny, row, rows):
 
 
 @kernel
-def _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed):
-    """Segments of each cell: counts them in ``start`` while ``listed`` is empty, then lists them."""
-    fill = listed.shape[0] > 0
-    for s in range(segments.shape[0]):
-        first, last = _cell_range(points, segments, s, x0, y0, scale, ny, -1, 0)
-        first = max(first, 0)
-        for row in range(first, last + 1):
-            left, right = _cell_range(points, segments, s, x0, y0, scale, ny, row, last - first + 1)
-            for column in range(left, min(right, nx - 1) + 1):
-                cell = row * nx + column
-                if fill:
-                    start[cell] -= 1
-                    listed[start[cell]] = s
-                else:
-                    start[cell] += 1
+def _cell_pairs(points, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
+    """Candidates in common cells of a grid, of which a hash table holds those that are touched.
 
-
-@kernel
-def _grid_pairs(points, segments, start, listed, pairs):
-    """Candidates within cells, some several times; their number (only those that fit are written)."""
-    count = 0
-    for cell in range(start.shape[0] - 1):
-        for i in range(start[cell], start[cell + 1]):
-            for j in range(i + 1, start[cell + 1]):
-                s, t = listed[j], listed[i]  # cells list their segments downwards
-                if _may_meet(points, segments, s, t):
-                    if count < pairs.shape[0]:
-                        pairs[count, 0], pairs[count, 1] = s, t
-                    count += 1
-    return count
-
-
-@kernel
-def _fine_pairs(points, segments, x0, y0, scale, ny, head, entries, pairs):
-    """Candidates in the cells of a fine grid, of which a hash table holds those that are touched.
-
-    The number of pairs, of which those that fit are written; -1 where there are too many entries or tests.
-    An entry has the row and the column of its cell, a segment, and the entry before it in the same slot.
+    The number of pairs, of which those that fit are written; -1 where there are too many entries, or more
+    than so many looks at one. An entry has the row and the column of its cell, a segment, and the entry
+    before it in the same slot. ``seen[t]`` is the last segment that t was compared with.
     """
-    used, count, left_over = 0, 0, LITTLE * segments.shape[0]
+    used, count = 0, 0
     mask = head.shape[0] - 1
     for s in range(segments.shape[0]):
         first, last = _cell_range(points, segments, s, x0, y0, scale, ny, -1, 0)
@@ -124,29 +92,22 @@ def _fine_pairs(points, segments, x0, y0, scale, ny, head, entries, pairs):
                 slot = (row * 73856093 + column * 19349663) & mask
                 e = head[slot]
                 while e >= 0:
-                    if entries[e, 0] == row and entries[e, 1] == column:
-                        t = entries[e, 2]
-                        left_over -= 1
+                    t = entries[e, 2]
+                    looks -= 1
+                    if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
+                        seen[t] = s
                         if _may_meet(points, segments, t, s):
                             if count < pairs.shape[0]:
                                 pairs[count, 0], pairs[count, 1] = t, s
                             count += 1
                     e = entries[e, 3]
-                if used == entries.shape[0] or left_over < 0:
+                if used == entries.shape[0] or looks < 0:
                     return -1
                 entries[used, 0], entries[used, 1], entries[used, 2] = row, column, s
                 entries[used, 3] = head[slot]
                 head[slot] = used
                 used += 1
     return count
-
-
-@kernel
-def _work(counts):
-    total = 0.0
-    for c in counts:
-        total += 0.5 * c * c
-    return total
 
 
 # ---------------------------------------------------------------------- a tree, where lengths are uneven
@@ -201,73 +162,76 @@ def _tree_pairs(points, segments, low, high, order, pairs):
 
 
 def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Pairs s < t, unique, among them all that meet in more than a common end."""
-    s = len(segments)
-    if s < 2:
+    """Pairs s < t, unique, among them all that meet in more than a common end.
+
+    Most input is clean: where cells hold too much, a sweep is to tell whether there is anything to list.
+    """
+    if len(segments) < 2:
         return np.empty((0, 2), dtype=np.int64)
-    used = points[segments[:, 0]], points[segments[:, 1]]
-    x0, y0 = (min(float(p[:, k].min()) for p in used) for k in (0, 1))
-    x1, y1 = (max(float(p[:, k].max()) for p in used) for k in (0, 1))
-    wide, tall = x1 - x0, y1 - y0
-    longer = max(wide, tall)
-    pairs = np.empty((2 * s + 16, 2), dtype=np.int64)
-    listed = np.empty(0, dtype=np.int32)
-    swept: bool | None = None
-    if 1e-140 < longer < 1e140:
-        scale = 0.5 * s / _extent(used)  # cells of twice the mean length
-        if s > FEW and longer * scale < 2**31 and _lengths(used, scale) < 3 * s:
-            head = np.full(2 ** int(np.ceil(np.log2(4 * s))), -1, dtype=np.int32)
-            entries = np.empty((6 * s, 4), dtype=np.int32)
-            count = _fine_pairs(points, segments, x0, y0, scale, int(tall * scale) + 1, head, entries, pairs)
-            if 0 <= count <= len(pairs):
-                return _unique(pairs[:count], s)
-        area = max(wide * tall, longer * longer / (2 * s))
-        scale = min(np.sqrt(2 * s / area), 2 * s / longer)
-        nx, ny = int(wide * scale) + 1, int(tall * scale) + 1
-        start = np.zeros(nx * ny + 1, dtype=np.int64)
-        work = np.inf
-        if nx * ny < 16 * s + 64 and _lengths(used, scale) < 128 * s:
-            _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed)
-            work = _work(start)
-        if work > LITTLE * s:  # most input is clean: then nothing need be enumerated
-            swept = any_meeting(points, segments)
-        if swept is False:
-            return np.empty((0, 2), dtype=np.int64)
-        if work < WORK * s:
-            np.cumsum(start, out=start)
-            listed = np.empty(start[-1], dtype=np.int32)
-            _rasterize(points, segments, x0, y0, scale, nx, ny, start, listed)
-    if len(listed):
-        count = _grid_pairs(points, segments, start, listed, pairs)
-        if count > len(pairs):
-            pairs = np.empty((count, 2), dtype=np.int64)
-            _grid_pairs(points, segments, start, listed, pairs)
-    else:
-        ends = points[segments]
-        tree = BoxTree(ends.min(axis=1), ends.max(axis=1))
-        count = _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
-        if count > len(pairs):
-            pairs = np.empty((count, 2), dtype=np.int64)
-            _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
-    return _unique(pairs[:count], s)
+    grid = _Grid(points, segments)
+    for cells, looks in TABLES:
+        pairs = grid.pairs(cells, looks)
+        if pairs is not None:
+            return pairs
+    if any_meeting(points, segments) is False:
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = grid.pairs(*LAST)
+    return _tree_candidates(points, segments) if pairs is None else pairs
 
 
-def _unique(pairs: np.ndarray, s: int) -> np.ndarray:
-    """Sorted, each once."""
+class _Grid:
+    """Square cells over the box of some segments."""
+
+    def __init__(self, points: np.ndarray, segments: np.ndarray):
+        self.points, self.segments = points, segments
+        ends = [points[segments[:, 0]].T, points[segments[:, 1]].T]
+        self.low = [min(float(x[k].min()) for x in ends) for k in (0, 1)]
+        high = [max(float(x[k].max()) for x in ends) for k in (0, 1)]
+        self.wide, self.tall = high[0] - self.low[0], high[1] - self.low[1]
+        self.extent = sum(float(np.abs(ends[0][k] - ends[1][k]).sum()) for k in (0, 1))
+
+    def pairs(self, cells: float, looks: int) -> np.ndarray | None:
+        """Candidates, where a segment of mean length spans so many cells; None if that is too much work.
+
+        ``looks``: at most so many for each segment.
+        """
+        s, longer = len(self.segments), max(self.wide, self.tall)
+        if not 1e-140 < longer < 1e140:
+            return None
+        scale = cells * s / self.extent
+        if longer * scale > 2**30:
+            return None
+        head = np.full(2 ** int(np.ceil(np.log2(max(2, 4 * cells) * s))), -1, dtype=np.int32)
+        entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
+        seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
+        while True:
+            count = _cell_pairs(
+                self.points, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
+                looks * s, pairs,
+            )  # fmt: skip
+            if count < 0:
+                return None
+            if count <= len(pairs):
+                return _sorted(pairs[:count], s)
+            pairs = np.empty((count, 2), dtype=np.int64)
+            head[:], seen[:] = -1, -1
+
+
+def _tree_candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """The same by a tree, which suits any lengths."""
+    ends = points[segments]
+    tree = BoxTree(ends.min(axis=1), ends.max(axis=1))
+    pairs = np.empty((2 * len(segments) + 16, 2), dtype=np.int64)
+    count = _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
+    if count > len(pairs):
+        pairs = np.empty((count, 2), dtype=np.int64)
+        _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
+    return _sorted(pairs[:count], len(segments))
+
+
+def _sorted(pairs: np.ndarray, s: int) -> np.ndarray:
     keys = np.sort(pairs[:, 0] * s + pairs[:, 1])
-    keys = keys[np.append(True, keys[1:] != keys[:-1])] if len(keys) else keys
     return np.column_stack([keys // s, keys % s])
-
-
-def _extent(used: tuple[np.ndarray, np.ndarray]) -> float:
-    """The widths and heights of all segments, added up."""
-    p, q = used
-    return float((np.abs(p[:, 0] - q[:, 0]) + np.abs(p[:, 1] - q[:, 1])).sum())
-
-
-def _lengths(used: tuple[np.ndarray, np.ndarray], scale: float) -> float:
-    """The number of cells that all segments touch, roughly."""
-    return _extent(used) * scale + len(used[0])
 
 
 def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -293,6 +257,8 @@ def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.n
     meet. Below a microsecond a segment where none do.
     """
     pairs = _candidates(points, np.ascontiguousarray(segments))
+    if len(pairs) == 0:
+        return pairs, np.empty(0, dtype=np.int8)
     s, t = segments[pairs[:, 0]], segments[pairs[:, 1]]
     (p, q), (a, b) = s.T, t.T
     signs = np.stack(

@@ -56,6 +56,20 @@ def extract_kept(vertex, twin, count, number, place, simplices, neighbors):
                 neighbors[i, k] = number[twin[3 * t + k] // 3]
 
 
+@kernel
+def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces, spans):
+    """Write the subsegments that bound a triangle with a number; how many."""
+    count = 0
+    for s in range(len(where)):
+        e = np.int64(where[s])
+        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
+            rows[count, 0], rows[count, 1] = place[ends[s, 0]], place[ends[s, 1]]
+            pieces[count] = piece[s]
+            spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
+            count += 1
+    return count
+
+
 class PlanarComplex:
     """A triangulation of the plane with constrained edges, as flat arrays for the kernels.
 
@@ -218,32 +232,40 @@ class PlanarComplex:
         cells, vertices = number_kept(self.vertex, self.region, count, number, place)
         simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
         extract_kept(self.vertex, self.twin, count, number, place, simplices, neighbors)
-        kept, used = number >= 0, place >= 0
-        rows = self.xy[:n] / self.factor if vertices == n else self.xy[:n][used] / self.factor
-        if points is not None:
-            given = used[: len(points)]
-            rows[: given.sum()] = points[given]
+        known = np.empty((0, 2)) if points is None else points
+        rows = np.concatenate([known, self.xy[len(known) : n] / self.factor])
         source = np.full(n, -1, dtype=np.int32)
         if origin is not None:
             source[: len(origin)] = origin
-        half = self.where[: self.segments]
-        inside = kept[half // 3] | kept[self.twin[half] // 3]
-        ends, piece = place[self.ends[: self.segments][inside]], self.piece[: self.segments][inside]
-        named: dict[str, NDArray] = {"facets": ends[piece < facets], "inner": ends[piece >= facets]}
+        if vertices < n:
+            used = place >= 0
+            rows, source = rows[used], source[used]
+        ends, piece, span = self._segments(number, place)
+        facet = piece < facets
+        named: dict[str, NDArray] = {"facets": ends[facet], "inner": ends[~facet]}
         for name, pieces in (markers or {}).items():
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
-            named["region"] = self.region[:count][kept]
+            named["region"] = self.region[:count][number >= 0]
         if rest.get("unrefined") is not None:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return Refined(
             rows,
             simplices,
             neighbors=neighbors,
-            origin=source[used],
+            origin=source,
             markers=named,
             segments=ends,
             piece=piece,
-            span=self.span[: self.segments][inside],
+            span=span,
             **rest,
         )
+
+    def _segments(self, number: NDArray[np.int32], place: NDArray[np.int32]) -> tuple[NDArray, ...]:
+        """Ends, piece and span of the subsegments that bound a triangle with a number."""
+        s = self.segments
+        rows, pieces, spans = np.empty((s, 2), np.int32), np.empty(s, np.int32), np.empty((s, 2))
+        many = extract_segments(
+            self.twin, number, self.where[:s], self.ends, self.piece, self.span, place, rows, pieces, spans
+        )
+        return rows[:many], pieces[:many], spans[:many]
