@@ -7,7 +7,7 @@ its time on handing out arrays, the seconds of the library itself. `find` skips 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
@@ -66,14 +66,18 @@ DELAUNAY = [
 ]
 
 
-def find(contestants: list[Contestant], dimension: int) -> list[tuple[Contestant, str]]:
-    """Those that are installed and work in this dimension, with their versions."""
-    found = []
-    for contestant in contestants:
+def installed(packages: Iterable[str]) -> dict[str, str]:
+    """The versions of those that are installed."""
+    found = {}
+    for package in packages:
         try:
-            number = version(contestant.package)
+            found[package] = version(package)
         except PackageNotFoundError:
             continue
-        if dimension in contestant.dimensions:
-            found.append((contestant, number))
     return found
+
+
+def find(contestants: list[Contestant], dimension: int) -> list[tuple[Contestant, str]]:
+    """Those that are installed and work in this dimension, with their versions."""
+    there = installed(each.package for each in contestants)
+    return [(c, there[c.package]) for c in contestants if c.package in there and dimension in c.dimensions]

@@ -6,14 +6,13 @@ from statistics import median
 from typing import Any
 
 from .contestants import DELAUNAY, find
-from .run import Workers
+from .run import Workers, measured
 
 PLAN = {
     2: (("uniform", "clustered", "lattice", "circle"), (10**4, 10**5, 10**6)),
     3: (("uniform", "clustered", "lattice", "sphere"), (10**4, 10**5, 10**6)),
     4: (("uniform",), (10**2, 10**3)),
 }
-SLOW = 12.0  # seconds: what would take longer is run once; what would take three times as long, not at all
 MEMORY = {2: 10**6, 3: 10**5}  # sizes at which peak memory is measured, on uniform points
 CAP = {3: {"clustered": 10**5, "lattice": 10**5, "sphere": 10**5}}  # the next size would add only time
 
@@ -28,7 +27,8 @@ def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
             for n in sizes:
                 if n > min(largest, CAP.get(dimension, {}).get(kind, largest)):
                     continue
-                rows += _case(workers, dimension, kind, n, repeats, expected)
+                case = {"dimension": dimension, "kind": kind, "n": n}
+                rows += measured(workers, "timed", case, expected, repeats)
         n = min(largest, MEMORY.get(dimension, 0))
         for name in names if n else []:
             job = {"dimension": dimension, "kind": "uniform", "n": n, "contestant": name}
@@ -39,20 +39,3 @@ def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
     for name in starts[0] if starts else []:
         rows.append({"measure": "start", "what": name, "seconds": median(s[name] for s in starts)})
     return rows
-
-
-def _case(
-    workers: Workers, dimension: int, kind: str, n: int, repeats: int, expected: dict[str, float]
-) -> list[dict[str, Any]]:
-    """One kind and size: contestants interleaved, those that would be slow by themselves and once."""
-    groups = [[name for name in expected if expected[name] <= SLOW]]
-    groups += [[name] for name in expected if SLOW < expected[name] <= 3 * SLOW]
-    found = []
-    for group in filter(None, groups):
-        times = repeats if expected[group[0]] <= SLOW else 1
-        job = {"dimension": dimension, "kind": kind, "n": n, "contestants": group, "repeats": times}
-        for row in workers.ask("timed", job) or []:
-            seconds = median(row["cpu"])
-            expected[row["contestant"]] = 12 * seconds
-            found.append({"measure": "time", "dimension": dimension, "kind": kind, **row, "seconds": seconds})
-    return found

@@ -8,12 +8,12 @@ out; none of the peers is ever imported by the library.
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .contestants import installed
 from .regions import CENTER, FINEST, GROWTH, RADIUS, Graph, graded
 
 Meshed = tuple[NDArray[np.float64], NDArray[np.integer]]
@@ -208,12 +208,5 @@ MESHERS = [
 
 def find(work: str, meshers: list[Mesher] = MESHERS) -> list[tuple[Mesher, str]]:
     """Those that do this work and are installed, with their versions."""
-    found = []
-    for mesher in meshers:
-        try:
-            number = version(mesher.package)
-        except PackageNotFoundError:
-            continue
-        if mesher.work == work:
-            found.append((mesher, number))
-    return found
+    there = installed(each.package for each in meshers)
+    return [(m, there[m.package]) for m in meshers if m.package in there and m.work == work]

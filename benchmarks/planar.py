@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from statistics import median
 from typing import Any
 
 from .meshers import find
 from .regions import AREA, GRAPHS, edge_for, plate
-from .run import Workers
+from .run import Workers, measured
 
-SLOW = 12.0  # seconds: what would take longer is run once; what would take three times as long, not at all
 # work -> kinds and sizes: points for "constrained", about as many triangles as this for the others
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "constrained": {
@@ -46,22 +44,6 @@ def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
             expected = {mesher.name: 0.0 for mesher, _ in find(work)}
             for n in sizes:
                 if n <= largest:
-                    rows += _case(workers, work, kind, n, repeats, expected)
+                    case = {"work": work, "kind": kind, "n": n}
+                    rows += measured(workers, "meshed", case, expected, repeats)
     return rows
-
-
-def _case(
-    workers: Workers, work: str, kind: str, n: int, repeats: int, expected: dict[str, float]
-) -> list[dict[str, Any]]:
-    """One kind and size: meshers interleaved, those that would be slow by themselves and once."""
-    groups = [[name for name in expected if expected[name] <= SLOW]]
-    groups += [[name] for name in expected if SLOW < expected[name] <= 3 * SLOW]
-    found = []
-    for group in filter(None, groups):
-        times = repeats if expected[group[0]] <= SLOW else 1
-        job = {"work": work, "kind": kind, "n": n, "contestants": group, "repeats": times}
-        for row in workers.ask("meshed", job) or []:
-            seconds = median(row["cpu"])
-            expected[row["contestant"]] = 12 * seconds
-            found.append({"measure": "time", "work": work, "kind": kind, "n": n, **row, "seconds": seconds})
-    return found

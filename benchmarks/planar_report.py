@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from .report import OURS, figures, short
+from . import report
+from .report import OURS, figures, grid, page, relative, short
 
 Row = dict[str, Any]
 Case = tuple[str, str, int]
@@ -22,11 +23,7 @@ DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 
 def times(rows: list[Row]) -> dict[Case, dict[str, Row]]:
     """Rows by (work, kind, n), then by contestant."""
-    cases: dict[Case, dict[str, Row]] = {}
-    for row in rows:
-        if row["measure"] == "time":
-            cases.setdefault((row["work"], row["kind"], row["n"]), {})[row["contestant"]] = row
-    return cases
+    return report.times(rows, "work")
 
 
 def speed(row: Row) -> float:
@@ -46,39 +43,26 @@ def table(rows: list[Row], work: str) -> str:
     head = ["input", "n", "by", "triangles", "1000 triangles/s", f"{OURS} ÷ it"]
     head += ["least angle", "mean 2r/R", "least 2r/R"] if quality else []
     head += ["edges within √2"] if sized else []
-    lines = ["| " + " | ".join(head) + " |", "|---" * 3 + "|---:" * (len(head) - 3) + "|"]
+    lines = []
     for (name, kind, n), case in times(rows).items():
         if name != work or OURS not in case:
             continue
         for peer, row in case.items():
-            value = ratio(case, peer)
-            told = "" if peer in (OURS, RAW) else f"{value:.2f}" if value < 10 else f"{value:.0f}"
             cells = [kind, short(n), peer, str(row["cells"]), figures(speed(row) / 1e3)]
-            cells.append(f"**{told}**" if told and value < 1 else told)
+            cells.append("" if peer in (OURS, RAW) else relative(ratio(case, peer)))
             if quality:
                 cells += [f"{row['least_angle']:.1f}°", f"{row['mean_2r_R']:.4f}", f"{row['least_2r_R']:.2f}"]
             if sized:
                 cells.append(f"{100 * row['conforming']:.1f} %")
-            lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+            lines.append(cells)
+    return grid(head, 3, lines)
 
 
 def markdown(result: dict[str, Any]) -> str:
-    """The whole report of a run."""
+    """The report of the suite ``planar``."""
     rows = result["rows"]
-    parts = [
-        f"# Benchmarks: {result['suite']}",
-        f"{result['machine']}. One core; medians of CPU seconds, contestants interleaved; load average "
-        f"{result['load'][0]} before and {result['load'][1]} after. Versions: "
-        + ", ".join(f"{name} {number}" for name, number in result["versions"].items())
-        + ".",
-    ]
-    for work, title in TITLES.items():
-        if any(row["work"] == work for row in rows):
-            parts += [f"## {title}", table(rows, work)]
-    if result["failures"]:
-        parts += ["## Without an answer", "\n".join(f"- {text}" for text in result["failures"])]
-    return "\n\n".join(parts) + "\n"
+    done = {row["work"] for row in rows}
+    return page(result, {title: table(rows, work) for work, title in TITLES.items() if work in done})
 
 
 def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[str]]]) -> Any:
@@ -114,11 +98,11 @@ def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[s
 
 
 def plot(rows: list[Row]) -> Any:
-    """Histograms of the largest case of each work that has them."""
+    """Histograms of the largest case of each work that has them; None where no such case was run."""
     cases = times(rows)
     shown = []
     for work in ("refined", "uniform", "graded"):
         keys = [key for key in cases if key[0] == work]
         if keys:
             shown.append((keys[-1], list(cases[keys[-1]])[:4]))
-    return histograms(cases, shown)
+    return histograms(cases, shown) if shown else None

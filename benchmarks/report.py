@@ -15,12 +15,12 @@ Row = dict[str, Any]
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def times(rows: list[Row]) -> dict[tuple[int, str, int], dict[str, Row]]:
-    """Rows of times by case, then by contestant."""
-    cases: dict[tuple[int, str, int], dict[str, Row]] = {}
+def times(rows: list[Row], first: str = "dimension") -> dict[tuple[Any, str, int], dict[str, Row]]:
+    """Rows of times by case (what is ``first``, kind, n), then by contestant."""
+    cases: dict[tuple[Any, str, int], dict[str, Row]] = {}
     for row in rows:
         if row["measure"] == "time":
-            cases.setdefault((row["dimension"], row["kind"], row["n"]), {})[row["contestant"]] = row
+            cases.setdefault((row[first], row["kind"], row["n"]), {})[row["contestant"]] = row
     return cases
 
 
@@ -56,39 +56,50 @@ def figures(value: float) -> str:
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
+def relative(value: float) -> str:
+    """A ratio in a table: two decimals below 10, and **bold** below 1, where a peer is ahead of us."""
+    text = f"{value:.2f}" if value < 10 else f"{value:.0f}"
+    return f"**{text}**" if value < 1 else text
+
+
+def grid(head: list[str], left: int, lines: list[list[str]]) -> str:
+    """A Markdown table; but for the first ``left``, columns go to the right."""
+    rule = "|---" * left + "|---:" * (len(head) - left) + "|"
+    first, *rest = ("| " + " | ".join(cells) + " |" for cells in [head, *lines])
+    return "\n".join([first, rule, *rest])
+
+
 def table(rows: list[Row], dimension: int) -> str:
     """Microseconds a point, and how many times as long each peer takes: **bold** where it is ahead of us."""
     cases = {key: case for key, case in times(rows).items() if key[0] == dimension and OURS in case}
     peers = sorted({name for case in cases.values() for name in case} - {OURS}, key=str.lower)
     head = ["points", "n", f"{OURS} µs/point", *(f"{peer} ÷ {OURS}" for peer in peers)]
-    lines = ["| " + " | ".join(head) + " |", "|---" * 2 + "|---:" * (len(head) - 2) + "|"]
+    lines = []
     for (_, kind, n), case in cases.items():
         cells = [kind, short(n), figures(case[OURS]["seconds"] / n * 1e6)]
         for peer in peers:
             if peer not in case:
                 cells.append("–")
                 continue
-            value = ratio(case, peer)
-            text = f"{value:.2f}" if value < 10 else f"{value:.0f}"
-            text = f"**{text}**" if value < 1 else text
+            text = relative(ratio(case, peer))
             inner = case[peer].get("inner") or []
             if inner:
                 bare = float(np.median(inner)) / case[OURS]["seconds"]
                 text += f" (itself **{bare:.2f}**)" if bare < 1 else f" (itself {bare:.2f})"
             cells.append(text)
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append(cells)
+    return grid(head, 2, lines)
 
 
 def growth_table(rows: list[Row]) -> str:
     """The fitted exponents, one line for each dimension and kind."""
     found = growth(rows)
     names = sorted({name for _, _, name in found}, key=lambda name: (name != OURS, name.lower()))
-    lines = ["| dimension | points | " + " | ".join(names) + " |", "|---|---" + "|---:" * len(names) + "|"]
+    lines = []
     for d, kind in dict.fromkeys((d, kind) for d, kind, _ in found):
         cells = [f"{found[d, kind, name]:.2f}" if (d, kind, name) in found else "–" for name in names]
-        lines.append(f"| {d} | {kind} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append([str(d), kind, *cells])
+    return grid(["dimension", "points", *names], 2, lines)
 
 
 def other_table(rows: list[Row]) -> str:
@@ -111,9 +122,8 @@ START = {
 }
 
 
-def markdown(result: dict[str, Any]) -> str:
-    """The whole report of a run."""
-    rows = result["rows"]
+def page(result: dict[str, Any], sections: dict[str, str]) -> str:
+    """The whole report of a run: what was measured where, texts by title, who gave no answer."""
     parts = [
         f"# Benchmarks: {result['suite']}",
         f"{result['machine']}. One core; medians of CPU seconds, contestants interleaved; load average "
@@ -121,17 +131,28 @@ def markdown(result: dict[str, Any]) -> str:
         + ", ".join(f"{name} {number}" for name, number in result["versions"].items())
         + ".",
     ]
-    for d in sorted({row["dimension"] for row in rows if row["measure"] == "time"}):
-        parts += [f"## {d} dimensions", table(rows, d)]
-    parts += ["## Growth: exponents p of seconds ~ n^p", growth_table(rows)]
-    parts += ["## Memory and start", other_table(rows)]
+    for title, text in sections.items():
+        parts += [f"## {title}", text]
     if result["failures"]:
         parts += ["## Without an answer", "\n".join(f"- {text}" for text in result["failures"])]
     return "\n\n".join(parts) + "\n"
 
 
+def markdown(result: dict[str, Any]) -> str:
+    """The report of the suite ``delaunay``."""
+    rows = result["rows"]
+    dimensions = sorted({row["dimension"] for row in rows if row["measure"] == "time"})
+    sections = {f"{d} dimensions": table(rows, d) for d in dimensions}
+    sections["Growth: exponents p of seconds ~ n^p"] = growth_table(rows)
+    sections["Memory and start"] = other_table(rows)
+    return page(result, sections)
+
+
 def plot(rows: list[Row]) -> Any:
-    """Ratios against n, one panel for each dimension and peer; above the line at 1 the peer takes longer."""
+    """Ratios against n, one panel for each dimension and peer; above the line at 1 the peer takes longer.
+
+    None where no peer was run.
+    """
     import matplotlib.pyplot as plt
 
     from unstruct.view import setup
@@ -141,6 +162,8 @@ def plot(rows: list[Row]) -> Any:
     roles = {"uniform": "circumcircle", "clustered": "voronoi", "lattice": "inserted"}
     cases = {key: case for key, case in times(rows).items() if key[0] in (2, 3) and OURS in case}
     panels = sorted({(key[0], name) for key, case in cases.items() for name in case if name != OURS})
+    if not panels:
+        return None
     figure, axes = plt.subplots(1, len(panels), figsize=(8, 3.1), sharey=True, squeeze=False)
     for ax, (d, peer) in zip(axes[0], panels):
         for kind in dict.fromkeys(key[1] for key in cases if key[0] == d):
@@ -160,7 +183,10 @@ def plot(rows: list[Row]) -> Any:
 
 
 def write(result: dict[str, Any], folder: Path, teller: Any) -> list[Path]:
-    """JSON and CSV rows, and the Markdown report and plot that ``teller`` makes of them; the paths."""
+    """JSON and CSV rows, and the Markdown report and plot that ``teller`` makes of them; the paths.
+
+    There is no plot where the run was too small for one.
+    """
     import matplotlib.pyplot as plt
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -173,6 +199,8 @@ def write(result: dict[str, Any], folder: Path, teller: Any) -> list[Path]:
         writer.writerows(result["rows"])
     paths[2].write_text(teller.markdown(result), encoding="utf-8")
     figure = teller.plot(result["rows"])
+    if figure is None:
+        return paths[:3]
     figure.savefig(paths[3], dpi=90)
     plt.close(figure)
     return paths

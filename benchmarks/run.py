@@ -7,10 +7,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = Path(__file__).resolve().parent / "results"
+SLOW = 12.0  # seconds: what would take longer is run once; what would take three times as long, not at all
 
 
 class Workers:
@@ -41,3 +43,23 @@ class Workers:
     def _failed(self, message: str) -> None:
         self.failures.append(message)
         print(f"FAILED {message}", file=sys.stderr)
+
+
+def measured(
+    workers: Workers, job: str, case: dict[str, Any], expected: dict[str, float], repeats: int
+) -> list[dict[str, Any]]:
+    """One kind and size: contestants interleaved, those that would be slow by themselves and once.
+
+    ``expected`` has the seconds of each contestant, 0 where they are not known yet; after the run it has
+    those for the next, tenfold size.
+    """
+    groups = [[name for name in expected if expected[name] <= SLOW]]
+    groups += [[name] for name in expected if SLOW < expected[name] <= 3 * SLOW]
+    found = []
+    for group in filter(None, groups):
+        times = repeats if expected[group[0]] <= SLOW else 1
+        for row in workers.ask(job, {**case, "contestants": group, "repeats": times}) or []:
+            seconds = median(row["cpu"])
+            expected[row["contestant"]] = 12 * seconds
+            found.append({"measure": "time", **case, **row, "seconds": seconds})
+    return found

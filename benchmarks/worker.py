@@ -11,6 +11,7 @@ import os
 import resource
 import sys
 import time
+from collections.abc import Iterator
 from typing import Any
 
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -22,29 +23,41 @@ def pin() -> None:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
+def _rows(case: dict, found: list[tuple[Any, str]], small: Any) -> list[dict[str, Any]]:
+    """A row for each contestant of the case; a small task has loaded compiled code and done lazy imports."""
+    rows: list[dict[str, Any]] = []
+    for contestant, version in found:
+        if contestant.name in case["contestants"]:
+            run = contestant.prepare()
+            run(small)
+            rows.append(
+                {"contestant": contestant.name, "version": version, "run": run, "cpu": [], "wall": []}
+            )
+    return rows
+
+
+def _in_turn(case: dict, rows: list[dict[str, Any]], given: Any) -> Iterator[tuple[dict[str, Any], Any]]:
+    """Run all contestants in turn, as often as asked; their rows take the seconds. Gives row and result."""
+    for _ in range(case["repeats"]):
+        for row in rows:
+            gc.collect()
+            wall, cpu = time.perf_counter(), time.process_time()
+            result = row["run"](given)
+            row["cpu"].append(time.process_time() - cpu)
+            row["wall"].append(time.perf_counter() - wall)
+            yield row, result
+
+
 def timed(case: dict) -> list[dict]:
     """All contestants in turn, as often as asked: one row each."""
     from .contestants import DELAUNAY, find
     from .inputs import KINDS
 
     points = KINDS[case["kind"]](case["n"], case["dimension"])
-    rows: list[dict[str, Any]] = []
-    for contestant, version in find(DELAUNAY, case["dimension"]):
-        if contestant.name in case["contestants"]:
-            run = contestant.prepare()
-            run(points[: case["dimension"] + 50])  # compiled code is loaded, lazy imports are done
-            rows.append(
-                {"contestant": contestant.name, "version": version, "run": run, "cpu": [], "wall": []}
-            )
-            rows[-1]["inner"] = []
-    for _ in range(case["repeats"]):
-        for row in rows:
-            gc.collect()
-            wall, cpu = time.perf_counter(), time.process_time()
-            row["cells"], inner = row["run"](points)
-            row["cpu"].append(time.process_time() - cpu)
-            row["wall"].append(time.perf_counter() - wall)
-            row["inner"] += [] if inner is None else [inner]
+    rows = _rows(case, find(DELAUNAY, case["dimension"]), points[: case["dimension"] + 50])
+    for row, (cells, inner) in _in_turn(case, rows, points):
+        row["cells"] = cells
+        row["inner"] = row.get("inner", []) + ([] if inner is None else [inner])
     for row in rows:
         del row["run"]
         row["n"] = len(points)
@@ -92,20 +105,9 @@ def meshed(case: dict) -> list[dict]:
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    rows: list[dict[str, Any]] = []
-    for mesher, version in find(work):
-        if mesher.name in case["contestants"]:
-            run = mesher.prepare()
-            run(warm_up(work))
-            rows.append({"contestant": mesher.name, "version": version, "run": run, "cpu": [], "wall": []})
-    given = task(work, case["kind"], n)
-    for _ in range(case["repeats"]):
-        for row in rows:
-            gc.collect()
-            wall, cpu = time.perf_counter(), time.process_time()
-            row["mesh"] = row["run"](given)
-            row["cpu"].append(time.process_time() - cpu)
-            row["wall"].append(time.perf_counter() - wall)
+    rows, given = _rows(case, find(work), warm_up(work)), task(work, case["kind"], n)
+    for row, mesh in _in_turn(case, rows, given):
+        row["mesh"] = mesh
     for row in rows:
         del row["run"]
         row.update(measures(*row.pop("mesh"), work, given))

@@ -101,6 +101,14 @@ def test_ratios_growth_and_bold_losses():
     assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
+@pytest.mark.parametrize("teller", [report, planar_report])
+def test_a_run_without_a_case_has_no_plot(tmp_path, teller):
+    result = {"suite": "none", "machine": "it", "load": [0, 0], "versions": {}, "failures": [], "rows": []}
+    paths = report.write(result, tmp_path, teller)
+    assert [path.suffix for path in paths] == [".json", ".csv", ".md"] and all(p.exists() for p in paths)
+    assert sorted(tmp_path.iterdir()) == sorted(paths)
+
+
 def test_numbers_are_short():
     counts = {1000: "10³", 99_856: "10⁵", 97_336: "9.7·10⁴", 10_648: "1.1·10⁴", 1: "10⁰", 20: "2·10¹"}
     assert {n: report.short(n) for n in counts} == counts
