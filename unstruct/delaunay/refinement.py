@@ -96,14 +96,17 @@ def refine(
     ``min_angle`` of up to 20.7° (Ruppert), Chew's for up to 26.5° (Shewchuk), with triangles as large as the
     features allow within a constant. With concentric shells about small input angles, and the rule that
     leaves triangles across them alone (their reason is "input angle"), Ruppert's method ends for any straight
-    input and up to 26.4° (Miller, Pav, Walkington). Larger values mostly work, up to about 33°. Beyond the
+    input and up to 26.45° (Miller, Pav, Walkington). Larger values mostly work, up to about 33°; but there is
+    input without small angles where, in exact arithmetic, Ruppert's method never ends for more than about
+    29.5°, and other input where Chew's does not for more than about 30.7° (Rand). Beyond the
     theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
     the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
 
     O(n log n) in practice: no point is looked for, each starts at its own bad triangle. Sources: J. Ruppert,
     Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;
     A. Üngör, LATIN (2004) 152-161; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller,
-    S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003). Book: 2.6a, 2.6d.
+    S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
+    non-termination of Ruppert's algorithm (2011). Book: 2.6a, 2.6d.
     """
     if not isinstance(domain, Domain | Mesh):
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
