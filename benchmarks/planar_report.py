@@ -58,6 +58,21 @@ def table(rows: list[Row], work: str) -> str:
     return grid(head, 3, lines)
 
 
+def summary(rows: list[Row]) -> str:
+    """A line a case: our speed, how many times that of each peer, and the quality of our mesh."""
+    cases = {key: case for key, case in times(rows).items() if OURS in case}
+    head = ["work", "input", "n", "beside others", "1000 triangles/s", "least angle", "mean 2r/R"]
+    lines = []
+    for (work, kind, n), case in cases.items():
+        peers = [f"{name} {relative(ratio(case, name))}" for name in case if name not in (OURS, RAW)]
+        ours = case[OURS]
+        cells = [work, kind, short(n), ", ".join(peers), figures(speed(ours) / 1e3)]
+        sized = work != "constrained"
+        cells += [f"{ours['least_angle']:.1f}°", f"{ours['mean_2r_R']:.4f}"] if sized else ["", ""]
+        lines.append(cells)
+    return grid(head, 4, lines)
+
+
 def markdown(result: dict[str, Any]) -> str:
     """The report of the suite ``planar``."""
     rows = result["rows"]
