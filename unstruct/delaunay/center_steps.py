@@ -13,7 +13,7 @@ from ..jit import inline, lean
 from ..predicates import incircle, orient2
 from .cavity2 import GHOST, VERTICES, blocked_by, commit, end_of, find_cavity, start_of
 from .insertion2 import next_edge, prev_edge
-from .worst import NONE, judge, measures, put, top, unwatch, watch_triangle
+from .worst import NONE, enter, measures, put, record, top, unwatch
 
 DONE, FULL, SPLIT = 0, 1, 2  # why a run of steps ends
 HIDDEN, ROUNDED, REFUSED = 1, 2, 3  # why a triangle is left as it is
@@ -28,28 +28,21 @@ FAR = 4.0  # a center this far away is only a direction (the domain lies within 
 
 
 @inline
-def _enter(xy, vertex, region, t, rule, child, values, box, order, weights, window, tree, watch, why):
+def _enter(xy, vertex, region, t, rule, tree, watch, why):
     why[t] = 0
     if region[t] < 0:
         put(tree, t, NONE)
         unwatch(watch, t)
         return
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-    ax, ay, bx, by, cx, cy = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]
-    put(tree, t, judge(rule, child, values, box, order, weights, window, ax, ay, bx, by, cx, cy))
-    if len(watch) > 0:
-        watch_triangle(watch, t, ax, ay, bx, by, cx, cy)
+    enter(t, rule, tree, watch, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
 @lean
-def enter_slots(
-    xy, vertex, region, slots, rule, child, values, box, order, weights, window, tree, watch, why
-):
+def enter_slots(xy, vertex, region, slots, rule, tree, watch, why):
     """Judge the triangles in these slots, and put them into the tournaments."""
     for i in range(len(slots)):
-        _enter(
-            xy, vertex, region, slots[i], rule, child, values, box, order, weights, window, tree, watch, why
-        )
+        _enter(xy, vertex, region, slots[i], rule, tree, watch, why)
 
 
 @lean
@@ -121,19 +114,13 @@ def encroached(xy, vertex, mark, rim, k, px, py):
 @lean
 def note(vertex, t, p, first, tree, watch, radius, kind, close, rows, events):
     """Record a step: the state before it, and what is done about which triangle."""
-    i = p - first
-    for k in range(len(watch)):
-        rows[i, k] = watch[k][1]
-    events[i, 0], events[i, 1] = radius, tree[1]
-    for k in range(3):
-        events[i, 2 + k] = vertex[3 * t + k]
-    events[i, 5], events[i, 6] = kind, close
+    record(vertex, t, p - first, radius, tree, watch, rows, events)
+    events[p - first, 5], events[p - first, 6] = kind, close
 
 
 @lean
 def insert_centers(
-    xy, vertex, twin, mark, region, where, state, rule, child, values, box, order, weights, window, tree,
-    watch, why, split, stop, first,
+    xy, vertex, twin, mark, region, where, state, rule, tree, watch, why, split, stop, first,
     stack, cells, rim, hold, fresh, rows, events, ask,
 ):  # fmt: skip
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or SPLIT.
@@ -162,20 +149,5 @@ def insert_centers(
         xy[p, 0], xy[p, 1] = px, py
         commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
         for i in range(k):
-            _enter(
-                xy,
-                vertex,
-                region,
-                np.int64(fresh[i]),
-                rule,
-                child,
-                values,
-                box,
-                order,
-                weights,
-                window,
-                tree,
-                watch,
-                why,
-            )
+            _enter(xy, vertex, region, np.int64(fresh[i]), rule, tree, watch, why)
     return FULL if tree[1] > NONE else DONE

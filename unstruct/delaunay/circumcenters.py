@@ -181,7 +181,7 @@ class _Run:
             self.rows, self.events = grown(self.rows, room), grown(self.events, room)
 
     def _judges(self) -> tuple:
-        return self.rule.rule, *self.rule.size, *self.rule.order, self.tree, self.watch, self.why
+        return self.rule, self.tree, self.watch, self.why
 
     def _enter(self, slots: NDArray) -> None:
         k = self.complex
@@ -261,7 +261,7 @@ class _Run:
         return {
             **watched(rows, k.factor),
             "chosen": events[:, 0] / k.factor,
-            "value": unscaled(int(self.rule.rule[KIND]), events[:, 1], k.factor),
+            "value": unscaled(int(self.rule.test[KIND]), events[:, 1], k.factor),
             "triangle": place[events[:, 2:5].astype(np.int64)],
             "vertex": place[np.arange(self.first, k.size)],
             "split": events[:, 5] > 0,

@@ -96,7 +96,7 @@ class _Run:
         enter_all(self.xy, self.vertex, self.shift, 2 * n, *self._judges())
 
     def _judges(self) -> tuple:
-        return (self.rule.rule, *self.rule.size, *self.rule.order, self.tree, self.watch)
+        return self.rule, self.tree, self.watch
 
     def _reserve(self, points: int) -> None:
         self.xy = grown(self.xy, points)
@@ -141,7 +141,7 @@ class _Run:
             events = self.events[self.first : n]
             steps = dict(watched(rows, 1.0))
             steps["chosen"] = events[:, 0].copy()
-            steps["value"] = unscaled(int(self.rule.rule[KIND]), events[:, 1], 1.0)
+            steps["value"] = unscaled(int(self.rule.test[KIND]), events[:, 1], 1.0)
             steps["vertex"] = np.arange(self.first, n, dtype=np.int32)
             steps["triangle"] = events[:, 2:].astype(np.int32)
         return PeriodicMesh(

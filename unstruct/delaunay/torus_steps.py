@@ -19,7 +19,7 @@ from ..jit import inline, lean
 from ..predicates import incircle
 from .compiled import COUNT
 from .insertion2 import next_edge, prev_edge
-from .worst import NONE, judge, measures, put, top, watch_triangle
+from .worst import NONE, enter, measures, record, top
 
 GRID = 2.0**-50  # of the coordinates; a corner in [-2, 3) is then a double, and a quarter of it below 1
 VERTICES = 8
@@ -34,21 +34,18 @@ def corner(xy, vertex, shift, e):
 
 
 @lean
-def enter(xy, vertex, shift, t, rule, child, values, box, order, weights, window, tree, watch):
-    """Judge triangle t, and put it into the tournaments."""
+def _enter(xy, vertex, shift, t, rule, tree, watch):
     ax, ay = corner(xy, vertex, shift, 3 * t)
     bx, by = corner(xy, vertex, shift, 3 * t + 1)
     cx, cy = corner(xy, vertex, shift, 3 * t + 2)
-    put(tree, t, judge(rule, child, values, box, order, weights, window, ax, ay, bx, by, cx, cy))
-    if len(watch) > 0:
-        watch_triangle(watch, t, ax, ay, bx, by, cx, cy)
+    enter(t, rule, tree, watch, ax, ay, bx, by, cx, cy)
 
 
 @lean
-def enter_all(xy, vertex, shift, count, rule, child, values, box, order, weights, window, tree, watch):
-    """`enter` for the first ``count`` triangles."""
+def enter_all(xy, vertex, shift, count, rule, tree, watch):
+    """Judge the first ``count`` triangles, and put them into the tournaments."""
     for t in range(count):
-        enter(xy, vertex, shift, t, rule, child, values, box, order, weights, window, tree, watch)
+        _enter(xy, vertex, shift, t, rule, tree, watch)
 
 
 @inline
@@ -139,27 +136,7 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
 
 @lean
 def insert_on_torus(
-    xy,
-    vertex,
-    twin,
-    shift,
-    state,
-    rule,
-    child,
-    values,
-    box,
-    order,
-    weights,
-    window,
-    tree,
-    watch,
-    stop,
-    stack,
-    frame,
-    spare,
-    fresh,
-    rows,
-    events,
+    xy, vertex, twin, shift, state, rule, tree, watch, stop, stack, frame, spare, fresh, rows, events
 ):
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or ROUNDED.
 
@@ -179,12 +156,8 @@ def insert_on_torus(
         if not in_circle(xy, vertex, shift, 3 * t, 0, 0, px, py):
             return ROUNDED
         if p < len(events):
-            for k in range(len(watch)):
-                rows[p, k] = watch[k][1]
-            events[p, 0], events[p, 1] = radius, tree[1]
-            for k in range(3):
-                events[p, 2 + k] = vertex[3 * t + k]
+            record(vertex, t, p, radius, tree, watch, rows, events)
         k = star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fresh)
         for i in range(k):
-            enter(xy, vertex, shift, fresh[i], rule, child, values, box, order, weights, window, tree, watch)
+            _enter(xy, vertex, shift, fresh[i], rule, tree, watch)
     return FULL if tree[1] > NONE else DONE

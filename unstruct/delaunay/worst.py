@@ -27,6 +27,22 @@ KIND, HAS_SIZE, HAS_LIMIT, LIMIT = 0, 1, 2, 3  # entries of a rule
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle as the largest negative
 
 
+class Rule(NamedTuple):
+    """Which triangles are bad, and which of them is the worst: what `judge` goes by.
+
+    Attributes
+    ----------
+    test : ndarray, shape (4,)
+        The number of the measure; whether there are a size and a limit, and the limit.
+    size, order : Nodes
+        Tables of the size, and of the field that alpha is measured with as a priority.
+    """
+
+    test: NDArray[np.float64]
+    size: Nodes
+    order: Nodes
+
+
 @lean
 def put(tree, slot, value):
     """Give a slot a value."""
@@ -86,19 +102,18 @@ def measures(ax, ay, bx, by, cx, cy):
 
 
 @lean
-def judge(rule, child, values, box, order, weights, window, ax, ay, bx, by, cx, cy):
+def judge(rule, ax, ay, bx, by, cx, cy):
     """How bad a triangle is by the rule; `NONE` where it is well.
 
     Bad is a triangle with alpha = sqrt(3) R / size(Q) >= 1 (``HAS_SIZE``), or whose measure exceeds the limit
-    (``HAS_LIMIT``); without either every one is. ``child, values, box`` are the table of the size; ``order,
-    weights, window`` that of the field that alpha is measured with as a priority.
+    (``HAS_LIMIT``); without either every one is.
     """
     big, small, short, _, area, qx, qy = measures(ax, ay, bx, by, cx, cy)
-    kind = int(rule[KIND])
+    kind = int(rule.test[KIND])
     if kind == 0 or big == np.inf:
         value = big
     elif kind == 1:
-        value = ROOT3 * big / size_at(order, weights, window, qx, qy)
+        value = ROOT3 * big / size_at(rule.order.child, rule.order.values, rule.order.box, qx, qy)
     elif kind == 2:
         value = big / short
     elif kind == 3:
@@ -107,13 +122,13 @@ def judge(rule, child, values, box, order, weights, window, ax, ay, bx, by, cx, 
         value = big / small
     else:
         value = area
-    if rule[HAS_LIMIT] > 0.0 and value > rule[LIMIT]:
+    if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT]:
         return value
-    if rule[HAS_SIZE] > 0.0:
-        if big == np.inf or ROOT3 * big >= size_at(child, values, box, qx, qy):
+    if rule.test[HAS_SIZE] > 0.0:
+        if big == np.inf or ROOT3 * big >= size_at(rule.size.child, rule.size.values, rule.size.box, qx, qy):
             return value
         return NONE
-    return NONE if rule[HAS_LIMIT] > 0.0 else value
+    return NONE if rule.test[HAS_LIMIT] > 0.0 else value
 
 
 @lean
@@ -127,6 +142,14 @@ def watch_triangle(watch, slot, ax, ay, bx, by, cx, cy):
     put(watch[4], slot, -math.degrees(math.asin(min(1.0, 0.5 * short / big))))
 
 
+@inline
+def enter(slot, rule, tree, watch, ax, ay, bx, by, cx, cy):
+    """Judge the triangle in a slot, and put it into the tournaments."""
+    put(tree, slot, judge(rule, ax, ay, bx, by, cx, cy))
+    if len(watch) > 0:
+        watch_triangle(watch, slot, ax, ay, bx, by, cx, cy)
+
+
 @lean
 def unwatch(watch, slot):
     """Take a slot out of the tournaments of a record."""
@@ -134,18 +157,20 @@ def unwatch(watch, slot):
         put(watch[k], slot, NONE)
 
 
+@lean
+def record(vertex, t, i, radius, tree, watch, rows, events):
+    """Row i of a record: the state before a step; circumradius, value and vertices of its triangle t."""
+    for k in range(len(watch)):
+        rows[i, k] = watch[k][1]
+    events[i, 0], events[i, 1] = radius, tree[1]
+    for k in range(3):
+        events[i, 2 + k] = vertex[3 * t + k]
+
+
 def watched(rows: NDArray[np.float64], factor: float) -> dict[str, NDArray[np.float64]]:
     """The record of ``rows`` (k, 5), the tops of the tournaments, in the units of the input."""
     scale = {"R": 1 / factor, "l": -1 / factor, "L": 1 / factor, "mu": 1.0, "angle": -1.0}
     return {name: rows[:, k] * scale[name] for k, name in enumerate(WATCHED)}
-
-
-class Rule(NamedTuple):
-    """Which triangles are bad, and which of them is the worst, as `judge` takes it."""
-
-    rule: NDArray[np.float64]
-    size: Nodes
-    order: Nodes
 
 
 def make_rule(
@@ -171,15 +196,15 @@ def make_rule(
     field = size if isinstance(priority, str) else priority
     if name == "alpha" and field is None:
         raise InputError("the priority 'alpha' compares circumradii with a size: give one")
-    rule = np.zeros(4)
-    rule[KIND], rule[HAS_SIZE], rule[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
+    test = np.zeros(4)
+    test[KIND], test[HAS_SIZE], test[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
     if limit is not None:
         if not np.isfinite(limit):
             raise InputError(f"limit must be a finite number, not {limit!r}")
         scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
-        rule[LIMIT] = float(limit) * scale.get(name, 1.0)
+        test[LIMIT] = float(limit) * scale.get(name, 1.0)
     tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]
-    return Rule(rule, *tables)
+    return Rule(test, *tables)
 
 
 def unscaled(priority: int, value: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
