@@ -27,10 +27,8 @@ def speed() -> str:
     text = " ".join(parts) + " More on the [page of benchmarks](book/benchmarks.ipynb)."
     tables = [f"In {d} dimensions:\n\n{report.table(rows, d)}" for d in (2, 3)]
     planar, how = _told("planar")
-    parts = [
-        "Meshes of planar regions, the making and checking of the `Domain` counted in: triangles a second,"
-    ]
-    parts += ["and how many times those of others this is (their quality is on the"]
+    parts = ["Meshes of planar regions, the making and checking of the `Domain` counted in: triangles a"]
+    parts += ["second, and this divided by the same of others (whose quality is on the"]
     parts += [f"[page of planar benchmarks](book/benchmarks-planar.ipynb)). {how}"]
     return "\n\n".join([text, *tables, " ".join(parts), planar_report.summary(planar)]) + "\n"
 
