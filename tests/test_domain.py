@@ -303,6 +303,7 @@ def test_resolve_iterates_where_rounded_crossings_touch_others() -> None:
         ((SQUARE, [[0.0, 1.0]]), "facets must be integers"),
         ((SQUARE, [[0, 2**40]]), "beyond 32 bits"),
         ((SQUARE, [[0, 1], [1]]), "pairs of vertices"),
+        ((SQUARE, np.ma.masked_equal(RING, 3)), r"facets\[2\] is masked"),
         (([], []), r"shape \(n, d\)"),
     ],
 )
@@ -321,6 +322,14 @@ def test_bad_arrays(arguments: tuple, message: str) -> None:
         ({"regions": {"a": [9, 9]}}, r"regions\['a'\]\[0\] = \[9.0, 9.0\] lies outside"),
         ({"regions": {"a": [2, 0]}}, r"lies on a piece"),
         ({"regions": {"a": [[1, 1, 1]]}}, r"regions\['a'\] must have shape"),
+        ({"regions": {"a": [[1, 1], [1]]}}, r"regions\['a'\] must be an array"),
+        ({"regions": {"a": "middle"}}, r"regions\['a'\] must have shape"),
+        ({"regions": [[1, 1]]}, "regions must be a dict"),
+        ({"markers": {"a": [[1], [1, 2]]}}, r"markers\['a'\] must be a list"),
+        ({"markers": [1]}, "markers must be a dict"),
+        ({"markers": {"facets": [1]}}, r"markers\['facets'\]: meshes use this name"),
+        ({"curves": [Arc((0, 0), 1, 0, 1)]}, "curves must be a dict"),
+        ({"curves": {"a": Arc((0, 0), 1, 0, 1)}}, "curves has the key 'a'"),
     ],
 )
 def test_bad_options(options: dict, message: str) -> None:

@@ -14,22 +14,56 @@ from .errors import InputError
 if TYPE_CHECKING:
     from .domain import Domain
 
-__all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined", "positive"]
+__all__ = [
+    "around",
+    "as_curves",
+    "as_mapping",
+    "as_markers",
+    "as_ring",
+    "as_seeds",
+    "as_segments",
+    "finite",
+    "joined",
+    "positive",
+]
+
+RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
+
+
+def finite(value: Any, name: str) -> float:
+    """A finite number, or an error that calls it by ``name``."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not np.isfinite(number):
+        raise InputError(f"{name} = {number} must be finite")
+    return number
 
 
 def positive(value: Any, name: str) -> float:
     """A positive finite number, or an error that calls it by ``name``."""
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, not {value!r}") from None
     if not (number > 0 and np.isfinite(number)):
         raise InputError(f"{name} = {number} must be positive and finite")
     return number
 
 
+def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:
+    """A mapping, or an error that calls it by ``name``."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} must be a dict, not {type(value).__name__}")
+    return value
+
+
 def as_segments(rows: Any, name: str) -> np.ndarray:
     """Pairs of vertices as int32, shape (s, 2)."""
+    if np.ma.isMaskedArray(rows) and np.ma.getmaskarray(rows).any():
+        row = int(np.argwhere(np.ma.getmaskarray(rows))[0][0])
+        raise InputError(f"{name}[{row}] is masked; drop masked rows first")
     try:
         array = np.asarray(rows)
     except ValueError:
@@ -47,7 +81,11 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
 
 def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
     """Curves by piece number, in order."""
+    as_mapping(curves, "curves")
     result = {}
+    wrong = [piece for piece in curves if isinstance(piece, bool) or not isinstance(piece, int | np.integer)]
+    if wrong:
+        raise InputError(f"curves has the key {wrong[0]!r}; keys are piece numbers")
     for piece in sorted(curves):
         if not 0 <= piece < many:
             raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
@@ -59,9 +97,15 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
 
 def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
     """Unique piece numbers by name."""
+    as_mapping(markers, "markers")
     result = {}
     for name, pieces in markers.items():
-        array = np.asarray(pieces)
+        if str(name) in RESERVED:
+            raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another")
+        try:
+            array = np.asarray(pieces)
+        except ValueError:  # ragged
+            raise InputError(f"markers[{name!r}] must be a list of piece numbers") from None
         if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(f"markers[{name!r}] must be a list of piece numbers")
         if array.size and not 0 <= array.min() <= array.max() < many:
@@ -72,10 +116,14 @@ def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
 
 def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Seeds (r, 2) by name; a single point is one seed."""
+    as_mapping(regions, "regions")
     result = {}
     for name, seeds in regions.items():
-        array = np.asarray(seeds, dtype=float)
-        rows = as_points(array[None] if array.ndim == 1 else array, f"regions[{name!r}]")
+        try:
+            single = np.ndim(seeds) == 1
+        except ValueError:  # ragged: the rows are judged below
+            single = False
+        rows = as_points([seeds] if single else seeds, f"regions[{name!r}]")
         if rows.shape[1] != 2:
             raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
         result[str(name)] = frozen(rows)
