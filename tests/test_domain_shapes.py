@@ -46,6 +46,17 @@ def test_polygons_discs_rectangles() -> None:
         (lambda: Domain.smooth([[0, 0], [1, 0], [1, 0], [0, 1]]), "equals the next"),
         (lambda: Domain.from_geojson({"type": "Cube"}), "'Cube'"),
         (lambda: Domain.from_geojson(3), "__geo_interface__"),
+        (lambda: Domain.from_geojson({"type": "FeatureCollection"}), "list of 'features'"),
+        (lambda: Domain.from_geojson({"type": "MultiPoint", "coordinates": []}), "empty"),
+        (
+            lambda: Domain.from_geojson({"type": "LineString", "coordinates": [["a", 0], [1, 0]]}),
+            "real numbers",
+        ),
+        (lambda: Domain.from_geojson({"type": "Polygon", "coordinates": [[0, 0], [1, 0]]}), "positions"),
+        (lambda: Domain.rectangle((0, 0, 0), (1, 1, 1)), "lower must be two coordinates"),
+        (lambda: Domain.disc(3.0), "center must be two coordinates"),
+        (lambda: Domain.naca("0012", attack="steep"), "attack must be a number"),  # type: ignore[arg-type]
+        (lambda: Domain.polygon([[0, 0], [1, 0], [0, 1]], None), "holes must be"),  # type: ignore[arg-type]
         (lambda: Domain.from_geojson({"type": "GeometryCollection", "geometries": []}), "empty"),
     ],
 )
@@ -124,6 +135,28 @@ def test_geojson() -> None:
     domain = Domain.from_geojson({"type": "FeatureCollection", "features": features})
     assert len(domain.inner) == 2 and len(domain.loose) == 2 and domain.area == 15
     assert Domain.from_geojson({"type": "LinearRing", "coordinates": hole}).area == 1
+
+
+def test_geojson_without_places_and_with_some_heights() -> None:
+    """Features without geometry, empty geometry, and heights at some positions only are all legal."""
+    ring = [[0, 0], [2, 0, 5.0], [2, 2], [0, 2], [0, 0]]
+    features: list[dict] = [
+        {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}},
+        {"type": "Feature", "properties": {}, "geometry": None},
+    ]
+    empty = [{"type": kind, "coordinates": []} for kind in ("Point", "LineString", "Polygon", "MultiPoint")]
+    collection = {"type": "FeatureCollection", "features": [*features, *empty]}
+    domain = Domain.from_geojson(collection)
+    assert domain.area == 4 and len(domain.points) == 4
+
+
+def test_inner_segments_of_geometry_and_caller_are_joined() -> None:
+    """The caller's inner segments come after those of the geometry, which stay."""
+    square = {"type": "Polygon", "coordinates": [[[0, 0], [4, 0], [4, 4], [0, 4]]]}
+    line = {"type": "LineString", "coordinates": [[1, 0.5], [3, 0.5]]}
+    both = {"type": "GeometryCollection", "geometries": [square, line]}
+    domain = Domain.from_geojson(both, inner=[[0, 2]], markers={"caller's": [5]})
+    assert domain.inner.tolist() == [[4, 5], [0, 2]] and domain.markers["caller's"].tolist() == [5]
 
 
 def test_neighboring_polygons_share_their_sides() -> None:
@@ -218,6 +251,9 @@ def test_poly_eats_from_beyond_through_gaps(tmp_path: Path) -> None:
         ("1 2 0 0\n0 zero 0\n", "'zero' among vertices is no number"),
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0\n", "a segment needs 3 entries"),
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 9\n", "outside 0..2"),
+        ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 1.5\n", "'1.5' among segments is no whole number"),
+        ("-3 2 0 0\n", "the number of vertices is -3"),
+        ("nan 2 0 0\n", "'nan' among the number of vertices is no whole number"),
     ],
 )
 def test_bad_poly_files(tmp_path: Path, text: str, message: str) -> None:
@@ -228,6 +264,51 @@ def test_bad_poly_files(tmp_path: Path, text: str, message: str) -> None:
         Domain.read(tmp_path / "none.poly")
     with pytest.raises(InputError, match="written as"):
         Domain.rectangle().write(tmp_path / "a.stl")
+
+
+def test_poly_region_names_have_all_digits(tmp_path: Path) -> None:
+    """Attributes that differ in the seventh digit are different regions."""
+    path = tmp_path / "two.poly"
+    path.write_text(
+        "6 2 0 0\n0 0 0\n1 1 0\n2 2 0\n3 2 1\n4 1 1\n5 0 1\n7 0\n0 0 1\n1 1 2\n2 2 3\n3 3 4\n4 4 5\n"
+        "5 5 0\n6 1 4\n0\n2\n0 0.5 0.5 1234567 0.1\n1 1.5 0.5 1234568 0.2\n"
+    )
+    domain = Domain.read(path)
+    assert (
+        domain.max_areas
+        == {"1234567": 0.1, "1234568": 0.2}
+        == {name: domain.max_areas[name] for name in domain.regions}
+    )
+
+
+def test_poly_accounts_for_its_repairs(tmp_path: Path) -> None:
+    """Repairs and origins refer to the rows of the file."""
+    path = tmp_path / "bow.poly"
+    path.write_text("5 2 0 0\n0 0 0\n1 1 1\n2 1 0\n3 0 1\n4 0 0\n4 0\n0 0 1\n1 1 2\n2 2 3\n3 3 4\n0\n")
+    domain = Domain.read(path, resolve=True)
+    assert [r.kind for r in domain.repairs] == ["duplicate points", "crossing"] and domain.area == 0.5
+    assert domain.origin.tolist() == [0, 1, 2, 3, -1]
+    assert sorted(domain.piece_origin.tolist()) == [0, 0, 1, 2, 2, 3]
+    assert Domain.read(path, resolve=True, inner=[[0, 3]]).piece_origin.min() >= 0  # there as facet 3 already
+
+
+def test_names_in_poly_files_stay_apart(tmp_path: Path) -> None:
+    """A name that is no number gets one that no other name is."""
+    ring = [[0, 0], [2, 0], [2, 2], [0, 2]]
+    domain = Domain(
+        np.array([*ring, [1, 0], [1, 2]], dtype=float),
+        [[0, 4], [4, 1], [1, 2], [2, 5], [5, 3], [3, 0]], inner=[[4, 5]],
+        markers={"wall": [0], "1": [1], "0": [2], "\u00b2": [3]}, regions={"steel": [0.5, 1], "1": [1.5, 1]},
+    )  # fmt: skip
+    domain.write(tmp_path / "names.poly")
+    text = (tmp_path / "names.poly").read_text(encoding="utf-8")
+    assert "# marker 2: 'wall'\n" in text and "# region 2: 'steel'\n" in text
+    again = Domain.read(tmp_path / "names.poly")
+    assert {name: len(rows) for name, rows in again.markers.items()} == {"1": 1, "2": 1, "3": 1, "4": 1}
+    assert {name: seeds.tolist() for name, seeds in again.regions.items()} == {
+        "2": [[0.5, 1]],
+        "1": [[1.5, 1]],
+    }
 
 
 def test_holes_of_curves_are_written_with_seeds(tmp_path: Path) -> None:

@@ -6,12 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, cast
 
+import numpy as np
+
 from . import domain_shapes as shapes
-from .domain_input import joined
+from .arrays import frozen
+from .domain_input import as_mapping, as_segments, joined
 from .domain_shapes import Parts
 
 if TYPE_CHECKING:
     from .domain import Domain
+    from .domain_repair import Repair
 
 __all__ = ["Constructors"]
 
@@ -20,13 +24,19 @@ class Constructors:
     """The class methods by which a `Domain` is made."""
 
     max_areas: dict[str, float]
+    repairs: list[Repair]
+    origin: np.ndarray
+    piece_origin: np.ndarray
 
     @classmethod
     def _of(cls, parts: Parts, options: Mapping[str, Any]) -> Self:
-        """A domain of ready-made parts and the caller's options, of which markers and inner are added."""
+        """A domain of ready-made parts and the caller's options; curves, markers, regions, inner joined."""
         options = dict(options)
-        for name in {"curves", "markers"} & set(parts):
-            options[name] = {**parts[name], **(options.get(name) or {})}
+        for name in {"curves", "markers", "regions"} & set(parts):
+            options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
+        if options.get("inner") is not None and parts.get("inner") is not None:
+            both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
+            options["inner"] = np.concatenate(both)
         make: Any = cls
         return make(**{**parts, **options})
 
@@ -138,16 +148,25 @@ class Constructors:
             and so are holes from their seeds. Segments between inside and outside are facets, the others
             inner. Boundary markers other than 0 become markers named by their number, regional attributes
             regions named by their value; `max_areas` keeps the area bounds of regions by these names.
+            `origin`, `piece_origin` and `repairs` refer to the vertices and segments of the file, counted
+            from 0 (-1 for pieces that ``options`` add).
         """
         from .domain_files import read_poly
 
-        parts, areas = read_poly(Path(path), resolve=bool(options.get("resolve")))
-        domain = cls._of(parts, options)
-        domain.max_areas.update(areas)
+        poly = read_poly(Path(path), resolve=bool(options.get("resolve")))
+        domain = cls._of(poly.parts, options)
+        domain.max_areas.update(poly.areas)
+        domain.repairs[:0] = poly.walls.repairs
+        domain.origin = _composed(poly.walls.origin, domain.origin)
+        domain.piece_origin = _composed(poly.piece_origin, domain.piece_origin)
         return domain
 
     def write(self, path: str | Path) -> None:
-        """Write Triangle's ``.poly``: curves as their coarse chords, holes by seeds."""
+        """Write Triangle's ``.poly``: curves as their coarse chords, holes by seeds.
+
+        Markers and regions are numbers there: names that are none get free ones, which a comment at the
+        head of the file explains. A piece has one marker: the last of those that name it.
+        """
         from .domain_files import write_poly
 
         write_poly(cast("Domain", self), Path(path))
@@ -164,3 +183,11 @@ class Constructors:
         """
         make: Any = type(self)
         return make(**joined([cast("Domain", self), *others]), resolve=resolve)
+
+
+def _composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
+    """``first[then]``, -1 where there is none."""
+    known = (then >= 0) & (then < len(first))
+    return frozen(
+        np.where(known, first[np.where(known, then, 0)], -1).astype(np.int32) if len(first) else then
+    )

@@ -7,9 +7,11 @@ if it stands between what is eaten and what is left, and an inner segment otherw
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from re import fullmatch
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +32,7 @@ class _Rows:
 
     def __init__(self, path: Path):
         self.path = path
-        if not path.exists():
+        if not path.is_file():
             raise InputError(f"there is no file {path.name}")
         lines = path.read_text(encoding="utf-8").splitlines()
         self.rows = [words for line in lines if (words := line.split("#")[0].split())]
@@ -48,7 +50,10 @@ class _Rows:
 
     def count(self, what: str) -> list[int]:
         """A row of whole numbers that begins a section."""
-        return [int(_number(word, what, self.path)) for word in self.next(1, what)]
+        many, *rest = (_whole(word, what, self.path) for word in self.next(1, what))
+        if many < 0:
+            raise InputError(f"{self.path.name}: {what} is {many}")
+        return [many, *rest]
 
     def end(self) -> bool:
         """Whether nothing follows."""
@@ -62,38 +67,67 @@ def _number(word: str, what: str, path: Path) -> float:
         raise InputError(f"{path.name}: {word!r} among {what} is no number") from None
 
 
+def _whole(word: str, what: str, path: Path) -> int:
+    number = _number(word, what, path)
+    if not number.is_integer():
+        raise InputError(f"{path.name}: {word!r} among {what} is no whole number")
+    return int(number)
+
+
 def _vertices(path: Path, rows: _Rows) -> tuple[np.ndarray, int]:
     """Coordinates, and the number of the first vertex (0 or 1)."""
-    count, *rest = rows.count("the number of vertices")
-    if count == 0:
+    many, *rest = rows.count("the number of vertices")
+    if many == 0:
         return _vertices(path, _Rows(path.with_suffix(".node")))
     if rest and rest[0] != 2:
         raise InputError(f"{rows.path.name} is in {rest[0]} dimensions, not 2")
-    table = [rows.next(3, "a vertex") for _ in range(count)]
+    table = [rows.next(3, "a vertex") for _ in range(many)]
     points = np.array([[_number(w, "vertices", rows.path) for w in row[1:3]] for row in table])
-    return points, int(_number(table[0][0], "vertices", rows.path))
+    return points, _whole(table[0][0], "the numbers of vertices", rows.path)
 
 
-def read_poly(path: Path, *, resolve: bool) -> tuple[dict[str, Any], dict[str, float]]:
-    """The arguments of a `Domain`, and the area bounds of its regions by name."""
+class Poly(NamedTuple):
+    """What a file holds.
+
+    Attributes
+    ----------
+    parts : dict
+        The arguments of a `Domain`.
+    areas : dict of str to float
+        Area bounds of regions by name.
+    walls : Domain
+        All segments as inner ones, repaired where that was asked for.
+    piece_origin : (s,) int32
+        The segment of the file that each piece is part of.
+    """
+
+    parts: dict[str, Any]
+    areas: dict[str, float]
+    walls: Domain
+    piece_origin: np.ndarray
+
+
+def read_poly(path: Path, *, resolve: bool) -> Poly:
+    """Read a file; with ``resolve`` its vertices and segments are repaired first."""
     rows = _Rows(path)
     points, first = _vertices(path, rows)
-    count, *flags = rows.count("the number of segments")
-    segments = np.empty((count, 2), dtype=np.int64)
+    many, *flags = rows.count("the number of segments")
+    segments = np.empty((many, 2), dtype=np.int64)
     markers: dict[str, list[int]] = {}
-    for i in range(count):
+    for i in range(many):
         row = rows.next(3, "a segment")
-        segments[i] = [_number(w, "segments", path) - first for w in row[1:3]]
-        if flags and flags[0] and len(row) > 3 and row[3] != "0":
-            markers.setdefault(row[3], []).append(i)
+        segments[i] = [_whole(w, "segments", path) - first for w in row[1:3]]
+        if flags and flags[0] and len(row) > 3 and (mark := _whole(row[3], "markers", path)):
+            markers.setdefault(str(mark), []).append(i)
     seeds = np.array(list(_seeds(rows, "holes", path)), dtype=float).reshape(-1, 2)
     regions: dict[str, list[list[float]]] = {}
     areas: dict[str, float] = {}
     for _ in range(0 if rows.end() else rows.count("the number of regions")[0]):
         _, x, y, value, *bound = (_number(w, "regions", path) for w in rows.next(4, "a region"))
-        regions.setdefault(f"{value:g}", []).append([x, y])
+        name = _region_name(value)
+        regions.setdefault(name, []).append([x, y])
         if bound and bound[0] > 0:
-            areas[f"{value:g}"] = min(areas.get(f"{value:g}", np.inf), bound[0])
+            areas[name] = min(areas.get(name, np.inf), bound[0])
     from .domain import Domain
 
     walls = Domain(points, (), inner=segments, markers=markers, resolve=resolve)
@@ -101,13 +135,19 @@ def read_poly(path: Path, *, resolve: bool) -> tuple[dict[str, Any], dict[str, f
     order = np.concatenate([np.nonzero(facets)[0], np.nonzero(~facets)[0]])
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
-    return {
+    parts = {
         "points": walls.points,
         "facets": walls.inner[facets],
         "inner": walls.inner[~facets],
         "markers": {name: place[pieces] for name, pieces in walls.markers.items()},
         "regions": regions,
-    }, areas
+    }
+    return Poly(parts, areas, walls, walls.piece_origin[order])
+
+
+def _region_name(value: float) -> str:
+    """With all digits, because seeds of equal names are one region."""
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
 def _seeds(rows: _Rows, what: str, path: Path) -> Iterator[list[float]]:
@@ -161,11 +201,14 @@ def write_poly(domain: Domain, path: Path) -> None:
     if path.suffix != ".poly":
         raise InputError(f"a region is written as .poly, not {path.suffix!r}")
     sampled = domain.sampled()
-    names = {name: i + 1 for i, name in enumerate(domain.markers)}
-    mark = np.zeros(len(domain.pieces), dtype=int)
+    marks = _numbers(domain.markers, _is_marker)
+    mark = np.full(len(domain.pieces), "0", dtype=object)
     for name, pieces in domain.markers.items():
-        mark[pieces] = int(name) if name.lstrip("-").isdigit() else names[name]
-    lines = [f"{len(sampled.points)} 2 0 0"]
+        mark[pieces] = marks[name]
+    values = _numbers(domain.regions, _is_value)
+    lines = [f"# marker {number}: {name!r}" for name, number in marks.items() if name != number]
+    lines += [f"# region {number}: {name!r}" for name, number in values.items() if name != number]
+    lines += [f"{len(sampled.points)} 2 0 0"]
     lines += [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(sampled.points.tolist())]
     lines += [f"{len(sampled.ends)} 1"]
     lines += [
@@ -181,11 +224,10 @@ def write_poly(domain: Domain, path: Path) -> None:
         if not _inside(sampled, len(domain.facets), seed):
             holes.append(seed.tolist())
     lines += [str(len(holes))] + [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(holes)]
-    seeds = [(i, name, x) for i, name in enumerate(domain.regions) for x in domain.regions[name].tolist()]
+    seeds = [(name, x) for name in domain.regions for x in domain.regions[name].tolist()]
     lines += [str(len(seeds))]
-    for row, (i, name, (x, y)) in enumerate(seeds):
-        value = name if _is_number(name) else str(i + 1)
-        lines.append(f"{row} {x!r} {y!r} {value} {domain.max_areas.get(name, -1.0)!r}")
+    for row, (name, (x, y)) in enumerate(seeds):
+        lines.append(f"{row} {x!r} {y!r} {values[name]} {domain.max_areas.get(name, -1.0)!r}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -195,9 +237,21 @@ def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
     return bool(even_odd(sampled.points, sampled.ends[sampled.piece < facets], x[None])[0][0])
 
 
-def _is_number(name: str) -> bool:
+def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:
+    """What stands for each name in a file: itself, if it is a number; else a number that is free."""
+    taken = {name for name in names if is_one(name)}
+    free = (str(i) for i in count(1) if str(i) not in taken)
+    return {name: name if name in taken else next(free) for name in names}
+
+
+def _is_marker(name: str) -> bool:
+    """Whether `read_poly` gives this name to a marker; 0 is none."""
+    return fullmatch("-?[1-9][0-9]*", name) is not None
+
+
+def _is_value(name: str) -> bool:
+    """Whether `read_poly` gives this name to a region."""
     try:
-        float(name)
+        return _region_name(float(name)) == name
     except ValueError:
         return False
-    return True

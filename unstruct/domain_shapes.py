@@ -5,16 +5,16 @@ Each function gives the arguments of a `Domain`: points, facets, and options. Se
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from math import cos, pi, radians, sin
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from .arrays import as_points
 from .curves import Arc, Bezier, Curve, CurveLike
-from .domain_input import around, as_ring, positive
+from .domain_input import around, as_ring, finite, positive
 from .errors import InputError
 
 __all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
@@ -22,8 +22,18 @@ __all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "ring
 Parts = dict[str, Any]  # points, facets, and what else `Domain` takes
 
 
+def _pair(value: Any, name: str) -> tuple[float, float]:
+    """Two coordinates, or an error that calls them by ``name``."""
+    rows = as_points([value], name) if np.ndim(value) == 1 else np.empty((1, 0))
+    if rows.shape[1] != 2:
+        raise InputError(f"{name} must be two coordinates, not {value!r}")
+    return float(rows[0, 0]), float(rows[0, 1])
+
+
 def rings(outer: Any, holes: Sequence[Any]) -> Parts:
     """Polygon with holes: points and facets along the rings."""
+    if not isinstance(holes, Iterable):
+        raise InputError(f"holes must be a sequence of rings, not {holes!r}")
     found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
     start = np.cumsum([0] + [len(ring) for ring in found])
     facets = [around(first, len(ring)) for first, ring in zip(start, found)]
@@ -32,7 +42,7 @@ def rings(outer: Any, holes: Sequence[Any]) -> Parts:
 
 def rectangle(lower: Any, upper: Any) -> Parts:
     """Bottom, right, top, left, with these names."""
-    (x0, y0), (x1, y1) = (as_points([c], name)[0] for c, name in ((lower, "lower"), (upper, "upper")))
+    (x0, y0), (x1, y1) = _pair(lower, "lower"), _pair(upper, "upper")
     if not (x0 < x1 and y0 < y1):
         raise InputError(f"lower {[x0, y0]} must be less than upper {[x1, y1]} in both coordinates")
     markers = {name: [i] for i, name in enumerate(("bottom", "right", "top", "left"))}
@@ -41,7 +51,7 @@ def rectangle(lower: Any, upper: Any) -> Parts:
 
 def disc(center: Any, radius: float) -> Parts:
     """Four arcs."""
-    (x, y), r = as_points([center], "center")[0], positive(radius, "radius")
+    (x, y), r = _pair(center, "center"), positive(radius, "radius")
     points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
     arcs = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
     return {"points": points, "facets": around(0, 4), "curves": arcs}
@@ -76,7 +86,7 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
     if thickness == 0 or (camber > 0) != (place > 0):
         raise InputError(f"NACA {digits}: thickness must not be 0; camber and its place come together")
     surface = _surface(camber, place, thickness, -0.1036 if closed else -0.1015)
-    (x0, y0), c, turn = as_points([nose], "nose")[0], positive(chord, "chord"), radians(attack)
+    (x0, y0), c, turn = _pair(nose, "nose"), positive(chord, "chord"), radians(finite(attack, "attack"))
     move = np.array([[cos(turn), -sin(turn)], [sin(turn), cos(turn)]])
 
     def rim(angle: np.ndarray) -> np.ndarray:
@@ -181,17 +191,26 @@ def outlines(geometry: Any) -> Parts:
         return numbers.setdefault((float(x[0]), float(x[1])), len(numbers))
 
     for kind, coordinates in _geometries(geometry):
-        rows = np.asarray(coordinates, dtype=float)
-        rows = rows.reshape(-1, rows.shape[-1])[:, :2]  # a height is no matter here
+        if len(coordinates) == 0:  # nothing, as both GeoJSON and shapely allow
+            continue
+        rows = _planar(coordinates, f"a {kind}")
         if kind == "ring":
             index = [vertex(x) for x in as_ring(rows, "a ring")]
             facets += zip(index, index[1:] + index[:1])
         else:
-            index = [vertex(x) for x in as_points(rows, "coordinates")]
+            index = [vertex(x) for x in rows]
             inner += pairwise(index) if kind == "line" else []
     if not numbers:
         raise InputError("the geometry is empty")
     return {"points": np.array(list(numbers)), "facets": facets, "inner": inner or None}
+
+
+def _planar(coordinates: Any, name: str) -> np.ndarray:
+    """Positions as points of the plane; a height is no matter here, whether all have one or some."""
+    try:
+        return as_points([position[:2] for position in coordinates], name)
+    except (TypeError, IndexError, KeyError):
+        raise InputError(f"{name} must be a list of positions (x, y), not {coordinates!r}") from None
 
 
 def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
@@ -202,24 +221,28 @@ def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
             f"not {type(geometry).__name__}"
         )
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
-    if kind == "FeatureCollection":
-        for feature in geometry["features"]:
-            yield from _geometries(feature)
-    elif kind == "GeometryCollection":
-        for part in geometry["geometries"]:
+    if kind in ("FeatureCollection", "GeometryCollection"):
+        for part in _member(geometry, "features" if kind == "FeatureCollection" else "geometries"):
             yield from _geometries(part)
     elif kind == "Feature":
-        yield from _geometries(geometry["geometry"])
+        if geometry.get("geometry") is not None:  # null: a feature without a place
+            yield from _geometries(geometry["geometry"])
     elif kind in ("Polygon", "MultiPolygon"):
         for polygon in [coordinates] if kind == "Polygon" else coordinates or ():
             for ring in polygon or ():
                 yield "ring", ring
     elif kind == "LinearRing":
-        yield "ring", coordinates
+        yield "ring", coordinates or ()
     elif kind in ("LineString", "MultiLineString"):
         for line in [coordinates] if kind == "LineString" else coordinates or ():
-            yield "line", line
+            yield "line", line or ()
     elif kind in ("Point", "MultiPoint"):
-        yield "point", [coordinates] if kind == "Point" else coordinates
+        yield "point", ([coordinates] if kind == "Point" and coordinates else coordinates) or ()
     else:
         raise InputError(f"a geometry of type {kind!r}; known are those of GeoJSON and LinearRing")
+
+
+def _member(geometry: dict[str, Any], name: str) -> Sequence[Any]:
+    if not isinstance(geometry.get(name), list | tuple):
+        raise InputError(f"a {geometry['type']} has a list of {name!r}")
+    return cast("Sequence[Any]", geometry[name])
