@@ -406,6 +406,10 @@ def test_the_report_reads_well():
 def test_wrong_arguments():
     with pytest.raises(InputError, match="'constrained'"):
         check(quads(), delaunay="yes")
+    with pytest.raises(InputError, match="mesh must be a Mesh, not NoneType"):
+        check(None)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="domain must be a Domain, not int"):
+        check(quads(), domain=5)  # type: ignore[arg-type]
 
 
 def test_crossings_of_segments_against_rationals():

@@ -225,6 +225,16 @@ def test_wrong_marks(good, name: str) -> None:
     assert kind in kinds(damage(mesh), domain)
 
 
+def test_one_cell_in_the_wrong_region_is_named_alone() -> None:
+    """Not all others, where that cell happens to be the first of its part."""
+    domain = Domain.rectangle()
+    mesh = refine(domain, 0.3)
+    region = np.array(mesh.markers["region"])
+    region[0] = 5
+    report = check(with_markers(mesh, region=region), domain=domain)
+    assert next(p.cells for p in report.problems if p.kind == "region") == (0,)
+
+
 def test_wrong_origins(good) -> None:
     mesh, domain = good
     for value, kind in ((99, "origin"), (-2, "origin"), (0, "origin"), (-1, "chain")):

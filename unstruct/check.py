@@ -67,6 +67,13 @@ def check(
     """
     if delaunay not in (False, True, "constrained"):
         raise InputError(f"delaunay must be False, True or 'constrained', not {delaunay!r}")
+    from .domain import Domain
+    from .mesh import Mesh
+
+    if not isinstance(mesh, Mesh):
+        raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
+    if not isinstance(domain, Domain | None):
+        raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
     report = Report(repr(mesh))
     if not _arrays(mesh, report):
         return report

@@ -327,8 +327,10 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
             report.note("regions", Problem("region", "the mesh has no marker 'region', one number a cell"))
         return
     part = parts(mesh, edges)
-    first = np.unique(part, return_index=True)[1]
-    mixed = number != number[first][part]
+    pairs, times = np.unique(np.column_stack([part, number]), axis=0, return_counts=True)
+    rows = np.lexsort((times, pairs[:, 0]))
+    usual = pairs[rows[np.diff(pairs[rows, 0], append=-1) != 0], 1]  # the most frequent number of each part
+    mixed = number != usual[part]
     wrong = [problem("region", "cells numbered otherwise than their part", cells=np.nonzero(mixed)[0])]
     named: set[int] = set()
     for i, (name, seeds) in enumerate(domain.regions.items()):
@@ -339,8 +341,8 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
         text = f"cells with a seed of {name!r} whose number is not {i}"
         wrong.append(problem("region", text, cells=inside[number[inside] != i]))
         named |= set(part[inside].tolist())
-    others = [p for p in range(len(first)) if p not in named]
-    values = number[first[others]].tolist()
+    others = [p for p in range(len(usual)) if p not in named]
+    values = usual[others].tolist()
     once = len(set(values)) == len(values) and all(v >= len(domain.regions) for v in values)
     text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {values[:16]}"
     report.note(
