@@ -525,6 +525,11 @@ def test_bad_limits(options: dict[str, Any], message: str) -> None:
         refine(two_regions(), **options)
 
 
+def test_an_enormous_size_limits_nothing() -> None:
+    """Its square is beyond all doubles."""
+    assert refine(two_regions(), 1e300).complete
+
+
 def test_neither_domain_nor_mesh() -> None:
     with pytest.raises(InputError, match="must be a Domain or a Mesh, not list"):
         refine(SQUARE)  # type: ignore[arg-type]

@@ -95,7 +95,8 @@ def make_limits(
             continue
         field = as_size(one)
         if field.constant is not None:
-            radius2[r] = 0.5 * (field.constant * factor) ** 2
+            h = field.constant * factor
+            radius2[r] = 0.5 * h * h  # inf for an enormous size, which then limits nothing
             continue
         if id(one) not in made:  # one table for all regions that share a field
             nodes = field.table(box[:2], box[2:], factor=factor).nodes
