@@ -19,8 +19,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, lean
-from ..predicates import incircle, orient2
+from ..predicates import incircle
 from .insertion2 import next_edge, prev_edge
+from .signs import orientation
 from .smoothing2 import legalize
 
 __all__ = ["cut_ears", "fill", "load", "swap_all"]
@@ -79,7 +80,7 @@ def cut_ears(xy, vertex, twin, mark, corner, cells, used, corners, beyond, marks
         places[top], links[top] = k, -1
         while top >= 2:
             a, b, c = corners[places[top - 2]], corners[places[top - 1]], corners[k]
-            if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]) >= 0:
+            if orientation(xy, a, b, c) >= 0:
                 break
             s = write(vertex, mark, corner, cells[used], a, c, b)
             used += 1

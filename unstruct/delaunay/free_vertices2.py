@@ -14,21 +14,17 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, lean
-from ..predicates import incircle, orient2
+from ..predicates import incircle
 from .cavity2 import free_slot, start_of
 from .encroachment2 import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .insertion2 import next_edge
 from .refinement_limits import misses
 from .refinement_state import REMOVED, record, settle
+from .signs import orientation
 
 MOST = 64  # corners of a polygon that is filled: a vertex with more stays; and vertices taken at a time
 # columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling
 RING, OUTER, SLOT, LOW, BEST, HIGH, HALF = range(7)
-
-
-@inline
-def _turn(xy, a, b, c):
-    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
 @lean
@@ -52,7 +48,7 @@ def _best(xy, polygon, low, high):
     a, b, best = polygon[high, RING], polygon[low, RING], -1
     for i in range(low + 1, high):
         c = polygon[i, RING]
-        if _turn(xy, a, b, c) > 0:
+        if orientation(xy, a, b, c) > 0:
             if best < 0:
                 best = i
                 continue

@@ -12,14 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, kernel
-from ..predicates import incircle, orient2
+from ..predicates import incircle
 from .compiled import COUNT, LAST
 from .insertion2 import GHOST, locate2, next_edge
-
-
-@inline
-def _turn(xy, a, b, c):
-    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+from .signs import orientation
 
 
 @kernel
@@ -67,7 +63,7 @@ def fill(xy, vertex, twin, ring, outer, slots, used, low, high, beyond):
         best = -1
         for m in range(low + 1, high):
             c = ring[m]
-            if _turn(xy, a, b, c) > 0:
+            if orientation(xy, a, b, c) > 0:
                 r = ring[best]
                 if best < 0 or (
                     incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[r, 0], xy[r, 1], xy[c, 0], xy[c, 1])
@@ -90,7 +86,7 @@ def new_hull(xy, ring, degree, hull):
     """Graham's scan over ring[1:], the polygon between the hull neighbors of a hull vertex."""
     size = 0
     for i in range(1, degree):
-        while size >= 2 and _turn(xy, ring[hull[size - 2]], ring[hull[size - 1]], ring[i]) > 0:
+        while size >= 2 and orientation(xy, ring[hull[size - 2]], ring[hull[size - 1]], ring[i]) > 0:
             size -= 1
         hull[size] = i
         size += 1

@@ -26,9 +26,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, lean
-from ..predicates import orient2
 from .filling2 import fill, load, swap_all
 from .insertion2 import GHOST, next_edge, prev_edge
+from .signs import orientation
 
 __all__ = [
     "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
@@ -36,11 +36,6 @@ __all__ = [
 ]  # fmt: skip
 
 DONE, CROSSES, OVERLAPS, LOST, LEAVES = 0, 1, 2, 3, 4  # how `insert_segments` ends
-
-
-@inline
-def _side(xy, a, b, c):
-    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
 @lean
@@ -101,7 +96,7 @@ def aim(xy, vertex, twin, corner, a, b):
     while True:
         u, w = vertex[next_edge(e)], vertex[prev_edge(e)]
         if u != GHOST and w != GHOST:
-            right, left = _side(xy, a, b, u), _side(xy, a, b, w)
+            right, left = orientation(xy, a, b, u), orientation(xy, a, b, w)
             if right < 0 and left > 0:
                 return e, 0
             if right == 0 and left > 0:
@@ -131,7 +126,7 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
             return above, below, e
         cells[m] = o // 3
         m += 1
-        side = 0 if c == b else _side(xy, a, b, c)
+        side = 0 if c == b else orientation(xy, a, b, c)
         if side >= 0:
             left[above] = prev_edge(o)
             above += 1

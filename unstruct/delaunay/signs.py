@@ -1,14 +1,20 @@
-"""Exact signs for cells given as rows of vertex numbers, in two and three dimensions, for kernels.
+"""Exact signs for vertices and cells given by number, in two and three dimensions, for kernels.
 
-``points`` are scaled (|coordinates| <= 1); a cell is a row of d + 1 vertices.
+Points are scaled (|coordinates| <= 1); a cell is a row of d + 1 vertices.
 """
 
 from __future__ import annotations
 
-from ..jit import kernel
+from ..jit import inline, kernel
 from ..predicates import incircle, insphere, orient2, orient3
 
-__all__ = ["conflict", "moved"]
+__all__ = ["conflict", "moved", "orientation"]
+
+
+@inline
+def orientation(xy, a, b, c):
+    """Orientation of three vertices of the plane: 1 where the way from a by b to c turns left."""
+    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
 @kernel
