@@ -14,9 +14,9 @@ from ..delaunay.circumcenters import circumcenter_insertion
 from ..delaunay.insertion import delaunay
 from ..delaunay.periodic import periodic_delaunay
 from ..delaunay.torus import periodic_circumcenters
-from ..errors import InputError
 from ..simplex import circumcenter, circumradius, edge_lengths, quality
 from . import frames as fr
+from .choices import preset_named, within
 from .widgets import Panel, _chosen
 
 __all__ = ["CENTERS", "circumcenter_history", "circumcenter_state", "circumcenters"]
@@ -46,9 +46,7 @@ CENTERS: dict[str, dict[str, Any]] = {
 @lru_cache(maxsize=8)
 def _run(preset: str) -> tuple[np.ndarray, int]:
     """All points of the run, and how many were there at first."""
-    if preset not in CENTERS:
-        raise InputError(f"no preset {preset!r}; use one of {', '.join(CENTERS)}")
-    given = CENTERS[preset]
+    given = preset_named(CENTERS, preset)
     points = np.array(given["points"], dtype=float)
     if "torus" in given:
         return np.array(periodic_circumcenters(points, budget=given["steps"]).points), len(points)
@@ -78,8 +76,7 @@ def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame
         A frame; its number has the largest circumradius R, the shortest edge l and the largest R / r.
     """
     points, first = _run(preset)
-    if not 0 <= step <= len(points) - first:
-        raise InputError(f"step = {step} must lie between 0 and {len(points) - first}")
+    within("step", step, 0, len(points) - first)
     torus = "torus" in CENTERS[preset]
     corners, walls = _state(points[: first + step], torus)
     before = circumradius(_state(points[: first + step - 1], torus)[0]).max() if step else np.inf

@@ -20,6 +20,7 @@ from ..errors import InputError
 from ..mesh import Mesh
 from ..simplex import circumcenter, circumradius
 from . import frames as fr
+from .choices import preset_named, within
 from .widgets import WIDE, WIDTH, Panel, _chosen, _live, _slider
 
 __all__ = [
@@ -73,7 +74,7 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
         Frames: the triangles that a segment crosses one after the other, the two polygons beside it, and
         their new triangles with their circles.
     """
-    given = _preset(SEGMENTS, preset)
+    given = preset_named(SEGMENTS, preset)
     rows = np.array(given["points"], dtype=float)
     mesh = Mesh(rows, given["cells"]).oriented() if "cells" in given else delaunay(rows)
     first = "A triangulation" if "cells" in given else "The Delaunay triangulation"
@@ -196,12 +197,6 @@ def _text(cell: Sequence[int]) -> str:
     return " ".join(map(str, cell))
 
 
-def _preset(presets: dict[str, dict[str, Any]], name: str) -> dict[str, Any]:
-    if name not in presets:
-        raise InputError(f"no preset {name!r}; there are {', '.join(presets)}")
-    return presets[name]
-
-
 # ---- the principal component, beside fixed triangles -----------------------------------------------
 
 COMPONENTS: dict[str, dict[str, Any]] = {
@@ -239,10 +234,10 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     dict
         A frame; its number counts the edges of the component and those that P does not see: none, always.
     """
-    given = _preset(COMPONENTS, preset)
+    given = preset_named(COMPONENTS, preset)
     mesh, fixed = _component_mesh(given)
-    if not (0 <= x <= 1 and 0 <= y <= 1):
-        raise InputError(f"x = {x} and y = {y} must lie between 0 and 1")
+    within("x", x, 0, 1)
+    within("y", y, 0, 1)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     p = low + np.array([x, y]) * (high - low)
     base = [fr.polygons("cell", mesh.corners), fr.polygons("layer", mesh.corners[fixed])]

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
 from ..predicates import in_sphere
 from . import frames as fr
+from .choices import within
 
 __all__ = ["cavity_proof_drag", "cavity_proof_state", "star_proof_drag", "star_proof_state"]
 
@@ -38,9 +38,9 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
     dict
         A frame; its number compares the two angles, its caption tells by exact signs what follows.
     """
-    _within("angle_p", angle_p, 1, 179)
-    _within("angle_d", angle_d, 1, 179)
-    _within("place", place, 0, 1)
+    within("angle_p", angle_p, 1, 179)
+    within("angle_d", angle_d, 1, 179)
+    within("place", place, 0, 1)
     a, b, c = LEFT, _on_lower_arc(180.0 - ANGLE_B, 0.56), RIGHT
     p = _on_upper_arc(angle_p, 0.1 + 0.8 * place)
     d = _on_upper_arc(angle_d, 0.52)
@@ -108,7 +108,7 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
         A frame; its number is the power of D in the old circle on D's side: negative, so that D
         would have been inside it.
     """
-    _within("p", p, 0, 1)
+    within("p", p, 0, 1)
     center = CENTER_F + p * (CENTER_E - CENTER_F)
     radius = np.hypot(1.0, center)
     direction = np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
@@ -166,8 +166,3 @@ def _at(center: float, turn: float) -> np.ndarray:
     return np.array([0.0, center]) + np.hypot(1.0, center) * np.array(
         [np.cos(np.radians(turn)), np.sin(np.radians(turn))]
     )
-
-
-def _within(name: str, value: Any, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{name} = {value} must lie between {low} and {high}")

@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..predicates import in_sphere
 from ..simplex import angles, circumcenter, circumradius
 from . import frames as fr
+from .choices import preset_named, within
 
 if TYPE_CHECKING:
     from ..plain.rebay_step import Step
@@ -65,9 +66,9 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
     """
     from ..plain import rebay_step as rs  # only pictures lean on the plain versions, and only when drawn
 
-    given = _preset(SEGMENTS, preset)
-    _within("f", f, *SIZE)
-    _within("q", q, *REACH)
+    given = preset_named(SEGMENTS, preset)
+    within("f", f, *SIZE)
+    within("q", q, *REACH)
     c, d = np.array(given["c"]), _on_circle(q, given["turn"])
     got, raw = rs.step(A, B, d, f, c), rs.step(A, B, d, f, c, clamp=False)
     assert got.point is not None and raw.point is not None and got.accepted_center is not None
@@ -168,9 +169,9 @@ def cobweb_state(
     dict
         A frame; its number gives the deviation from the rest after the last step, and the multiplier there.
     """
-    _preset(COBWEBS, preset)
-    _within("growth", growth, *GROWTH)
-    _within("start", start, *START)
+    preset_named(COBWEBS, preset)
+    within("growth", growth, *GROWTH)
+    within("start", start, *START)
     orbit, web = _web(growth, start)
     curve = [[e, _next(e, growth)] for e in np.linspace(LOW, HIGH, 89).tolist()]
     inside = [piece for piece in pairwise(curve) if max(p[1] for p in piece) < 2]
@@ -292,14 +293,3 @@ def chain_frame(start: float = 0.55, growth: float = 1.0, count: int = 10) -> fr
     ]
     number = f"angle at X: {first:.0f}° at first, {last:.2f}° at last"
     return fr.frame(f"start p/f = {start:g}, f times {growth:g} each step", *items, number=number)
-
-
-def _within(name: str, value: Any, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{name} = {value} must lie between {low} and {high}")
-
-
-def _preset(known: dict[str, Any], name: str) -> Any:
-    if name not in known:
-        raise InputError(f"no preset {name!r}; use one of {', '.join(known)}")
-    return known[name]

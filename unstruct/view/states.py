@@ -14,11 +14,11 @@ import numpy as np
 
 from ..delaunay.insertion import delaunay
 from ..delaunay.voronoi import Voronoi
-from ..errors import InputError
 from ..examples import sweep_triangulation
 from ..predicates import in_sphere, orient
 from ..simplex import circumcenter, circumradius
 from . import frames as fr
+from .choices import preset_named, within
 from .histories import baker_frames, insertion_frames
 from .plots import dual_segments
 
@@ -65,9 +65,9 @@ def empty_circle_state(x: float, y: float, preset: str = "any triangle") -> fr.F
         A frame; its number shows both signs (in the nasty preset also how many doubles of the window
         get a wrong one).
     """
-    given = _preset(CIRCLES, preset)
-    if not (abs(x) <= 2 and abs(y) <= 2):
-        raise InputError(f"x = {x} and y = {y} must lie between -2 and 2")
+    given = preset_named(CIRCLES, preset)
+    within("x", x, -2, 2)
+    within("y", y, -2, 2)
     triangle = np.array(given["triangle"])
     if "origin" in given:
         return _nasty_window(triangle, given["origin"], round(8 * x), round(8 * y))
@@ -198,9 +198,8 @@ def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
         A frame; its number compares triangles and Voronoi vertices, which correspond one to one where
         no four sites lie on an empty circle.
     """
-    sites = np.array(_preset(SITES, preset))
-    if not 0 <= fade <= 1:
-        raise InputError(f"fade = {fade} must lie between 0 and 1")
+    sites = np.array(preset_named(SITES, preset))
+    within("fade", fade, 0, 1)
     diagram = _diagram(preset)
     mesh = diagram.mesh
     view = fr.bounds([fr.frame("", fr.dots("vertex", sites))], 0.3)
@@ -261,7 +260,7 @@ INSERTIONS: dict[str, dict[str, Any]] = {
 
 @lru_cache(maxsize=4)
 def _insertions(preset: str) -> tuple[fr.Frame, ...]:
-    given = _preset(INSERTIONS, preset)
+    given = preset_named(INSERTIONS, preset)
     points = np.array(given["points"], dtype=float)
     if "mesh" in given:
         return tuple(baker_frames(sweep_triangulation(np.array(given["mesh"], dtype=float)), points))
@@ -280,12 +279,5 @@ def bowyer_watson_state(step: int, preset: str = "seven points") -> fr.Frame:
     that go and k that come.
     """
     history = _insertions(preset)
-    if not 0 <= step < len(history):
-        raise InputError(f"step = {step} must lie between 0 and {len(history) - 1}")
+    within("step", step, 0, len(history) - 1)
     return history[step]
-
-
-def _preset(known: dict[str, Any], name: str) -> Any:
-    if name not in known:
-        raise InputError(f"no preset {name!r}; use one of {', '.join(known)}")
-    return known[name]

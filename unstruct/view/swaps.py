@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from ..delaunay.swapping import replay, swap_diagonals
-from ..errors import InputError
 from ..examples import sweep_triangulation
 from ..mesh import Mesh
 from ..predicates import in_sphere, orient
 from ..simplex import angles, circumcenter, circumradius
 from . import frames as fr
+from .choices import preset_named, within
 from .histories import flip_frames
 
 __all__ = [
@@ -58,11 +58,10 @@ def diagonal_choice_state(x: float, y: float, preset: str = "any quadrilateral")
         A frame; its number compares the least and the largest of the six angles. The caption tells the exact
         sign of the circle test, and what follows.
     """
-    if preset not in QUADRILATERALS:
-        raise InputError(f"no preset {preset!r}; use one of {', '.join(QUADRILATERALS)}")
-    if not (abs(x) <= 2 and abs(y) <= 2):
-        raise InputError(f"x = {x} and y = {y} must lie between -2 and 2")
-    corners = np.array([*QUADRILATERALS[preset]["triangle"], [x, y]], dtype=float)
+    given = preset_named(QUADRILATERALS, preset)
+    within("x", x, -2, 2)
+    within("y", y, -2, 2)
+    corners = np.array([*given["triangle"], [x, y]], dtype=float)
     if orient(corners[[0, 2, 3]]) <= 0:
         items = _panel(corners, [(0, 1, 2)], "cell", -APART)
         return fr.frame("D must lie beyond AC", *items, view=WINDOW)
@@ -166,18 +165,16 @@ def swap_state(step: int, preset: str = "nine points") -> fr.Frame:
     before the swap is highlighted.
     """
     history = _run(preset)
-    if not 0 <= step < len(history):
-        raise InputError(f"step = {step} must lie between 0 and {len(history) - 1}")
+    within("step", step, 0, len(history) - 1)
     return history[step]
 
 
 @lru_cache(maxsize=8)
 def _run(preset: str) -> tuple[fr.Frame, ...]:
-    if preset not in RUNS:
-        raise InputError(f"no preset {preset!r}; use one of {', '.join(RUNS)}")
-    points = np.array(RUNS[preset]["points"], dtype=float)
+    given = preset_named(RUNS, preset)
+    points = np.array(given["points"], dtype=float)
     mesh = sweep_triangulation(points)
-    fixed = RUNS[preset].get("fixed")
+    fixed = given.get("fixed")
     if fixed:
         mesh = Mesh(mesh.points, mesh.simplices, markers={"shore": fixed})
     _, swaps = swap_diagonals(mesh, history=True)
