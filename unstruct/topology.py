@@ -196,7 +196,7 @@ class FaceTable:
         return self._known[dimension]
 
     def facets(self) -> tuple[np.ndarray, np.ndarray]:
-        """(facets, number) as `facet_numbers`: ``number[t, i]`` lies opposite vertex i."""
+        """(facets, number) as `incident_faces`, but ``number[t, i]`` is the facet opposite vertex i."""
         found, number = self(self.simplices.shape[1] - 2)
         return found, number[:, ::-1]  # the combination that leaves out column i comes i-th from the end
 

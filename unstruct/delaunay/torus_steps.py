@@ -71,7 +71,7 @@ def in_circle(xy, vertex, shift, o, fx, fy, px, py):
 
 
 @inline
-def push(vertex, twin, shift, stack, frame, depth, e, fx, fy):
+def push(twin, shift, stack, frame, depth, e, fx, fy):
     """Put the half-edge beyond e on the stack, with the frame of its triangle; e's own frame is (fx, fy)."""
     o = twin[e]
     stack[depth] = o
@@ -91,7 +91,7 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
     count = state[COUNT]
     spare[0], spares, depth = t, 1, 0
     for k in range(2, -1, -1):
-        push(vertex, twin, shift, stack, frame, depth, 3 * t + k, 0, 0)
+        push(twin, shift, stack, frame, depth, 3 * t + k, 0, 0)
         depth += 1
     first = before = np.int64(-1)
     k = 0
@@ -103,8 +103,8 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
         if in_circle(xy, vertex, shift, o, fx, fy, px, py):
             spare[spares] = o // 3
             spares += 1
-            push(vertex, twin, shift, stack, frame, depth, left, fx, fy)
-            push(vertex, twin, shift, stack, frame, depth + 1, right, fx, fy)
+            push(twin, shift, stack, frame, depth, left, fx, fy)
+            push(twin, shift, stack, frame, depth + 1, right, fx, fy)
             depth += 2
             continue
         a, b = vertex[left], vertex[right]

@@ -178,7 +178,7 @@ def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, wo
             if obstacles is not None:
                 if best == NONE:
                     best = SEEN
-                if not admitted(points, row, k, cells, obstacles) or holds_vertex(
+                if not admitted(points, row, cells, obstacles) or holds_vertex(
                     points, start, size, low, high, row, stack, top
                 ):
                     continue

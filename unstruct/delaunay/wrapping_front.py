@@ -120,8 +120,8 @@ def apart(points, row, cells, c, k):
 
 
 @kernel
-def admitted(points, row, k, cells, opened):
-    """May the cell ``row``, made on its facet opposite k, stand beside all open half-faces?"""
+def admitted(points, row, cells, opened):
+    """May the cell ``row`` stand beside all open half-faces?"""
     w = len(row)
     for index in range(len(opened)):
         c, skip = opened[index] // w, opened[index] % w

@@ -189,7 +189,7 @@ def _run(preset: str) -> tuple[fr.Frame, ...]:
             items.append(fr.segments("constrained", points[fixed]))
         caption = one["caption"] if not fixed else one["caption"].replace("Delaunay", "constrained Delaunay")
         number = "sorted angles: " + ", ".join(f"{a:.0f}°" for a in now[:6]) + ", …"
-        made.append(fr.frame(caption, *items, *_bars(points, now, before), number=number))
+        made.append(fr.frame(caption, *items, *_bars(now, before), number=number))
     view = [-0.8, 9.0 + BARS + 0.6, -0.8, 8.0]
     return tuple({**f, "view": view} for f in made)
 
@@ -198,7 +198,7 @@ def _sorted_angles(mesh: Mesh) -> np.ndarray:
     return np.sort(np.degrees(angles(mesh.corners)).ravel())
 
 
-def _bars(points: np.ndarray, now: np.ndarray, before: np.ndarray) -> list[fr.Item]:
+def _bars(now: np.ndarray, before: np.ndarray) -> list[fr.Item]:
     """The sorted angles as bars on the right of the points, those before the swap as dashes."""
     width = BARS / len(now)
     left, high = 9.0 + width * np.arange(len(now)), now / 180 * 7
