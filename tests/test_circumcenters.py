@@ -332,6 +332,9 @@ def test_another_field_as_priority() -> None:
         ({"priority": "alpha", "budget": 3}, "alpha"),
         ({"priority": "area", "limit": float("inf")}, "finite"),
         ({"size": 0.1, "budget": -1}, "-1"),
+        ({"size": 0.1, "budget": 1.5}, "budget = 1.5 must be a whole number"),
+        ({"size": 0.1, "budget": "many"}, "budget = 'many' must be a whole number"),
+        ({"priority": "area", "limit": "small"}, "limit must be a number"),
     ],
 )
 def test_bad_arguments(arguments: dict, words: str) -> None:

@@ -119,6 +119,11 @@ def test_bad_points():
         insert_without_breaking(domain, [(0.5, 0.5, 0.5)])
     with pytest.raises(InputError, match="gap"):
         skeleton_points(domain, gap=2)
+    with pytest.raises(InputError, match="gap must be a number"):
+        skeleton_points(domain, gap="small")
+    for method in (skeleton_points, lambda region: insert_without_breaking(region, [(0.5, 0.5)])):
+        with pytest.raises(InputError, match="domain must be a Domain, not NoneType"):
+            method(None)
     empty = insert_without_breaking(domain, np.empty((0, 2)))
     assert len(empty.vertex) == 0 and empty.mesh.complete
 

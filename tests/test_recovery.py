@@ -357,6 +357,12 @@ def test_bad_input():
         conforming_delaunay(domain, test="other")
     with pytest.raises(InputError, match="budget"):
         conforming_delaunay(domain, budget=-1)
+    with pytest.raises(InputError, match=r"budget = 1\.5 must be a whole number"):
+        conforming_delaunay(domain, budget=1.5)
+    with pytest.raises(InputError, match="shells = 'some' must be"):
+        conforming_delaunay(domain, shells="some")
+    with pytest.raises(InputError, match="domain must be a Domain, not list"):
+        conforming_delaunay([(0, 0), (1, 0), (0, 1)])
 
 
 # --- diagonal swapping on constrained triangulations ---------------------------------------------------

@@ -69,6 +69,8 @@ def test_bad_input() -> None:
         periodic_circumcenters(LATTICE)
     with pytest.raises(InputError, match="-3"):
         periodic_circumcenters(LATTICE, budget=-3)
+    with pytest.raises(InputError, match="0 points are too few"):
+        periodic_circumcenters(np.empty((0, 2)), 0.1)
 
 
 def test_check_finds_what_is_wrong() -> None:

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "around",
+    "as_count",
     "as_curves",
+    "as_domain",
     "as_mapping",
     "as_markers",
     "as_ring",
@@ -50,6 +52,22 @@ def positive(value: Any, name: str) -> float:
     if not (number > 0 and np.isfinite(number)):
         raise InputError(f"{name} = {number} must be positive and finite")
     return number
+
+
+def as_count(value: Any, name: str) -> int:
+    """A whole number that is not negative, or an error that calls it by ``name``."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise InputError(f"{name} = {value!r} must be a whole number, not negative")
+    return int(value)
+
+
+def as_domain(value: Any) -> Domain:
+    """A domain, or an error that tells what was given in its place."""
+    from .domain import Domain
+
+    if not isinstance(value, Domain):
+        raise InputError(f"domain must be a Domain, not {type(value).__name__}")
+    return value
 
 
 def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:

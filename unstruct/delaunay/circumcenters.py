@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import as_points
+from ..domain_input import as_count
 from ..errors import InputError
 from ..progress import progress_bar
 from ..sizing import as_size
@@ -107,17 +108,15 @@ def circumcenter_insertion(
         raise InputError(f"boundary must be 'split' or 'keep', not {boundary!r}")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of points")
-    if budget is not None and budget < 0:
-        raise InputError(f"budget must not be negative, but is {budget}")
     field = None if size is None else as_size(size)
     domain, origin, dropped = _as_domain(domain_or_points)
     sampled = domain.sampled(field if origin is None else None, step=step)
     complex_ = complex_of(domain, sampled)
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
-    if budget is None:
-        budget = MOST if limit is not None else np.iinfo(np.int32).max
+    most = MOST if limit is not None else int(np.iinfo(np.int32).max)
+    most = most if budget is None else as_count(budget, "budget")
     run = _Run(complex_, domain, rule, boundary == "split", history)
-    run.advance(int(budget), progress)
+    run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
     return complex_.mesh(
         facets=len(domain.facets),

@@ -158,7 +158,8 @@ def periodic_delaunay(points: ArrayLike) -> PeriodicMesh:
     simplices, shifts = _fans(delaunay(copies[near]) if len(rows) > 2 else None, source, shift)
     corners = rows[simplices] + shifts
     neighbors = _paired(simplices, shifts)
-    if len(simplices) != 2 * len(rows) or neighbors is None or simplex.circumradius(corners).max() >= LARGEST:
+    wrong = len(rows) == 0 or len(simplices) != 2 * len(rows)
+    if wrong or neighbors is None or simplex.circumradius(corners).max() >= LARGEST:
         raise InputError(
             f"{len(rows)} points are too few or too uneven: a disk of radius 1/4 without one remains, and a "
             "triangle could meet its own copy; begin with more points, such as a lattice of 3 x 3"

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain_input import as_domain, finite
 from ..errors import InputError
 from ..mesh import as_points
 from ..progress import progress_bar
@@ -96,7 +97,7 @@ def insert_without_breaking(
     if rows.shape[1] != 2:
         raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
     field = None if size is None else as_size(size)
-    sampled = domain.sampled()
+    sampled = as_domain(domain).sampled()
     complex_ = complex_of(domain, sampled)
     conform(domain, complex_)
     boundary = complex_.size
@@ -259,9 +260,9 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     an edge of length l with both of its tips stays, whatever further points come, if these keep a distance
     of more than l / sqrt(3) from all vertices. Book: 2.4b.
     """
-    if not 0 <= gap <= 1:
+    if not 0 <= finite(gap, "gap") <= 1:
         raise InputError(f"gap = {gap} must lie between 0 and 1")
-    sampled = domain.sampled(size)
+    sampled = as_domain(domain).sampled(size)
     c = complex_of(domain, sampled)
     run = conform(domain, c, test="gabriel")
     complete = len(run.failing()) == 0

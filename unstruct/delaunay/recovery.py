@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import frozen
+from ..domain_input import as_count, as_domain
 from ..errors import InputError
 from ..progress import progress_bar
 from .constrained import complex_of
@@ -134,9 +135,10 @@ def conforming_delaunay(
     """
     if test not in ("missing", "gabriel"):
         raise InputError(f"test = {test!r} must be 'missing' or 'gabriel'")
-    if budget is not None and budget < 0:
-        raise InputError(f"budget = {budget} must not be negative")
-    sampled = domain.sampled(size)
+    if shells not in (True, False, "auto"):
+        raise InputError(f"shells = {shells!r} must be True, False or 'auto'")
+    budget = None if budget is None else as_count(budget, "budget")
+    sampled = as_domain(domain).sampled(size)
     complex_ = complex_of(domain, sampled)
     run = conform(domain, complex_, test=test, shells=shells, budget=budget, progress=progress)
     return run.mesh(sampled)

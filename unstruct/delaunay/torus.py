@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain_input import as_count
 from ..errors import InputError
 from ..progress import progress_bar
 from ..sizing import as_size
@@ -63,12 +64,11 @@ def periodic_circumcenters(
     if priority is not None and not isinstance(priority, str):
         priority = _wrapped(priority)
     rule = make_rule(field, priority, limit, ([-0.5, -0.5], [1.5, 1.5]))
-    if budget is not None and budget < 0:
-        raise InputError(f"budget must not be negative, but is {budget}")
+    most = MOST if budget is None else as_count(budget, "budget")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
     run = _Run(start, rule, history)
-    end = run.advance(len(start.points) + (MOST if budget is None else budget), progress)
+    end = run.advance(len(start.points) + most, progress)
     return run.result(end)
 
 

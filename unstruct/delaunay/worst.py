@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain_input import finite
 from ..errors import InputError
 from ..jit import inline, lean
 from ..size_table import Nodes, size_at
@@ -199,10 +200,9 @@ def make_rule(
     test = np.zeros(4)
     test[KIND], test[HAS_SIZE], test[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
     if limit is not None:
-        if not np.isfinite(limit):
-            raise InputError(f"limit must be a finite number, not {limit!r}")
+        most = finite(limit, "limit")
         scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
-        test[LIMIT] = float(limit) * scale.get(name, 1.0)
+        test[LIMIT] = most * scale.get(name, 1.0)
     tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]
     return Rule(test, *tables)
 
