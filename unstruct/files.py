@@ -165,13 +165,7 @@ def read(path: str | Path) -> Mesh:
     while points.shape[1] > max(top, 1) and not points[:, -1].any():
         points = points[:, :-1]
     main = [i for i, dimension in enumerate(dimensions) if dimension == top]
-    cells: dict[str, Any] = {}
-    for i in main:
-        rows = np.asarray(other.cells[i].data)
-        if kinds[i] == "polygon":
-            cells.setdefault("polygon", []).extend(rows)
-        else:
-            cells[kinds[i]] = np.concatenate([cells[kinds[i]], rows]) if kinds[i] in cells else rows
+    cells = _by_type([other.cells[i] for i in main])
     order = sorted(main, key=lambda i: list(cells).index(kinds[i]))
     n = len(points)
     origin = other.point_data.get("origin", np.arange(n)).astype(np.int32)
@@ -185,6 +179,18 @@ def read(path: str | Path) -> Mesh:
         duplicates=duplicates,
         markers=_markers(other, order, dimensions, top),
     )
+
+
+def _by_type(blocks: list[Any]) -> dict[str, Any]:
+    """Cells by their type; blocks of one type are put together."""
+    cells: dict[str, Any] = {}
+    for block in blocks:
+        rows = np.asarray(block.data)
+        if block.type == "polygon":
+            cells.setdefault("polygon", []).extend(rows)
+        else:
+            cells[block.type] = np.concatenate([cells[block.type], rows]) if block.type in cells else rows
+    return cells
 
 
 def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:

@@ -11,9 +11,8 @@ from .planar import PlanarComplex
 __all__ = ["apexes"]
 
 SMALL = np.pi / 3  # below it, two straight pieces can split each other for ever
-SMALL_CURVED = (
-    np.pi / 2
-)  # chords turn while curves are split, each by no more than the chord of a half turn / 6
+# chords turn while curves are split, each by no more than the chord of a half turn / 6
+SMALL_CURVED = np.pi / 2
 
 
 def apexes(complex_: PlanarComplex, curved: NDArray[np.bool_]) -> NDArray[np.uint8]:
@@ -32,9 +31,8 @@ def apexes(complex_: PlanarComplex, curved: NDArray[np.bool_]) -> NDArray[np.uin
     """
     s = complex_.segments
     half = complex_.where[:s].astype(np.int64)
-    half = np.stack(
-        [half, complex_.twin[half]], axis=1
-    ).ravel()  # each leaves one end, with a triangle on its left
+    # each leaves one end, with a triangle on its left
+    half = np.stack([half, complex_.twin[half]], axis=1).ravel()
     start, stop = (complex_.vertex[half // 3 * 3 + (half + k) % 3] for k in (1, 2))
     number = np.repeat(np.arange(s), 2)
     vector = complex_.xy[stop] - complex_.xy[start]

@@ -70,14 +70,8 @@ def normal_of(points, row, k, normal):
 
 
 @inline
-def ball_of(points, row, center):
-    """Write a center; return r2 such that no point at a squared distance of more than r2 is inside.
-
-    With g(x) = |x - center|^2, *any* center, and barycentric coordinates c_v(x), the power of x is
-    g(x) - sum c_v g(v). Let m, s be the greatest g(v) and the spread: inside means
-    g(x) < m + s sum |c_v|, and |c_v| <= 4 / height <= 4 L^(d-1) / det with the longest edge L. Where
-    rounding may have spoiled det, r2 is infinite.
-    """
+def _center_of(points, row, center):
+    """Write the circumcenter, roughly; return the determinant, and write nothing where it is not positive."""
     w = len(row)
     a = row[0]
     ux, uy = points[row[1], 0] - points[a, 0], points[row[1], 1] - points[a, 1]
@@ -86,7 +80,7 @@ def ball_of(points, row, center):
         uu, vv = ux * ux + uy * uy, vx * vx + vy * vy
         det = ux * vy - uy * vx
         if det <= 0.0:
-            return np.inf
+            return det
         center[0] = points[a, 0] + 0.5 * (vy * uu - uy * vv) / det
         center[1] = points[a, 1] + 0.5 * (ux * vv - vx * uu) / det
     else:
@@ -100,12 +94,28 @@ def ball_of(points, row, center):
         px, py, pz = vy * wz - vz * wy, vz * wx - vx * wz, vx * wy - vy * wx
         det = ux * px + uy * py + uz * pz
         if det <= 0.0:
-            return np.inf
+            return det
         qx, qy, qz = wy * uz - wz * uy, wz * ux - wx * uz, wx * uy - wy * ux
         rx, ry, rz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         center[0] = points[a, 0] + 0.5 * (uu * px + vv * qx + ww * rx) / det
         center[1] = points[a, 1] + 0.5 * (uu * py + vv * qy + ww * ry) / det
         center[2] = points[a, 2] + 0.5 * (uu * pz + vv * qz + ww * rz) / det
+    return det
+
+
+@inline
+def ball_of(points, row, center):
+    """Write a center; return r2 such that no point at a squared distance of more than r2 is inside.
+
+    With g(x) = |x - center|^2, *any* center, and barycentric coordinates c_v(x), the power of x is
+    g(x) - sum c_v g(v). Let m, s be the greatest g(v) and the spread: inside means
+    g(x) < m + s sum |c_v|, and |c_v| <= 4 / height <= 4 L^(d-1) / det with the longest edge L. Where
+    rounding may have spoiled det, r2 is infinite.
+    """
+    w = len(row)
+    det = _center_of(points, row, center)
+    if det <= 0.0:
+        return np.inf
     longest2, largest, smallest = 0.0, 0.0, np.inf
     for i in range(w):
         g = 0.0

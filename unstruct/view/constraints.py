@@ -88,7 +88,9 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
             names = " and ".join(f"{a} {b}" for a, b in [*done, pair])
             text = f"{pair[0]} {pair[1]} is refused: it crosses an earlier segment"
             made.append(
-                fr.frame(text, *_scene(rows, mesh, done), wanted, *_names(rows), number=f"culprits = {names}")
+                fr.frame(
+                    text, *_scene(rows, mesh, done), wanted, *fr.numbered(rows), number=f"culprits = {names}"
+                )
             )
             continue
         made += _passage(rows, mesh, after, done, pair)
@@ -114,7 +116,7 @@ def _passage(rows: np.ndarray, before: Mesh, after: Refined, done: Sequence, pai
     old, new = _set(before), _set(after)
     a, b = pair
     wanted = fr.segments("front", rows[[pair]])
-    name, names = f"{a} {b}", _names(rows)
+    name, names = f"{a} {b}", fr.numbered(rows)
     base = _scene(rows, before, done)
     if old == new:
         text = f"{name} is an edge already: it is marked"
@@ -182,11 +184,7 @@ def _edges(cells: set) -> set[tuple[int, int]]:
 
 def _scene(rows: np.ndarray, mesh: Mesh, done: Sequence = ()) -> list[fr.Item]:
     cells = fr.polygons("cell", rows[mesh.simplices])
-    return [cells, fr.segments("constrained", rows[np.array(done, int).reshape(-1, 2)]), *_names(rows)]
-
-
-def _names(rows: np.ndarray) -> list[fr.Item]:
-    return [fr.dots("vertex", rows), fr.labels("vertex", rows, range(len(rows)))]
+    return [cells, fr.segments("constrained", rows[np.array(done, int).reshape(-1, 2)]), *fr.numbered(rows)]
 
 
 def _set(mesh: Mesh) -> set[tuple[int, ...]]:

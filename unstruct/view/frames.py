@@ -26,6 +26,7 @@ __all__ = [
     "frame",
     "labels",
     "mesh_items",
+    "numbered",
     "polygons",
     "segments",
 ]
@@ -71,6 +72,11 @@ def labels(role: str, points: Any, text: Iterable[Any], *, opacity: float = 1.0)
     """Short texts beside points ``(k, 2)``."""
     item = _item("labels", role, np.asarray(points, dtype=float).reshape(-1, 2).tolist(), opacity)
     return {**item, "text": [str(t) for t in text]}
+
+
+def numbered(points: Any) -> list[Item]:
+    """Points ``(k, 2)`` as vertices, each with its number."""
+    return [dots("vertex", points), labels("vertex", points, range(len(points)))]
 
 
 def _item(kind: str, role: str, data: list, opacity: float) -> Item:

@@ -52,7 +52,7 @@ def rebay_frames(
         frames.append(_choice(have, cells, one, accepted))
         if count < cavities:
             gone = [_corners(have, c) for c in one.cavity]
-            items = [fr.polygons("cavity", gone), *_names(have), _star_of(one)]
+            items = [fr.polygons("cavity", gone), *fr.numbered(have), _star_of(one)]
             items = [*_mesh(have, cells, accepted)[:-2], *items]
             frames.append(fr.frame("the circles of these hold X", *items, number=f"{len(gone)} triangles go"))
         have, cells = one.points, one.cells
@@ -77,7 +77,7 @@ def _choice(have: list[Any], cells: Iterable[Any], one: Insertion, accepted: Cal
         fr.dots("voronoi", [start, one.step.center]),
         fr.circles("inserted", [circumcenter(made)], [circumradius(made)]),
         fr.segments("front", [[have[a], have[b]]]),
-        *_names(have),
+        *fr.numbered(have),
         _star_of(one),
     ]
     caption = f"largest waiting triangle {' '.join(map(str, one.waiting))}: {beside} {a} {b}"
@@ -94,12 +94,8 @@ def _mesh(have: list[Any], cells: Iterable[Any], accepted: Callable[..., bool]) 
     return [
         fr.polygons("waiting", [_corners(have, c) for c, good in verdict.items() if not good]),
         fr.polygons("accepted", [_corners(have, c) for c, good in verdict.items() if good]),
-        *_names(have),
+        *fr.numbered(have),
     ]
-
-
-def _names(have: list[Any]) -> list[fr.Item]:
-    return [fr.dots("vertex", have), fr.labels("vertex", have, range(len(have)))]
 
 
 def _star_of(one: Insertion) -> fr.Item:
