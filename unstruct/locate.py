@@ -55,8 +55,8 @@ def _candidates(query_low, query_high, low, high, order, box_low, box_high, star
                 stack[top + 1] = 2 * node + 1
                 top += 2
                 continue
-            first = (node - leaves) * 4
-            for i in range(first, min(first + 4, order.shape[0])):
+            first = (node - leaves) * LEAF
+            for i in range(first, min(first + LEAF, order.shape[0])):
                 t = order[i]
                 if _touch(query_low[q], query_high[q], box_low[t], box_high[t]):
                     if boxes.shape[0] > 0:

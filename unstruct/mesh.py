@@ -362,6 +362,11 @@ class Mesh:
         return html(self)
 
 
+def is_planar(mesh: Mesh) -> bool:
+    """Whether all cells are triangles, of points with two coordinates."""
+    return mesh.is_simplicial and mesh.dimension == 2 and mesh.points.shape[1] == 2
+
+
 def _remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     """Those rows of vertices (-1: gone) that are still faces of some cell."""
     faces = faces[(faces >= 0).all(axis=1)]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .distance import SegmentTree
 from .errors import InputError, MeshError
-from .mesh import Mesh
+from .mesh import Mesh, is_planar
 from .predicates import orient
 from .size_field import SizeField
 
@@ -67,7 +67,7 @@ class Background(SizeField):
 
 def _nodal(mesh: Mesh, values: ArrayLike) -> Array:
     """One positive number for each vertex that is used; NaN is allowed (and ignored) at the others."""
-    if not mesh.is_simplicial or mesh.simplices.shape[1] != 3 or mesh.points.shape[1] != 2:
+    if not is_planar(mesh):
         raise MeshError("a background mesh consists of triangles in the plane")
     if mesh.size == 0:
         raise MeshError("a background mesh needs at least one triangle")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, MeshError
-from .mesh import Mesh
+from .mesh import Mesh, is_planar
 from .size_background import Background, background
 
 __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
@@ -23,7 +23,7 @@ CHUNK = 1 << 14  # fits at a time: bounds the memory
 
 
 def _plane(mesh: Mesh) -> None:
-    if not mesh.is_simplicial or mesh.simplices.shape[1] != 3 or mesh.points.shape[1] != 2 or not mesh.size:
+    if not is_planar(mesh) or mesh.size == 0:
         raise MeshError("sizes from a solution need a mesh of triangles in the plane")
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain import Domain
 from ..errors import InputError, MeshError
-from ..mesh import Mesh, _remaining
+from ..mesh import Mesh, _remaining, is_planar
 from ..predicates import power_of_two, scaled
 from ..topology import as_simplices, twins
 from .constrained import insert_all, mark_regions
@@ -166,7 +166,7 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
     InputError
         For coordinates whose exponents are too wide for one scale.
     """
-    if not mesh.is_simplicial or mesh.dimension != 2 or mesh.points.shape[1] != 2 or mesh.size == 0:
+    if not is_planar(mesh) or mesh.size == 0:
         raise MeshError(f"this needs triangles in the plane, not {mesh!r}")
     xy, exact = scaled(mesh.points)
     if not exact:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import frozen
 from ..errors import InputError, MeshError
 from ..jit import lean
-from ..mesh import Mesh
+from ..mesh import Mesh, is_planar
 from ..predicates import orient
 from .cavity2 import SEGMENTS
 from .constrained import insert_all
@@ -86,7 +86,7 @@ def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _judge(mesh: Mesh) -> None:
-    if not mesh.is_simplicial or mesh.dimension != 2 or mesh.points.shape[1] != 2 or not mesh.size:
+    if not is_planar(mesh) or mesh.size == 0:
         raise MeshError(f"refinement takes a Domain or a triangle mesh of the plane; this is {mesh!r}")
     turned = np.asarray(orient(mesh.corners)) <= 0
     if turned.any():

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, MeshError
 from ..exact import exact_incircle, exact_orient2
 from ..jit import inline, kernel
-from ..mesh import Mesh
+from ..mesh import Mesh, is_planar
 from ..predicates import incircle, orient2, scaled
 from ..progress import progress_bar
 
@@ -278,8 +278,8 @@ def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
 
 def planar_coordinates(mesh: Mesh) -> tuple[NDArray[np.float64], bool]:
     """Coordinates for the kernels, and whether they are too wide to be scaled without loss."""
-    if not mesh.is_simplicial or mesh.dimension != 2 or mesh.points.shape[1] != 2:
-        raise MeshError(f"diagonals are swapped in triangle meshes of the plane; this is {mesh!r}")
+    if not is_planar(mesh):
+        raise MeshError(f"this needs triangles in the plane, not {mesh!r}")
     points, exact = scaled(mesh.points)
     return (points, False) if exact else (np.array(mesh.points), True)
 
