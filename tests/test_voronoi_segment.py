@@ -235,7 +235,7 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
     domain = Domain.rectangle((0, 0), (4, 1))
     complex_ = planar_complex(domain)
     run = Run(domain, complex_, 3.0, None, rule_of(1.35, "center", "first", None, True), True)
-    kernel.start(*run._plane, complex_.where, complex_.state, *run._sizes)
+    run.start(np.ones(complex_.size, dtype=bool))
     before = complex_.vertex[: 3 * complex_.triangles].copy()
     with monkeypatch.context() as patch:
         patch.setattr(Domain, "points_at", lambda self, piece, t: np.array([[2.0, 1.5]]))

@@ -22,7 +22,7 @@ from ..jit import inline, lean
 from ..predicates import incircle
 from .insertion2 import next_edge, prev_edge
 from .signs import orientation
-from .smoothing2 import legalize
+from .stars2 import legalize
 
 __all__ = ["cut_ears", "fill", "load", "swap_all"]
 

@@ -17,7 +17,8 @@ from .refinement_limits import make_limits
 from .refinement_run import Planned
 from .refinement_run import Run as Refinement
 from .refinement_state import FINISHED, MORE, REFUSED
-from .relocation2 import fill_at, improve, survey
+from .relocation2 import improve, look_around, survey
+from .stars2 import legalize_moved, opposite_half_edges
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 
 CHUNK = 100_000  # vertices of a kernel call
-# first the stars with a triangle below 0.99, by Laplace steps, then those below 0.85, by search; most rounds
-STAGES = ((0.99, False, 3), (0.85, True, 6))
-AGAIN = ((0.9, True, 6),)
+# Laplace steps on stars with a triangle below this fairness, then a search on those below that; most rounds
+NEARLY, STEPS = 0.995, 3
+POOR, SEARCHES = 0.85, 6
 LEAST = 25.0  # degrees: what is promised
 WANTED = 26.0  # and what is asked for
 PASSES = 3  # of refinement and smoothing
@@ -36,41 +37,61 @@ LENS = 0.25  # squared cosine: a subsegment is split where a point would see it 
 
 
 def smooth_poor(
-    complex_: PlanarComplex, given: int, again: bool = False
-) -> tuple[int, int, dict[str, float]]:
+    complex_: PlanarComplex, given: int, since: int = 0
+) -> tuple[int, int, NDArray[np.bool_], dict[str, float]]:
     """Move vertices of poor triangles in place; those below number ``given`` and on segments stay.
 
-    ``again``: the mesh was smoothed before, and has changed in few places.
+    ``since``: where the mesh was smoothed before and nothing but vertices from this number on has come in,
+    that number; then only what is around them is looked at, and searched.
 
     Returns
     -------
     moves, swaps : int
+    moved : ndarray of bool
+        The vertices that have another place or, with ``since``, another triangle now.
     before : dict of str to float
-        The `figures` of the mesh as it was.
+        The `figures` of the mesh as it was; empty with ``since``.
     """
     c = complex_
     n, count = c.size, c.triangles
-    at = np.full(n, -1, dtype=np.int32)
-    fill_at(c.vertex, c.region, count, at)
+    at = np.empty(n, dtype=np.int32)
+    opposite_half_edges(c.vertex, c.region, count, at)
     still = at < 0
     still[:given] = True
     still[c.ends[: c.segments].ravel()] = True
+    todo, moved = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
     stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
-    todo = np.zeros(n, dtype=bool)
-    stages = AGAIN if again else STAGES
-    found = _survey(c, stages[0][0], todo)
-    for threshold, patterns, rounds in stages:
-        for _ in range(rounds):
-            moves = 0
-            for start in range(0, n, CHUNK):
-                moves += improve(
-                    c.xy, c.vertex, c.twin, c.mark, c.where, at, still, todo, threshold, patterns,
-                    start, min(start + CHUNK, n), stack, counts,
-                )  # fmt: skip
-            if moves == 0:
-                break
-    return int(counts[0]), int(counts[1]), _named(found)
+    arrays = (c.xy, c.vertex, c.twin, c.mark, c.where, at, still, todo, moved)
+    scratch = (np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2)), stack, counts)
+    before: dict[str, float] = {}
+    if since:
+        look_around(c.vertex, c.region, count, since, todo)
+    else:
+        before = _named(_survey(c, NEARLY, todo))
+        if _rounds(arrays, NEARLY, False, STEPS, scratch):
+            counts[1] += legalize_moved(*arrays[:4], c.region, c.where, at, count, moved, stack)
+        todo[:] = False
+        _survey(c, POOR, todo)
+    corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
+    _rounds(arrays, POOR, True, SEARCHES, scratch)
+    swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
+    moved[corners.reshape(-1, 3)[swapped]] = True
+    return int(counts[0]), int(counts[1]), moved, before
+
+
+def _rounds(
+    arrays: tuple[NDArray, ...], threshold: float, patterns: bool, rounds: int, scratch: tuple[NDArray, ...]
+) -> int:
+    """Rounds of `improve` until nothing moves, but no more than so many; how many moves."""
+    n, moves = len(arrays[-1]), 0
+    for _ in range(rounds):
+        before = moves
+        for start in range(0, n, CHUNK):
+            moves += improve(*arrays, threshold, patterns, start, min(start + CHUNK, n), *scratch)
+        if moves == before:
+            break
+    return moves
 
 
 def figures(complex_: PlanarComplex) -> dict[str, float]:

@@ -22,16 +22,16 @@ from .smoothing2 import (
     LOOKED,
     MOVED,
     OPTIMAL,
+    SEARCH,
     WORSE,
-    opposite_half_edges,
-    search_round,
     smooth_round,
 )
+from .stars2 import opposite_half_edges
 from .swapping import constraints, first_fault, planar_coordinates
 
 __all__ = ["smooth"]
 
-METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID}
+METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
 CHUNK = 200_000  # vertices between two looks at Ctrl-C
 COUNTED = {"moved": MOVED, "invalid": INVALID, "worse": WORSE, "swaps": FLIPS, "examined": LOOKED}
 
@@ -92,8 +92,9 @@ def smooth(
     respected. O(n) a round. Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
     Book: 2.6d.
     """
-    if method != "search" and method not in METHODS:
-        raise InputError(f"no method is called {method!r}; there are {', '.join(METHODS)} and search")
+    if method not in METHODS:
+        *names, last = METHODS
+        raise InputError(f"no method is called {method!r}; there are {', '.join(names)} and {last}")
     if rounds < 0:
         raise InputError(f"rounds must not be negative: {rounds}")
     coordinates, wide = planar_coordinates(mesh)
@@ -106,21 +107,21 @@ def smooth(
     vertex, twin = mesh.simplices.ravel().copy(), twins(mesh.neighbors)
     mark = np.where((twin >= 0) & ~locked.ravel(), -1, 0).astype(np.int32)  # 0 where an edge is closed
     at = np.empty(len(xy), dtype=np.int32)
-    opposite_half_edges(vertex, mesh.size, at)
-    stays = _staying(mesh, fixed)
+    opposite_half_edges(vertex, np.zeros(mesh.size, dtype=np.int32), mesh.size, at)
+    closed = mark.reshape(-1, 3) >= 0
+    stays = _staying(mesh, fixed) | (at < 0)
+    stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # their ends
     counts = np.zeros(8, dtype=np.int64)
     arrays = (xy, vertex, twin, mark, np.zeros(1, dtype=np.int32), at, stays)
-    scratch = (np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32), counts)
+    ring, stack = np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32)
+    scratch = ring, np.empty((len(ring) + 1, 2)), stack, counts
+    limit = 2.0 if below is None else float(below)
     done = 0
     for number in _rounds(rounds, progress):
         done, before = number, counts[MOVED]
         for start in range(0, len(xy), CHUNK):
             stop = min(start + CHUNK, len(xy))
-            limit = 2.0 if below is None else float(below)
-            if method == "search":
-                search_round(*arrays, swap, limit, start, stop, *scratch)
-            else:
-                smooth_round(*arrays, METHODS[method], smart, swap, limit, start, stop, *scratch)
+            smooth_round(*arrays, METHODS[method], smart, swap, limit, start, stop, *scratch)
         if counts[MOVED] == before:
             break
     found = {name: int(counts[place]) for name, place in COUNTED.items()} | {"rounds": done}

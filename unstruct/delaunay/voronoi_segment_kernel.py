@@ -29,6 +29,7 @@ from ..size_table import size_at
 from .cavity2 import SEGMENTS, VERTICES, commit_here, end_of, find_cavity_here, start_of
 from .compiled import COUNT
 from .front_queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
+from .stars2 import touched
 
 # how a call of `advance` ends
 DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
@@ -140,12 +141,16 @@ def settle(
 @lean
 def start(
     xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
-    box2, rule,
+    box2, rule, moved,
 ):  # fmt: skip
-    """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones."""
+    """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones.
+
+    Where no corner has ``moved``, what is known of a triangle holds. No triangle may be waiting in the queue.
+    """
     for t in range(state[COUNT]):
-        links[t, STATUS] = ACCEPTED
-        if region[t] >= 0:
+        if region[t] < 0:
+            links[t, STATUS] = ACCEPTED
+        elif touched(vertex, t, moved):
             classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t)
     for s in range(state[SEGMENTS]):
         e = np.int64(where[s])

@@ -95,7 +95,7 @@ class Run:
 
     def insert(self, budget: int | None, bar: Any) -> None:
         """Insert points until no waiting triangle is left at the front, or the budget is spent."""
-        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes)
+        self.start(np.ones(self.complex.size, dtype=bool))
         self.advance(budget, bar)
 
     def advance(self, budget: int | None, bar: Any) -> None:
@@ -152,25 +152,33 @@ class Run:
 
     # ------------------------------------------------------------------ finishing
 
+    def start(self, moved: NDArray[np.bool_]) -> None:
+        """Look at all triangles that have a corner among these: which are accepted, which wait."""
+        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes, moved)
+
     def restart(self) -> None:
-        """Look at all triangles anew: which are accepted, which wait at the front."""
+        """Look at all triangles anew, with an empty queue."""
         self.reserve(self.complex.size)
         slots, buckets = len(self.complex.region), len(self.gates) // 2
         self.links, self.gates, self.turn = empty_queue(slots, buckets, self.batch)
-        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes)
+        self.start(np.ones(self.complex.size, dtype=bool))
 
     def finish(self, budget: int | None) -> dict[str, Any]:
         """The finishing pass; what `result` is to report of it."""
         c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
+        since = 0  # not 0: vertices from number ``since`` on are new, and nothing else has changed
         for number in range(PASSES + 1):
             if number < PASSES:  # the last one refines only, so that the list is that of the result
-                moves, swaps, measured = smooth_poor(c, self.first, number > 0)
+                moves, swaps, moved, measured = smooth_poor(c, self.first, since)
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-            self.restart()
+                if since and not self.spent:
+                    self.start(moved)
+                else:
+                    self.restart()
             counted, size = self.counts.copy(), c.size
             self.advance(budget, None)  # where a triangle has become too large again
             done["points again"] += c.size - size
@@ -188,6 +196,7 @@ class Run:
                 self.restart()
             if not refined and (c.size == size or number > 0):
                 break
+            since = 0 if refined else size
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
