@@ -157,14 +157,14 @@ def periodic_delaunay(points: ArrayLike) -> PeriodicMesh:
     shift = np.tile(moves, (len(rows), 1))[near]
     simplices, shifts = _fans(delaunay(copies[near]) if len(rows) > 2 else None, source, shift)
     corners = rows[simplices] + shifts
-    neighbors = _paired(simplices, shifts)
+    twin = half_edge_twins(simplices, shifts)
     wrong = len(rows) == 0 or len(simplices) != 2 * len(rows)
-    if wrong or neighbors is None or simplex.circumradius(corners).max() >= LARGEST:
+    if wrong or twin is None or simplex.circumradius(corners).max() >= LARGEST:
         raise InputError(
             f"{len(rows)} points are too few or too uneven: a disk of radius 1/4 without one remains, and a "
             "triangle could meet its own copy; begin with more points, such as a lattice of 3 x 3"
         )
-    return PeriodicMesh(rows, simplices, shifts, neighbors)
+    return PeriodicMesh(rows, simplices, shifts, (twin // 3).reshape(-1, 3))
 
 
 def _fans(mesh: Mesh | None, source: NDArray, shift: NDArray) -> tuple[NDArray, NDArray]:
@@ -202,12 +202,12 @@ def _around(points: Array, center: int, others: list[int]) -> list[int]:
     return ring
 
 
-def _paired(simplices: NDArray, shifts: NDArray) -> NDArray | None:
-    """Neighbors by matching half-edges up to a common shift; None where one is left over."""
+def half_edge_twins(simplices: NDArray, shifts: NDArray) -> NDArray[np.int32] | None:
+    """For each half-edge the other one of its edge, up to a common shift; None where one is left over."""
     a, b = np.roll(simplices, -1, axis=1), np.roll(simplices, -2, axis=1)
     step = np.roll(shifts, -2, axis=1) - np.roll(shifts, -1, axis=1)  # of edge k, from corner k+1 to k+2
     there = {row: i for i, row in enumerate(zip(a.ravel(), b.ravel(), *step.reshape(-1, 2).T))}
     pairs = [there.get(row, -1) for row in zip(b.ravel(), a.ravel(), *(-step.reshape(-1, 2)).T)]
     if len(there) < simplices.size or -1 in pairs:
         return None
-    return (np.array(pairs, dtype=np.int32) // 3).reshape(-1, 3)
+    return np.array(pairs, dtype=np.int32)

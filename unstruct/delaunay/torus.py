@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..progress import progress_bar
 from ..sizing import as_size
 from .compiled import COUNT, grown
-from .periodic import PeriodicMesh, periodic_delaunay
+from .periodic import PeriodicMesh, half_edge_twins, periodic_delaunay
 from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
 from .worst import KIND, NONE, Rule, grown_tree, make_rule, unscaled, watched
 
@@ -86,7 +86,9 @@ class _Run:
         self.rule, self.first = rule, n
         self.xy, self.vertex = start.points.copy(), start.simplices.ravel().copy()
         self.shift = start.shifts.reshape(-1, 2).copy()
-        self.twin = _twins(start)
+        twin = half_edge_twins(start.simplices, start.shifts)
+        assert twin is not None  # a mesh of the torus has no boundary
+        self.twin = twin
         self.state = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[VERTICES] = 2 * n, n
         self.tree = np.full(2, NONE)
@@ -148,11 +150,3 @@ class _Run:
             self.xy[:n], simplices.copy(), self.shift[: 3 * m].reshape(-1, 3, 2), neighbors.copy(),
             unrefined=bad, reason=reason, counts={"circumcenters": n - self.first}, steps=steps,
         )  # fmt: skip
-
-
-def _twins(mesh: PeriodicMesh) -> NDArray[np.int32]:
-    """The half-edge on the other side of each half-edge."""
-    step = (np.roll(mesh.shifts, -2, axis=1) - np.roll(mesh.shifts, -1, axis=1)).reshape(-1, 2)
-    a, b = (np.roll(mesh.simplices, -k, axis=1).ravel() for k in (1, 2))
-    there = {row: i for i, row in enumerate(zip(a, b, *step.T))}
-    return np.array([there[row] for row in zip(b, a, *(-step).T)], dtype=np.int32)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import ipywidgets
 import numpy as np
 
 from ..delaunay.edge_recovery import recover_edges
@@ -21,7 +20,7 @@ from ..mesh import Mesh
 from ..simplex import circumcenter, circumradius
 from . import frames as fr
 from .choices import preset_named, within
-from .widgets import WIDE, WIDTH, Panel, _chosen, _live, _slider
+from .widgets import Panel, _chosen, _live, _presets, _slider
 
 __all__ = [
     "COMPONENTS",
@@ -287,9 +286,7 @@ def principal_component() -> Panel:
     first = next(iter(COMPONENTS))
     start = _start(first)
     controls = {
-        "preset": ipywidgets.Dropdown(
-            options=list(COMPONENTS), description="preset", style=WIDE, layout={"width": WIDTH}
-        ),
+        "preset": _presets(COMPONENTS),
         "x": _slider("x of P", start["x"], 0, 1, 0.01),
         "y": _slider("y of P", start["y"], 0, 1, 0.01),
     }

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import ipywidgets
-
 from .rebay import (
     COBWEBS,
     GROWTH,
@@ -20,7 +18,7 @@ from .rebay import (
     voronoi_segment_drag,
     voronoi_segment_state,
 )
-from .widgets import WIDE, WIDTH, Panel, _live, _slider
+from .widgets import Panel, _live, _presets, _slider
 
 __all__ = ["rebay_cobweb", "rebay_step"]
 
@@ -68,7 +66,3 @@ def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
         return dict(zip(("growth", "start"), COBWEBS[preset]))
 
     return _live(partial(cobweb_state, measured=measured), controls, alt, cobweb_drag, start)
-
-
-def _presets(known: dict[str, Any]) -> Any:
-    return ipywidgets.Dropdown(options=list(known), description="preset", style=WIDE, layout={"width": WIDTH})

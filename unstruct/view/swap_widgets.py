@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import ipywidgets
-
 from .swaps import QUADRILATERALS, RUNS, diagonal_choice_drag, diagonal_choice_state, swap_history
-from .widgets import WIDE, WIDTH, Panel, _chosen, _live, _slider
+from .widgets import Panel, _chosen, _live, _presets, _slider
 
 __all__ = ["diagonal_choice", "diagonal_swaps"]
 
@@ -17,9 +15,7 @@ def diagonal_choice() -> Panel:
     first = next(iter(QUADRILATERALS))
     x, y = QUADRILATERALS[first]["start"]
     controls = {
-        "preset": ipywidgets.Dropdown(
-            options=list(QUADRILATERALS), description="preset", style=WIDE, layout={"width": WIDTH}
-        ),
+        "preset": _presets(QUADRILATERALS),
         "x": _slider("x of D", x, -2, 2, 0.01),
         "y": _slider("y of D", y, -2, 2, 0.01),
     }

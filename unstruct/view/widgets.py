@@ -68,9 +68,7 @@ def empty_circle() -> Panel:
     first = next(iter(CIRCLES))
     x, y = CIRCLES[first]["start"]
     controls = {
-        "preset": ipywidgets.Dropdown(
-            options=list(CIRCLES), description="preset", style=WIDE, layout={"width": WIDTH}
-        ),
+        "preset": _presets(CIRCLES),
         "x": _slider("x of D", x, -2, 2, 0.01),
         "y": _slider("y of D", y, -2, 2, 0.01),
     }
@@ -124,6 +122,10 @@ def bowyer_watson() -> Panel:
     return _chosen(
         histories, "Points inserted one by one: the triangle, the cavity with its circles, the star."
     )
+
+
+def _presets(known: dict[str, Any]) -> Any:
+    return ipywidgets.Dropdown(options=list(known), description="preset", style=WIDE, layout={"width": WIDTH})
 
 
 def _slider(description: str, value: float, low: float, high: float, step: float) -> ipywidgets.FloatSlider:
