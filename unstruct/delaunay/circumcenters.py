@@ -18,12 +18,11 @@ from ..progress import progress_bar
 from ..sizing import as_size
 from .cavity2 import blocked_by, commit_split, find_split
 from .center_steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
-from .compiled import grown
 from .constrained import complex_of
 from .insertion import delaunay
 from .planar import PlanarComplex
 from .refined import Refined
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, measures, put, unscaled, watched
+from .worst import NONE, Contest, Rule, make_rule, measures, put
 
 if TYPE_CHECKING:
     from ..domain import Domain
@@ -149,18 +148,16 @@ def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
     return Domain(rows[kept], place[mesh.boundary]), kept.astype(np.int32), len(mesh.duplicates)
 
 
-class _Run:
+class _Run(Contest):
     """A run over a complex: the tournament, the record, and the splits."""
 
     def __init__(self, complex_: PlanarComplex, domain: Domain, rule: Rule, split: bool, history: bool):
-        self.complex, self.domain, self.rule, self.split = complex_, domain, rule, split
+        super().__init__(rule, history, 7)
+        self.complex, self.domain, self.split = complex_, domain, split
         self.first = complex_.size
         self.splits = 0
         self.end = FULL
         self.why = np.zeros(0, dtype=np.int8)
-        self.tree = np.full(2, NONE)
-        self.watch = np.full((5 if history else 0, 2), NONE)
-        self.rows, self.events = np.empty((0, 5)), np.empty((0, 7))
         self.ask = np.zeros(2, dtype=np.int64)
         self._reserve(self.first + 64)
         self._enter(np.arange(complex_.triangles))
@@ -171,13 +168,8 @@ class _Run:
         slots = len(k.region)
         if slots != len(self.why):
             self.why = np.concatenate([self.why, np.zeros(slots - len(self.why), dtype=np.int8)])
-            self.tree = grown_tree(self.tree, slots)
-            if len(self.watch):
-                self.watch = np.stack([grown_tree(tree, slots) for tree in self.watch])
             self.scratch = k.scratch()
-        if len(self.watch):
-            room = len(k.xy) - self.first
-            self.rows, self.events = grown(self.rows, room), grown(self.events, room)
+        self.make_room(slots, len(k.xy) - self.first)
 
     def _judges(self) -> tuple:
         return self.rule, self.tree, self.watch, self.why
@@ -245,22 +237,18 @@ class _Run:
     def unrefined(self) -> dict[str, Any]:
         """Bad triangles that are left, as slots, and why."""
         k = self.complex
-        half = len(self.tree) // 2
-        waiting = self.tree[half : half + k.triangles] > NONE
-        slots = np.flatnonzero((waiting | (self.why[: k.triangles] > 0)) & k.kept())
+        slots = np.flatnonzero((self.waiting(k.triangles) | (self.why[: k.triangles] > 0)) & k.kept())
         return {"unrefined": slots, "reasons": [REASONS[int(code)] for code in self.why[slots]]}
 
     def steps(self) -> dict[str, NDArray]:
         k = self.complex
         inserted = k.size - self.first
-        rows, events = np.vstack([self.rows[:inserted], self.watch[:, 1]]), self.events[:inserted]
+        events = self.events[:inserted]
         used = np.zeros(k.size, dtype=bool)
         used[k.vertex[: 3 * k.triangles].reshape(-1, 3)[k.kept()].ravel()] = True
         place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         return {
-            **watched(rows, k.factor),
-            "chosen": events[:, 0] / k.factor,
-            "value": unscaled(int(self.rule.test[KIND]), events[:, 1], k.factor),
+            **self.story(0, inserted, k.factor),
             "triangle": place[events[:, 2:5].astype(np.int64)],
             "vertex": place[np.arange(self.first, k.size)],
             "split": events[:, 5] > 0,

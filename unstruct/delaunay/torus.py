@@ -18,7 +18,7 @@ from ..sizing import as_size
 from .compiled import COUNT, grown
 from .periodic import PeriodicMesh, half_edge_twins, periodic_delaunay
 from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
-from .worst import KIND, NONE, Rule, grown_tree, make_rule, unscaled, watched
+from .worst import Contest, Rule, make_rule
 
 __all__ = ["periodic_circumcenters"]
 
@@ -78,12 +78,13 @@ def _wrapped(size: Any) -> Any:
     return field if field.constant is not None else as_size(lambda x: field(x - np.floor(x)))
 
 
-class _Run:
+class _Run(Contest):
     """The arrays of a run on the torus."""
 
     def __init__(self, start: PeriodicMesh, rule: Rule, history: bool):
         n = len(start.points)
-        self.rule, self.first = rule, n
+        super().__init__(rule, history)
+        self.first = n
         self.xy, self.vertex = start.points.copy(), start.simplices.ravel().copy()
         self.shift = start.shifts.reshape(-1, 2).copy()
         twin = half_edge_twins(start.simplices, start.shifts)
@@ -91,9 +92,6 @@ class _Run:
         self.twin = twin
         self.state = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[VERTICES] = 2 * n, n
-        self.tree = np.full(2, NONE)
-        self.watch = np.full((5 if history else 0, 2), NONE)
-        self.rows, self.events = np.empty((0, 5)), np.empty((0, 5))
         self._reserve(2 * n)
         enter_all(self.xy, self.vertex, self.shift, 2 * n, *self._judges())
 
@@ -106,10 +104,7 @@ class _Run:
         self.vertex, self.twin, self.shift = (
             grown(a, 3 * slots) for a in (self.vertex, self.twin, self.shift)
         )
-        self.tree = grown_tree(self.tree, slots)
-        if len(self.watch):
-            self.watch = np.stack([grown_tree(tree, slots) for tree in self.watch])
-            self.rows, self.events = grown(self.rows, len(self.xy)), grown(self.events, len(self.xy))
+        self.make_room(slots, len(self.xy))
 
     def advance(self, last: int, progress: bool) -> int:
         """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
@@ -135,17 +130,15 @@ class _Run:
     def result(self, end: int) -> PeriodicMesh:
         n, m = int(self.state[VERTICES]), int(self.state[COUNT])
         simplices, neighbors = (a[: 3 * m].reshape(-1, 3) for a in (self.vertex, self.twin // 3))
-        bad = np.flatnonzero(self.tree[len(self.tree) // 2 :][:m] > NONE)
+        bad = np.flatnonzero(self.waiting(m))
         reason = "the circumcenter rounds out of its circle" if end == ROUNDED else "budget"
         steps: dict[str, NDArray] | None = None
         if len(self.watch):
-            rows = np.vstack([self.rows[self.first : n], self.watch[:, 1]])
-            events = self.events[self.first : n]
-            steps = dict(watched(rows, 1.0))
-            steps["chosen"] = events[:, 0].copy()
-            steps["value"] = unscaled(int(self.rule.test[KIND]), events[:, 1], 1.0)
-            steps["vertex"] = np.arange(self.first, n, dtype=np.int32)
-            steps["triangle"] = events[:, 2:].astype(np.int32)
+            steps = {
+                **self.story(self.first, n, 1.0),
+                "vertex": np.arange(self.first, n, dtype=np.int32),
+                "triangle": self.events[self.first : n, 2:].astype(np.int32),
+            }
         return PeriodicMesh(
             self.xy[:n], simplices.copy(), self.shift[: 3 * m].reshape(-1, 3, 2), neighbors.copy(),
             unrefined=bad, reason=reason, counts={"circumcenters": n - self.first}, steps=steps,

@@ -19,6 +19,7 @@ from ..errors import InputError
 from ..jit import inline, lean
 from ..size_table import Nodes, size_at
 from ..sizing import as_size
+from .compiled import grown
 
 NONE = -np.inf
 ROOT3 = math.sqrt(3.0)
@@ -210,3 +211,43 @@ def make_rule(
 def unscaled(priority: int, value: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
     """Values of `judge` in the units of the input, the least angle as a positive number."""
     return value * {0: 1 / factor, 3: -1.0, 5: 1 / factor**2}.get(priority, 1.0)
+
+
+class Contest:
+    """What a run keeps to know its worst triangle: rule, tournaments, and a record where it is wanted.
+
+    Attributes
+    ----------
+    rule : Rule
+    tree : ndarray
+        The tournament of all bad triangles.
+    watch : ndarray, shape (5 or 0, nodes)
+        The tournaments of the record.
+    rows, events : ndarray, shapes (steps, 5), (steps, columns)
+        Before each step the tops of the tournaments; circumradius, value and vertices of the triangle, and
+        what else a run notes of it.
+    """
+
+    def __init__(self, rule: Rule, history: bool, columns: int = 5):
+        self.rule, self.tree = rule, np.full(2, NONE)
+        self.watch = np.full((len(WATCHED) if history else 0, 2), NONE)
+        self.rows, self.events = np.empty((0, len(WATCHED))), np.empty((0, columns))
+
+    def make_room(self, slots: int, steps: int) -> None:
+        """For triangles in so many slots, and so many steps of the record."""
+        self.tree = grown_tree(self.tree, slots)
+        if len(self.watch):
+            if self.watch.shape[1] < len(self.tree):
+                self.watch = np.stack([grown_tree(tree, slots) for tree in self.watch])
+            self.rows, self.events = grown(self.rows, steps), grown(self.events, steps)
+
+    def waiting(self, slots: int) -> NDArray[np.bool_]:
+        """Which of the first slots hold a bad triangle."""
+        half = len(self.tree) // 2
+        return self.tree[half : half + slots] > NONE
+
+    def story(self, first: int, last: int, factor: float) -> dict[str, NDArray[np.float64]]:
+        """The record of these steps and the state after them, in the units of the input."""
+        events, rows = self.events[first:last], np.vstack([self.rows[first:last], self.watch[:, 1]])
+        value = unscaled(int(self.rule.test[KIND]), events[:, 1], factor)
+        return {**watched(rows, factor), "chosen": events[:, 0] / factor, "value": value}
