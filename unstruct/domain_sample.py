@@ -108,12 +108,13 @@ def turning(chains: np.ndarray) -> np.ndarray:
     return np.abs(np.arctan2(cross, dot)).sum(axis=1)
 
 
-def conflicts(domain: Domain, sampled: Sampled, curved: np.ndarray) -> np.ndarray:
-    """Pairs of subsegments (c, 2) of which one or both must be cut for the chords to be safe."""
+def conflicts(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+    """Pairs of subsegments (c, 2) of which one or both must be cut for the chords to be safe.
+
+    ``rows`` are the curved ones, ``chains`` their `fine_chains`.
+    """
     pairs = [meetings(sampled.points, sampled.ends)[0]]
-    rows = np.nonzero(curved)[0]
     if len(rows):
-        chains = fine_chains(domain, sampled, rows)
         pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(domain, sampled, rows, chains)]
     return np.concatenate(pairs)
 
@@ -161,10 +162,11 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn
         curved = bent[sampled.piece]
         rows = np.nonzero(curved)[0]
         cut = np.zeros(len(curved), dtype=bool)
-        if len(rows):
-            cut[rows[turning(fine_chains(domain, sampled, rows)) > turn * (1 + 1e-9)]] = True
+        chains = fine_chains(domain, sampled, rows)
+        if turn < np.inf:
+            cut[rows[turning(chains) > turn * (1 + 1e-9)]] = True
         if not cut.any():
-            pairs = conflicts(domain, sampled, curved)
+            pairs = conflicts(domain, sampled, rows, chains)
             if len(pairs) == 0:
                 return sampled
             cut[pairs.ravel()] = True
@@ -181,7 +183,7 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn
         if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
             break
         piece, t0, t1 = halve(sampled, cut)
-    raise InputError(_meeting_text(domain, sampled, conflicts(domain, sampled, curved)))
+    raise InputError(_meeting_text(domain, sampled, conflicts(domain, sampled, rows, chains)))
 
 
 def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
