@@ -10,11 +10,13 @@ from fixtures import HARD_2D
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import InputError, Mesh, MeshError, check, delaunay, statistics
+from unstruct import InputError, Mesh, MeshError, check, delaunay, simplex, statistics
+from unstruct.delaunay import stars2
 from unstruct.delaunay.refined import Refined
 from unstruct.delaunay.smoothing import METHODS, smooth
 from unstruct.examples import sweep_triangulation
 from unstruct.plain.smoothing import laplacian_round
+from unstruct.topology import twins
 
 EVERY = list(METHODS)
 
@@ -123,3 +125,47 @@ def test_bad_input() -> None:
         smooth(Mesh(mesh.points, mesh.simplices[:, ::-1]))
     with pytest.raises(MeshError):
         smooth(delaunay(np.random.default_rng(0).random((20, 3))))
+
+
+@pytest.mark.parametrize("judge", [stars2.FAIRNESS, stars2.ROUNDNESS])
+def test_measures_of_a_star(judge: int) -> None:
+    rng = np.random.default_rng(judge)
+    for _ in range(50):
+        k = int(rng.integers(3, 9))
+        angle = 2 * np.pi * (np.arange(k + 1) % k + 0.3 * rng.random()) / k
+        places = 0.5 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        x, y = 0.1 * rng.random(2)
+        rows = np.stack([places[:-1], places[1:], np.broadcast_to([x, y], (k, 2))], axis=1)
+        square = sum(((rows[:, i] - rows[:, i - 1]) ** 2).sum(axis=1) for i in range(3))
+        fair = 4 * np.sqrt(3) * simplex.volume(rows) / square
+        wanted = fair if judge == stars2.FAIRNESS else simplex.quality("2r/R", rows)
+        least, sine, total = stars2.star_measures(places, k, x, y, -1.0, judge)
+        assert least == pytest.approx(wanted.min()) and total == pytest.approx(wanted.sum())
+        if judge == stars2.FAIRNESS:
+            real = np.sin(np.radians(simplex.quality("min_angle", rows).min())) ** 2
+            assert sine == pytest.approx(real) or (sine == 1.0 and real > stars2.SAFE)
+        assert stars2.star_measures(places, k, x, y, least, judge)[0] == -1.0
+        assert stars2.star_measures(places, k, x, y, 0.99 * least, judge) == (least, sine, total)
+
+
+def test_a_star_is_refused_by_exact_signs() -> None:
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+    for height, valid in ((0.0, False), (-1e-300, False), (5e-324, True), (1e-200, True), (1e-12, True)):
+        least, _, _ = stars2.star_measures(square, 4, 0.5, height, -1.0, stars2.ROUNDNESS)
+        assert (least >= 0.0) == valid
+
+
+def test_swaps_for_many_moves_at_once() -> None:
+    mesh = cloud(2000)
+    pressed = smooth(mesh, rounds=3, smart=False, swap=False)
+    assert not check(pressed, delaunay=True)
+    xy, vertex, twin = pressed.points, pressed.simplices.ravel().copy(), twins(pressed.neighbors)
+    region, at = np.zeros(mesh.size, dtype=np.int32), np.empty(len(xy), dtype=np.int32)
+    stars2.opposite_half_edges(vertex, region, mesh.size, at)
+    mark = np.where(twin < 0, 0, -1).astype(np.int32)
+    moved = (xy != mesh.points).any(axis=1)
+    where, stack = np.zeros(1, dtype=np.int32), np.empty(8, dtype=np.int32)  # hardly any room: more rounds
+    arrays = (xy, vertex, twin, mark, region, where, at, mesh.size, moved, stack)
+    assert stars2.legalize_moved(*arrays) > 100
+    assert check(Mesh(xy, vertex.reshape(-1, 3)), delaunay=True)
+    assert stars2.legalize_moved(*arrays) == 0

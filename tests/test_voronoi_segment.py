@@ -246,6 +246,20 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
     assert check(run.result(), domain=domain, delaunay="constrained")
 
 
+def test_after_finishing_it_is_known_of_all_triangles_whether_they_are_small_enough() -> None:
+    domain = lake()
+    complex_ = planar_complex(domain, running_size)
+    run = Run(domain, complex_, running_size, None, rule_of(1.35, "center", "first", None, True), False)
+    run.insert(None, None)
+    counts = run.finish(None)["counts"]
+    assert (
+        counts["points again"] > 0 and counts["angle points"] == 0
+    )  # so that the second look is a partial one
+    known = run.links[: complex_.triangles, queue.STATUS].copy()
+    run.restart()
+    np.testing.assert_array_equal(known, run.links[: complex_.triangles, queue.STATUS])
+
+
 # named regions in which the cases come up by themselves
 OCCUR = {
     "capped": lambda: (lake(), 0.1),
