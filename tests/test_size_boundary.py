@@ -157,3 +157,32 @@ def test_straight_boundaries_have_no_curvature() -> None:
     for options in ({"per_turn": 0.0, "far": 1.0}, {"far": -1.0}, {"far": 1.0, "lower": math.nan}):
         with pytest.raises(InputError, match="must be positive"):
             from_curvature(Domain.disc(), **options)
+
+
+def test_neither_the_order_of_points_nor_a_cut_off_changes_a_size() -> None:
+    rng = np.random.default_rng(11)
+    t = np.sort(rng.uniform(0, 2 * np.pi, 400))
+    shore = (1 + 0.3 * np.sin(9 * t))[:, None] * np.column_stack([np.cos(t), np.sin(t)])
+    feature = FeatureSize(Domain.polygon(shore, holes=[0.1 * shore[::20]]))
+    x = rng.uniform(-1.5, 1.5, (500, 2))
+    size = feature(x)
+    order = np.lexsort((x[:, 1], np.round(4 * x[:, 0])))
+    assert np.allclose(feature(x[order]), size[order], rtol=1e-11)
+    cut = float(np.median(size))
+    assert np.array_equal(np.isinf(feature(x, cut)), size > cut)
+    assert np.allclose(feature(x, cut)[size <= cut], size[size <= cut], rtol=1e-11)
+    with pytest.raises(InputError, match="shape"):
+        feature([[1.0, 2.0, 3.0]])
+
+
+def test_many_rough_pieces_are_no_fault_of_the_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    n = 500  # pieces, each of which asks for some samples of the size
+    t = 2 * np.pi * np.arange(n) / n
+    radius = 1 + 0.005 * np.random.default_rng(5).random(n)
+    domain = Domain.polygon(radius[:, None] * np.column_stack([np.cos(t), np.sin(t)]))
+    monkeypatch.setattr("unstruct.domain_sample.STRETCH", 1000)  # as if there were a thousand times as many
+    sampled = domain.sampled(from_features(domain, 0.5))
+    assert 2 * n < len(sampled.ends) < 10 * n
+    monkeypatch.setattr("unstruct.domain_sample.SHARE", 1)
+    with pytest.raises(InputError, match="too small or too rough"):
+        domain.sampled(from_features(domain, 0.5))

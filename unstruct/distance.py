@@ -53,11 +53,17 @@ def to_segment(x, q, segments, i):
 def _search(x, low, high, least, order, segments, weights, growth, best, which):
     """Lower best[q] to the least weights[i] + growth * distance(x[q], segment i); which[q] is that i.
 
-    A box is left out when even its least weight at its nearest point would not do better.
+    A box is left out when even its least weight at its nearest point would not do better. Neighbors are
+    often asked for one after the other: so the last answer is tried first.
     """
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     for q in range(x.shape[0]):
+        i = which[q - 1] if q > 0 else -1
+        if i >= 0:
+            value = weights[i] + growth * to_segment(x, q, segments, i)
+            if value < best[q]:
+                best[q], which[q] = value, i
         top = 1
         stack[0] = 1
         while top > 0:

@@ -28,7 +28,8 @@ TURN = np.pi / 3  # the most that a curve may turn over one chord
 ROUNDS = 40  # halvings, after which curves that still conflict do meet,
 SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
 MOST = 1 << 25  # subsegments, and
-STRETCH = 1 << 20  # parameter intervals, beyond which a size is out of all proportion
+STRETCH = 1 << 20  # parameter intervals at once, and
+SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
 
 
 @dataclass(frozen=True)
@@ -266,7 +267,7 @@ def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.
             np.repeat(piece[~well], 2),
             np.stack([np.stack([t0, t[2]])[:, ~well].T.ravel(), np.stack([t[2], t1])[:, ~well].T.ravel()]),
         )
-        if len(piece) > STRETCH:
+        if len(piece) > max(STRETCH, SHARE * many):
             raise InputError(_too_small(domain, int(piece[0]), float(t0[0])))
     piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
     order = np.lexsort((t0, piece))

@@ -28,12 +28,10 @@ Integers = NDArray[np.int64]
 FINE = np.radians(6.0)  # curves are looked at in steps that turn by no more than this, where possible
 ROUNDS = 12  # of halving: a kink in a curve never gets there
 AROUND = np.pi / 2  # a curve that has turned by more is another feature of itself
-FIRST = 1 / 16  # the first radius looked at is larger than the least distance by so much of it, and at least
-LEAST = 1e-3  # by so much of the whole region; then by twice as much, and so on
 
 
 class Chain(NamedTuple):
-    """A piece of a boundary, cut into short segments."""
+    """A curve, cut into short segments."""
 
     points: Array  # (k + 1, 2)
     turn: Array  # (k,) how far the piece has turned at the middle of each segment, in all
@@ -41,9 +39,7 @@ class Chain(NamedTuple):
 
 
 def _chain(domain: Domain, piece: int, fine: float = FINE) -> Chain:
-    """A straight piece whole; a curve in steps fine enough for its turns."""
-    if piece not in domain.curves:
-        return Chain(domain.points[domain.pieces[piece]], np.zeros(1), 0.0)
+    """The curve of a piece in steps fine enough for its turns."""
     t = np.linspace(0.0, 1.0, 17)
     for _ in range(ROUNDS):
         joint = _joints(domain.at(piece, t))
@@ -72,7 +68,7 @@ def _near(v, i, ends, turn):
 
 
 @inline
-def _apart(j, group, b, rank, found, least, most, piece, ends, turn):
+def _apart(j, group, b, found, least, most, piece, ends, turn):
     """Whether feature j is apart from one of a group: the features of one piece that were met before.
 
     Of a group the least and the greatest turn are known, and one feature; the others are looked at only
@@ -89,77 +85,105 @@ def _apart(j, group, b, rank, found, least, most, piece, ends, turn):
     if far and start and stop:
         far = False
         for a in range(b):
-            k = found[rank[a]]
+            k = found[a]
             far = far or (piece[k] == piece[i] and turn[k, 0] > AROUND and turn[k, 1] > AROUND)
     return far
 
 
 @inline
-def _first_apart(count, rank, found, groups, least, most, piece, ends, turn):
-    """The number, by rank, of the nearest feature that is apart from a nearer one; -1 for none."""
-    many = 0
-    for b in range(count):
-        j = found[rank[b]]
-        own = -1
-        for g in range(many):
-            if piece[groups[g]] == piece[j]:
-                own = g
-            if _apart(j, groups[g], b, rank, found, least[g], most[g], piece, ends, turn):
-                return b
-        if own < 0:
-            own = many
-            groups[own], least[own], most[own] = j, turn[j, 0], turn[j, 0]
-            many += 1
-        least[own] = min(least[own], turn[j, 0])
-        most[own] = max(most[own], turn[j, 0])
-    return -1
+def _push(heap, what, count, d, w):
+    """Put w into a heap at distance d; how many are in it then."""
+    k = count
+    while k > 0 and heap[(k - 1) // 2] > d:
+        heap[k], what[k] = heap[(k - 1) // 2], what[(k - 1) // 2]
+        k = (k - 1) // 2
+    heap[k], what[k] = d, w
+    return count + 1
+
+
+@inline
+def _pop(heap, what, count):
+    """Take the first away, which the caller has read; how many are left."""
+    count -= 1
+    d, w = heap[count], what[count]
+    k = 0
+    while 2 * k + 1 < count:
+        child = 2 * k + 1
+        if child + 1 < count and heap[child + 1] < heap[child]:
+            child += 1
+        if heap[child] >= d:
+            break
+        heap[k], what[k] = heap[child], what[child]
+        k = child
+    heap[k], what[k] = d, w
+    return count
+
+
+@inline
+def _stands_apart(b, found, many, groups, least, most, piece, ends, turn):
+    """Whether feature b in the order of distance is apart from a nearer one; else it joins their groups.
+
+    Returns also how many groups there are then.
+    """
+    j = found[b]
+    own = -1
+    for g in range(many):
+        if piece[groups[g]] == piece[j]:
+            own = g
+        if _apart(j, groups[g], b, found, least[g], most[g], piece, ends, turn):
+            return True, many
+    if own < 0:
+        own = many
+        groups[own], least[own], most[own] = j, turn[j, 0], turn[j, 0]
+        many += 1
+    least[own] = min(least[own], turn[j, 0])
+    most[own] = max(most[own], turn[j, 0])
+    return False, many
 
 
 @kernel
-def _feature_sizes(x, low, high, order, segments, piece, ends, turn, nearest, span, result):
-    """The least radius of a disk about x[q] that touches two features which are apart; inf for none."""
-    leaves = low.shape[0] // 2
-    stack = np.empty(128, dtype=np.int64)
-    found = np.empty(segments.shape[0], dtype=np.int64)
-    away = np.empty(segments.shape[0])
-    groups, least, most = np.empty_like(found), np.empty_like(away), np.empty_like(away)
+def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result):
+    """The least radius of a disk about x[q] that touches two features which are apart.
+
+    Infinite for none, and where it is beyond ``far``. Features come one by one, the nearest first, out of a
+    heap of boxes and features (these as -1 - i).
+    """
+    leaves, many_features = low.shape[0] // 2, segments.shape[0]
+    heap = np.empty(low.shape[0] + many_features + 2)
+    what = np.empty(low.shape[0] + many_features + 2, dtype=np.int64)
+    found = np.empty(many_features, dtype=np.int64)
+    groups, least, most = np.empty_like(found), np.empty(many_features), np.empty(many_features)
     for q in range(x.shape[0]):
-        limit = nearest[q] + span  # every feature is nearer
-        more = FIRST * nearest[q] + LEAST * span
-        if q > 0 and result[q - 1] < np.inf:  # near the last point its own size, plus the way, is enough
+        bound = far
+        if q > 0:  # no more than at the last point plus the way
             way = np.hypot(x[q, 0] - x[q - 1, 0], x[q, 1] - x[q - 1, 1])
-            if way < 0.5 * result[q - 1]:
-                more = max(more, (result[q - 1] + way) * (1.0 + 1e-12) - nearest[q])
+            bound = min(far, (result[q - 1] + way) * (1.0 + 1e-12))
         result[q] = np.inf
-        while result[q] == np.inf:
-            radius = nearest[q] + more
-            count = 0
-            top = 1
-            stack[0] = 1
-            while top > 0:  # all features within the radius
-                top -= 1
-                node = stack[top]
-                if to_box(x, q, low, high, node) > radius:
-                    continue
-                if node < leaves:
-                    stack[top] = 2 * node
-                    stack[top + 1] = 2 * node + 1
-                    top += 2
-                    continue
-                first = (node - leaves) * LEAF
+        size = _push(heap, what, 0, to_box(x, q, low, high, 1), np.int64(1))
+        count = many = 0
+        while size > 0:
+            d, w = heap[0], what[0]
+            size = _pop(heap, what, size)
+            if d > bound:
+                break
+            if w < 0:
+                found[count] = -1 - w
+                apart, many = _stands_apart(count, found, many, groups, least, most, piece, ends, turn)
+                if apart:
+                    result[q] = d
+                    break
+                count += 1
+            elif w < leaves:
+                for child in (2 * w, 2 * w + 1):
+                    d = to_box(x, q, low, high, child)
+                    if d <= bound:
+                        size = _push(heap, what, size, d, child)
+            else:
+                first = (w - leaves) * LEAF
                 for k in range(first, min(first + LEAF, order.shape[0])):
                     d = to_segment(x, q, segments, order[k])
-                    if d <= radius:
-                        found[count] = order[k]
-                        away[count] = d
-                        count += 1
-            rank = np.argsort(away[:count])
-            b = _first_apart(count, rank, found, groups, least, most, piece, ends, turn)
-            if b >= 0:
-                result[q] = away[rank[b]]
-            if radius > limit:
-                break
-            more *= 2.0
+                    if d <= bound:
+                        size = _push(heap, what, size, d, -1 - np.int64(order[k]))
 
 
 class FeatureSize:
@@ -171,31 +195,35 @@ class FeatureSize:
     """
 
     def __init__(self, domain: Domain):
-        chains = [_chain(domain, piece) for piece in range(len(domain.pieces))]
         vertices = np.unique(np.concatenate([domain.pieces.ravel(), domain.loose])).astype(np.int64)
+        straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
+        chains = [_chain(domain, piece) for piece in domain.curves]
         blocks = [np.repeat(domain.points[vertices][:, None], 2, axis=1)]
+        blocks += [domain.points[domain.pieces[straight]]]
         blocks += [np.stack([c.points[:-1], c.points[1:]], axis=1) for c in chains]
-        sizes = [len(c.turn) for c in chains]
-        number = np.repeat(np.arange(len(chains)), sizes)
+        number = np.concatenate([straight, np.repeat(list(domain.curves), [len(c.turn) for c in chains])])
+        number = number.astype(np.int64)
         self._piece = np.concatenate([-1 - vertices, number])  # a vertex is a piece of its own
-        self._ends = np.concatenate([np.stack([vertices] * 2, axis=1), domain.pieces[number]]).astype(
-            np.int64
-        )
-        turn = np.concatenate([np.zeros(len(vertices)), *[c.turn for c in chains]])
-        rest = np.concatenate([np.zeros(len(vertices)), *[c.total - c.turn for c in chains]])
+        self._ends = np.concatenate([np.stack([vertices] * 2, axis=1), domain.pieces[number]], dtype=np.int64)
+        flat = np.zeros(len(vertices) + len(straight))
+        turn = np.concatenate([flat, *[c.turn for c in chains]])
+        rest = np.concatenate([flat, *[c.total - c.turn for c in chains]])
         self._turn = np.stack([turn, rest], axis=1)
         self._tree = SegmentTree(np.concatenate(blocks))
 
-    def __call__(self, x: ArrayLike) -> Array:
-        """The local feature size at points (k, 2); infinite where no disk touches two features."""
+    def __call__(self, x: ArrayLike, far: float = np.inf) -> Array:
+        """The local feature size at points (k, 2).
+
+        Infinite where no disk touches two features, and where it is larger than ``far`` (which saves time).
+        """
         points = as_points(x, "x")
         tree = self._tree
-        nearest = tree.distance(points) * tree.factor
+        if points.shape[1] != 2:
+            raise InputError(f"x must have shape (k, 2), not {points.shape}")
         result = np.empty(len(points))
         scaled = np.ascontiguousarray(points * tree.factor)
-        span = float(np.hypot(*np.ptp(tree.segments.reshape(-1, 2), axis=0)))
         boxes = *tree.boxes, tree.order, tree.segments
-        _feature_sizes(scaled, *boxes, self._piece, self._ends, self._turn, nearest, span, result)
+        _feature_sizes(scaled, *boxes, self._piece, self._ends, self._turn, far * tree.factor, result)
         return result / tree.factor
 
 
@@ -223,9 +251,10 @@ def local_feature_size(domain: Domain, x: ArrayLike) -> Array:
     what it starts from only for its first 90 degrees. A minimum, over fixed pairs, of the larger of two
     distances, this function is Lipschitz with the constant 1; it needs no medial axis.
 
-    A point costs about O(log s) and what lies within twice the radius. `FeatureSize` keeps the tree for
-    more calls. Source: Ruppert, *A Delaunay refinement algorithm for quality 2-dimensional mesh generation*
-    (1995), section 3; the treatment of curves is ours. See the book, chapter 2.3.
+    A point costs about O(log s) and what is nearer than the second of the two features. `FeatureSize` keeps
+    the tree for more calls, which are faster where points come one beside the other. Source: Ruppert, *A
+    Delaunay refinement algorithm for quality 2-dimensional mesh generation* (1995), section 3; the treatment
+    of curves is ours. See the book, chapter 2.3.
     """
     return FeatureSize(domain)(x)
 
@@ -260,7 +289,7 @@ def from_features(domain: Domain, fraction: float = 0.5, *, far: float | None = 
     feature = FeatureSize(domain)
     cap = np.inf if far is None else far
     return SizeField(
-        lambda x: np.minimum(fraction * feature(x), cap),
+        lambda x: np.minimum(fraction * feature(x, cap / fraction * (1 + 1e-12)), cap),
         landmarks=domain.points,
         name=f"{fraction:g} of the local feature size",
     )
