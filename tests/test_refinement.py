@@ -424,6 +424,31 @@ def test_precision_is_told() -> None:
     assert tiny.complete and tiny.size > 100
 
 
+def test_neighbors_by_one_bit_are_told_and_do_not_spread() -> None:
+    """Points a few units of rounding apart have any angle: the region used to fill with them."""
+    near = 0.5 + 2.0**-53
+    domain = Domain(np.array([*SQUARE, (0.5, 0.5), (near, near)]), [[0, 1], [1, 2], [2, 3], [3, 0]])
+    mesh = refine(domain, budget=20_000)
+    assert mesh.size < 1000 and not mesh.complete and {r[:8] for r in mesh.reasons} == {"too near"}
+    assert check(mesh, domain=domain, delaunay="constrained")
+    corner = Domain(np.array([*SQUARE, (1e-200, 1e-200)]), domain.facets)  # doubles are finer there
+    assert refine(corner, budget=20_000).complete
+
+
+def test_few_digits_left_by_an_offset_do_not_spread() -> None:
+    """1e11 away the last bit of the coordinates is 2^-16: narrow angles made millions of triangles of it."""
+    rows = [
+        (2648, 8047), (30426, 63206), (9096, 21339), (12564, 21079), (3621, 41675), (4495, 63904),
+        (6849, 24535), (4087, 47876), (13739, 37016), (21840, 10490), (9333, 21321), (11011, 24654),
+        (10907, 24894), (3750, 41378), (5270, 37877),
+    ]  # fmt: skip
+    ring = [(0, 10), (10, 11), (11, 1), (1, 12), (12, 2), (2, 10), (10, 3), (3, 11), (11, 12), (12, 14),
+            (14, 13), (13, 4), (4, 5), (5, 13), (13, 0)]  # fmt: skip
+    domain = Domain(1e11 + np.array(rows) * 2.0**-16, ring, inner=[(6, 14), (14, 7)])
+    mesh = refine(domain, min_angle=28, budget=20_000)
+    assert mesh.size < 2000 and check(mesh, domain=domain, delaunay="constrained")
+
+
 def test_an_angle_out_of_reach_ends() -> None:
     domain = Domain.polygon(ring(7, 1.0), [ring(4, 0.3)])
     mesh = refine(domain, min_angle=45, budget=20_000)

@@ -26,7 +26,7 @@ from .ruppert2 import shortest_first
 __all__ = ["account", "history_of"]
 
 TEXTS = {
-    FLOOR: "too near: the angle would need edges below a thousandth of the input's edges there",
+    FLOOR: "too near: the angle would need edges below a thousandth of the input's there, or near rounding",
     PRECISION: "precision: the point needed is no double between its neighbors",
     CURVE: "curve: a split of a curve would meet another feature",
 }

@@ -33,6 +33,7 @@ SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1
 REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 8, 9, 10, 11, 12, 13, 14
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
+LEAST = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
 
 
 class Work(NamedTuple):

@@ -12,8 +12,8 @@ cannot be done is not done: the subsegment is locked, with the reason, and so ar
 that would need it.
 
 No loop without end: what the angle asks for must keep the distance ``floor`` of the vertices around it, a
-small part of the input's edges there; what size and area ask for keeps a part of the wanted length. So all
-vertices keep a least distance, and there is room for so many only.
+small part of the input's edges there, and more than a few units of rounding; what size and area ask for
+keeps a part of the wanted length. So all vertices keep a least distance, and there is room for so many only.
 """
 
 from __future__ import annotations
@@ -58,6 +58,7 @@ from .refinement_state import (
     FLOOR,
     FRACTION,
     LARGE_ONES,
+    LEAST,
     LIMIT,
     LINKED,
     LOCKED,
@@ -144,12 +145,13 @@ def split_next(w, tally, limits):
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
-    floor = min(w.floor[a], w.floor[b], w.need[s])
+    rounding = LEAST * max(px * px, py * py)
+    floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
     least = floor
     if by & BY_SIZE:
         least = FRACTION * _wanted(w, limits, s, px, py)
-        floor = min(floor, FRACTION * square)
+        floor = min(floor, max(FRACTION * square, rounding))
     if square < least:
         _lock(w, tally, s, FLOOR)
         return
@@ -300,8 +302,9 @@ def improve_next(w, tally, limits, offset):
     else:  # off-centers serve the angle
         a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
         offset = 0.0
-    floor = min(w.floor[a], w.floor[b], w.floor[c])
     px, py, square, sure = _center(w.xy, a, b, c, offset)
+    rounding = LEAST * max(px * px, py * py)
+    floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
     if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
             give_up(w, tally, t, SMALL_ANGLE)
@@ -310,7 +313,7 @@ def improve_next(w, tally, limits, offset):
             give_up(w, tally, t, FLOOR)
             return
     else:
-        floor = min(floor, FRACTION * square)
+        floor = min(floor, max(FRACTION * square, rounding))
     if not (abs(px) < FAR and abs(py) < FAR):
         give_up(w, tally, t, PRECISION)
         return
