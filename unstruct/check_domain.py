@@ -73,7 +73,7 @@ def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
     if chains is None or not _assign(mesh, domain, chains, marked["facets"], report):
         report.skipped.append("places and area of the chains, which need one for each piece")
         return
-    _inside_out(mesh, domain, place, marked["facets"], chains, report)
+    _inside_out(mesh, domain, place, marked["facets"], report)
     _curves_met(mesh, domain, chains, report)
     _names(mesh, domain, chains, report)
     _regions(mesh, domain, np.concatenate(list(marked.values())), report)
@@ -256,9 +256,7 @@ def _curves_met(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report)
 # ---------------------------------------------------------------------- inside and outside
 
 
-def _inside_out(
-    mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarray, chains: list[Chain], report: Report
-) -> None:
+def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarray, report: Report) -> None:
     """The region enclosed by the chains, even-odd, is what is meshed; loose vertices in it are vertices."""
     if len(domain.facets) == 0:
         report.skipped.append("area and loose vertices of a domain without facets")

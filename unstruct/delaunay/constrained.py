@@ -76,16 +76,14 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     )
 
 
-def planar_complex(
-    domain: Domain, size: Any = None, *, step: float = 1.0, progress: bool = False
-) -> PlanarComplex:
+def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) -> PlanarComplex:
     """The constrained Delaunay triangulation of a domain whose pieces are cut by a size, ready to be refined.
 
     Parameters
     ----------
     domain : Domain
-    size, step
-        The wanted length of subsegments is ``step * size``; see `Domain.sampled`.
+    size : number, function (k, 2) -> (k,), or size field, optional
+        The wanted length of subsegments; see `Domain.sampled`.
     progress : bool
         Show a bar while segments go in.
 
@@ -94,7 +92,7 @@ def planar_complex(
     PlanarComplex
         Regions flooded, as told in `constrained_delaunay`, which see for errors and sources.
     """
-    return complex_of(domain, domain.sampled(size, step=step), progress=progress)
+    return complex_of(domain, domain.sampled(size), progress=progress)
 
 
 def complex_of(
