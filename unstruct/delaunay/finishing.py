@@ -29,7 +29,7 @@ __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 CHUNK = 100_000  # vertices of a kernel call
 # Laplace steps on stars with a triangle below this fairness, then a search on those below that; most rounds
 NEARLY, STEPS = 0.995, 3
-POOR, SEARCHES = 0.85, 6
+POOR, SEARCHES = 0.9, 6
 LEAST = 25.0  # degrees: what is promised
 WANTED = 26.0  # and what is asked for
 PASSES = 3  # of refinement and smoothing
