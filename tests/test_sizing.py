@@ -178,12 +178,17 @@ def test_tables_keep_their_promise(name: str) -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 0.25, 2.0**-40, 2.0**30]))
-def test_the_descent_is_that_of_plain_fractions(seed: int, factor: float) -> None:
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([1.0, 0.25, 2.0**-40, 2.0**30]),
+    st.sampled_from([10**6, 1200, 30]),
+)
+def test_the_descent_is_that_of_plain_fractions(seed: int, factor: float, room: int) -> None:
     rng = np.random.default_rng(seed)
     tip, lower = rng.random(2), np.round(rng.random(2) * 8) / 4
     field = as_size(lambda x: 0.05 + 0.4 * np.linalg.norm(x - tip, axis=1))
-    table = field.table(lower, lower + np.array([1.5, 0.75]), factor=factor, tolerance=0.05)
+    table = field.table(lower, lower + np.array([1.5, 0.75]), factor=factor, tolerance=0.05, max_nodes=room)
+    assert len(table.child) <= room
     leaves = leaves_of(table)
     for x in lower + np.round(rng.random((6, 2)) * 64) / 64 * [1.5, 0.75]:
         wanted = plain_value(leaves, [Fraction(float(v)) * Fraction(factor) for v in x])

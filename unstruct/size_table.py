@@ -22,6 +22,11 @@ __all__ = ["Nodes", "SizeTable", "build", "size_at"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FIRST = 5  # levels that are always made: a first look at 32 x 32 leaves, nine points in each
+# Nodes are numbered level by level. Where the first levels are full, the last node above depth FIRST has the
+# last four of that depth as its children (and conversely: as many nodes before it are divided as there are).
+SIDE = 1 << FIRST
+ABOVE = (SIDE * SIDE - 1) // 3 - 1
+LAST = ABOVE + SIDE * SIDE - 3
 DEEPEST = 50  # levels: places are exact in doubles
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
@@ -35,12 +40,24 @@ CHILD = np.array([[0, 5, 6, 4], [5, 1, 4, 7], [6, 4, 2, 8], [4, 7, 8, 3]])
 
 
 @inline
+def spaced(i):
+    """A number below 256 with a zero bit between any two of its bits."""
+    i = (i | i << 4) & 0x0F0F
+    i = (i | i << 2) & 0x3333
+    return (i | i << 1) & 0x5555
+
+
+@inline
 def size_at(child, values, box, x, y):
     """The size at (x, y) in the scaled coordinates of the table; outside of the box at its nearest point."""
     width, height = box[2] - box[0], box[3] - box[1]
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
     node = np.int64(0)
+    if len(child) > ABOVE and child[ABOVE] == LAST and u >= 0.0 and v >= 0.0:  # by one step to where all are
+        i, j = min(int(SIDE * u), SIDE - 1), min(int(SIDE * v), SIDE - 1)
+        node = np.int64(ABOVE + 1 + spaced(i) + 2 * spaced(j))
+        u, v = SIDE * u - i, SIDE * v - j
     while child[node] >= 0:
         node = np.int64(child[node])
         u *= 2.0
