@@ -449,8 +449,10 @@ def test_scikit_fem_solves_on_it():
     from skfem.models.poisson import laplace
 
     mesh = random_mesh(60)
-    mesh = Mesh(mesh.points, mesh.simplices, markers={"all": mesh.boundary, "half": np.arange(mesh.size) < 9})
+    half, third = np.arange(mesh.size) < 9, np.arange(mesh.size) % 3
+    mesh = Mesh(mesh.points, mesh.simplices, markers={"all": mesh.boundary, "half": half, "region": third})
     theirs = mesh.to_skfem()
+    assert [theirs.subdomains[f"region {k}"][:2].tolist() for k in range(3)] == [[0, 3], [1, 4], [2, 5]]
     assert theirs.t.shape[1] == mesh.size and len(theirs.boundaries["all"]) == len(mesh.boundary)
     assert theirs.subdomains["half"].tolist() == list(range(9))
     basis = skfem.Basis(theirs, skfem.ElementTriP1())
@@ -461,6 +463,8 @@ def test_scikit_fem_solves_on_it():
     assert random_mesh(d=3).to_skfem().t.shape[0] == 4 and random_mesh(5, 1).to_skfem().t.shape[0] == 2
     with pytest.raises(MeshError, match="scikit-fem"):
         mixed().to_skfem()
+    with pytest.raises(MeshError, match="without cells"):
+        Mesh(np.empty((0, 2)), np.empty((0, 3), dtype=int)).to_skfem()
 
 
 def test_boundary_is_a_closed_walk():

@@ -279,7 +279,10 @@ def _table(path: Path) -> tuple[list[int], np.ndarray]:
 
 
 def to_skfem(mesh: Mesh) -> Any:
-    """The mesh as a scikit-fem mesh; named facets become boundaries, boolean cell markers subdomains."""
+    """The mesh as a scikit-fem mesh; named facets become boundaries, cell markers subdomains.
+
+    A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2".
+    """
     import skfem
 
     kinds = {
@@ -295,6 +298,8 @@ def to_skfem(mesh: Mesh) -> Any:
         raise MeshError(
             f"scikit-fem has no mesh for cells of kind {what} in {mesh.points.shape[1]} dimensions"
         )
+    if mesh.size == 0:
+        raise MeshError("scikit-fem has no mesh without cells")
     used, rows = np.unique(mesh.cells[name], return_inverse=True)
     rows = rows.reshape(mesh.size, -1)
     result = getattr(skfem, kind)(mesh.points[used].T.copy(), rows.T.copy())
@@ -307,6 +312,11 @@ def to_skfem(mesh: Mesh) -> Any:
             boundaries[marker] = np.array([lookup[tuple(sorted(row))] for row in number[values].tolist()])
         elif values.ndim == 1 and values.dtype == bool:
             subdomains[marker] = np.nonzero(values)[0]
+        elif values.ndim == 1 and values.dtype.kind in "iu":
+            order = np.argsort(values, kind="stable")
+            different, first = np.unique(values[order], return_index=True)
+            for value, part in zip(different.tolist(), np.split(order, first[1:])):
+                subdomains[f"{marker} {value}"] = part
     if boundaries:
         result = result.with_boundaries(boundaries)
     return result.with_subdomains(subdomains) if subdomains else result
