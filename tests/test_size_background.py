@@ -106,6 +106,8 @@ def test_bad_values_are_named(bad: float) -> None:
 def test_bad_meshes() -> None:
     with pytest.raises(InputError, match=r"one size a vertex, shape \(4,\)"):
         background(SQUARE, [1, 1, 1])
+    with pytest.raises(InputError, match="values must be real numbers"):
+        background(SQUARE, ["a", "b", "c", "d"])
     with pytest.raises(MeshError, match="triangles in the plane"):
         background(unstruct.delaunay(np.random.default_rng(0).random((6, 3))), np.ones(6))
     with pytest.raises(MeshError, match="at least one"):

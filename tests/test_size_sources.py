@@ -70,6 +70,7 @@ def test_a_table_sees_every_source() -> None:
         (lambda: points([[0, 0], [1, 1]], [0.1, 0.0]), r"size\[1\] = 0.0 at source 1"),
         (lambda: points([[0, 0], [1, 1]], [math.nan, 0.1]), r"size\[0\] = nan"),
         (lambda: points([[0, 0], [1, 1]], [0.1, 0.1, 0.1]), "one for each of 2 sources"),
+        (lambda: points([[0, 0]], "small"), "size must be real numbers"),
         (lambda: points([[0, 0]], 0.1, far=0.05), "below the size"),
         (lambda: points([[0, 0]], 0.1, far=math.nan), "below the size"),
         (lambda: points([[0, 0]], 0.1, growth=-0.1), "growth"),

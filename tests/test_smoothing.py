@@ -117,6 +117,14 @@ def test_bad_input() -> None:
         smooth(mesh, "cotangent")
     with pytest.raises(InputError, match="negative"):
         smooth(mesh, rounds=-1)
+    with pytest.raises(InputError, match=r"rounds = 1\.5 must be a whole number"):
+        smooth(mesh, rounds=1.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="below = nan must be finite"):
+        smooth(mesh, below=float("nan"))
+    with pytest.raises(MeshError, match="nothing to smooth"):
+        smooth(Mesh(np.empty((0, 2)), np.empty((0, 3), dtype=int)))
+    with pytest.raises(MeshError, match="not None"):
+        smooth(None)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="fixed"):
         smooth(mesh, fixed=[99])
     with pytest.raises(MeshError, match="exponents"):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from unstruct import Mesh, MeshError, delaunay
+from unstruct import InputError, Mesh, MeshError, delaunay
 from unstruct.statistics import angle_histogram, compare, statistics
 
 SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
@@ -67,3 +67,7 @@ def test_side_by_side() -> None:
 def test_other_meshes_are_refused() -> None:
     with pytest.raises(MeshError, match="triangle"):
         statistics(delaunay(np.random.default_rng(0).random((20, 3))))
+    with pytest.raises(MeshError, match="this is None"):
+        statistics(None)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="meshes must be a dict"):
+        compare([SQUARE])  # type: ignore[arg-type]

@@ -338,6 +338,7 @@ SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
         (lambda: Mesh(np.array([(0, 0), (1, 1), (2, 2.0)]), [(0, 1, 2)]), r"simplices\[0\]"),
         (lambda: Mesh(np.array([(0, 0), (1, 0), (0, 1), (0.2, 0.9)]), [(0, 1, 2), (0, 1, 3)]), "overlaps"),
         (lambda: Mesh(np.eye(3), [(0, 1, 2)]), "plane"),
+        (lambda: None, "not None"),
         (lambda: Mesh(np.vstack([np.zeros(3), np.eye(3)]), [(0, 1, 2, 3)]), "plane"),
         (lambda: Mesh(SQUARE, cells={"quad": [(0, 1, 2, 3)]}), "plane"),
         (lambda: Mesh(SQUARE, [(0, 1, 2), (0, 2, 3)], markers={"s": [(1, 3)]}), r"\[1, 3\] is no edge"),

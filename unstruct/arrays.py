@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["as_points", "frozen"]
+__all__ = ["as_numbers", "as_points", "frozen"]
 
 
 def as_points(points: Any, name: str = "points") -> np.ndarray:
@@ -43,6 +43,14 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
                 f"{name}[{row}] = {array[row].tolist()} is no double; subtract an offset or scale first"
             )
     return result
+
+
+def as_numbers(values: Any, name: str) -> np.ndarray:
+    """A float64 array of any shape, or an error that calls it by ``name``."""
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be real numbers in an array") from None
 
 
 def frozen(array: np.ndarray) -> np.ndarray:

@@ -362,8 +362,10 @@ class Mesh:
         return html(self)
 
 
-def is_planar(mesh: Mesh) -> bool:
-    """Whether all cells are triangles, of points with two coordinates."""
+def is_planar(mesh: Any) -> bool:
+    """Whether this is a mesh whose cells are all triangles, of points with two coordinates."""
+    if not isinstance(mesh, Mesh):
+        return False
     return mesh.is_simplicial and mesh.dimension == 2 and mesh.points.shape[1] == 2
 
 

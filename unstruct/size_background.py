@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import as_numbers
 from .distance import SegmentTree
 from .errors import InputError, MeshError
 from .mesh import Mesh, is_planar
@@ -71,7 +72,7 @@ def _nodal(mesh: Mesh, values: ArrayLike) -> Array:
         raise MeshError("a background mesh consists of triangles in the plane")
     if mesh.size == 0:
         raise MeshError("a background mesh needs at least one triangle")
-    array = np.array(values, dtype=np.float64)
+    array = as_numbers(values, "values")
     if array.shape != (len(mesh.points),):
         raise InputError(f"give one size a vertex, shape ({len(mesh.points)},), not {array.shape}")
     used = np.zeros(len(array), dtype=bool)

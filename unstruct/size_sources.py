@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arrays import as_points
+from .arrays import as_numbers, as_points
 from .distance import SegmentTree
 from .errors import InputError
 from .size_field import SizeField, as_size
@@ -61,7 +61,7 @@ def sources(
     """
     array = np.asarray(segments)
     rows = len(array) if array.ndim else 0
-    values = np.asarray(size, dtype=np.float64)
+    values = as_numbers(size, "size")
     if values.ndim == 0:
         values = np.full(rows, float(values))
     if values.shape != (rows,):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import MeshError
+from .errors import InputError, MeshError
 from .mesh import Mesh
 from .simplex import angles, quality
 from .size_field import as_size
@@ -86,7 +86,7 @@ class Statistics:
 
 
 def _triangles(mesh: Mesh) -> np.ndarray:
-    if not mesh.is_simplicial or mesh.dimension != 2 or mesh.size == 0:
+    if not isinstance(mesh, Mesh) or not mesh.is_simplicial or mesh.dimension != 2 or mesh.size == 0:
         raise MeshError(f"these statistics are for triangle meshes; this is {mesh!r}")
     return mesh.corners
 
@@ -172,6 +172,8 @@ def compare(meshes: Mapping[str, Mesh], size: Any = None) -> str:
     str
         One line a figure, one column a mesh.
     """
+    if not isinstance(meshes, Mapping):
+        raise InputError(f"meshes must be a dict of names to meshes, not {type(meshes).__name__}")
     columns = {name: dict(statistics(mesh, size).rows()) for name, mesh in meshes.items()}
     lines = ["| | " + " | ".join(columns) + " |", "|---" + "|---:" * len(columns) + "|"]
     for row in next(iter(columns.values()), {}):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain_input import as_count, finite
 from ..errors import InputError, MeshError
 from ..mesh import Mesh
 from ..topology import twins
@@ -95,9 +96,11 @@ def smooth(
     if method not in METHODS:
         *names, last = METHODS
         raise InputError(f"no method is called {method!r}; there are {', '.join(names)} and {last}")
-    if rounds < 0:
-        raise InputError(f"rounds must not be negative: {rounds}")
+    rounds = as_count(rounds, "rounds")
+    limit = 2.0 if below is None else finite(below, "below")
     coordinates, wide = planar_coordinates(mesh)
+    if mesh.size == 0:
+        raise MeshError(f"there is nothing to smooth: {mesh!r}")
     fault = first_fault(coordinates, mesh.simplices, mesh.neighbors, wide)
     if wide or fault >= 0:
         what = "its coordinates span too many exponents" if wide else f"simplices[{fault}] is not well placed"
@@ -115,7 +118,6 @@ def smooth(
     arrays = (xy, vertex, twin, mark, np.zeros(1, dtype=np.int32), at, stays)
     ring, stack = np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32)
     scratch = ring, np.empty((len(ring) + 1, 2)), stack, counts
-    limit = 2.0 if below is None else float(below)
     done = 0
     for number in _rounds(rounds, progress):
         done, before = number, counts[MOVED]
