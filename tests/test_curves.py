@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import random_region
 
-from unstruct import Arc, Bezier, Curve, Domain, InputError
+from unstruct import Arc, Bezier, Curve, Domain, InputError, domain_sample
 from unstruct.curve_distance import distance_to_piece
 
 HALF = np.array([0.0, 0.5, 1.0])
@@ -109,6 +109,20 @@ def test_curves_must_meet_their_vertices() -> None:
         Domain([[-1, 0], [1, 0]], [[0, 1], [1, 0]], curves={1: Bad()})  # fmt: skip
     with pytest.raises(InputError, match=r"zero length.*second vertex on the curve"):
         Domain([[1, 0]], [[0, 0]], curves={0: Arc((0, 0), 1, 0, 2 * math.pi)})
+
+
+def test_curves_that_lie_on_each_other_are_told_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They conflict everywhere, however finely they are cut: it used to go on to 2^28 chords."""
+    there, back = Arc.through((0, 0), (0.5, -0.3), (1, 0)), Arc.through((1, 0), (0.5, -0.3), (0, 0))
+    for second, end in (([1, 0], back), ([0, 1], there)):
+        with pytest.raises(InputError, match="facet 0 and facet 1 are the same curve between points 0 and 1"):
+            Domain([[0, 0], [1, 0]], [[0, 1], second], curves={0: there, 1: end})
+    monkeypatch.setattr(domain_sample, "MANY", 256)
+    turns = np.array([0, 2, 1, 3])
+    points = [*np.column_stack([np.cos(turns), np.sin(turns)]).tolist(), [0, -1]]
+    arcs = {0: Arc((0, 0), 1, 0, 2), 3: Arc((0, 0), 1, 1, 2)}
+    with pytest.raises(InputError, match="facet 0 and inner segment 0 cross or touch"):
+        Domain(points, [[0, 1], [1, 4], [4, 0]], inner=[[2, 3]], curves=arcs)
 
 
 def test_crossing_and_touching_curves_are_named() -> None:

@@ -8,6 +8,7 @@ them, as the curves do.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,8 @@ FINE = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
 ROUNDS = 40  # halvings, after which curves that still conflict do meet,
 SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
+SAME = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
+MANY = 1 << 16  # chords in conflict: curves that cross do so in points, those that lie on each other in all
 MOST = 1 << 25  # subsegments, and
 STRETCH = 1 << 20  # parameter intervals at once, and
 SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
@@ -173,6 +176,8 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn
             cut[pairs.ravel()] = True
             straight = np.isin(sampled.piece, sampled.piece[cut & ~curved]) & ~curved
             cut &= curved
+            if cut.sum() > MANY + SHARE * len(domain.curves):
+                break
             if not cut.any():
                 if not ((sampled.span[straight] != [0.0, 1.0]).any()):
                     break
@@ -203,8 +208,24 @@ def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
 # ---------------------------------------------------------------------- sizes
 
 
+def _refuse_repeated(domain: Domain) -> None:
+    """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
+    with_ends: dict[tuple[int, int], list[int]] = {}
+    for piece in domain.curves:
+        a, b = domain.pieces[piece].tolist()
+        with_ends.setdefault((min(a, b), max(a, b)), []).append(piece)
+    for (a, b), pieces in with_ends.items():
+        for one, two in combinations(pieces, 2):
+            turned = domain.pieces[one, 0] != domain.pieces[two, 0]
+            x, y = domain.at(one, SAMPLES), domain.at(two, SAMPLES)[:: -1 if turned else 1]
+            if np.abs(x - y).max() <= SAME * np.abs(x).max():
+                names = f"{domain.name(one)} and {domain.name(two)}"
+                raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
+
+
 def coarse(domain: Domain) -> Sampled:
     """Straight pieces whole, curves as coarsely as is safe."""
+    _refuse_repeated(domain)
     whole = np.arange(len(domain.pieces))
     if not domain.curves:  # validated as they stand
         number, span = np.arange(len(domain.points), dtype=np.int32), np.empty((len(whole), 2))
