@@ -17,7 +17,7 @@ from .refinement_limits import make_limits
 from .refinement_run import Planned
 from .refinement_run import Run as Refinement
 from .refinement_state import FINISHED, MORE, REFUSED
-from .relocation2 import improve, look_around, survey
+from .relocation2 import improve, look_for, survey
 from .stars2 import legalize_moved, opposite_half_edges
 
 if TYPE_CHECKING:
@@ -66,13 +66,15 @@ def smooth_poor(
     scratch = (np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2)), stack, counts)
     before: dict[str, float] = {}
     if since:
-        look_around(c.vertex, c.region, count, since, todo)
+        look_for(c.xy, c.vertex, c.region, count, np.inf, np.arange(n) >= since, todo)
     else:
         before = _named(_survey(c, NEARLY, todo))
+        seen = todo.copy()
         if _rounds(arrays, NEARLY, False, STEPS, scratch):
             counts[1] += legalize_moved(*arrays[:4], c.region, c.where, at, count, moved, stack)
         todo[:] = False
-        _survey(c, POOR, todo)
+        # the others are as they were, beyond NEARLY
+        look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
     _rounds(arrays, POOR, True, SEARCHES, scratch)
     swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)

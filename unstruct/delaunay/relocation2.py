@@ -9,7 +9,17 @@ from __future__ import annotations
 
 from ..jit import lean
 from .cavity2 import start_of
-from .stars2 import FAIRNESS, better, floor_for, measures, search, star_measures, star_of, swap_around
+from .stars2 import (
+    FAIRNESS,
+    better,
+    floor_for,
+    measures,
+    search,
+    star_measures,
+    star_of,
+    swap_around,
+    touched,
+)
 
 OVER = 0.2  # steps go that much farther than to the mean: three rounds then do what five do
 
@@ -60,12 +70,14 @@ def improve(
 
 
 @lean
-def look_around(vertex, region, count, since, todo):
-    """Put the corners of triangles that have a vertex from number ``since`` on on the list."""
+def look_for(xy, vertex, region, count, threshold, among, todo):
+    """Put the corners of triangles with 2 r / R below the threshold, and one ``among`` these, on the list."""
     for t in range(count):
-        a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-        if region[t] >= 0 and max(a, max(b, c)) >= since:
-            todo[a] = todo[b] = todo[c] = True
+        if region[t] >= 0 and touched(vertex, t, among):
+            a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+            quality, _ = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+            if quality < threshold:
+                todo[a] = todo[b] = todo[c] = True
 
 
 @lean
