@@ -57,6 +57,8 @@ def test_an_arc_passes_its_three_points_in_order(points) -> None:
         (lambda: Arc((0, np.nan), 1, 0, 1), "center"),
         (lambda: Arc((0, 0, 0), 1, 0, 1), "center"),
         (lambda: Arc((0, 0), "wide", 0, 1), "radius must be a number"),
+        (lambda: Arc("middle", 1, 0, 1), "center must be real numbers"),
+        (lambda: Bezier([["a", 0], [1, 0]]), "controls must be real numbers"),
         (lambda: Curve(3), "callable"),
         (lambda: Curve(np.cos, 1, 1), "single point"),
         (lambda: Curve(np.cos).point(HALF), r"must return shape \(3, 2\)"),

@@ -14,6 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import as_numbers
 from .errors import InputError
 
 __all__ = ["Arc", "Bezier", "Curve", "CurveLike"]
@@ -31,7 +32,7 @@ class CurveLike(Protocol):
 
 
 def _pair(value: Any, name: str) -> tuple[float, float]:
-    array = np.asarray(value, dtype=float)
+    array = as_numbers(value, name)
     if array.shape != (2,) or not np.isfinite(array).all():
         raise InputError(f"{name} must be two finite numbers, not {value!r}")
     return float(array[0]), float(array[1])
@@ -152,7 +153,7 @@ class Bezier:
     """
 
     def __init__(self, controls: ArrayLike):
-        self.controls = np.array(controls, dtype=float)
+        self.controls = as_numbers(controls, "controls")
         if self.controls.ndim != 2 or self.controls.shape[1] != 2 or len(self.controls) < 2:
             raise InputError(f"controls must have shape (degree + 1, 2), not {self.controls.shape}")
         if not np.isfinite(self.controls).all():
