@@ -142,7 +142,7 @@ def scaled(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
     """Scale by `power_of_two`; the second value tells whether every entry was kept exactly."""
     factor = power_of_two(points)
     result = points * factor
-    # a power of two may itself be subnormal (largest coordinate beyond 2**1022): divide in two steps
+    # a power of two may itself be subnormal (largest coordinate beyond 2**1022), and is exact all the same
     return result, bool(np.array_equal(result / factor, points))
 
 

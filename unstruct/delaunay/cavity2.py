@@ -35,9 +35,7 @@ from .compiled import BUSY, COUNT, FREE, LAST
 from .insertion2 import GHOST, conflict_across, next_edge, prev_edge
 
 VERTICES, SEGMENTS = 8, 9  # further entries of the state: vertices and subsegments in use
-UNUSED = (
-    -2
-)  # first vertex of a slot that holds no triangle; its first twin is the next such slot, -1 the last
+UNUSED = -2  # the first vertex of a slot without a triangle; its first twin is the next such slot, or -1
 TOO_LARGE = -1  # for the number of rim edges: the search met more triangles than there are
 
 

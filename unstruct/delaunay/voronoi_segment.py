@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..progress import progress_bar
 from .constrained import planar_complex
 from .voronoi_segment_run import COUNT_NAMES, Run, rule_of
 
@@ -120,13 +121,8 @@ def voronoi_segment(
         raise InputError(f"budget = {budget} must not be negative")
     complex_ = planar_complex(domain, size, progress=progress)
     run = Run(domain, complex_, size, priority if rule.general else None, rule, history)
-    if progress:
-        from tqdm.auto import tqdm
-
-        with tqdm(unit=" points") as bar:
-            run.insert(budget, bar)
-    else:
-        run.insert(budget, None)
+    with progress_bar(progress, " points") as bar:
+        run.insert(budget, bar)
     return run.result(run.finish(budget) if finish and not run.spent else None)
 
 
