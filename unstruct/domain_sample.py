@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .domain_corners import crossings_at_corners
 from .errors import InputError
 from .locate import BoxTree
 from .segment_pairs import meetings
@@ -200,7 +201,11 @@ def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
         return f"{name} turns without end near ({x:.6g}, {y:.6g}): a curve must be smooth; put a vertex there"
     first, second = pairs[0]
     x, y = sampled.points[sampled.ends[first]].mean(axis=0)
-    one, two = (domain.name(int(sampled.piece[row])) for row in (first, second))
+    return _told(domain, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
+
+
+def _told(domain: Domain, first: int, second: int, x: float, y: float) -> str:
+    one, two = domain.name(first), domain.name(second)
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
     return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
 
@@ -231,6 +236,9 @@ def coarse(domain: Domain) -> Sampled:
         number, span = np.arange(len(domain.points), dtype=np.int32), np.empty((len(whole), 2))
         span[:, 0], span[:, 1] = 0.0, 1.0
         return Sampled(domain.points, number, domain.pieces, whole.astype(np.int32), span)
+    pairs, places = crossings_at_corners(domain)
+    if len(pairs):
+        raise InputError(_told(domain, *pairs[0].tolist(), *places[0].tolist()))
     return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
 
 
