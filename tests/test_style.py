@@ -32,7 +32,7 @@ FLOORS = {
     **dict.fromkeys(["domain_inside", "domain_repair", "domain_sample", "domain_shapes"], 4),
     **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
     **dict.fromkeys(
-        [f"size_{kind}" for kind in "background boundary field solution sources table".split()], 4
+        [f"size_{kind}" for kind in "background boundary field limit solution sources table".split()], 4
     ),
     **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain", "curve_distance"], 4),
     "delaunay": 5,

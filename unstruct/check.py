@@ -14,6 +14,7 @@ from .check_domain import check_domain, pinch_points
 from .embedding import RidgeFans, crossing_facets, orient_rows
 from .errors import InputError
 from .manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
+from .marked_edges import marked_facets
 from .predicates import in_sphere
 from .report import Problem, Report, problem
 
@@ -310,5 +311,5 @@ def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
 def _marked(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
     d = mesh.dimension
     named = [rows for rows in mesh.markers.values() if rows.ndim == 2 and rows.shape[1] == d]
-    group, _ = topology.group_rows(np.sort(np.concatenate([*named, facets]), axis=1))
-    return np.isin(group[len(group) - len(facets) :], group[: len(group) - len(facets)])
+    rows = np.concatenate([np.empty((0, d), dtype=np.int32), *named])
+    return marked_facets(facets, rows, len(mesh.points))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import fsum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +14,8 @@ import numpy as np
 from . import topology
 from .curve_distance import distance_to_piece
 from .curves import Arc
-from .domain_inside import enclosed_area, even_odd, left_parity, right_parity, two_product
-from .predicates import power_of_two
+from .domain_inside import cells_area, enclosed_area, even_odd, left_parity, right_parity
+from .marked_edges import marked_sides
 from .report import Problem, Report, problem
 
 if TYPE_CHECKING:
@@ -116,14 +115,15 @@ def _keys(rows: np.ndarray, n: int) -> np.ndarray:
 def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
     """Marked edges are edges, each marked once; facets are the boundary, inner ones are not in it."""
     n = len(mesh.points)
-    border, every = _keys(mesh.boundary, n), _keys(mesh.edges, n)
+    border = _keys(mesh.boundary, n)
     facets, inner = _keys(marked["facets"], n), _keys(marked["inner"], n)
     both = np.concatenate([facets, inner])
     values, times = np.unique(both, return_counts=True)
     twice = np.concatenate([marked["facets"], marked["inner"]])[np.isin(both, values[times > 1])]
     missing = marked["facets"][~np.isin(facets, border)]
     extra = np.asarray(mesh.boundary)[~np.isin(border, facets)]
-    astray = marked["inner"][~np.isin(inner, every) | np.isin(inner, border)]
+    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~np.isin(inner, border)
+    astray = marked["inner"][~within]
     return report.note(
         "the mesh ends exactly at its facets; inner edges lie within",
         problem("marked twice", "as facet or inner edge", vertices=twice.ravel()),
@@ -263,7 +263,7 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
         return
     left = left_parity(mesh.points, facets)
     wanted = enclosed_area(mesh.points, np.where(left[:, None], facets, facets[:, ::-1]))
-    area = cells_area(mesh)
+    area = cells_area(mesh.points, mesh.simplices)
     wrong = abs(area - wanted) > 2.0**-50 * abs(wanted)
     text = f"the cells cover {area:.17g}, the chains enclose {wanted:.17g} (even-odd)"
     border = {(int(a), int(b)) for a, b in mesh.boundary}
@@ -283,16 +283,6 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
         Problem("missing vertex", text) if len(lost) else None,
         problem("outer vertex", "loose vertices that lie outside", vertices=place[extra]),
     )
-
-
-def cells_area(mesh: Mesh) -> float:
-    """The sum of the areas of all triangles, correctly rounded but for underflow."""
-    factor = power_of_two(mesh.points)
-    (xa, ya), (xb, yb), (xc, yc) = (mesh.points[v].T * factor for v in mesh.simplices.T)
-    parts: list[np.ndarray] = []
-    for x, y, u, v in ((xa, ya, xb, yb), (xb, yb, xc, yc), (xc, yc, xa, ya)):
-        parts += [*two_product(x, v), *two_product(-u, y)]
-    return fsum(np.concatenate(parts).tolist()) / 2 / factor / factor
 
 
 # ---------------------------------------------------------------------- names
@@ -325,9 +315,11 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
             report.note("regions", Problem("region", "the mesh has no marker 'region', one number a cell"))
         return
     part = parts(mesh, edges)
-    pairs, times = np.unique(np.column_stack([part, number]), axis=0, return_counts=True)
-    rows = np.lexsort((times, pairs[:, 0]))
-    usual = pairs[rows[np.diff(pairs[rows, 0], append=-1) != 0], 1]  # the most frequent number of each part
+    values, code = np.unique(number, return_inverse=True)
+    pairs, times = np.unique(part * len(values) + code, return_counts=True)
+    rows = np.lexsort((times, pairs // len(values)))
+    last = rows[np.diff(pairs[rows] // len(values), append=-1) != 0]
+    usual = values[pairs[last] % len(values)]  # the most frequent number of each part
     mixed = number != usual[part]
     wrong = [problem("region", "cells numbered otherwise than their part", cells=np.nonzero(mixed)[0])]
     named: set[int] = set()
@@ -340,9 +332,9 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
         wrong.append(problem("region", text, cells=inside[number[inside] != i]))
         named |= set(part[inside].tolist())
     others = [p for p in range(len(usual)) if p not in named]
-    values = usual[others].tolist()
-    once = len(set(values)) == len(values) and all(v >= len(domain.regions) for v in values)
-    text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {values[:16]}"
+    own = usual[others].tolist()
+    once = len(set(own)) == len(own) and all(v >= len(domain.regions) for v in own)
+    text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {own[:16]}"
     report.note(
         "regions: one number a part, the seed's where there is one",
         *wrong,
@@ -352,12 +344,8 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
 
 def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
     """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
-    n = len(mesh.points)
     neighbors = np.array(mesh.neighbors)
-    cells, corner = np.nonzero(neighbors >= 0)
-    sides = topology.oriented_facet(mesh.simplices, cells, corner)
-    closed = np.isin(_keys(sides, n), _keys(np.asarray(edges), n))
-    neighbors[cells[closed], corner[closed]] = -1
+    neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
     label = topology.components(neighbors)[1]
     first = np.unique(label, return_index=True)[1]
     rank = np.empty(len(first), dtype=np.int64)

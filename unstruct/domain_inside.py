@@ -10,7 +10,7 @@ import numpy as np
 from .curves import Arc, CurveLike
 from .domain_sample import Sampled, fine_chains
 from .embedding import orient_rows
-from .jit import kernel
+from .jit import inline, kernel
 from .locate import BoxTree
 from .predicates import orient, power_of_two
 
@@ -163,6 +163,51 @@ def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
     xb, yb = (points[segments[:, 1]] * factor).T
     parts = [*two_product(xa, yb), *two_product(-ya, xb)]
     return fsum(np.concatenate(parts).tolist()) / 2 / factor / factor
+
+
+def cells_area(points: np.ndarray, triangles: np.ndarray) -> float:
+    """The sum of the areas of counterclockwise triangles: correctly rounded, as `enclosed_area`."""
+    factor = power_of_two(points)
+    partials = np.zeros(64)  # doubles that do not overlap: 40 span the whole range of exponents
+    count = _twice_area(points * factor, triangles, partials)
+    return fsum(partials[:count].tolist()) / 2 / factor / factor
+
+
+@kernel
+def _twice_area(xy, triangles, partials):
+    """Add up the cross products of all sides without error, as `math.fsum` does; how many partial sums."""
+    count = 0
+    terms = np.empty(4)
+    for t in range(triangles.shape[0]):
+        for k in range(3):
+            a, b = triangles[t, k], triangles[t, (k + 1) % 3]
+            terms[0], terms[1] = _product(xy[a, 0], xy[b, 1])
+            terms[2], terms[3] = _product(-xy[a, 1], xy[b, 0])
+            for i in range(4):
+                x, left = terms[i], 0
+                for j in range(count):
+                    y = partials[j]
+                    if abs(x) < abs(y):
+                        x, y = y, x
+                    high = x + y
+                    low = y - (high - x)
+                    if low != 0.0:
+                        partials[left] = low
+                        left += 1
+                    x = high
+                partials[left] = x
+                count = left + 1
+    return count
+
+
+@inline
+def _product(a, b):
+    """`two_product` of two numbers."""
+    high = a * b
+    c, d = 134217729.0 * a, 134217729.0 * b
+    ah, bh = c - (c - a), d - (d - b)
+    al, bl = a - ah, b - bh
+    return high, al * bl - (((high - ah * bh) - al * bh) - ah * bl)
 
 
 def two_product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from .cells import cell_dimension
 from .errors import InputError, MeshError
+from .topology import group_rows
 
 if TYPE_CHECKING:
     from .mesh import Mesh
@@ -300,17 +301,14 @@ def to_skfem(mesh: Mesh) -> Any:
         )
     if mesh.size == 0:
         raise MeshError("scikit-fem has no mesh without cells")
-    used, rows = np.unique(mesh.cells[name], return_inverse=True)
-    rows = rows.reshape(mesh.size, -1)
-    result = getattr(skfem, kind)(mesh.points[used].T.copy(), rows.T.copy())
-    number = np.full(len(mesh.points), -1)
-    number[used] = np.arange(len(used))
-    boundaries, subdomains = {}, {}
-    lookup = {tuple(sorted(facet)): i for i, facet in enumerate(result.facets.T.tolist())}
+    used = np.zeros(len(mesh.points), dtype=bool)
+    used[mesh.cells[name]] = True
+    number = np.cumsum(used) - 1
+    number[~used] = -1
+    result = getattr(skfem, kind)(mesh.points[used].T.copy(), number[mesh.cells[name]].T.copy())
+    boundaries, subdomains = _skfem_facets(mesh, result, number), {}
     for marker, values in mesh.markers.items():
-        if values.ndim == 2 and values.shape[1] == mesh.dimension:
-            boundaries[marker] = np.array([lookup[tuple(sorted(row))] for row in number[values].tolist()])
-        elif values.ndim == 1 and values.dtype == bool:
+        if values.ndim == 1 and values.dtype == bool:
             subdomains[marker] = np.nonzero(values)[0]
         elif values.ndim == 1 and values.dtype.kind in "iu":
             order = np.argsort(values, kind="stable")
@@ -320,3 +318,26 @@ def to_skfem(mesh: Mesh) -> Any:
     if boundaries:
         result = result.with_boundaries(boundaries)
     return result.with_subdomains(subdomains) if subdomains else result
+
+
+def _skfem_facets(mesh: Mesh, theirs: Any, number: np.ndarray) -> dict[str, np.ndarray]:
+    """The numbers that scikit-fem gives to the facets of each marker."""
+    named = {
+        name: number[rows]
+        for name, rows in mesh.markers.items()
+        if rows.ndim == 2 and rows.shape[1] == mesh.dimension
+    }
+    if not named:
+        return {}
+    wanted = np.concatenate(list(named.values()))
+    marked = np.zeros(theirs.p.shape[1] + 1, dtype=bool)  # the last entry is that of -1, a vertex not used
+    marked[wanted] = True
+    near = np.flatnonzero(marked[theirs.facets].all(axis=0))  # few: so nothing large is sorted
+    group, first = group_rows(np.sort(np.concatenate([theirs.facets.T[near], wanted]), axis=1))
+    place = first[group[len(near) :]]
+    lost = place >= len(near)
+    if lost.any():
+        every = np.concatenate([mesh.markers[name] for name in named])
+        raise MeshError(f"{every[int(np.argmax(lost))].tolist()} has a marker, but is no facet of a cell")
+    parts = np.split(near[place], np.cumsum([len(rows) for rows in named.values()])[:-1])
+    return dict(zip(named, parts))

@@ -204,7 +204,7 @@ class FaceTable:
         """(f_0, ..., f_k)."""
         k = self.simplices.shape[1] - 1
         middle = [len(self(j)[0]) for j in range(1, k)]
-        return (len(np.unique(self.simplices)), *middle, len(self.simplices))
+        return (_count_used(self.simplices), *middle, len(self.simplices))
 
     def neighbors(self) -> np.ndarray:
         """As `neighbors`."""
@@ -218,6 +218,16 @@ class FaceTable:
                 "neighbors exist only where at most two cells meet; drop some (unstruct.check lists all)"
             )
         return result
+
+
+def _count_used(simplices: np.ndarray) -> int:
+    """The number of different vertices."""
+    top = int(simplices.max(initial=-1)) + 1
+    if top > 8 * simplices.size:  # numbers from far apart: no array as long as that
+        return len(np.unique(simplices))
+    used = np.zeros(top, dtype=bool)
+    used[simplices] = True
+    return int(np.count_nonzero(used))
 
 
 @kernel

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import frozen
 from ..errors import InputError, MeshError
 from ..jit import lean
+from ..marked_edges import marked_sides
 from ..mesh import Mesh, is_planar
 from ..predicates import orient
 from .cavity2 import SEGMENTS
@@ -67,11 +68,12 @@ def plan_mesh(mesh: Mesh) -> Planned:
     _color(c, left, right)
     _compare(mesh, c)
     names = [row["region"] for row in values] if "region" in mesh.markers else [""] * len(values)
-    on_chain = np.setdiff1d(place[ends], place[joints])
+    inputs = np.ones(len(used), dtype=bool)
+    inputs[place[ends]], inputs[place[joints]] = False, True
     return Planned(
         c, names, place[joints].astype(np.int32), np.full(len(joints), STRAIGHT, np.int8),
         np.zeros((len(joints), 5)), _never, {
-            "inputs": np.setdiff1d(np.arange(len(used)), on_chain),
+            "inputs": np.flatnonzero(inputs),
             "values": values,
             "mesh": {
                 "facets": int((~inner).sum()), "origin": mesh.origin[used], "points": mesh.points[used],
@@ -125,24 +127,19 @@ def _constraints(
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """Edges (a < b) that must stay, the group of cells on the left and right, and the markers of each."""
     n = len(mesh.points)
-    start, end = (np.roll(mesh.simplices, -k, axis=1).astype(np.int64) for k in (1, 2))
-    slots = np.minimum(start, end) * n + np.maximum(start, end)
-    marked = [
-        mesh.markers[k].astype(np.int64)
-        for k, rows in mesh.markers.items()
-        if rows.ndim == 2 and rows.shape[1] == 2
-    ]
-    keys = [np.sort(rows, axis=1) @ [n, 1] for rows in marked]
     stay = (mesh.neighbors < 0) | (group[mesh.neighbors] != group[:, None])
-    for name, rows in zip([k for k, r in mesh.markers.items() if r.ndim == 2 and r.shape[1] == 2], keys):
-        missing = ~np.isin(rows, slots)
-        if missing.any():
-            edge = mesh.markers[name][int(np.argmax(missing))].tolist()
-            raise MeshError(f"markers[{name!r}]: {edge} is no edge of the mesh")
-        stay |= np.isin(slots, rows)
-    key, where = np.unique(slots[stay], return_inverse=True)
+    for name, rows in mesh.markers.items():
+        if rows.ndim == 2 and rows.shape[1] == 2:
+            sides, found = marked_sides(mesh.simplices, rows, n)
+            if not found.all():
+                edge = rows[int(np.argmin(found))].tolist()
+                raise MeshError(f"markers[{name!r}]: {edge} is no edge of the mesh")
+            stay |= sides
+    cells, corner = np.nonzero(stay)
+    start, end = (mesh.simplices[cells, (corner + k) % 3].astype(np.int64) for k in (1, 2))
+    key, where = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
     side = np.full((2, len(key)), -1, dtype=np.int64)
-    side[(start > end)[stay].astype(int), where] = np.repeat(group, stay.sum(axis=1))
+    side[(start > end).astype(int), where] = group[cells]
     edges = np.column_stack([key // n, key % n]).astype(np.int32)
     kinds = np.zeros((len(key), len(_names(mesh))), dtype=bool)
     for k, name in enumerate(_names(mesh)):
@@ -241,8 +238,9 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     a, b, d = (c.xy[rows[:, k]] / c.factor for k in range(3))
     u, v = b - a, d - a
     area = 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
-    if abs(area - mesh.volume) > 1e-9 * mesh.volume:
-        raise MeshError(f"cells of the mesh overlap: their area is {mesh.volume}, that of the region {area}")
+    cells = mesh.volume
+    if abs(area - cells) > 1e-9 * cells:
+        raise MeshError(f"cells of the mesh overlap: their area is {cells}, that of the region {area}")
 
 
 def carry(mesh: Mesh, planned: Planned, result: Refined) -> None:

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, MeshError
 from ..exact import exact_incircle, exact_orient2
 from ..jit import inline, kernel
+from ..marked_edges import marked_sides
 from ..mesh import Mesh, is_planar
 from ..predicates import incircle, orient2, scaled
 from ..progress import progress_bar
@@ -325,23 +326,8 @@ def constraints(
 
 def _slots(mesh: Mesh, edges: NDArray, name: str) -> NDArray[np.bool_]:
     """Which edges opposite corners (m, 3) are among ``edges`` (c, 2); all of these must be found."""
-    n = len(mesh.points)
-    low, high = np.sort(edges, axis=1).astype(np.int64).T
-    wanted, row_of = np.unique(low * n + high, return_inverse=True)
-    marked, hit = np.zeros(n, dtype=bool), np.zeros(len(wanted), dtype=bool)
-    marked[edges.ravel()] = True
-    slots = np.zeros(mesh.simplices.shape, dtype=bool)
-    for i in range(3):
-        a, b = mesh.simplices[:, (i + 1) % 3], mesh.simplices[:, (i + 2) % 3]
-        cells = np.flatnonzero(marked[a] & marked[b])  # few: so nothing large is sorted
-        a, b = a[cells].astype(np.int64), b[cells].astype(np.int64)
-        keys = np.minimum(a, b) * n + np.maximum(a, b)
-        place = np.minimum(np.searchsorted(wanted, keys), len(wanted) - 1)
-        same = wanted[place] == keys if len(cells) else np.zeros(0, dtype=bool)
-        slots[cells[same], i] = True
-        hit[place[same]] = True
-    missing = ~hit[row_of.ravel()]
-    if missing.any():
-        row = int(np.argmax(missing))
+    slots, found = marked_sides(mesh.simplices, edges, len(mesh.points))
+    if not found.all():
+        row = int(np.argmin(found))
         raise MeshError(f"markers[{name!r}]: {edges[row].tolist()} is no edge of the mesh, so it cannot stay")
     return slots

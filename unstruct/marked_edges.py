@@ -1,0 +1,67 @@
+"""Which sides of triangles are among some given edges: looked up without sorting what is not marked.
+
+A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` would sort, or hash, all sides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .topology import group_rows
+
+__all__ = ["marked_facets", "marked_sides"]
+
+
+def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Look up edges among the sides of triangles.
+
+    Parameters
+    ----------
+    simplices : ndarray of int, shape (m, 3)
+    edges : ndarray of int, shape (c, 2)
+        In either direction; an edge may come twice.
+    n : int
+        The number of vertices.
+
+    Returns
+    -------
+    sides : ndarray of bool, shape (m, 3)
+        Whether the side opposite each corner is among ``edges``.
+    found : ndarray of bool, shape (c,)
+        Whether each edge is a side of some triangle.
+
+    Notes
+    -----
+    O(m + k log c), where k sides have two ends that belong to edges, not necessarily to the same one.
+    """
+    sides = np.zeros(simplices.shape, dtype=bool)
+    if len(edges) == 0:
+        return sides, np.zeros(0, dtype=bool)
+    low, high = np.sort(edges, axis=1).astype(np.int64).T
+    wanted, row_of = np.unique(low * n + high, return_inverse=True)
+    hit = np.zeros(len(wanted), dtype=bool)
+    marked = np.zeros(n, dtype=bool)
+    marked[edges.ravel()] = True
+    for i in range(3):
+        a, b = simplices[:, (i + 1) % 3], simplices[:, (i + 2) % 3]
+        cells = np.flatnonzero(marked[a] & marked[b])
+        a, b = a[cells].astype(np.int64), b[cells].astype(np.int64)
+        keys = np.minimum(a, b) * n + np.maximum(a, b)
+        place = np.minimum(np.searchsorted(wanted, keys), len(wanted) - 1)
+        same = wanted[place] == keys
+        sides[cells[same], i] = True
+        hit[place[same]] = True
+    return sides, hit[row_of.ravel()]
+
+
+def marked_facets(facets: np.ndarray, named: np.ndarray, n: int) -> np.ndarray:
+    """Whether each of the rows of vertices ``facets`` (f, k), in any order, is a row of ``named`` (c, k)."""
+    marked = np.zeros(n, dtype=bool)
+    marked[named.ravel()] = True
+    rows = np.flatnonzero(marked[facets].all(axis=1))
+    group, _ = group_rows(np.sort(np.concatenate([named, facets[rows]]), axis=1))
+    among = np.zeros(len(named) + len(rows), dtype=bool)
+    among[group[: len(named)]] = True
+    result = np.zeros(len(facets), dtype=bool)
+    result[rows] = among[group[len(named) :]]
+    return result
