@@ -506,3 +506,13 @@ def test_a_curve_may_bound_with_its_chord() -> None:
     wavy = Curve(lambda t: np.column_stack([t, 0.1 * np.sin(2 * np.pi * t)]))
     with pytest.raises(InputError, match=r"facet 0 and facet 1 cross or touch near \(0\.5"):
         Domain([[0, 0], [1, 0]], [[0, 1], [0, 1]], curves={1: wavy})
+
+
+def test_a_domain_keeps_its_own_points() -> None:
+    points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    domain = Domain(points, RING)
+    points[2] = -5.0
+    assert domain.area == 1.0 and domain.points[2].tolist() == [1.0, 1.0]
+    for wrong in (lambda: domain.contains("a"), lambda: domain.at(0, "a")):
+        with pytest.raises(InputError, match="real numbers"):
+            wrong()

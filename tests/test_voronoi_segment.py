@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 
 import unstruct
-from unstruct import Domain, InputError, simplex
+from unstruct import Domain, InputError, constrained_delaunay, simplex
 from unstruct.check import check
 from unstruct.delaunay import front_queue as queue
 from unstruct.delaunay import voronoi_segment_kernel as kernel
@@ -540,3 +541,24 @@ def test_without_numba() -> None:
     assert runs[0].returncode == 0, runs[0].stderr
     assert runs[1].returncode == 0, runs[1].stderr
     assert runs[0].stdout == runs[1].stdout
+
+
+@pytest.mark.parametrize("budget", [1.5, "a", -1, True])
+def test_budgets_that_are_none(budget: Any) -> None:
+    with pytest.raises(InputError, match="budget"):
+        voronoi_segment(Domain.rectangle(), 0.1, budget=budget)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e200])
+def test_scales_far_from_one(scale: float) -> None:
+    square = Domain.polygon(np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * scale)
+    mesh = voronoi_segment(square, 0.1 * scale)
+    assert mesh.complete and mesh.size == voronoi_segment(Domain.rectangle(), 0.1).size
+    assert voronoi_segment(Domain.rectangle(), 1e300).size <= 4
+    assert voronoi_segment(square, 1e6 * scale).size <= 4
+
+
+def test_what_is_no_domain() -> None:
+    for call in (lambda d: voronoi_segment(d, 0.1), constrained_delaunay, Domain.rectangle().with_holes):
+        with pytest.raises(InputError, match="must be a Domain"):
+            call(None)  # type: ignore[operator]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .arrays import as_points, frozen
+from .arrays import as_numbers, as_points, frozen
 from .curves import Arc, CurveLike
 from .domain_constructors import Constructors
 from .domain_faults import check_ends, check_seeds, find_faults, piece_name
@@ -109,7 +109,7 @@ class Domain(Constructors):
         coordinates = as_points(points)
         if coordinates.shape[1] != 2:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
-        self.points: np.ndarray = frozen(coordinates)
+        self.points: np.ndarray = frozen(coordinates.copy())  # what was validated must not change
         self.facets: np.ndarray = as_segments(facets, "facets")
         self.inner: np.ndarray = as_segments(() if inner is None else inner, "inner")
         many = len(self.facets) + len(self.inner)
@@ -167,7 +167,7 @@ class Domain(Constructors):
         (k, 2) float64
             Points of the true curve; the stored vertices at 0 and 1.
         """
-        t = np.atleast_1d(np.asarray(t, dtype=float))
+        t = np.atleast_1d(as_numbers(t, "t"))
         if not 0 <= piece < len(self.pieces):
             raise InputError(f"piece {piece} outside 0..{len(self.pieces) - 1}")
         if not ((t >= 0) & (t <= 1)).all():
@@ -247,7 +247,7 @@ class Domain(Constructors):
             Exact for straight facets, points on them included, which count as inside. A point on a curve,
             up to rounding, may fall on either side.
         """
-        queries = np.asarray(x, dtype=float)
+        queries = as_numbers(x, "x")
         if queries.ndim == 0 or queries.shape[-1] != 2:
             raise InputError(f"x must have shape (..., 2), not {queries.shape}")
         rows = as_points(queries.reshape(-1, 2), "x")

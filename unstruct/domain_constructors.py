@@ -10,7 +10,7 @@ import numpy as np
 
 from . import domain_shapes as shapes
 from .arrays import frozen
-from .domain_input import as_mapping, as_segments, joined
+from .domain_input import as_domain, as_mapping, as_segments, joined
 from .domain_shapes import Parts
 
 if TYPE_CHECKING:
@@ -182,7 +182,7 @@ class Constructors:
             As for `Domain`.
         """
         make: Any = type(self)
-        return make(**joined([cast("Domain", self), *others]), resolve=resolve)
+        return make(**joined([cast("Domain", self), *map(as_domain, others)]), resolve=resolve)
 
 
 def _composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from .domain import Domain
 
 __all__ = [
+    "DEFAULT_BUDGET",
+    "MOST",
     "around",
     "as_count",
     "as_curves",
@@ -29,6 +31,8 @@ __all__ = [
     "positive",
 ]
 
+DEFAULT_BUDGET = 10_000_000  # vertices of a mesh, if nothing else is said: some gigabytes
+MOST = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
 RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
 
 

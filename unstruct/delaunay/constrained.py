@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain_input import as_domain
 from ..errors import InputError
 from ..ordering import radix_argsort
 from ..progress import progress_bar
@@ -69,7 +70,7 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     21 (1997) 215-223.
     Book: 2.5.
     """
-    sampled = domain.sampled()
+    sampled = as_domain(domain).sampled()
     complex_ = complex_of(domain, sampled, hull=hull, progress=progress)
     return complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..domain import Domain
+from ..domain_input import DEFAULT_BUDGET, MOST
 from ..errors import InputError
 from ..mesh import Mesh
 from ..progress import progress_bar
@@ -64,7 +65,8 @@ def refine(
         away first. Off-centers (Üngör), with Chew's rule: points no farther from the shortest edge than the
         angle needs; by far the fewest triangles where the angle drives, and as many where size or area does.
     budget : int, optional
-        The number of vertices at which to stop.
+        The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
+        its triangulation are made in any case.
     history : bool
         Keep a record: ``steps`` of the result.
     progress : bool
@@ -157,10 +159,10 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
 
 def _budget(budget: int | None) -> int:
     if budget is None:
-        return 2**31 // 6 - 4  # half-edges are numbered by 32 bits
+        return DEFAULT_BUDGET
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
-    return int(budget)
+    return min(int(budget), MOST)
 
 
 def _plan(domain: Domain, size: Any, progress: bool) -> Planned:

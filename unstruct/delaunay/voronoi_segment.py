@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain_input import DEFAULT_BUDGET, MOST, as_count, as_domain
 from ..errors import InputError
 from ..progress import progress_bar
 from .constrained import planar_complex
@@ -60,7 +61,8 @@ def voronoi_segment(
         Of triangles with about the same R / f (half an octave of its square), the one that has waited
         longest, or the newest.
     budget : int, optional
-        At most so many new points; `Refined.complete` tells whether they were enough.
+        At most so many new points besides those that cut the boundary; 10^7 by default. `Refined.complete`
+        tells whether they were enough.
     history : bool
         Keep a record of each step in ``steps``.
     progress : bool
@@ -117,8 +119,8 @@ def voronoi_segment(
     125-138; L. P. Chew, Symposium on Computational Geometry (1993) 274-280. Book: 2.6c.
     """
     rule = rule_of(accept, evaluate, order, priority, split_boundary)
-    if budget is not None and budget < 0:
-        raise InputError(f"budget = {budget} must not be negative")
+    budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST)
+    domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
     run = Run(domain, complex_, size, priority if rule.general else None, rule, history)
     with progress_bar(progress, " points") as bar:

@@ -68,7 +68,8 @@ class Run:
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
         # room for all points at once where their number is foreseen: what is not used costs nothing
-        expected = 0.0 if field.constant is None else 1.2 * domain.area * 2.0 / k.ROOT3 / field.constant**2
+        h = np.inf if field.constant is None else field.constant
+        expected = 1.2 * domain.area * 2.0 / k.ROOT3 / h / h
         self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
