@@ -371,10 +371,12 @@ def test_tetrahedra_survive(tmp_path, suffix):
 
 
 def test_gmsh_keeps_names_and_says_what_it_drops(tmp_path):
-    with pytest.warns(UserWarning, match="not written: 'region', 'top'"):
+    with pytest.warns(UserWarning, match="not written: 'top'"):
         marked().write(tmp_path / "mesh.msh")
     again = Mesh.read(tmp_path / "mesh.msh")
-    assert again.markers["wall"].tolist() == marked().markers["wall"].tolist()
+    for name in ("wall", "region", "tip"):
+        assert again.markers[name].tolist() == marked().markers[name].tolist()
+    assert "top" not in again.markers
     assert again.duplicates.tolist() == marked().duplicates.tolist()
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from .cells import cell_dimension
 from .errors import InputError, MeshError
+from .gmsh_files import FACE_NAMES, coded, decoded, from_groups, is_ours, to_groups
 from .topology import group_rows
 
 if TYPE_CHECKING:
@@ -22,9 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
 FACES = "faces:"
-FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
-GMSH = {".msh"}  # meshio would take the suffix for Ansys; version 2.2 of Gmsh's holds all that we have
+GMSH = {".msh"}  # meshio would take the suffix for Ansys; it writes other entities than groups in 2.2 only
 
 
 def to_meshio(mesh: Mesh) -> Any:
@@ -35,7 +35,8 @@ def to_meshio(mesh: Mesh) -> Any:
     meshio.Mesh
         Polygons are grouped by their number of corners. ``point_data`` holds "origin" and "kept" (the vertex
         itself, or the one of which it is a duplicate); ``cell_data`` the markers; named faces follow as
-        blocks of lower dimension, with "faces:<name>" 1 on them and 0 elsewhere.
+        blocks of lower dimension, with "faces:<name>" 1 on them and 0 elsewhere; a name without faces of
+        k vertices is -k everywhere.
     """
     import meshio
 
@@ -57,7 +58,8 @@ def to_meshio(mesh: Mesh) -> Any:
             blocks.append((name, np.asarray(block)))
             rows.append(start + np.arange(len(block)))
         start += len(block)
-    faces = list(_named_faces(mesh).items())
+    named = _named_faces(mesh)
+    faces = [(name, array) for name, array in named.items() if len(array)]
     for _, array in faces:
         blocks.append((FACE_NAMES[array.shape[1]], np.asarray(array)))
     data: dict[str, list[np.ndarray]] = {}
@@ -70,6 +72,9 @@ def to_meshio(mesh: Mesh) -> Any:
         flags = [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
         flags[len(rows) + i][:] = 1
         data[FACES + name] = flags
+    for name, array in named.items():
+        if len(array) == 0:
+            data[FACES + name] = [np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks]
     kept = np.arange(len(mesh.points), dtype=np.int32)
     kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]
     return meshio.Mesh(
@@ -99,9 +104,15 @@ def write(mesh: Mesh, path: str | Path) -> None:
     if path.suffix not in WITH_DATA:
         _drop(mesh, f"{path.suffix} holds points and cells only", mesh.markers)
         other.point_data, other.cell_data = {}, {}
-        other.cells = other.cells[: len(other.cells) - len(_named_faces(mesh))]
-    if path.suffix in GMSH:
+        del other.cells[len(other.cells) - sum(len(rows) > 0 for rows in _named_faces(mesh).values()) :]
+    elif path.suffix in GMSH:
         _for_gmsh(mesh, other)
+    else:
+        spaces = path.suffix == ".vtk"
+        other.cell_data = {coded(name, spaces=spaces): v for name, v in other.cell_data.items()}
+    if path.suffix in WITH_DATA:
+        whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in _named_faces(mesh)]
+        _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
     try:
         other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
     except Exception as error:  # meshio raises many kinds, for unknown suffixes and unfit cells alike
@@ -110,7 +121,10 @@ def write(mesh: Mesh, path: str | Path) -> None:
 
 
 def _named_faces(mesh: Mesh) -> dict[str, np.ndarray]:
-    return {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2 and len(rows)}
+    """Markers of faces, empty ones too; not those of whole cells, which would be read as more of them."""
+    lower = {width: min(width - 1, 2) < mesh.dimension for width in FACE_NAMES}
+    faces = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2}
+    return {name: rows for name, rows in faces.items() if lower.get(rows.shape[1], False)}
 
 
 def _drop(mesh: Mesh, why: str, names: Any) -> None:
@@ -122,20 +136,17 @@ def _drop(mesh: Mesh, why: str, names: Any) -> None:
 
 
 def _for_gmsh(mesh: Mesh, other: Any) -> None:
-    """Named faces become physical groups; data must be real numbers, and of one block of cells only."""
+    """Regions and named faces become physical groups; data must be real numbers, of one block of cells."""
     faces = _named_faces(mesh)
-    first = len(other.cells) - len(faces)
-    other.point_data = {name: values.astype(float) for name, values in other.point_data.items()}
     data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES)}
-    if len(other.cells) > 1:  # meshio would read back the data of the last block for all
-        _drop(mesh, ".msh keeps cell data only where there is one kind of cell and no named face", data)
-        data = {}
-    other.cell_data = {name: [v.astype(float) for v in values] for name, values in data.items()}
-    tags = [np.full(len(block.data), max(0, i - first + 1)) for i, block in enumerate(other.cells)]
-    other.cell_data["gmsh:physical"] = other.cell_data["gmsh:geometrical"] = tags
-    other.field_data = {
-        name: np.array([i + 1, rows.shape[1] - 1]) for i, (name, rows) in enumerate(faces.items())
-    }
+    held, lost = to_groups(mesh, other, faces)
+    _drop(mesh, ".msh holds each face in one group, by the first marker that is not facets or inner", lost)
+    rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
+    if len(other.cells) > 1:  # meshio cannot read such data back
+        _drop(mesh, ".msh keeps other cell data only where there is one kind of cell and no named face", rest)
+        rest = []
+    other.point_data = {name: values.astype(float) for name, values in other.point_data.items()}
+    other.cell_data |= {coded(name): [v.astype(float) for v in data[name]] for name in rest}
 
 
 def read(path: str | Path) -> Mesh:
@@ -173,13 +184,11 @@ def read(path: str | Path) -> Mesh:
     kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
     copies = np.nonzero(kept != np.arange(n))[0]
     duplicates = np.column_stack([copies, kept[copies]])
-    return Mesh(
-        points,
-        cells=cells,
-        origin=origin,
-        duplicates=duplicates,
-        markers=_markers(other, order, dimensions, top),
-    )
+    bare = Mesh(points, cells=cells)
+    markers = _markers(other, order, dimensions, top)
+    if not any(name.startswith(FACES) for name in other.cell_data):
+        markers |= from_groups(bare, other, order, dimensions)
+    return Mesh(points, cells=bare.cells, origin=origin, duplicates=duplicates, markers=markers)
 
 
 def _by_type(blocks: list[Any]) -> dict[str, Any]:
@@ -195,15 +204,21 @@ def _by_type(blocks: list[Any]) -> dict[str, Any]:
 
 
 def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
+    """Markers that are data of cells, and those of faces in our own files."""
     markers: dict[str, np.ndarray] = {}
     lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
-    for name, values in other.cell_data.items():
+    ours = is_ours(other)
+    for key, values in other.cell_data.items():
+        name = decoded(key) if ours else key
+        if name == "gmsh:physical" or (ours and name == "gmsh:geometrical"):
+            continue  # see `from_groups`
+        column = np.concatenate([np.asarray(values[i]) for i in main])
         if name.startswith(FACES):
             chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
-            markers[name.removeprefix(FACES)] = np.concatenate([c for c in chosen if len(c)])
-            continue
-        column = np.concatenate([np.asarray(values[i]) for i in main])
-        if column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
+            width = -int(column.min(initial=0))  # of a marker without faces
+            chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
+            markers[name.removeprefix(FACES)] = np.concatenate(chosen)
+        elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
             warnings.warn(
                 f"cell data {name!r} of shape {column.shape} is not read: one value a cell", stacklevel=4
             )
@@ -211,18 +226,8 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
             whole = (
                 column.dtype.kind == "f" and np.isfinite(column).all() and (column == np.round(column)).all()
             )
-            markers[name] = column.astype(np.int64) if whole else column
-    if any(name.startswith(FACES) for name in other.cell_data):
-        return markers
-    names = {(int(tag), int(dimension)): name for name, (tag, dimension) in other.field_data.items()}
-    physical = other.cell_data.get("gmsh:physical")
-    for i in lower:  # files of others: Gmsh's physical groups by their names, the rest by the kind of cell
-        rows, kind = np.asarray(other.cells[i].data), other.cells[i].type
-        tags = np.zeros(len(rows), dtype=int) if physical is None else np.asarray(physical[i])
-        for tag in np.unique(tags).tolist():
-            name = names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}")
-            part = rows[tags == tag]
-            markers[name] = np.concatenate([markers[name], part]) if name in markers else part
+            flags = ours and column.dtype == np.int8 and np.isin(column, (0, 1)).all()
+            markers[name] = column.astype(np.int64) if whole else column.astype(bool) if flags else column
     return markers
 
 

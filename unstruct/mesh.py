@@ -324,7 +324,22 @@ class Mesh:
         return view.plot(self, **options)
 
     def write(self, path: str | Path) -> None:
-        """Write a file; its suffix chooses the format (.vtu, .msh, .stl, ..., or Triangle's .node/.ele)."""
+        """Write a file; its suffix chooses the format.
+
+        What `Mesh.read` finds again; of the rest, a warning tells the names:
+
+        ============ ============== ================= ==================== ===================
+        format       points, cells  origin, copies    markers of faces     markers of cells
+        ============ ============== ================= ==================== ===================
+        .vtu, .vtk   yes            yes               all, empty ones too  all
+        .msh         yes            yes               one for each face    "region"
+        .node, .ele  simplices      no                no                   no
+        others       yes            no                no                   no
+        ============ ============== ================= ==================== ===================
+
+        In .msh markers are Gmsh's physical groups (`unstruct.gmsh_files`): "region 0", ... for cells; a face
+        of several markers is in the first but "facets" and "inner", which follow from where the mesh ends.
+        """
         from .files import write
 
         write(self, path)
