@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["as_numbers", "as_points", "frozen"]
+__all__ = ["as_numbers", "as_points", "frozen", "refrozen"]
 
 
 def as_points(points: Any, name: str = "points") -> np.ndarray:
@@ -58,3 +58,15 @@ def frozen(array: np.ndarray) -> np.ndarray:
     view = array.view()
     view.flags.writeable = False
     return view
+
+
+def refrozen(state: dict[str, Any]) -> dict[str, Any]:
+    """The attributes of a pickled object: its arrays, which a pickle gives back writable, are read-only."""
+    return {
+        name: refrozen(value)
+        if isinstance(value, dict)
+        else frozen(value)
+        if isinstance(value, np.ndarray)
+        else value
+        for name, value in state.items()
+    }

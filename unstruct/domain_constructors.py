@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 
 from . import domain_shapes as shapes
-from .arrays import frozen
+from .arrays import frozen, refrozen
 from .domain_input import as_domain, as_mapping, as_segments, joined
 from .domain_shapes import Parts
 
@@ -27,6 +27,9 @@ class Constructors:
     repairs: list[Repair]
     origin: np.ndarray
     piece_origin: np.ndarray
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(refrozen(state))
 
     @classmethod
     def _of(cls, parts: Parts, options: Mapping[str, Any]) -> Self:

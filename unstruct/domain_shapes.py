@@ -5,7 +5,8 @@ Each function gives the arguments of a `Domain`: points, facets, and options. Se
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 from math import cos, pi, radians, sin
 from typing import Any, cast
@@ -85,13 +86,10 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
     camber, place, thickness = int(digits[0]) / 100, int(digits[1]) / 10, int(digits[2:]) / 100
     if thickness == 0 or (camber > 0) != (place > 0):
         raise InputError(f"NACA {digits}: thickness must not be 0; camber and its place come together")
-    surface = _surface(camber, place, thickness, -0.1036 if closed else -0.1015)
     (x0, y0), c, turn = _pair(nose, "nose"), positive(chord, "chord"), radians(finite(attack, "attack"))
     move = np.array([[cos(turn), -sin(turn)], [sin(turn), cos(turn)]])
-
-    def rim(angle: np.ndarray) -> np.ndarray:
-        return c * surface(angle) @ move + [x0, y0]
-
+    section = (camber, place, thickness, -0.1036 if closed else -0.1015)
+    rim = partial(_rim, section, c, move, (x0, y0))  # a function of the module: so the curve can be pickled
     tail = rim(np.array([pi, -pi]))
     upper, lower = Curve(rim, pi, 0.0), Curve(rim, 0.0, -pi)
     if closed:
@@ -103,26 +101,31 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
     return {"points": points, "facets": facets, "curves": {0: upper, 1: lower}, "markers": names}
 
 
-def _surface(
-    camber: float, place: float, thickness: float, last: float
-) -> Callable[[np.ndarray], np.ndarray]:
+def _rim(
+    section: tuple[float, float, float, float],
+    chord: float,
+    move: np.ndarray,
+    nose: tuple[float, float],
+    angle: np.ndarray,
+) -> np.ndarray:
+    """The surface turned, at its place."""
+    return chord * _surface(*section, angle) @ move + [*nose]
+
+
+def _surface(camber: float, place: float, thickness: float, last: float, angle: np.ndarray) -> np.ndarray:
     """Points by an angle from pi (tail) over 0 (nose) to -pi: x = sin^2(angle / 2) makes the nose smooth."""
-
-    def surface(angle: np.ndarray) -> np.ndarray:
-        root = np.abs(np.sin(angle / 2))
-        x = root * root
-        half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
-        y, slope = np.zeros_like(x), np.zeros_like(x)
-        if camber:
-            front = x < place
-            scale = camber / np.where(front, place, 1 - place) ** 2
-            y = scale * (np.where(front, 0.0, 1 - 2 * place) + 2 * place * x - x * x)
-            slope = 2 * scale * (place - x)
-        length = np.hypot(1.0, slope)
-        side = np.where(angle < 0, -half, half) / length
-        return np.stack([x - side * slope, y + side], axis=-1)
-
-    return surface
+    root = np.abs(np.sin(angle / 2))
+    x = root * root
+    half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
+    y, slope = np.zeros_like(x), np.zeros_like(x)
+    if camber:
+        front = x < place
+        scale = camber / np.where(front, place, 1 - place) ** 2
+        y = scale * (np.where(front, 0.0, 1 - 2 * place) + 2 * place * x - x * x)
+        slope = 2 * scale * (place - x)
+    length = np.hypot(1.0, slope)
+    side = np.where(angle < 0, -half, half) / length
+    return np.stack([x - side * slope, y + side], axis=-1)
 
 
 # ---------------------------------------------------------------------- letters

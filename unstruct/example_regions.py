@@ -137,6 +137,10 @@ def word(text: str = "mesh") -> Domain:
     return Domain.letters(text, size=1.4)
 
 
+def _wave(y: Array) -> Array:
+    return np.column_stack([1.5 + 0.2 * np.sin(np.pi * y), y])
+
+
 def plate() -> Domain:
     """A plate of two materials joined along a wave, with an inlay of a third and twenty-one round holes.
 
@@ -145,10 +149,6 @@ def plate() -> Domain:
     Domain
         [0, 3] x [0, 2]; regions "left", "right", "inlay"; markers of the sides, "holes", "joint".
     """
-
-    def wave(y: Array) -> Array:
-        return np.column_stack([1.5 + 0.2 * np.sin(np.pi * y), y])
-
     points = [[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [3.0, 2.0], [1.5, 2.0], [0.0, 2.0]]
     facets = [[i, (i + 1) % 6] for i in range(6)]
     inner = [[1, 4]]
@@ -169,7 +169,7 @@ def plate() -> Domain:
         points.append([2.38 + 0.25 * round(np.cos(turn)), 1.0 + 0.25 * round(np.sin(turn))])
         curves[len(facets) + len(inner)] = Arc((2.38, 1.0), 0.25, turn, np.pi / 2)
         inner.append([first + i, first + (i + 1) % 4])
-    curves[len(facets)] = Curve(wave, 0.0, 2.0)
+    curves[len(facets)] = Curve(_wave, 0.0, 2.0)
     return Domain(
         points,
         facets,

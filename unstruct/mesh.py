@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import simplex, topology
-from .arrays import as_points, frozen
+from .arrays import as_points, frozen, refrozen
 from .cells import (
     as_cells,
     cell_dimension,
@@ -365,6 +365,9 @@ class Mesh:
 
     def __len__(self) -> int:
         return self.size
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(refrozen(state))
 
     def __repr__(self) -> str:
         kinds = ", ".join(counted(len(block), name) for name, block in self.cells.items())

@@ -5,6 +5,7 @@ See the book, chapter 2.3.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -289,10 +290,14 @@ def from_features(domain: Domain, fraction: float = 0.5, *, far: float | None = 
     feature = FeatureSize(domain)
     cap = np.inf if far is None else far
     return SizeField(
-        lambda x: np.minimum(fraction * feature(x, cap / fraction * (1 + 1e-12)), cap),
+        partial(_part, feature, fraction, cap),
         landmarks=domain.points,
         name=f"{fraction:g} of the local feature size",
     )
+
+
+def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:
+    return np.minimum(fraction * feature(x, cap / fraction * (1 + 1e-12)), cap)
 
 
 def from_curvature(

@@ -7,6 +7,7 @@ edges of length h has the circumradius h / sqrt(3): that is the chapter's f. See
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -190,9 +191,22 @@ def as_size(size: Any) -> SizeField:
     value = float(array)
     if not (np.isfinite(value) and value > 0):
         raise InputError(f"size must be positive and finite, not {value!r}")
-    field = SizeField(lambda x: np.full(len(x), value))
+    field = SizeField(partial(_everywhere, value))
     field.constant = value
     return field
+
+
+def _everywhere(value: float, x: Array) -> Array:
+    return np.full(len(x), value)
+
+
+# Functions of the module and `partial` instead of lambdas here: so that fields can be pickled.
+def _combine(operation: Callable[..., Array], fields: list[SizeField], x: Array) -> Array:
+    return operation([field(x) for field in fields])
+
+
+def _clipped(lower: float, upper: float, rows: Any) -> Array:
+    return np.clip(rows[0], lower, upper)
 
 
 def _combined(name: str, operation: Callable[..., Array], sizes: tuple[Any, ...]) -> SizeField:
@@ -204,7 +218,7 @@ def _combined(name: str, operation: Callable[..., Array], sizes: tuple[Any, ...]
         return as_size(float(operation(constants)))
     marks = [field.landmarks for field in fields if len(field.landmarks)]
     return SizeField(
-        lambda x: operation([field(x) for field in fields]),
+        partial(_combine, operation, fields),
         landmarks=np.concatenate(marks) if marks else None,
         name=f"{name} of {len(fields)}",
     )
@@ -221,7 +235,7 @@ def minimum(*sizes: Any) -> SizeField:
     -------
     SizeField
     """
-    return _combined("minimum", lambda rows: np.min(rows, axis=0), sizes)
+    return _combined("minimum", partial(np.min, axis=0), sizes)
 
 
 def maximum(*sizes: Any) -> SizeField:
@@ -235,7 +249,7 @@ def maximum(*sizes: Any) -> SizeField:
     -------
     SizeField
     """
-    return _combined("maximum", lambda rows: np.max(rows, axis=0), sizes)
+    return _combined("maximum", partial(np.max, axis=0), sizes)
 
 
 def product(*sizes: Any) -> SizeField:
@@ -249,7 +263,7 @@ def product(*sizes: Any) -> SizeField:
     -------
     SizeField
     """
-    return _combined("product", lambda rows: np.prod(rows, axis=0), sizes)
+    return _combined("product", partial(np.prod, axis=0), sizes)
 
 
 def clip(size: Any, lower: float, upper: float) -> SizeField:
@@ -274,7 +288,7 @@ def clip(size: Any, lower: float, upper: float) -> SizeField:
         as_size(bound)
     if lower > upper:
         raise InputError(f"clip needs lower <= upper, not {lower!r} > {upper!r}")
-    return _combined("clip", lambda rows: np.clip(rows[0], lower, upper), (size,))
+    return _combined("clip", partial(_clipped, lower, upper), (size,))
 
 
 def control(mesh: Any, size: Any) -> Array:

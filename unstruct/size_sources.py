@@ -7,6 +7,7 @@ and changes by no more than ``growth`` per unit of length (McShane's extension).
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -80,10 +81,14 @@ def sources(
     if array.ndim == 3:
         ends = np.concatenate([ends, array.mean(axis=1)])
     return SizeField(
-        lambda x: tree.least(x, growth, np.full(len(x), cap))[0],
+        partial(_grown, tree, growth, cap),
         landmarks=ends,
         name=f"{len(values)} {name}, growth {growth:g}",
     )
+
+
+def _grown(tree: SegmentTree, growth: float, cap: float, x: Array) -> Array:
+    return tree.least(x, growth, np.full(len(x), cap))[0]
 
 
 def points(places: ArrayLike, size: ArrayLike, *, growth: float = 0.2, far: float | None = None) -> SizeField:
@@ -149,13 +154,14 @@ def polygons(
     segments = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in loops])
     border = sources(segments, size, growth=growth, far=far, name="sides of polygons")
 
-    def value(x: Array) -> Array:
-        # Decided in floating point: next to the border either answer gives the same size.
-        result = border(x)
-        result[_inside(segments, x)] = size
-        return result
+    return SizeField(partial(_filled, border, segments, size), landmarks=border.landmarks, name=border.name)
 
-    return SizeField(value, landmarks=border.landmarks, name=border.name)
+
+def _filled(border: SizeField, segments: Array, size: float, x: Array) -> Array:
+    """The size inside; decided in floating point: next to the border either answer gives the same size."""
+    result = border(x)
+    result[_inside(segments, x)] = size
+    return result
 
 
 def _rings(rings: Any) -> list[Any]:
