@@ -201,7 +201,7 @@ def _everywhere(value: float, x: Array) -> Array:
 
 
 # Functions of the module and `partial` instead of lambdas here: so that fields can be pickled.
-def _combine(operation: Callable[..., Array], fields: list[SizeField], x: Array) -> Array:
+def _combine(operation: Callable[..., Any], fields: list[SizeField], x: Array) -> Array:
     return operation([field(x) for field in fields])
 
 
@@ -209,7 +209,7 @@ def _clipped(lower: float, upper: float, rows: Any) -> Array:
     return np.clip(rows[0], lower, upper)
 
 
-def _combined(name: str, operation: Callable[..., Array], sizes: tuple[Any, ...]) -> SizeField:
+def _combined(name: str, operation: Callable[..., Any], sizes: tuple[Any, ...]) -> SizeField:
     if not sizes:
         raise InputError(f"{name} needs at least one size")
     fields = [as_size(size) for size in sizes]
