@@ -87,3 +87,20 @@ def test_bad_questions() -> None:
         tree.least([[1.0]], 1.0)
     with pytest.raises(InputError, match="growth"):
         tree.least([[1.0, 1.0]], -1.0)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+@pytest.mark.parametrize("growth", [0.0, 0.3, 2.0])
+def test_weights_that_change_along_segments(dimension: int, growth: float) -> None:
+    rng = np.random.default_rng(dimension)
+    segments, weights = rng.random((40, 2, dimension)), rng.random((40, 2))
+    segments[:5, 1] = segments[:5, 0]  # of no length: the less of both
+    x = rng.random((60, dimension)) * 3 - 1
+    t = np.linspace(0, 1, 2001)[:, None]
+    places = segments[:, :1] + t * (segments[:, 1:] - segments[:, :1])
+    values = weights[:, 0] + t * (weights[:, 1] - weights[:, 0])
+    away = np.linalg.norm(x[:, None, None] - places, axis=3)
+    wanted = (values.T + growth * away).min(axis=2)
+    best, which = SegmentTree(segments, weights).least(x, growth)
+    assert (best <= wanted.min(axis=1) + 1e-14).all() and np.allclose(best, wanted.min(axis=1), atol=2e-3)
+    assert np.allclose(wanted[np.arange(60), which], best, atol=2e-3)

@@ -1,4 +1,4 @@
-"""Sources, and the limit on growth, over dense brute force."""
+"""Sources over dense brute force."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError
-from unstruct.sizing import SizeField, limited, lines, points, polygons, sources
+from unstruct.sizing import lines, points, polygons, sources
 
 RNG = np.random.default_rng(5)
 X = RNG.random((300, 2)) * 3 - 1
@@ -78,56 +78,8 @@ def test_a_table_sees_every_source() -> None:
         (lambda: points([[0, math.inf]], 0.1), "not finite"),
         (lambda: lines([[0, 0]], 0.1), "two points or more"),
         (lambda: polygons([[0, 0], [1, 1]], 0.1), "three points or more"),
-        (lambda: limited(0.1, 0.0, [0, 0], [1, 1]), "growth"),
-        (lambda: limited(lambda x: x[:, 0], 0.1, [0, 0], [1, 1]), "positive and finite"),
     ],
 )
 def test_bad_sources(make: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         make()
-
-
-# ---------------------------------------------------------------------- the limit on growth
-
-
-def step(x: np.ndarray) -> np.ndarray:
-    return np.where(np.hypot(*(x - 0.5).T) < 0.2, 0.01, 0.3)
-
-
-def test_a_jump_becomes_a_slope() -> None:
-    field = limited(step, 0.2, [0, 0], [1, 1])
-    x = RNG.random((2000, 2))
-    away = np.maximum(0, np.hypot(*(x - 0.5).T) - 0.2)
-    assert np.abs(field(x) - np.minimum(0.3, 0.01 + 0.2 * away)).max() < 0.002
-    near = np.hypot(*(x[:1000] - x[1000:]).T)
-    assert (np.abs(step(x[:1000]) - step(x[1000:])) / near).max() > 2  # the wish itself is steep
-    assert (np.abs(field(x[:1000]) - field(x[1000:])) / near).max() < 0.21
-
-
-@pytest.mark.parametrize(
-    "wish",
-    [step, lambda x: 0.02 + 2 * np.abs(x[:, 0] - 0.4), lambda x: 0.3 + 0.28 * np.sin(9 * x[:, 0] * x[:, 1])],
-)
-def test_what_the_limit_promises(wish: object) -> None:
-    growth, size = 0.3, SizeField(wish)
-    field = limited(size, growth, [0, 0], [1, 1])
-    x = RNG.random((400, 2))
-    assert (field(x) <= size(x)).all()
-    corners, values = size.table([0, 0], [1, 1]).corners()
-    away = np.hypot(*(x[:, None] - corners).transpose(2, 0, 1))
-    assert np.allclose(field(x), np.minimum(size(x), (values + growth * away).min(axis=1)), rtol=1e-12)
-    dense = RNG.random((20000, 2))
-    true = (size(dense) + growth * np.hypot(*(x[:, None] - dense).transpose(2, 0, 1))).min(axis=1)
-    assert (field(x) <= true + growth * 0.05).all()  # as low as dense sampling, but for a leaf's side
-    lowest = limited(size, growth, [0, 0], [1, 1], tolerance=1e-3)(x)
-    assert np.quantile(np.abs(field(x) / lowest - 1), 0.95) < 0.03
-
-
-def test_a_limit_that_does_not_bind_changes_nothing() -> None:
-    def gentle(x: np.ndarray) -> np.ndarray:
-        return 0.1 + 0.1 * x[:, 0]
-
-    assert np.allclose(
-        limited(gentle, 0.1001, [0, 0], [1, 1])(X.clip(0, 1)), gentle(X.clip(0, 1)), rtol=1e-12
-    )
-    assert limited(0.3, 0.1, [0, 0], [1, 1]).constant == 0.3

@@ -1,7 +1,7 @@
 """Distances to points and segments, and the smallest of "a value there plus a growth times the distance".
 
-One tree of bounding boxes serves both: with values 0 and growth 1 it gives distances. See the book,
-chapter 2.3.
+One tree of bounding boxes serves both: with values 0 and growth 1 it gives distances. A value may change
+linearly along its segment. See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -49,9 +49,43 @@ def to_segment(x, q, segments, i):
     return np.sqrt(total)
 
 
+@inline
+def _from_segment(x, q, segments, weights, i, growth):
+    """The least of weight + growth * distance to x[q] over the places of segment i.
+
+    With the weight rising by r along a length of l, it is taken where the way from the segment to x[q] has
+    turned from the perpendicular, against the rise, by an angle of sine r / (growth l); at the lower end if
+    there is no such angle, at the next end if that place is beyond it.
+    """
+    rise = weights[i, 1] - weights[i, 0]
+    if rise == 0.0:
+        return weights[i, 0] + growth * to_segment(x, q, segments, i)
+    along, square = 0.0, 0.0
+    for j in range(x.shape[1]):
+        side = segments[i, 1, j] - segments[i, 0, j]
+        along += side * (x[q, j] - segments[i, 0, j])
+        square += side * side
+    reach = growth * np.sqrt(square)
+    if abs(rise) >= reach:
+        t = 0.0 if rise > 0.0 else 1.0
+    else:
+        foot, total = along / square, 0.0
+        for j in range(x.shape[1]):
+            away = x[q, j] - (segments[i, 0, j] + foot * (segments[i, 1, j] - segments[i, 0, j]))
+            total += away * away
+        t = foot - np.sqrt(total / square) * rise / np.sqrt((reach - rise) * (reach + rise))
+        t = min(max(t, 0.0), 1.0)
+    total = 0.0
+    for j in range(x.shape[1]):
+        start, end = segments[i, 0, j], segments[i, 1, j]
+        away = x[q, j] - (end if t == 1.0 else start + t * (end - start))
+        total += away * away
+    return (weights[i, 1] if t == 1.0 else weights[i, 0] + t * rise) + growth * np.sqrt(total)
+
+
 @kernel
 def _search(x, low, high, least, order, segments, weights, growth, best, which):
-    """Lower best[q] to the least weights[i] + growth * distance(x[q], segment i); which[q] is that i.
+    """Lower best[q] to the least of weight + growth * distance(x[q], segment i); which[q] is that i.
 
     A box is left out when even its least weight at its nearest point would not do better. Neighbors are
     often asked for one after the other: so the last answer is tried first.
@@ -61,7 +95,7 @@ def _search(x, low, high, least, order, segments, weights, growth, best, which):
     for q in range(x.shape[0]):
         i = which[q - 1] if q > 0 else -1
         if i >= 0:
-            value = weights[i] + growth * to_segment(x, q, segments, i)
+            value = _from_segment(x, q, segments, weights, i, growth)
             if value < best[q]:
                 best[q], which[q] = value, i
         top = 1
@@ -82,7 +116,7 @@ def _search(x, low, high, least, order, segments, weights, growth, best, which):
             first = (node - leaves) * LEAF
             for k in range(first, min(first + LEAF, order.shape[0])):
                 i = order[k]
-                value = weights[i] + growth * to_segment(x, q, segments, i)
+                value = _from_segment(x, q, segments, weights, i, growth)
                 if value < best[q]:
                     best[q] = value
                     which[q] = i
@@ -95,8 +129,9 @@ class SegmentTree:
     ----------
     segments : array_like, shape (s, 2, d) or (s, d)
         Two ends each; or points.
-    weights : array_like, shape (s,), optional
-        A value at each segment, for `least`; 0 by default.
+    weights : array_like, shape (s,) or (s, 2), optional
+        A value at each segment, or one at each of its ends with linear change between them, for `least`; 0
+        by default.
 
     Raises
     ------
@@ -113,13 +148,14 @@ class SegmentTree:
         ends = as_points(array.reshape(-1, array.shape[2]), "ends of segments")
         self.factor = power_of_two(ends)
         self.segments: Array = np.ascontiguousarray((ends * self.factor).reshape(array.shape))
-        self.weights: Array = np.zeros(len(array)) if weights is None else np.array(weights, dtype=np.float64)
-        if self.weights.shape != (len(array),) or not np.isfinite(self.weights).all():
-            raise InputError(f"weights must be {len(array)} finite numbers, not shape {self.weights.shape}")
+        given = np.zeros(len(array)) if weights is None else np.array(weights, dtype=np.float64)
+        if given.shape not in ((len(array),), (len(array), 2)) or not np.isfinite(given).all():
+            raise InputError(f"weights must be {len(array)} finite numbers, not shape {given.shape}")
+        self.weights: Array = given if given.ndim == 2 else np.repeat(given[:, None], 2, axis=1)
         tree = BoxTree(self.segments.min(axis=1), self.segments.max(axis=1))
         self.boxes = tree.low, tree.high
         self.order = tree.order
-        self._lowest = _minima(self.weights[tree.order], len(tree.low) // 2)
+        self._lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
         """The least of weight + growth * distance over all segments.

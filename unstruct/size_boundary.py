@@ -293,6 +293,7 @@ def from_features(domain: Domain, fraction: float = 0.5, *, far: float | None = 
         partial(_part, feature, fraction, cap),
         landmarks=domain.points,
         name=f"{fraction:g} of the local feature size",
+        growth=fraction,  # the local feature size changes by at most 1
     )
 
 

@@ -35,15 +35,24 @@ class SizeField:
         source; `table` looks there, too.
     name : str, optional
         For `repr`.
+    growth : float, optional
+        A bound on the change of the field per unit of length, where one is known for certain.
 
     Attributes
     ----------
     constant : float or None
         The value, where it is the same everywhere.
+    growth : float or None
+        A bound on the change per unit of length; None where none is known.
     """
 
     def __init__(
-        self, function: Callable[[Array], Any], *, landmarks: ArrayLike | None = None, name: str = "function"
+        self,
+        function: Callable[[Array], Any],
+        *,
+        landmarks: ArrayLike | None = None,
+        name: str = "function",
+        growth: float | None = None,
     ):
         if not callable(function):
             raise InputError(f"a size field needs a function of points, not {type(function).__name__}")
@@ -51,6 +60,7 @@ class SizeField:
         self.constant: float | None = None
         self.landmarks: Array = np.empty((0, 2)) if landmarks is None else as_points(landmarks, "landmarks")
         self.name = name
+        self.growth = growth
 
     def __call__(self, x: ArrayLike) -> Array:
         """The wanted edge lengths at the points x, shape (k, d) -> (k,).
@@ -191,7 +201,7 @@ def as_size(size: Any) -> SizeField:
     value = float(array)
     if not (np.isfinite(value) and value > 0):
         raise InputError(f"size must be positive and finite, not {value!r}")
-    field = SizeField(partial(_everywhere, value))
+    field = SizeField(partial(_everywhere, value), growth=0.0)
     field.constant = value
     return field
 
@@ -217,10 +227,13 @@ def _combined(name: str, operation: Callable[..., Any], sizes: tuple[Any, ...]) 
     if len(constants) == len(fields):
         return as_size(float(operation(constants)))
     marks = [field.landmarks for field in fields if len(field.landmarks)]
+    growths = [field.growth for field in fields if field.growth is not None]
+    known = len(growths) == len(fields) and name != "product"
     return SizeField(
         partial(_combine, operation, fields),
         landmarks=np.concatenate(marks) if marks else None,
         name=f"{name} of {len(fields)}",
+        growth=max(growths) if known else None,
     )
 
 

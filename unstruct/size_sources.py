@@ -1,4 +1,4 @@
-"""Sizes that grow from sources: points, lines, polygons; and the gradation limit, which is the same thing.
+"""Sizes that grow from sources: points, lines, polygons.
 
 A source says "this size here, and further away no more than `growth` times the distance larger". The
 smallest of such sayings, min_i (h_i + growth * |x - x_i|), is the largest function that obeys all of them
@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from .arrays import as_numbers, as_points
 from .distance import SegmentTree
 from .errors import InputError
-from .size_field import SizeField, as_size
+from .size_field import SizeField
 
-__all__ = ["limited", "lines", "points", "polygons", "sources"]
+__all__ = ["lines", "points", "polygons", "sources"]
 
 Array = NDArray[np.float64]
 
@@ -84,6 +84,7 @@ def sources(
         partial(_grown, tree, growth, cap),
         landmarks=ends,
         name=f"{len(values)} {name}, growth {growth:g}",
+        growth=growth,
     )
 
 
@@ -154,7 +155,9 @@ def polygons(
     segments = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in loops])
     border = sources(segments, size, growth=growth, far=far, name="sides of polygons")
 
-    return SizeField(partial(_filled, border, segments, size), landmarks=border.landmarks, name=border.name)
+    return SizeField(
+        partial(_filled, border, segments, size), landmarks=border.landmarks, name=border.name, growth=growth
+    )
 
 
 def _filled(border: SizeField, segments: Array, size: float, x: Array) -> Array:
@@ -177,59 +180,3 @@ def _inside(segments: Array, x: Array) -> NDArray[np.bool_]:
             over = (a[1] <= x[:, 1]) != (b[1] <= x[:, 1])
             inside ^= over & (x[:, 0] < a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
     return inside
-
-
-def limited(
-    size: Any,
-    growth: float,
-    lower: ArrayLike,
-    upper: ArrayLike,
-    *,
-    tolerance: float = 0.02,
-    max_nodes: int = 400_000,
-) -> SizeField:
-    """A size whose growth is limited: nowhere larger than asked, and lowered near small sizes.
-
-    Parameters
-    ----------
-    size : float, callable, or SizeField
-    growth : float
-        The largest change of the size per unit of length that is wanted; positive.
-    lower, upper : array_like, shape (2,)
-        A box. The size is looked at there only; outside of it the same formula holds, with what is in it.
-    tolerance, max_nodes : float, int
-        As for `SizeField.table`, by which the size is sampled.
-
-    Returns
-    -------
-    SizeField
-        min(h(x), min_i (h(x_i) + growth * |x - x_i|)) over the corners x_i of the leaves of a table of h.
-
-    Notes
-    -----
-    What holds: the result is at most h everywhere; at x it exceeds its value at any corner x_i by at most
-    ``growth * |x - x_i|``, exactly; and it is nowhere less than the largest function below h whose Lipschitz
-    constant is ``growth``. What does not: between two points that are no corners the limit may be missed,
-    by about ``growth`` times the side of the leaf and by the tolerance of the table, and where h has
-    something that the table did not see. Distances are straight: across holes and notches, too (use
-    `limit_nodes` on a mesh where that is not wanted).
-
-    Source: Borouchaki, Hecht and Frey, *Mesh gradation control* (1998); McShane (1934) for the formula. See
-    the book, chapter 2.3.
-    """
-    field = as_size(size)
-    if not (np.isfinite(growth) and growth > 0):
-        raise InputError(f"growth must be a positive number, not {growth!r}")
-    if field.constant is not None:
-        return field
-    table = field.table(lower, upper, tolerance=tolerance, max_nodes=max_nodes)
-    corners, values = table.corners()
-    tree = SegmentTree(corners, values)
-    # only corners that are not overruled by another one matter, and only those need a second look
-    kept = tree.least(corners, growth, values * (1 - 1e-12))[1] < 0
-    tree = SegmentTree(corners[kept], values[kept])
-    return SizeField(
-        lambda x: tree.least(x, growth, field(x))[0],
-        landmarks=field.landmarks,
-        name=f"{field.name}, growth limited to {growth:g}",
-    )

@@ -18,12 +18,13 @@ from .size_field import control as control
 from .size_field import maximum as maximum
 from .size_field import minimum as minimum
 from .size_field import product as product
+from .size_limit import LimitedSize as LimitedSize
+from .size_limit import limited as limited
 from .size_solution import from_error as from_error
 from .size_solution import from_hessian as from_hessian
 from .size_solution import hessian as hessian
 from .size_solution import mesh_size as mesh_size
 from .size_solution import to_vertices as to_vertices
-from .size_sources import limited as limited
 from .size_sources import lines as lines
 from .size_sources import points as points
 from .size_sources import polygons as polygons
@@ -33,6 +34,7 @@ from .size_table import SizeTable as SizeTable
 __all__ = [
     "Background",
     "FeatureSize",
+    "LimitedSize",
     "SizeField",
     "SizeTable",
     "as_size",
