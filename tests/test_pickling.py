@@ -86,6 +86,7 @@ SIZES = {
     "maximum": sizing.maximum(0.3, own),
     "product": sizing.product(0.5, own),
     "clip": sizing.clip(own, 0.2, 0.4),
+    "limited": sizing.limited(own, 0.3, [0, 0], [1, 1], tolerance=0.1),
     "features": sizing.from_features(Domain.rectangle(), 0.5, far=0.2),
     "curvature": sizing.from_curvature(Domain.disc(), far=1.0),
     "background": sizing.background(MESH, own(PLACES)),
