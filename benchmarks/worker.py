@@ -14,6 +14,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+SHORT = 0.1  # seconds: what is done sooner is done several times in a row, and the mean counts
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
@@ -37,14 +38,25 @@ def _rows(case: dict, found: list[tuple[Any, str]], small: Any) -> list[dict[str
 
 
 def _in_turn(case: dict, rows: list[dict[str, Any]], given: Any) -> Iterator[tuple[dict[str, Any], Any]]:
-    """Run all contestants in turn, as often as asked; their rows take the seconds. Gives row and result."""
+    """Run all contestants in turn, as often as asked; their rows take the seconds. Gives row and result.
+
+    A first run of each, which is not counted, tells how often it fits into a short time (but for those that
+    are so slow that they are run once).
+    """
+    times = dict.fromkeys([row["contestant"] for row in rows], 1)
+    for row in rows if case["repeats"] > 1 else []:
+        begin = time.process_time()
+        row["run"](given)
+        times[row["contestant"]] = int(SHORT / max(time.process_time() - begin, 1e-4)) + 1
     for _ in range(case["repeats"]):
         for row in rows:
             gc.collect()
+            many = times[row["contestant"]]
             wall, cpu = time.perf_counter(), time.process_time()
-            result = row["run"](given)
-            row["cpu"].append(time.process_time() - cpu)
-            row["wall"].append(time.perf_counter() - wall)
+            for _ in range(many):
+                result = row["run"](given)
+            row["cpu"].append((time.process_time() - cpu) / many)
+            row["wall"].append((time.perf_counter() - wall) / many)
             yield row, result
 
 

@@ -74,6 +74,20 @@ def _cell_range(points, segments, s, x0, y0, scale, ny, row, rows):
 
 
 @kernel
+def _extent(points, segments):
+    """The box of the ends of all segments, and their widths and heights, added up."""
+    x0 = y0 = np.inf
+    x1 = y1 = -np.inf
+    total = 0.0
+    for s in range(segments.shape[0]):
+        p, q = segments[s, 0], segments[s, 1]
+        ax, ay, bx, by = points[p, 0], points[p, 1], points[q, 0], points[q, 1]
+        x0, y0, x1, y1 = min(x0, ax, bx), min(y0, ay, by), max(x1, ax, bx), max(y1, ay, by)
+        total += abs(bx - ax) + abs(by - ay)
+    return x0, y0, x1, y1, total
+
+
+@kernel
 def _cell_pairs(points, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
     """Candidates in common cells of a grid, of which a hash table holds those that are touched.
 
@@ -184,11 +198,8 @@ class _Grid:
 
     def __init__(self, points: np.ndarray, segments: np.ndarray):
         self.points, self.segments = points, segments
-        ends = [points[segments[:, 0]].T, points[segments[:, 1]].T]
-        self.low = [min(float(x[k].min()) for x in ends) for k in (0, 1)]
-        high = [max(float(x[k].max()) for x in ends) for k in (0, 1)]
-        self.wide, self.tall = high[0] - self.low[0], high[1] - self.low[1]
-        self.extent = sum(float(np.abs(ends[0][k] - ends[1][k]).sum()) for k in (0, 1))
+        x0, y0, x1, y1, self.extent = _extent(points, segments)
+        self.low, self.wide, self.tall = (x0, y0), x1 - x0, y1 - y0
 
     def pairs(self, cells: float, looks: int) -> np.ndarray | None:
         """Candidates, where a segment of mean length spans so many cells; None if that is too much work.

@@ -55,8 +55,8 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
     """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
 
     Returns -1 and the number of parts; or a facet with the same side of the boundary on both of its sides
-    (the facets do not close). ``least`` gets the least vertex of each part. With ``hull`` everything but the
-    ghosts is inside. Parts hang together over edges that are not marked.
+    (the facets do not close). ``least`` gets the least vertex of each part where there are several. With
+    ``hull`` everything but the ghosts is inside. Parts hang together over edges that are not marked.
     """
     if hull:
         for t in range(len(part)):
@@ -71,20 +71,24 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
         if part[first] != -2:
             continue
         part[first] = parts
-        least[parts] = vertex[3 * first]
         stack[0] = first
         depth = 1
         while depth > 0:
             depth -= 1
             t = np.int64(stack[depth])
             for e in range(3 * t, 3 * t + 3):
-                least[parts] = min(least[parts], vertex[e])
                 other = twin[e] // 3
-                if mark[e] < 0 and part[other] == -2:
+                if part[other] == -2 and mark[e] < 0:
                     part[other] = parts
                     stack[depth] = other
                     depth += 1
         parts += 1
+    least[:parts] = vertex.max()
+    if parts > 1:
+        for t in range(len(part)):
+            p = part[t]
+            if p >= 0:
+                least[p] = min(least[p], vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2])
     return np.int64(-1), parts
 
 

@@ -50,12 +50,13 @@ def fill_corners(vertex, slots, corner):
 def carriers(vertex, mark, slots, ends, where):
     """For each segment that is one edge the half-edge that runs along it; how many half-edges are marked."""
     marked = 0
-    for e in range(slots):
-        i = mark[e]
-        if i >= 0:
-            marked += 1
-            if vertex[next_edge(e)] == ends[i, 0]:
-                where[i] = e
+    for t in range(slots // 3):
+        for k in range(3):
+            i = mark[3 * t + k]
+            if i >= 0:
+                marked += 1
+                if vertex[3 * t + (k + 1) % 3] == ends[i, 0]:
+                    where[i] = 3 * t + k
     return marked
 
 
