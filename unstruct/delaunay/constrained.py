@@ -21,7 +21,7 @@ from ..progress import progress_bar
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
 from .refined import Refined
-from .segments2 import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments
+from .segments2 import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
 
 if TYPE_CHECKING:
     from ..domain import Domain, Sampled
@@ -162,13 +162,21 @@ def insert_all(
     count, n = complex_.triangles, complex_.size
     corner = np.empty(n, dtype=np.int32)
     fill_corners(complex_.vertex, 3 * count, corner)
-    order = _order(corner[ends[:, 0]], count)
+    missing = np.empty(len(ends), dtype=bool)
+    where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
+    status, i, other = mark_present(
+        complex_.vertex, complex_.twin, complex_.mark, corner, ends, where, missing
+    )
+    if status != DONE:
+        raise _refusal(status, int(i), int(other), ends, piece, facets)
+    rows = np.flatnonzero(missing)
+    order = rows[_order(corner[ends[rows, 0]], count)]
     chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
     scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
-    where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
     bar = progress_bar(progress, " segments", total=len(ends))
-    for start in range(0, len(ends), CHUNK):
-        stop = min(start + CHUNK, len(ends))
+    bar.update(len(ends) - len(order))
+    for start in range(0, len(order), CHUNK):
+        stop = min(start + CHUNK, len(order))
         status, i, other = insert_segments(
             complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
             crossed, PATIENCE, *chains, scratch, stack, where, pending,
@@ -177,7 +185,7 @@ def insert_all(
             raise _refusal(status, int(i), int(other), ends, piece, facets)
         bar.update(stop - start)
     bar.close()
-    _enter(complex_, ends, piece, span)
+    _enter(complex_, ends, piece, span, where, known=len(order) == 0)
     return crossed
 
 
@@ -216,11 +224,16 @@ def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, fac
     )
 
 
-def _enter(complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray) -> None:
-    """Number the subsegments that the segments have become, in their order, and enter them."""
-    slots, where = 3 * complex_.triangles, np.empty(len(ends), dtype=np.int32)
+def _enter(
+    complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray, where: NDArray, known: bool
+) -> None:
+    """Number the subsegments that the segments have become, in their order, and enter them.
+
+    ``known``: each is one edge, and ``where`` has its half-edge.
+    """
+    slots = 3 * complex_.triangles
     complex_.state[SEGMENTS] = len(ends)
-    if carriers(complex_.vertex, complex_.mark, slots, ends, where) == 2 * len(ends):
+    if known or carriers(complex_.vertex, complex_.mark, slots, ends, where) == 2 * len(ends):
         complex_.ends, complex_.piece, complex_.span, complex_.where = (
             ends.copy(),
             piece.copy(),

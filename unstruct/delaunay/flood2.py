@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inline, kernel
 from ..predicates import orient2
 from .insertion2 import next_edge, prev_edge
 
@@ -50,6 +50,15 @@ def _odd_facet(vertex, mark, piece, facets):
     return np.int64(0)
 
 
+@inline
+def _root(above, t):
+    """The first of the triangles that t hangs on; ways are halved."""
+    while above[t] != t:
+        above[t] = above[above[t]]
+        t = np.int64(above[t])
+    return t
+
+
 @kernel
 def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
     """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
@@ -66,23 +75,27 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
         odd = _parity(vertex, twin, mark, piece, facets, part, stack)
         if odd >= 0:
             return odd, 0
-    parts = 0
-    for first in range(len(part)):
-        if part[first] != -2:
+    for t in range(len(part)):  # a forest: each triangle hangs on one before it, if they hang together
+        if part[t] != -2:
             continue
-        part[first] = parts
-        stack[0] = first
-        depth = 1
-        while depth > 0:
-            depth -= 1
-            t = np.int64(stack[depth])
-            for e in range(3 * t, 3 * t + 3):
-                other = twin[e] // 3
-                if part[other] == -2 and mark[e] < 0:
-                    part[other] = parts
-                    stack[depth] = other
-                    depth += 1
-        parts += 1
+        root = np.int64(t)
+        stack[t] = t
+        for e in range(3 * t, 3 * t + 3):
+            if twin[e] < 3 * t and mark[e] < 0:
+                other = np.int64(twin[e] // 3)
+                if part[other] == -2:
+                    other = _root(stack, other)
+                    if other != root:
+                        stack[max(root, other)] = min(root, other)
+                        root = min(root, other)
+    parts = 0
+    for t in range(len(part)):
+        if part[t] == -2:
+            if stack[t] == t:
+                part[t] = parts
+                parts += 1
+            else:
+                part[t] = part[stack[t]]
     least[:parts] = vertex.max()
     if parts > 1:
         for t in range(len(part)):

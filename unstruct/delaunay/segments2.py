@@ -32,7 +32,7 @@ from .signs import orientation
 
 __all__ = [
     "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
-    "find_edge", "insert_segments",
+    "find_edge", "insert_segments", "mark_present",
 ]  # fmt: skip
 
 DONE, CROSSES, OVERLAPS, LOST, LEAVES = 0, 1, 2, 3, 4  # how `insert_segments` ends
@@ -83,6 +83,24 @@ def absent(vertex, twin, corner, ends, missing):
     """Which segments are not edges."""
     for i in range(len(ends)):
         missing[i] = find_edge(vertex, twin, corner, ends[i, 0], ends[i, 1]) < 0
+
+
+@lean
+def mark_present(vertex, twin, mark, corner, ends, where, missing):
+    """Mark the segments that are edges; (DONE, -1, -1), or of two equal ones the second and the first.
+
+    ``missing`` tells which are left, ``where`` has the half-edges along the others.
+    """
+    for i in range(len(ends)):
+        e = find_edge(vertex, twin, corner, ends[i, 0], ends[i, 1])
+        missing[i] = e < 0
+        if e >= 0:
+            if mark[e] >= 0:
+                return OVERLAPS, np.int64(i), np.int64(mark[e])
+            mark[e] = i
+            mark[twin[e]] = i
+            where[i] = e
+    return DONE, np.int64(-1), np.int64(-1)
 
 
 @lean
