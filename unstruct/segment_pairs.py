@@ -33,8 +33,13 @@ def _beside(ax, ay, bx, by, ux, uy, vx, vy):
 
 @inline
 def _turns(ax, ay, bx, by, ux, uy):
-    """Whether u lies clearly off the line ab."""
-    dx, dy, ux, uy = bx - ax, by - ay, ux - bx, uy - by
+    """Whether segments from a to b and from a to u clearly have no more in common than a.
+
+    They overlap only where b, a, u are on a line, and b and u on the same side of a.
+    """
+    dx, dy, ux, uy = bx - ax, by - ay, ux - ax, uy - ay
+    if dx * ux + dy * uy < -SLACK * (abs(dx * ux) + abs(dy * uy)) - 1e-290:
+        return True
     return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
 
 
@@ -48,10 +53,14 @@ def _may_meet(points, segments, s, t):
         return False
     if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
         return False
-    if p == a or q == a:
-        return (p == b or q == b) or not _turns(px, py, qx, qy, bx, by)
-    if p == b or q == b:
+    if p == a:
+        return q == b or not _turns(px, py, qx, qy, bx, by)
+    if q == a:
+        return p == b or not _turns(qx, qy, px, py, bx, by)
+    if p == b:
         return not _turns(px, py, qx, qy, ax, ay)
+    if q == b:
+        return not _turns(qx, qy, px, py, ax, ay)
     return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
 
 
