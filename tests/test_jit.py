@@ -109,3 +109,27 @@ def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> Non
     for name, step in (("Rule", 1), ("Law", 2), ("Law", 3)):
         (tmp_path / "ruled.py").write_text(RULED.format(name=name, step=step))
         assert run("import ruled", tmp_path, **cache).split() == [str(step)]
+
+
+LEAN_FIRST = """
+from unstruct.jit import lean
+from unstruct.predicates import incircle
+
+@lean
+def on_circle(x):
+    return incircle(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, x, 1.0)
+
+print(on_circle(1.0), on_circle(0.5))
+"""
+
+
+def test_the_exact_stage_makes_its_arrays_whoever_asks_first(tmp_path: Path) -> None:
+    """Compiled for a function that counts no references, it used to inherit that it may make none."""
+    script = tmp_path / "lean_first.py"
+    script.write_text(LEAN_FIRST)
+    environment = os.environ | {
+        "NUMBA_CACHE_DIR": str(tmp_path),
+        "PYTHONPATH": str(Path(unstruct.__file__).parents[1]),
+    }
+    done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True)
+    assert done.stdout.split() == ["0", "1"], done.stderr

@@ -33,8 +33,10 @@ def kernel(function: Callable) -> Any:
     if numba is None:
         return function
     # said outright: numba lets an option that is not set be inherited from whoever calls it first, and then
-    # the whole exact stage would be copied into every place where an inlined predicate stands
-    return _stamped(numba.njit(cache=True, forceinline=False)(function))
+    # the whole exact stage would be copied into every place where an inlined predicate stands, or could make
+    # no arrays where a `lean` function asked for it first
+    options: dict[str, Any] = {"cache": True, "forceinline": False, "_nrt": True}
+    return _stamped(numba.njit(**options)(function))
 
 
 def lean(function: Callable) -> Any:
