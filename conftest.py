@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import defaultdict
 from pathlib import Path
 
@@ -10,8 +9,6 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).parent
-# where another environment is active than the one that runs, IPython warns in every notebook with a figure
-os.environ.pop("VIRTUAL_ENV", None)
 
 # Equal runs on every machine: no deadline, examples drawn from a fixed seed.
 common = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
