@@ -177,6 +177,7 @@ def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     points = points * data.draw(st.sampled_from([1.0, 1e-300, 2.0**600, 0.1]))
     segments = np.array(rows, dtype=int).reshape(-1, 2)
     tables = data.draw(st.sampled_from([((0.5, 1000),), ((4.0, 1000),), ((0.5, 0), (4.0, 2)), ()]))
+    tables = tuple((*table, np.inf) for table in tables)
     with mock.patch("unstruct.segment_pairs.TABLES", tables):
         found = set(map(tuple, meetings(points, segments)[0].tolist()))
     wanted = {(i, j) for i, j in combinations(range(len(rows)), 2) if oracle_meet(points, rows[i], rows[j])}

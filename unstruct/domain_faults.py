@@ -10,6 +10,7 @@ import numpy as np
 
 from .domain_inside import even_odd
 from .errors import InputError
+from .jit import kernel
 from .segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
 from .sweep import lexicographic
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Fault", "check_ends", "check_seeds", "find_faults", "first_copies"]
 
-ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads the bits of coordinates: 2^64 by the golden ratio
+ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads bits: 2^64 by the golden ratio
 
 
 @dataclass(frozen=True)
@@ -35,10 +36,11 @@ class Fault:
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
     first = np.arange(len(points))
-    x, y = np.ascontiguousarray(points.T + 0.0).view(np.uint64)  # -0.0 becomes 0.0
-    mixed = x * ODD
-    key = np.sort((mixed ^ (mixed >> np.uint64(29))) * ODD ^ y)  # equal points have equal keys
-    if (key[1:] != key[:-1]).all():
+    x, y = (points + 0.0).view(np.uint64).T  # -0.0 becomes 0.0
+    bits = max(2 * len(points), 2).bit_length()
+    key = x * ODD
+    key = ((key ^ (key >> np.uint64(32))) + y) * ODD >> np.uint64(64 - bits)
+    if not _any_equal(points, key.view(np.int64), np.full(1 << bits, -1, dtype=np.int32)):
         return first
     order = lexicographic(points)
     head = np.ones(len(points), dtype=bool)
@@ -48,6 +50,37 @@ def first_copies(points: np.ndarray) -> np.ndarray:
     if not head.all():
         first[order] = order[np.maximum.accumulate(np.where(head, first, 0))]
     return first
+
+
+@kernel
+def _any_equal(points, slots, table):
+    """Whether two points are equal: each is put in the first free place of the table from its slot on."""
+    for i in range(points.shape[0]):
+        slot = slots[i]
+        while table[slot] >= 0:
+            j = table[slot]
+            if points[j, 0] == points[i, 0] and points[j, 1] == points[i, 1]:
+                return True
+            slot = (slot + 1) & (table.shape[0] - 1)
+        table[slot] = i
+    return False
+
+
+@kernel
+def _any_repeated(segments, head, after, seen):
+    """Whether two segments join the same vertices: those of each vertex in turn, each with its other end."""
+    for s in range(segments.shape[0]):
+        a = min(segments[s, 0], segments[s, 1])
+        after[s], head[a] = head[a], s
+    for a in range(head.shape[0]):
+        s = head[a]
+        while s >= 0:
+            b = max(segments[s, 0], segments[s, 1])
+            if seen[b] == a:
+                return True
+            seen[b] = a
+            s = after[s]
+    return False
 
 
 def piece_name(piece: int, facets: int) -> str:
@@ -128,20 +161,22 @@ def _zero_length(domain: Domain) -> list[Fault]:
     return result
 
 
-def _straight(domain: Domain) -> np.ndarray:
-    """The straight pieces."""
+def _straight(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+    """The straight pieces, and their vertices."""
+    rows = np.arange(len(domain.pieces))
     if not domain.curves:
-        return np.arange(len(domain.pieces))
-    return np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves), assume_unique=True)
+        return rows, domain.pieces
+    rows = np.setdiff1d(rows, list(domain.curves), assume_unique=True)
+    return rows, domain.pieces[rows]
 
 
 def _repeated(domain: Domain) -> list[Fault]:
-    rows = _straight(domain)
-    a, b = domain.pieces[rows].astype(np.int64).T
-    key = np.minimum(a, b) * len(domain.points) + np.maximum(a, b)
-    ordered = np.sort(key)
-    if (ordered[1:] != ordered[:-1]).all():
+    rows, segments = _straight(domain)
+    head, seen = np.full((2, len(domain.points)), -1, dtype=np.int32)
+    if not _any_repeated(segments, head, np.empty(len(rows), dtype=np.int32), seen):
         return []
+    a, b = segments.astype(np.int64).T
+    key = np.minimum(a, b) * len(domain.points) + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
     same = key[order[1:]] == key[order[:-1]]
     result = []
@@ -164,8 +199,7 @@ def overlap_place(s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
 
 
 def _crossings(domain: Domain) -> list[Fault]:
-    rows = _straight(domain)
-    segments = domain.pieces[rows]
+    rows, segments = _straight(domain)
     pairs, kinds = meetings(domain.points, segments)
     if len(pairs) == 0 and len(domain.loose) == 0:
         return []

@@ -15,9 +15,10 @@ from .sweep import any_meeting
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
 
 CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
-# Cells that a segment of mean length spans, and looks at others for each segment up to which a table of such
-# cells is used: wide ones for chains, narrow ones for segments side by side; after a sweep, with patience.
-TABLES, LAST = ((0.5, 8), (4.0, 60)), (4.0, 4000)
+# Cells that a segment of mean length spans, looks at others for each segment up to which a table of such
+# cells is used, and the crowd from which on it is not tried: wide cells for chains, narrow ones for segments
+# side by side; after a sweep, with patience.
+TABLES, LAST = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
 SLACK = 1e-15  # relative: above the rounding errors of the few operations below
 
 
@@ -43,23 +44,22 @@ def _turns(ax, ay, bx, by, ux, uy):
     return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
 
 
-@kernel
-def _may_meet(points, segments, s, t):
+@inline
+def _may_meet(ends, s, t):
     """False only where floating point proves that two segments meet in a common end at most."""
-    p, q, a, b = segments[s, 0], segments[s, 1], segments[t, 0], segments[t, 1]
-    px, py, qx, qy = points[p, 0], points[p, 1], points[q, 0], points[q, 1]
-    ax, ay, bx, by = points[a, 0], points[a, 1], points[b, 0], points[b, 1]
+    px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
+    ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
     if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
         return False
     if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
         return False
-    if p == a:
-        return q == b or not _turns(px, py, qx, qy, bx, by)
-    if q == a:
-        return p == b or not _turns(qx, qy, px, py, bx, by)
-    if p == b:
+    if px == ax and py == ay:  # equal points are one vertex
+        return (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
+    if qx == ax and qy == ay:
+        return (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
+    if px == bx and py == by:
         return not _turns(px, py, qx, qy, ax, ay)
-    if q == b:
+    if qx == bx and qy == by:
         return not _turns(qx, qy, px, py, ax, ay)
     return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
 
@@ -68,10 +68,10 @@ def _may_meet(points, segments, s, t):
 
 
 @inline
-def _cell_range(points, segments, s, x0, y0, scale, ny, row, rows):
+def _cell_range(ends, s, x0, y0, scale, ny, row, rows):
     """Columns that segment s may touch in a row of the grid (row < 0: its range of rows)."""
-    ax, ay = (points[segments[s, 0], 0] - x0) * scale, (points[segments[s, 0], 1] - y0) * scale
-    bx, by = (points[segments[s, 1], 0] - x0) * scale, (points[segments[s, 1], 1] - y0) * scale
+    ax, ay = (ends[s, 0] - x0) * scale, (ends[s, 1] - y0) * scale
+    bx, by = (ends[s, 2] - x0) * scale, (ends[s, 3] - y0) * scale
     if row < 0:
         return int(min(ay, by) - 1e-9), min(int(max(ay, by) + 1e-9), ny - 1)
     left, right = min(ax, bx), max(ax, bx)
@@ -83,21 +83,22 @@ def _cell_range(points, segments, s, x0, y0, scale, ny, row, rows):
 
 
 @kernel
-def _extent(points, segments):
-    """The box of the ends of all segments, and their widths and heights, added up."""
+def _gather(points, segments, ends):
+    """Write the coordinates of all ends, a segment a row; their box, widths and heights added up."""
     x0 = y0 = np.inf
     x1 = y1 = -np.inf
     total = 0.0
     for s in range(segments.shape[0]):
         p, q = segments[s, 0], segments[s, 1]
         ax, ay, bx, by = points[p, 0], points[p, 1], points[q, 0], points[q, 1]
+        ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3] = ax, ay, bx, by
         x0, y0, x1, y1 = min(x0, ax, bx), min(y0, ay, by), max(x1, ax, bx), max(y1, ay, by)
         total += abs(bx - ax) + abs(by - ay)
     return x0, y0, x1, y1, total
 
 
 @kernel
-def _cell_pairs(points, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
+def _cell_pairs(ends, x0, y0, scale, ny, head, entries, seen, looks, pairs):
     """Candidates in common cells of a grid, of which a hash table holds those that are touched.
 
     The number of pairs, of which those that fit are written; -1 where there are too many entries, or more
@@ -106,11 +107,11 @@ def _cell_pairs(points, segments, x0, y0, scale, ny, head, entries, seen, looks,
     """
     used, count = 0, 0
     mask = head.shape[0] - 1
-    for s in range(segments.shape[0]):
-        first, last = _cell_range(points, segments, s, x0, y0, scale, ny, -1, 0)
+    for s in range(ends.shape[0]):
+        first, last = _cell_range(ends, s, x0, y0, scale, ny, -1, 0)
         first = max(first, 0)
         for row in range(first, last + 1):
-            left, right = _cell_range(points, segments, s, x0, y0, scale, ny, row, last - first + 1)
+            left, right = _cell_range(ends, s, x0, y0, scale, ny, row, last - first + 1)
             for column in range(left, right + 1):
                 slot = (row * 73856093 + column * 19349663) & mask
                 e = head[slot]
@@ -119,7 +120,7 @@ def _cell_pairs(points, segments, x0, y0, scale, ny, head, entries, seen, looks,
                     looks -= 1
                     if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
                         seen[t] = s
-                        if _may_meet(points, segments, t, s):
+                        if _may_meet(ends, t, s):
                             if count < pairs.shape[0]:
                                 pairs[count, 0], pairs[count, 1] = t, s
                             count += 1
@@ -149,14 +150,13 @@ def _apart(ax, ay, bx, by, low, high):
 
 
 @kernel
-def _tree_pairs(points, segments, low, high, order, pairs):
+def _tree_pairs(ends, low, high, order, pairs):
     """Candidates by the tree of `BoxTree`, four boxes to a leaf; their number."""
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     count = 0
-    for s in range(segments.shape[0]):
-        ax, ay = points[segments[s, 0], 0], points[segments[s, 0], 1]
-        bx, by = points[segments[s, 1], 0], points[segments[s, 1], 1]
+    for s in range(ends.shape[0]):
+        ax, ay, bx, by = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
         x0, x1, y0, y1 = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
         top = 1
         stack[0] = 1
@@ -174,7 +174,7 @@ def _tree_pairs(points, segments, low, high, order, pairs):
             first = (node - leaves) * 4
             for i in range(first, min(first + 4, order.shape[0])):
                 t = order[i]
-                if t > s and _may_meet(points, segments, s, t):
+                if t > s and _may_meet(ends, s, t):
                     if count < pairs.shape[0]:
                         pairs[count, 0], pairs[count, 1] = s, t
                     count += 1
@@ -192,30 +192,35 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     if len(segments) < 2:
         return np.empty((0, 2), dtype=np.int64)
     grid = _Grid(points, segments)
-    for cells, looks in TABLES:
-        pairs = grid.pairs(cells, looks)
+    for cells, looks, most in TABLES:
+        pairs = grid.pairs(cells, looks) if grid.crowd < most else None
         if pairs is not None:
             return pairs
     if any_meeting(points, segments) is False:
         return np.empty((0, 2), dtype=np.int64)
     pairs = grid.pairs(*LAST)
-    return _tree_candidates(points, segments) if pairs is None else pairs
+    return _tree_candidates(grid.ends) if pairs is None else pairs
 
 
 class _Grid:
-    """Square cells over the box of some segments."""
+    """Square cells over the box of some segments.
+
+    ``crowd``: how many segments would share a cell of their mean length if they were strewn evenly.
+    """
 
     def __init__(self, points: np.ndarray, segments: np.ndarray):
-        self.points, self.segments = points, segments
-        x0, y0, x1, y1, self.extent = _extent(points, segments)
+        self.ends = np.empty((len(segments), 4))
+        x0, y0, x1, y1, self.extent = _gather(points, segments, self.ends)
         self.low, self.wide, self.tall = (x0, y0), x1 - x0, y1 - y0
+        area = max(self.wide, 1e-150) * max(self.tall, 1e-150) * len(segments)
+        self.crowd: float = self.extent * (self.extent / area)
 
     def pairs(self, cells: float, looks: int) -> np.ndarray | None:
         """Candidates, where a segment of mean length spans so many cells; None if that is too much work.
 
         ``looks``: at most so many for each segment.
         """
-        s, longer = len(self.segments), max(self.wide, self.tall)
+        s, longer = len(self.ends), max(self.wide, self.tall)
         if not 1e-140 < longer < 1e140:
             return None
         scale = cells * s / self.extent
@@ -226,9 +231,8 @@ class _Grid:
         seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
         while True:
             count = _cell_pairs(
-                self.points, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
-                looks * s, pairs,
-            )  # fmt: skip
+                self.ends, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen, looks * s, pairs
+            )
             if count < 0:
                 return None
             if count <= len(pairs):
@@ -237,19 +241,20 @@ class _Grid:
             head[:], seen[:] = -1, -1
 
 
-def _tree_candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+def _tree_candidates(ends: np.ndarray) -> np.ndarray:
     """The same by a tree, which suits any lengths."""
-    ends = points[segments]
-    tree = BoxTree(ends.min(axis=1), ends.max(axis=1))
-    pairs = np.empty((2 * len(segments) + 16, 2), dtype=np.int64)
-    count = _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
+    tree = BoxTree(np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:]))
+    pairs = np.empty((2 * len(ends) + 16, 2), dtype=np.int64)
+    count = _tree_pairs(ends, tree.low, tree.high, tree.order, pairs)
     if count > len(pairs):
         pairs = np.empty((count, 2), dtype=np.int64)
-        _tree_pairs(points, segments, tree.low, tree.high, tree.order, pairs)
-    return _sorted(pairs[:count], len(segments))
+        _tree_pairs(ends, tree.low, tree.high, tree.order, pairs)
+    return _sorted(pairs[:count], len(ends))
 
 
 def _sorted(pairs: np.ndarray, s: int) -> np.ndarray:
+    if len(pairs) == 0:
+        return pairs
     keys = np.sort(pairs[:, 0] * s + pairs[:, 1])
     return np.column_stack([keys // s, keys % s])
 
