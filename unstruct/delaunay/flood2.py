@@ -81,13 +81,11 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
         root = np.int64(t)
         stack[t] = t
         for e in range(3 * t, 3 * t + 3):
-            if twin[e] < 3 * t and mark[e] < 0:
-                other = np.int64(twin[e] // 3)
-                if part[other] == -2:
-                    other = _root(stack, other)
-                    if other != root:
-                        stack[max(root, other)] = min(root, other)
-                        root = min(root, other)
+            other = np.int64(twin[e] // 3)
+            joined = (other < t) & (mark[e] < 0) & (part[other] == -2)
+            other = _root(stack, other if joined else root)
+            stack[max(root, other)] = min(root, other)
+            root = min(root, other)
     parts = 0
     for t in range(len(part)):
         if part[t] == -2:
@@ -96,8 +94,8 @@ def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
                 parts += 1
             else:
                 part[t] = part[stack[t]]
-    least[:parts] = vertex.max()
     if parts > 1:
+        least[:parts] = vertex.max()
         for t in range(len(part)):
             p = part[t]
             if p >= 0:

@@ -26,9 +26,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, lean
+from ..signs import orientation
 from .filling2 import fill, load, swap_all
 from .insertion2 import GHOST, next_edge, prev_edge
-from .signs import orientation
 
 __all__ = [
     "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
@@ -107,22 +107,30 @@ def mark_present(vertex, twin, mark, corner, ends, where, missing):
 def aim(xy, vertex, twin, corner, a, b):
     """Where the ray from a to b leaves a: (e, 0) within the triangle of slot e, (e, 1) along half-edge e.
 
+    If b is next to a, that is the edge between them, found without signs.
+
       w
      / \\      With u and w left or right of the ray, strictly, the ray crosses u w. Its line
     a---u      through u and w strictly on its left: the ray passes u, for b cannot be behind a.
     """
     first = e = np.int64(corner[a])
+    u = vertex[next_edge(e)]
+    if u == b:
+        return prev_edge(e), 1
+    left = 0 if u == GHOST else orientation(xy, a, b, u)
     while True:
-        u, w = vertex[next_edge(e)], vertex[prev_edge(e)]
+        w = vertex[prev_edge(e)]
+        if w == b:
+            return np.int64(twin[next_edge(e)]), 1
+        right, left = left, 0 if w == GHOST else orientation(xy, a, b, w)
         if u != GHOST and w != GHOST:
-            right, left = orientation(xy, a, b, u), orientation(xy, a, b, w)
             if right < 0 and left > 0:
                 return e, 0
             if right == 0 and left > 0:
                 return prev_edge(e), 1
             if right < 0 and left == 0:
                 return np.int64(twin[next_edge(e)]), 1
-        e = turn(twin, e)
+        e, u = turn(twin, e), w
         if e == first:
             return np.int64(-1), 1
 
@@ -214,11 +222,9 @@ def insert_segments(
         i = order[at]
         a, b = ends[i, 0], ends[i, 1]
         crossed[i] = 0
-        e = find_edge(vertex, twin, corner, a, b)
-        while a != b or e < 0:
-            kind = 1
-            if e < 0:
-                e, kind = aim(xy, vertex, twin, corner, a, b)
+        on = True
+        while on:
+            e, kind = aim(xy, vertex, twin, corner, a, b)
             if e < 0:
                 return LOST, i, np.int64(-1)
             if kind == 0:
@@ -236,5 +242,5 @@ def insert_segments(
                 mark[e] = i
                 mark[twin[e]] = i
             a = vertex[prev_edge(e)]
-            e = np.int64(-1) if a != b else e
+            on = a != b
     return DONE, np.int64(-1), np.int64(-1)
