@@ -101,8 +101,8 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
     levels = min(KEY_BITS // d, int(np.ceil(np.log2(n) / d)) + 8, 30)
     levels += levels % 2 if d == 2 else 0  # the plane goes by two levels at a time
     # the Hilbert keys only steer speed, so rounding is harmless here; halves keep the extent finite
-    low = np.array([column.min() for column in points.T]) * 0.5  # faster than min(axis=0) of short rows
-    extent = max(float(column.max()) * 0.5 - half for column, half in zip(points.T, low.tolist()))
+    low = np.empty(d)
+    extent = half_extent(points, d, low)
     shrink = 1.0
     if 0.0 < extent < 1e-280:  # the factor below must not overflow
         shrink = 2.0**600
@@ -157,6 +157,19 @@ def _two_levels(ranks: NDArray[np.int64], turns: NDArray[np.int64]) -> tuple[NDA
 @inline
 def _cell(x, low, shrink, factor):
     return np.int64((x * 0.5 - low) * shrink * factor)
+
+
+@kernel
+def half_extent(points, d, low):
+    """Half the largest side of the box of the first d coordinates; ``low`` gets half its lowest corner."""
+    extent = 0.0
+    for k in range(d):
+        least = most = points[0, k]
+        for i in range(points.shape[0]):
+            least, most = min(least, points[i, k]), max(most, points[i, k])
+        low[k] = least * 0.5
+        extent = max(extent, most * 0.5 - low[k])
+    return extent
 
 
 @kernel

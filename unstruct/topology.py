@@ -1,8 +1,7 @@
 """Who is next to whom: adjacency of simplices as plain index arrays, without coordinates.
 
-A complex is an array ``simplices`` of shape (m, k + 1): one row of vertex numbers for each cell. All
-functions work for every k >= 1 and cost O(m) expected time (one hash table over the faces), sorting
-of the result aside. See the book, chapter 1.
+A complex is an array ``simplices`` of shape (m, k + 1): one row of vertex numbers for each cell. All work for
+every k >= 1, in O(m) expected time (one hash table of faces) and that to sort. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -53,15 +52,25 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
         row = int(np.nonzero(np.ma.getmaskarray(simplices).any(axis=1))[0][0])
         raise InputError(f"simplices[{row}] has masked entries; fill or drop it")
     limit = 2**31 if vertices is None else vertices
-    if rows.size and (int(rows.min()) < 0 or int(rows.max()) >= limit):
-        row = int(np.nonzero(((rows < 0) | (rows >= limit)).any(axis=1))[0][0])
-        raise InputError(f"simplices[{row}] = {rows[row].tolist()} refers to vertices outside 0..{limit - 1}")
-    for i, j in combinations(range(rows.shape[1]), 2):
-        same = rows[:, i] == rows[:, j]
-        if same.any():
-            row = int(np.argmax(same))
-            raise InputError(f"simplices[{row}] = {rows[row].tolist()} repeats a vertex; drop the cell")
-    return np.ascontiguousarray(rows, dtype=np.int32)
+    table = np.ascontiguousarray(rows, dtype=np.int32 if rows.dtype == np.int32 else np.int64)
+    row, twice = _first_wrong(table, limit)
+    if row >= 0:
+        wrong = "repeats a vertex; drop the cell" if twice else f"refers to vertices outside 0..{limit - 1}"
+        raise InputError(f"simplices[{row}] = {rows[row].tolist()} {wrong}")
+    return np.ascontiguousarray(table, dtype=np.int32)
+
+
+@kernel
+def _first_wrong(rows, limit):
+    """The first row with a number that is no vertex, or twice the same (then True); -1 for none."""
+    for r in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            if rows[r, i] < 0 or rows[r, i] >= limit:
+                return r, False
+            for j in range(i):
+                if rows[r, i] == rows[r, j]:
+                    return r, True
+    return -1, False
 
 
 @kernel

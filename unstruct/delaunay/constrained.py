@@ -290,8 +290,11 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         )
     if parts == 0:
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
+    if parts == 1 and not regions:
+        return
+    least = least[:parts] if parts > 1 else np.zeros(1, dtype=np.int32)
     number = np.empty(parts, dtype=np.int64)  # by the least vertex in each, not by where the slots are
-    number[np.argsort(least[:parts], kind="stable")] = np.arange(parts)
+    number[np.argsort(least, kind="stable")] = np.arange(parts)
     names = list(regions)
     named = np.full(parts, -1)
     for k, name in enumerate(names):

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..jit import kernel
 from ..mesh import as_points
 from .cavity2 import GHOST, SEGMENTS, VERTICES
-from .compiled import BUSY, COUNT, FREE, Compiled, grown
+from .compiled import BUSY, COUNT, FREE, Compiled, extract_cells, grown
 from .refined import Refined
 from .triangulation import Triangulation
 
@@ -46,17 +46,6 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract_kept(vertex, twin, count, number, place, simplices, neighbors):
-    """Write the triangles that have a number, and the numbers of their neighbors."""
-    for t in range(count):
-        i = number[t]
-        if i >= 0:
-            for k in range(3):
-                simplices[i, k] = place[vertex[3 * t + k]]
-                neighbors[i, k] = number[twin[3 * t + k] // 3]
-
-
-@kernel
 def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces, spans):
     """Write the subsegments that bound a triangle with a number; how many."""
     count = 0
@@ -68,6 +57,14 @@ def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces
             spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
             count += 1
     return count
+
+
+def parted(rows: NDArray, first: NDArray[np.bool_]) -> tuple[NDArray, NDArray]:
+    """The rows that are marked, and the others."""
+    one = np.flatnonzero(first)
+    if len(one) in (0, len(rows)):
+        return (rows, rows[:0]) if len(one) else (rows[:0], rows)
+    return rows[one], rows[np.flatnonzero(~first)]
 
 
 class PlanarComplex:
@@ -231,7 +228,7 @@ class PlanarComplex:
         number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
         cells, vertices = number_kept(self.vertex, self.region, count, number, place)
         simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
-        extract_kept(self.vertex, self.twin, count, number, place, simplices, neighbors)
+        extract_cells(self.vertex, self.twin, 3, count, place, number, simplices, neighbors)
         known = np.empty((0, 2)) if points is None else points
         rows = np.concatenate([known, self.xy[len(known) : n] / self.factor])
         source = np.full(n, -1, dtype=np.int32)
@@ -241,12 +238,11 @@ class PlanarComplex:
             used = place >= 0
             rows, source = rows[used], source[used]
         ends, piece, span = self._segments(number, place)
-        facet = piece < facets
-        named: dict[str, NDArray] = {"facets": ends[facet], "inner": ends[~facet]}
+        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece < facets)))
         for name, pieces in (markers or {}).items():
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
-            named["region"] = self.region[:count][number >= 0]
+            named["region"] = self.region[np.flatnonzero(number >= 0)]
         if rest.get("unrefined") is not None:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return Refined(

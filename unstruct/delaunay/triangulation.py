@@ -74,7 +74,7 @@ class Triangulation:
         self._size = 0
         self._forget()
         if first is not None:
-            self.insert(first, progress=progress)
+            self._append(first, progress)
 
     def _forget(self) -> None:
         """Drop the cells, keep the points: the next call triangulates anew."""
@@ -121,6 +121,9 @@ class Triangulation:
             raise InputError(
                 f"points have {rows.shape[1]} coordinates; this triangulation has {self.dimension}"
             )
+        self._append(rows, progress)
+
+    def _append(self, rows: NDArray[np.float64], progress: bool) -> None:
         size = self._size + len(rows)
         if size > MOST:
             raise InputError(f"{size} points are more than 32-bit numbers of cells can serve: at most {MOST}")
