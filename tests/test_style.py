@@ -25,7 +25,7 @@ FLOORS = {
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "marked_edges", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
-    **dict.fromkeys(["gmsh_files", "segment_pairs", "sweep"], 3),
+    **dict.fromkeys(["gmsh_files", "segment_pairs", "signs", "sweep"], 3),
     **dict.fromkeys(
         ["domain_constructors", "domain_corners", "domain_faults", "domain_files", "domain_input"], 4
     ),

@@ -5,8 +5,8 @@ Points are scaled (|coordinates| <= 1); a cell is a row of d + 1 vertices.
 
 from __future__ import annotations
 
-from ..jit import inline, kernel
-from ..predicates import incircle, insphere, orient2, orient3
+from .jit import inline, kernel
+from .predicates import incircle, insphere, orient2, orient3
 
 __all__ = ["conflict", "moved", "orientation"]
 

@@ -123,6 +123,38 @@ def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: flo
     )
 
 
+class _Looks:
+    """A wanted size as a function that keeps all that was seen, and says where a closer look matters."""
+
+    def __init__(self, field: SizeField, growth: float, tolerance: float):
+        self.field, self.growth, self.tolerance = field, growth, tolerance
+        self.places: list[Array] = []
+        self.values: list[Array] = []
+
+    def __call__(self, x: Array) -> Array:
+        values = self.field(x)
+        self.places.append(x)
+        self.values.append(values)
+        return values
+
+    def deeper(self, side: float, x: Array, values: Array) -> NDArray[np.bool_]:
+        """Whether leaves may hide a size that matters; their places (m, 13, 2) and the sizes there."""
+        least, span = values.min(axis=1), np.ptp(values, axis=1)
+        jump = np.diff(np.sort(values, axis=1), axis=1).max(axis=1) > JUMP * span
+        finest = np.where(jump, COARSER * FINEST, FINEST) * self.tolerance * least
+        hidden = HIDDEN * span
+        if self.field.growth is not None:
+            hidden = np.minimum(hidden, SPACING * side * self.field.growth)
+        steep = (
+            (span > self.growth * side) & (self.growth * side > finest) & (hidden > self.tolerance * least)
+        )
+        if steep.any():
+            places = x[steep].reshape(-1, 2)
+            known = SegmentTree(places, values[steep].ravel()).least(places, self.growth)[0].reshape(-1, 13)
+            steep[steep] = (values[steep] - hidden[steep, None] <= known).any(axis=1)
+        return steep
+
+
 def limited(
     size: Any,
     growth: float,
@@ -179,29 +211,9 @@ def limited(
         raise InputError(f"growth must be a positive number, not {growth!r}")
     if field.growth is not None and field.growth <= growth:
         return field
-    looks: list[tuple[Array, Array]] = []
-
-    def look(x: Array) -> Array:
-        looks.append((x, field(x)))
-        return looks[-1][1]
-
-    def deeper(side: float, x: Array, values: Array) -> NDArray[np.bool_]:
-        """Whether leaves may hide a size that matters; their places (m, 13, 2) and the sizes there."""
-        least, span = values.min(axis=1), np.ptp(values, axis=1)
-        jump = np.diff(np.sort(values, axis=1), axis=1).max(axis=1) > JUMP * span
-        finest = np.where(jump, COARSER * FINEST, FINEST) * tolerance * least
-        hidden = HIDDEN * span
-        if field.growth is not None:
-            hidden = np.minimum(hidden, SPACING * side * field.growth)
-        steep = (span > growth * side) & (growth * side > finest) & (hidden > tolerance * least)
-        if steep.any():
-            places = x[steep].reshape(-1, 2)
-            known = SegmentTree(places, values[steep].ravel()).least(places, growth)[0].reshape(-1, 13)
-            steep[steep] = (values[steep] - hidden[steep, None] <= known).any(axis=1)
-        return steep
-
+    looks = _Looks(field, growth, tolerance)
     table = build(
-        SizeField(look),
+        SizeField(looks),
         lower,
         upper,
         landmarks=field.landmarks,
@@ -209,12 +221,12 @@ def limited(
         tolerance=tolerance,
         max_depth=24,
         max_nodes=max_nodes,
-        deeper=deeper,
+        deeper=looks.deeper,
     )
     return LimitedSize(
         growth,
-        np.concatenate([x for x, _ in looks]),
-        np.concatenate([values for _, values in looks]),
+        np.concatenate(looks.places),
+        np.concatenate(looks.values),
         capped=table.capped,
         landmarks=field.landmarks,
         name=f"{field.name}, growth limited to {growth:g}",

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .jit import inline, kernel
-from .predicates import orient2, scaled
+from .jit import kernel
+from .predicates import scaled
+from .signs import orientation
 
 __all__ = ["any_meeting", "lexicographic"]
 
@@ -28,11 +29,6 @@ def lexicographic(points: np.ndarray) -> np.ndarray:
     return order
 
 
-@inline
-def _turn(xy, a, b, c):
-    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
-
-
 @kernel
 def _meet(xy, left, right, s, t):
     """Whether two segments that the line cuts next to each other meet, but for a common end.
@@ -42,9 +38,9 @@ def _meet(xy, left, right, s, t):
     p, q, a, b = left[s], right[s], left[t], right[t]
     if p == a or q == b or p == b or q == a:
         return False
-    if _turn(xy, p, q, a) * _turn(xy, p, q, b) > 0:
+    if orientation(xy, p, q, a) * orientation(xy, p, q, b) > 0:
         return False
-    return _turn(xy, a, b, p) * _turn(xy, a, b, q) <= 0
+    return orientation(xy, a, b, p) * orientation(xy, a, b, q) <= 0
 
 
 @kernel
@@ -54,7 +50,7 @@ def _find(xy, left, right, blocks, count, directory, many, v):
     while low < high:
         middle = (low + high) // 2
         s = blocks[directory[middle], 0]
-        if _turn(xy, left[s], right[s], v) > 0:
+        if orientation(xy, left[s], right[s], v) > 0:
             low = middle + 1
         else:
             high = middle
@@ -65,7 +61,7 @@ def _find(xy, left, right, blocks, count, directory, many, v):
     while first < last:
         middle = (first + last) // 2
         s = blocks[block, middle]
-        if _turn(xy, left[s], right[s], v) > 0:
+        if orientation(xy, left[s], right[s], v) > 0:
             first = middle + 1
         else:
             last = middle
@@ -126,7 +122,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
         i, j = _find(xy, left, right, blocks, count, directory, many, v)
         while i < many:  # segments through v: they must end there
             s = blocks[directory[i], j]
-            if _turn(xy, left[s], right[s], v) != 0:
+            if orientation(xy, left[s], right[s], v) != 0:
                 break
             if right[s] != v:
                 return True
@@ -151,7 +147,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
             s = start[begin[v] + k]
             m = k
             while m > 0:
-                side = _turn(xy, v, right[chosen[m - 1]], right[s])
+                side = orientation(xy, v, right[chosen[m - 1]], right[s])
                 if side == 0:
                     return True
                 if side > 0:

@@ -20,8 +20,8 @@ import numpy as np
 
 from ..jit import inline, lean
 from ..predicates import incircle
+from ..signs import orientation
 from .insertion2 import next_edge, prev_edge
-from .signs import orientation
 from .stars2 import legalize
 
 __all__ = ["cut_ears", "fill", "load", "swap_all"]

@@ -15,12 +15,12 @@ import numpy as np
 
 from ..jit import inline, lean
 from ..predicates import incircle
+from ..signs import orientation
 from .cavity2 import free_slot, start_of
 from .encroachment2 import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .insertion2 import next_edge
 from .refinement_limits import misses
 from .refinement_state import REMOVED, record, settle
-from .signs import orientation
 
 MOST = 64  # corners of a polygon that is filled: a vertex with more stays; and vertices taken at a time
 # columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, kernel
-from .signs import conflict, moved
+from ..signs import conflict, moved
 
 __all__ = ["FIXED", "FULL", "HELD", "HIDDEN", "OUTSIDE", "insert_vertices"]
 

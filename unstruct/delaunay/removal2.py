@@ -13,9 +13,9 @@ import numpy as np
 
 from ..jit import inline, kernel
 from ..predicates import incircle
+from ..signs import orientation
 from .compiled import COUNT, LAST
 from .insertion2 import GHOST, locate2, next_edge
-from .signs import orientation
 
 
 @kernel

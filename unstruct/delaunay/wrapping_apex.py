@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import inline, kernel
+from ..signs import conflict, moved
 from .kd_tree import beyond, distance2
-from .signs import conflict, moved
 from .wrapping_front import admitted
 
 __all__ = ["find_apex", "holds_vertex", "tie"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ..jit import inline, kernel
 from ..predicates import orient2, orient3
-from .signs import moved
+from ..signs import moved
 
 __all__ = ["admitted"]
 
