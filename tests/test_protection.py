@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from test_recovery import TEN, fan_domain, random_polygon
 
 from unstruct.check import check
+from unstruct.delaunay.constrained import constrained_delaunay
 from unstruct.delaunay.diametral import exact_in_disc, in_disc
 from unstruct.delaunay.insertion import delaunay
 from unstruct.delaunay.protection import insert_without_breaking, skeleton_points
@@ -19,6 +20,7 @@ from unstruct.errors import InputError
 from unstruct.examples import running_region
 from unstruct.mesh import Mesh
 from unstruct.plain import bowyer_watson as bw
+from unstruct.plain import protection
 from unstruct.plain.conforming import missing
 from unstruct.simplex import circumradius
 
@@ -48,33 +50,38 @@ def is_delaunay_here(mesh):
 # --- turning points away ----------------------------------------------------------------------------
 
 
-@given(st.integers(0, 10**6))
+@given(st.integers(0, 10**6), st.booleans())
 @settings(max_examples=12, deadline=None)
-def test_against_the_definition(seed):
+def test_against_the_definition(seed, wall):
     """Each point is put to the test by definition: is a boundary edge missing once it is there?"""
     rng = np.random.default_rng(seed)
-    domain = Domain.polygon(random_polygon(rng, 6, 20))
+    ring = random_polygon(rng, 6, 20)
+    n = len(ring)
+    box = [(-30, -30), (50, -30), (50, 50), (-30, 50)]
+    around = [(n + k, n + (k + 1) % 4) for k in range(4)]
+    rows = [(k, (k + 1) % n) for k in range(n)]
+    domain = Domain([*ring, *box], around, inner=rows) if wall else Domain.polygon(ring)
     start = conforming_delaunay(domain)
     given_ = [tuple(p) for p in rng.integers(0, 20, (12, 2)).astype(float).tolist()]
     result = insert_without_breaking(domain, given_)
     is_delaunay_here(result.mesh)
-    inside = [tuple(p) for p in start.points.tolist()]
-    for k, point in enumerate(given_):
-        ends = start.points[start.segments]
-        broken = [s for s, (u, v) in enumerate(ends) if missing([*inside, point], tuple(u), tuple(v))]
-        if result.vertex[k] >= 0:
-            assert not broken and tuple(result.mesh.points[result.vertex[k]]) == point
-            inside.append(point)
+    before = [tuple(p) for p in start.points.tolist()]
+    told = protection.turn_away(before, start.segments.tolist(), start.simplices.tolist(), given_)
+    starved, after = set(), [tuple(p) for p in result.mesh.points.tolist()]
+    cells = [tuple(cell) for cell in result.mesh.simplices.tolist()]
+    for k, (point, (verdict, edges)) in enumerate(zip(given_, told, strict=True)):
+        assert (result.vertex[k] >= 0) == (verdict == "in")
+        if verdict == "in":
+            assert after[result.vertex[k]] == point
             continue
         row = result.rejected.tolist().index(k)
-        if "outside" in result.why[row]:
-            assert not domain.contains([point])[0] and result.edge[row] == -1
-        elif "equals" in result.why[row]:
-            assert point in inside
-        else:
+        assert {"outside": "outside", "equal": "equals", "breaks": "would break"}[verdict] in result.why[row]
+        if verdict == "breaks":
             named = result.mesh.points[result.mesh.segments[result.edge[row]]].tolist()
-            assert sorted(named) in [sorted(ends[s].tolist()) for s in broken]
+            assert sorted(named) in [sorted([list(before[u]), list(before[v])]) for u, v in edges]
+            starved |= protection.replaced(after, result.mesh.segments.tolist(), cells, point)
     assert len(result.rejected) == (result.vertex < 0).sum() == result.mesh.counts["rejected"]
+    assert starved == {cells[i] for i in result.mesh.unrefined}
 
 
 def test_what_is_starved():
@@ -192,3 +199,27 @@ def test_a_skeleton_cannot_bring_an_edge_back():
     more = points + [tuple(p) for p in rng.integers(-1000, 1000, (200, 2)).tolist()]
     assert all(missing(more, (0, 0), q) for q in lost)
     assert len(bw.triangulate(points)) > 0
+
+
+@given(st.integers(0, 10**6), st.booleans(), st.sampled_from([0.0, 0.5, 0.9]))
+@settings(max_examples=15, deadline=None)
+def test_skeletons_are_those_of_the_plain_version(seed, wall, gap):
+    """From the same disks, all empty, the same tips on the same sides."""
+    ring = random_polygon(np.random.default_rng(seed), 6, 30)
+    n = len(ring)
+    rows = [(k, (k + 1) % n) for k in range(n)]
+    around = [(n + k, n + (k + 1) % 4) for k in range(4)]
+    box = [(-40, -40), (70, -40), (70, 70), (-40, 70)]
+    domain = Domain([*ring, *box], around, inner=rows) if wall else Domain.polygon(ring)
+    fast = skeleton_points(domain, gap=gap)
+    if not fast.complete:
+        return
+    old = np.setdiff1d(np.arange(len(fast.mesh.points)), fast.vertex)
+    points, number = fast.mesh.points[old], np.full(len(fast.mesh.points), -1)
+    number[old] = np.arange(len(old))
+    segments, outer = number[fast.mesh.segments], fast.mesh.piece < (4 if wall else n)
+    start = constrained_delaunay(Domain(points, segments[outer], inner=segments[~outer]))
+    cells = [tuple(cell) for cell in start.origin[start.simplices].tolist()]
+    slow = protection.skeleton(points.tolist(), segments.tolist(), cells, gap)
+    sides = zip(fast.segment.tolist(), fast.side.tolist())
+    assert dict(zip(sides, map(tuple, fast.points.tolist()), strict=True)) == slow

@@ -8,6 +8,8 @@ from .curves import Bezier as Bezier
 from .curves import Curve as Curve
 from .delaunay.circumcenters import circumcenter_insertion as circumcenter_insertion
 from .delaunay.constrained import constrained_delaunay as constrained_delaunay
+from .delaunay.edge_recovery import recover_edges as recover_edges
+from .delaunay.edge_recovery import remove_outside as remove_outside
 from .delaunay.gift_wrapping import gift_wrap as gift_wrap
 from .delaunay.insertion import Triangulation as Triangulation
 from .delaunay.insertion import delaunay as delaunay

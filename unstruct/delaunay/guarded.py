@@ -121,14 +121,28 @@ def guard_all(
 
 
 @lean
+def hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit):
+    """``hit`` for the cavity of p that begins with triangle t, if that is inside."""
+    if region[t] >= 0:
+        m, _ = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+        for j in range(m):
+            hit[cells[j]] = True
+
+
+@lean
 def hit_all(xy, vertex, twin, mark, region, start, points, stack, cells, rim, hit):
-    """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace."""
+    """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace.
+
+    A point on a marked edge has two cavities, one on either side.
+    """
     t = start
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
         t = walk(xy, vertex, twin, t, px, py)
-        if region[t] < 0:
-            continue
-        m, _ = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
-        for j in range(m):
-            hit[cells[j]] = True
+        hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit)
+        for e in range(3 * t, 3 * t + 3):
+            if mark[e] >= 0:
+                a, b = start_of(vertex, e), end_of(vertex, e)
+                if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) == 0:
+                    beyond = np.int64(twin[e]) // 3
+                    hit_from(xy, vertex, twin, mark, region, beyond, px, py, stack, cells, rim, hit)
