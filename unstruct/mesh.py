@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import simplex, topology
-from .arrays import as_points, frozen, refrozen
+from .arrays import as_points, distinct, frozen, refrozen
 from .cells import (
     as_cells,
     cell_dimension,
@@ -206,7 +206,7 @@ class Mesh:
         """(f_0, ..., f_k): used vertices, edges, ..., cells."""
         if self.is_simplicial:
             return topology.face_counts(self.simplices)
-        used = len(np.unique(self.edges))
+        used = len(distinct(self.edges))
         middle = [len(self.edges)] if self.dimension == 2 else [len(self.edges), len(self.facets)]
         return (used, *middle, self.size)
 

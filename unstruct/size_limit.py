@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import distinct
 from .distance import SegmentTree
 from .errors import InputError
 from .mesh import Mesh
@@ -93,7 +94,7 @@ def _steep_edges(mesh: Mesh, values: Array, growth: float) -> NDArray[np.int64]:
     slope = np.hypot(p * v[:, 1] - q * u[:, 1], q * u[:, 0] - p * v[:, 0])
     cells = mesh.simplices[slope > growth * det].astype(np.int64)
     edges = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    return np.stack(np.divmod(np.unique(edges @ np.array([len(values), 1])), len(values)), axis=1)
+    return np.stack(np.divmod(distinct(edges @ np.array([len(values), 1])), len(values)), axis=1)
 
 
 def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: float) -> SegmentTree:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .arrays import distinct
 from .errors import InputError, MeshError
 from .mesh import Mesh
 from .simplex import angles, quality
@@ -123,7 +124,7 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         quotients = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / as_size(size)(ends.mean(axis=1))
     close = np.abs(np.log2(quotients)) <= 0.5
     return Statistics(
-        vertices=len(np.unique(mesh.simplices)),
+        vertices=len(distinct(mesh.simplices)),
         cells=mesh.size,
         least_angle=float(least.min()),
         low_angle=float(np.quantile(least, 0.01)),

@@ -116,11 +116,12 @@ def skeleton(
         if edge in inner
     ]
     for l, i, side, cell in sorted(sites):
-        p = tip(*(points[k] for k in segments[i]), side)
+        u, v = segments[i]
+        p = tip(points[u], points[v], side)
         within = {part[holder] for holder in holders(start, cells, p)}
         far = all(square(p, q) >= (Fraction(gap) * Fraction(l)) ** 2 for q in points)
         if part[cell] in within and p not in points and far:
-            if not any(encroached([p], start[u], start[v]) for u, v in segments):
+            if not any(encroached([p], start[a], start[b]) for a, b in segments):
                 points.append(p)
                 taken[i, side] = p
     return taken
