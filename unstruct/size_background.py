@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arrays import as_numbers
+from .arrays import as_numbers, distinct
 from .distance import SegmentTree
 from .errors import InputError, MeshError
 from .mesh import Mesh, is_planar
@@ -37,7 +37,7 @@ class Background(SizeField):
         self.mesh, self.values, self.outside = mesh, values, 0
         border = mesh.points[mesh.boundary]
         self._border = SegmentTree(border)
-        used = np.unique(mesh.simplices)
+        used = distinct(mesh.simplices)
         super().__init__(
             self._interpolate, landmarks=mesh.points[used], name=f"background of {mesh.size} triangles"
         )
@@ -157,7 +157,7 @@ def limit_nodes(mesh: Mesh, values: ArrayLike, growth: float) -> Array:
     i, j = mesh.edges.T
     length = np.linalg.norm(mesh.points[i] - mesh.points[j], axis=1)
     n = len(nodal)
-    used = np.unique(mesh.simplices)
+    used = distinct(mesh.simplices)
     ends = np.concatenate([i, np.full(len(used), n)]), np.concatenate([j, used])
     weights = np.concatenate([growth * length, nodal[used]])
     graph = coo_array((weights, ends), shape=(n + 1, n + 1)).tocsr()

@@ -102,19 +102,22 @@ def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: flo
     used = np.zeros(len(places), dtype=bool)
     used[pairs] = True
     x, wanted = places[used], values[used]
-    tree = SegmentTree(x, wanted)
-    which, least = np.empty(len(x), dtype=np.int64), np.empty(len(x))
-    near = tree.order  # one beside the other: much the fastest
-    least[near], which[near] = tree.least(x[near], growth, wanted[near] * (1 - 1e-12))
-    kept = which < 0
-    least[kept] = wanted[kept]
     i, j = (np.cumsum(used) - 1)[pairs.T]
     length = growth * np.hypot(*(x[i] - x[j]).T)
-    # what the two ends give meets at t; the edge matters where it is lower than that
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = ((least[j] - least[i]) / length + 1) / 2
-    meet = least[i] + t * length
-    lower = (np.abs(wanted[i] - wanted[j]) < length) & (meet > wanted[i] + t * (wanted[j] - wanted[i]))
+    least = wanted.copy()  # what each point and its neighbors give: most are undercut by a neighbor
+    np.minimum.at(least, i, wanted[j] + length)
+    np.minimum.at(least, j, wanted[i] + length)
+    alone = least == wanted
+    tree = SegmentTree(x[alone], wanted[alone])
+    ends = alone.copy()  # what matters with the least of all matters with this bound, too
+    some = _lower(wanted, least, i, j, length)
+    ends[i[some]] = ends[j[some]] = True
+    asked = np.flatnonzero(ends)
+    found, which = tree.least(x[asked], growth, wanted[asked] * (1 - 1e-12))
+    least[asked] = np.where(which < 0, wanted[asked], found)
+    kept = np.zeros(len(x), dtype=bool)
+    kept[asked[which < 0]] = True
+    lower = _lower(wanted, least, i, j, length)
     kept[np.concatenate([i[lower], j[lower]])] = False  # an edge gives what its ends give
     points = np.repeat(x[kept, None], 2, axis=1)
     edges = np.stack([x[i[lower]], x[j[lower]]], axis=1)
@@ -122,6 +125,16 @@ def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: flo
     return SegmentTree(
         np.concatenate([points, edges]), np.concatenate([np.repeat(wanted[kept, None], 2, axis=1), weights])
     )
+
+
+def _lower(
+    wanted: Array, least: Array, i: NDArray[np.int64], j: NDArray[np.int64], length: Array
+) -> NDArray[np.bool_]:
+    """Which edges give somewhere less than both ends' ``least``, which meet at t of the way from i to j."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # places may be equal
+        t = ((least[j] - least[i]) / length + 1) / 2
+        meet = least[i] + t * length
+        return (np.abs(wanted[i] - wanted[j]) < length) & (meet > wanted[i] + t * (wanted[j] - wanted[i]))
 
 
 class _Looks:
