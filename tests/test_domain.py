@@ -169,11 +169,12 @@ def test_inner_pieces_are_validated_too() -> None:
 def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     side_length = data.draw(st.integers(2, 12))
     grid = st.tuples(st.integers(0, side_length), st.integers(0, side_length))
-    points = np.array(data.draw(st.lists(grid, min_size=3, max_size=14, unique=True)), dtype=float)
-    pair = st.tuples(st.integers(0, len(points) - 1), st.integers(0, len(points) - 1))
-    rows = data.draw(
-        st.lists(pair.filter(lambda r: r[0] != r[1]).map(sorted).map(tuple), max_size=14, unique=True)
-    )
+    different = data.draw(st.booleans())  # equal points are different vertices, and segments there meet
+    drawn = data.draw(st.lists(grid, min_size=3, max_size=14, unique=different))
+    pair = st.tuples(st.integers(0, len(drawn) - 1), st.integers(0, len(drawn) - 1))
+    long = pair.filter(lambda r: r[0] < r[1] and drawn[r[0]] != drawn[r[1]])
+    rows = data.draw(st.lists(long, max_size=14, unique=True)) if len(set(drawn)) > 1 else []
+    points = np.array(drawn, dtype=float)
     points = points * data.draw(st.sampled_from([1.0, 1e-300, 2.0**600, 0.1]))
     segments = np.array(rows, dtype=int).reshape(-1, 2)
     tables = data.draw(st.sampled_from([((0.5, 1000),), ((4.0, 1000),), ((0.5, 0), (4.0, 2)), ()]))
@@ -250,6 +251,17 @@ def test_a_table_of_fine_cells_finds_what_the_tree_finds(
     monkeypatch.setattr("unstruct.segment_pairs.LAST", (4.0, -1))
     by_tree, same = meetings(points, rows)
     assert np.array_equal(by_table, by_tree) and np.array_equal(kinds, same)
+
+
+def test_curves_that_cross_at_a_place_where_both_are_sampled() -> None:
+    """Two vertices at one place are no common vertex."""
+    corners = [(-2, -2), (2, -2), (2, 2), (-2, 2), (-1, -1), (1, 1), (-1, 1), (1, -1)]
+    curves = {
+        4: Curve(lambda t: np.stack([t, t**3], axis=-1), -1.0, 1.0),
+        5: Curve(lambda t: np.stack([t, -(t**3)], axis=-1), -1.0, 1.0),
+    }
+    with pytest.raises(InputError, match="inner segment 0 and inner segment 1 cross or touch near"):
+        Domain(corners, [(0, 1), (1, 2), (2, 3), (3, 0)], inner=[(4, 5), (6, 7)], curves=curves)
 
 
 def test_near_crossings_are_decided_exactly() -> None:

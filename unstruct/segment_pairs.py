@@ -45,7 +45,7 @@ def _turns(ax, ay, bx, by, ux, uy):
 
 
 @inline
-def _may_meet(ends, s, t):
+def _may_meet(ends, segments, s, t):
     """False only where floating point proves that two segments meet in a common end at most."""
     px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
     ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
@@ -53,14 +53,18 @@ def _may_meet(ends, s, t):
         return False
     if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
         return False
-    if px == ax and py == ay:  # equal points are one vertex
-        return (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
+    if px == ax and py == ay:  # one vertex, or two at one place
+        return (
+            segments[s, 0] != segments[t, 0] or (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
+        )
     if qx == ax and qy == ay:
-        return (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
+        return (
+            segments[s, 1] != segments[t, 0] or (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
+        )
     if px == bx and py == by:
-        return not _turns(px, py, qx, qy, ax, ay)
+        return segments[s, 0] != segments[t, 1] or not _turns(px, py, qx, qy, ax, ay)
     if qx == bx and qy == by:
-        return not _turns(qx, qy, px, py, ax, ay)
+        return segments[s, 1] != segments[t, 1] or not _turns(qx, qy, px, py, ax, ay)
     return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
 
 
@@ -98,7 +102,7 @@ def _gather(points, segments, ends):
 
 
 @kernel
-def _cell_pairs(ends, x0, y0, scale, ny, head, entries, seen, looks, pairs):
+def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
     """Candidates in common cells of a grid, of which a hash table holds those that are touched.
 
     The number of pairs, of which those that fit are written; -1 where there are too many entries, or more
@@ -120,7 +124,7 @@ def _cell_pairs(ends, x0, y0, scale, ny, head, entries, seen, looks, pairs):
                     looks -= 1
                     if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
                         seen[t] = s
-                        if _may_meet(ends, t, s):
+                        if _may_meet(ends, segments, t, s):
                             if count < pairs.shape[0]:
                                 pairs[count, 0], pairs[count, 1] = t, s
                             count += 1
@@ -150,7 +154,7 @@ def _apart(ax, ay, bx, by, low, high):
 
 
 @kernel
-def _tree_pairs(ends, low, high, order, pairs):
+def _tree_pairs(ends, segments, low, high, order, pairs):
     """Candidates by the tree of `BoxTree`, four boxes to a leaf; their number."""
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
@@ -174,7 +178,7 @@ def _tree_pairs(ends, low, high, order, pairs):
             first = (node - leaves) * 4
             for i in range(first, min(first + 4, order.shape[0])):
                 t = order[i]
-                if t > s and _may_meet(ends, s, t):
+                if t > s and _may_meet(ends, segments, s, t):
                     if count < pairs.shape[0]:
                         pairs[count, 0], pairs[count, 1] = s, t
                     count += 1
@@ -199,7 +203,7 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     if any_meeting(points, segments) is False:
         return np.empty((0, 2), dtype=np.int64)
     pairs = grid.pairs(*LAST)
-    return _tree_candidates(grid.ends) if pairs is None else pairs
+    return _tree_candidates(grid.ends, segments) if pairs is None else pairs
 
 
 class _Grid:
@@ -209,7 +213,7 @@ class _Grid:
     """
 
     def __init__(self, points: np.ndarray, segments: np.ndarray):
-        self.ends = np.empty((len(segments), 4))
+        self.segments, self.ends = segments, np.empty((len(segments), 4))
         x0, y0, x1, y1, self.extent = _gather(points, segments, self.ends)
         self.low, self.wide, self.tall = (x0, y0), x1 - x0, y1 - y0
         area = max(self.wide, 1e-150) * max(self.tall, 1e-150) * len(segments)
@@ -231,8 +235,9 @@ class _Grid:
         seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
         while True:
             count = _cell_pairs(
-                self.ends, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen, looks * s, pairs
-            )
+                self.ends, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
+                looks * s, pairs,
+            )  # fmt: skip
             if count < 0:
                 return None
             if count <= len(pairs):
@@ -241,14 +246,14 @@ class _Grid:
             head[:], seen[:] = -1, -1
 
 
-def _tree_candidates(ends: np.ndarray) -> np.ndarray:
+def _tree_candidates(ends: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """The same by a tree, which suits any lengths."""
     tree = BoxTree(np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:]))
     pairs = np.empty((2 * len(ends) + 16, 2), dtype=np.int64)
-    count = _tree_pairs(ends, tree.low, tree.high, tree.order, pairs)
+    count = _tree_pairs(ends, segments, tree.low, tree.high, tree.order, pairs)
     if count > len(pairs):
         pairs = np.empty((count, 2), dtype=np.int64)
-        _tree_pairs(ends, tree.low, tree.high, tree.order, pairs)
+        _tree_pairs(ends, segments, tree.low, tree.high, tree.order, pairs)
     return _sorted(pairs[:count], len(ends))
 
 
@@ -265,7 +270,7 @@ def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.n
     Parameters
     ----------
     points : (n, 2) float64
-        No two equal among those used.
+        Equal ones that segments have for ends are different vertices: there the segments meet.
     segments : (s, 2) int
         None of zero length.
 
@@ -299,7 +304,8 @@ def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.n
         p, q = _ordered(*points[s[flat]].transpose(1, 0, 2))
         a, b = _ordered(*points[t[flat]].transpose(1, 0, 2))
         start, end = np.where(_before(p, a)[:, None], a, p), np.where(_before(q, b)[:, None], q, b)
-        kind[flat] = np.where(_before(start, end), OVERLAPPING, 0)
+        apart = np.where(shared[flat] | _before(end, start), 0, TOUCHING)
+        kind[flat] = np.where(_before(start, end), OVERLAPPING, apart)
     return pairs[kind > 0], kind[kind > 0]
 
 

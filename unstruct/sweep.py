@@ -173,7 +173,7 @@ def any_meeting(points: np.ndarray, segments: np.ndarray) -> bool | None:
     Parameters
     ----------
     points : (n, 2) float64
-        No two equal among those used.
+        Equal ones that segments have for ends are different vertices: there the segments meet.
     segments : (s, 2) int
         None of zero length.
 
@@ -194,6 +194,9 @@ def any_meeting(points: np.ndarray, segments: np.ndarray) -> bool | None:
     right = np.where(turned, segments[:, 0], segments[:, 1]).astype(np.int64)
     used = np.zeros(n, dtype=bool)
     used[segments.ravel()] = True
+    order = order[used[order]]
+    if (xy[order[1:]] == xy[order[:-1]]).all(axis=1).any():
+        return True
     starts = np.bincount(left, minlength=n)
     begin = np.concatenate([[0], np.cumsum(starts)])
     room = 2 * s // BLOCK + 3  # every block but the first was half full when it was made
@@ -201,7 +204,7 @@ def any_meeting(points: np.ndarray, segments: np.ndarray) -> bool | None:
     directory = np.arange(len(blocks))
     return bool(
         _sweep(
-            xy, order[used[order]], left, right, np.argsort(left, kind="stable"), begin, blocks,
+            xy, order, left, right, np.argsort(left, kind="stable"), begin, blocks,
             np.zeros(len(blocks), dtype=np.int64), directory, np.empty(starts.max(initial=1), dtype=np.int64),
         )
     )  # fmt: skip
