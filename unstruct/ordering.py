@@ -18,10 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .jit import inline, kernel
 
-__all__ = ["brio", "hilbert_order"]
+__all__ = ["brio", "draws", "hilbert_order"]
 
 MAX_TABLE_DIMENSION = 8  # the table has d * 4**d entries; above, a few leading coordinates give the key
 KEY_BITS = 60  # signed 64-bit keys, with room for the number of the round
+KEPT = 1 << 14  # random numbers that are drawn once
 DIGIT = 11  # bits per pass of the radix sort: a histogram of 2048 counters stays in the first-level cache
 
 
@@ -76,14 +77,31 @@ def brio(
     Book: section 12.2.2.
     """
     points = _as_table(points)
-    if rng is None or not isinstance(rng, np.random.Generator):
-        rng = np.random.default_rng(0 if rng is None else rng)
     number = np.full(len(points), rounds - 1, dtype=np.uint8)
     if rounds > 1:
-        draw = rng.integers(0, ratio ** (rounds - 1), len(points), dtype=np.uint32)
+        below = ratio ** (rounds - 1)
+        if rng is None:
+            draw = draws(len(points), below)
+        else:
+            draw = np.random.default_rng(rng).integers(0, below, len(points), dtype=np.uint32)
         for early in range(rounds - 2, -1, -1):
             number[draw < ratio**early] = early
     return _sorted_by_round(points, number)
+
+
+def draws(n: int, below: int) -> NDArray[np.uint32]:
+    """Random numbers 0, 1, ..., ``below`` - 1 of a fixed seed, always the same."""
+    if n <= KEPT:
+        return _first_draws(below)[:n]
+    return np.random.default_rng(0).integers(0, below, n, dtype=np.uint32)
+
+
+@cache
+def _first_draws(below: int) -> NDArray[np.uint32]:
+    """What small inputs need is drawn once: it would take a tenth of their time."""
+    first = np.random.default_rng(0).integers(0, below, KEPT, dtype=np.uint32)
+    first.flags.writeable = False
+    return first
 
 
 def _as_table(points: ArrayLike) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..domain_input import as_domain
 from ..errors import InputError
-from ..ordering import radix_argsort
+from ..ordering import draws, radix_argsort
 from ..progress import progress_bar
 from .flood2 import flood, hold_seeds
 from .planar import SEGMENTS, PlanarComplex
@@ -194,7 +194,7 @@ def _order(slots: NDArray[np.int32], count: int) -> NDArray[np.int64]:
 
     Where many long segments cross many triangles, an order without rounds can cost a hundred times more.
     """
-    draw = np.random.default_rng(0).integers(0, 2**32, len(slots), dtype=np.uint32)
+    draw = draws(len(slots), 2**32)
     rounds = np.full(len(slots), 15, dtype=np.int64)
     share = 3
     while len(slots) >> share > 32:
@@ -292,11 +292,19 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
     if parts == 1 and not regions:
         return
-    least = least[:parts] if parts > 1 else np.zeros(1, dtype=np.int32)
-    number = np.empty(parts, dtype=np.int64)  # by the least vertex in each, not by where the slots are
-    number[np.argsort(least, kind="stable")] = np.arange(parts)
-    names = list(regions)
-    named = np.full(parts, -1)
+    number = np.zeros(parts, dtype=np.int32)  # by the least vertex in each, not by where the slots are
+    if parts > 1:
+        number[np.argsort(least[:parts], kind="stable")] = np.arange(parts)
+    label = _named(complex_, regions, part, number) if regions else number
+    part[:] = np.append(label, np.int32(-1))[part]
+
+
+def _named(
+    complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """For each part the place of the name of its seed, or, in the order of ``number``, further numbers."""
+    names, count = list(regions), complex_.triangles
+    named = np.full(len(number), -1, dtype=np.int32)
     for k, name in enumerate(names):
         seeds = np.asarray(regions[name], dtype=np.float64).reshape(-1, 2)
         found = hold_seeds(complex_.xy, complex_.vertex, complex_.mark, count, seeds * complex_.factor)
@@ -310,8 +318,6 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
             if named[p] not in (-1, k):
                 raise InputError(f"{where} lies in one part with {names[named[p]]!r}: drop one of them")
             named[p] = k
-    free = named < 0
-    rank = np.empty(parts, dtype=np.int32)
-    rank[np.argsort(np.where(free, number, parts), kind="stable")] = np.arange(parts)
-    label = np.append(np.where(free, len(names) + rank, named), -1).astype(np.int32)
-    part[:] = label[part]
+    free = np.flatnonzero(named < 0)
+    named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))
+    return named
