@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .close import _two_product
 from .curves import Arc, CurveLike
 from .domain_sample import Sampled, fine_chains
 from .embedding import orient_rows
-from .jit import inline, kernel
+from .jit import kernel
 from .locate import BoxTree
 from .predicates import orient, power_of_two
 
@@ -181,8 +182,8 @@ def _twice_area(xy, triangles, partials):
     for t in range(triangles.shape[0]):
         for k in range(3):
             a, b = triangles[t, k], triangles[t, (k + 1) % 3]
-            terms[0], terms[1] = _product(xy[a, 0], xy[b, 1])
-            terms[2], terms[3] = _product(-xy[a, 1], xy[b, 0])
+            terms[0], terms[1] = _two_product(xy[a, 0], xy[b, 1])
+            terms[2], terms[3] = _two_product(-xy[a, 1], xy[b, 0])
             for i in range(4):
                 x, left = terms[i], 0
                 for j in range(count):
@@ -198,16 +199,6 @@ def _twice_area(xy, triangles, partials):
                 partials[left] = x
                 count = left + 1
     return count
-
-
-@inline
-def _product(a, b):
-    """`two_product` of two numbers."""
-    high = a * b
-    c, d = 134217729.0 * a, 134217729.0 * b
-    ah, bh = c - (c - a), d - (d - b)
-    al, bl = a - ah, b - bh
-    return high, al * bl - (((high - ah * bh) - al * bh) - ah * bl)
 
 
 def two_product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
