@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from test_recovery import TEN, fan_domain, random_polygon
 
@@ -201,9 +201,11 @@ def test_a_skeleton_cannot_bring_an_edge_back():
     assert len(bw.triangulate(points)) > 0
 
 
-@given(st.integers(0, 10**6), st.booleans(), st.sampled_from([0.0, 0.5, 0.9]))
+@given(
+    st.integers(0, 10**6), st.booleans(), st.sampled_from([0.0, 0.5, 0.9]), st.sampled_from([None, 12.0, 6.0])
+)
 @settings(max_examples=15, deadline=None)
-def test_skeletons_are_those_of_the_plain_version(seed, wall, gap):
+def test_skeletons_are_those_of_the_plain_version(seed, wall, gap, size):
     """From the same disks, all empty, the same tips on the same sides."""
     ring = random_polygon(np.random.default_rng(seed), 6, 30)
     n = len(ring)
@@ -211,9 +213,8 @@ def test_skeletons_are_those_of_the_plain_version(seed, wall, gap):
     around = [(n + k, n + (k + 1) % 4) for k in range(4)]
     box = [(-40, -40), (70, -40), (70, 70), (-40, 70)]
     domain = Domain([*ring, *box], around, inner=rows) if wall else Domain.polygon(ring)
-    fast = skeleton_points(domain, gap=gap)
-    if not fast.complete:
-        return
+    fast = skeleton_points(domain, size, gap=gap)
+    assume(fast.complete)
     old = np.setdiff1d(np.arange(len(fast.mesh.points)), fast.vertex)
     points, number = fast.mesh.points[old], np.full(len(fast.mesh.points), -1)
     number[old] = np.arange(len(old))
