@@ -57,7 +57,7 @@ def _refine() -> Callable[[tuple[Graph, float]], Meshed]:
 def holed_square() -> Any:
     """The unit square with a hole that is a true circle, as a domain of ours."""
     from unstruct import Domain
-    from unstruct.curves import Arc
+    from unstruct.geometry.curves import Arc
 
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     circle = CENTER + RADIUS * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])

@@ -85,7 +85,7 @@ def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[s
     import matplotlib.pyplot as plt
 
     from unstruct.view import setup
-    from unstruct.view.colors import role
+    from unstruct.view.draw.colors import role
 
     setup()
     roles = ["circumcircle", "inserted", "voronoi", "front"]

@@ -156,7 +156,7 @@ def plot(rows: list[Row]) -> Any:
     import matplotlib.pyplot as plt
 
     from unstruct.view import setup
-    from unstruct.view.colors import role
+    from unstruct.view.draw.colors import role
 
     setup()
     roles = {"uniform": "circumcircle", "clustered": "voronoi", "lattice": "inserted"}

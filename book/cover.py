@@ -15,8 +15,8 @@ from matplotlib.path import Path as Outline
 
 import unstruct
 from unstruct import view
-from unstruct.examples import inside_polygon, running_points, running_region, running_size
-from unstruct.view.colors import PNG
+from unstruct.examples.running import inside_polygon, running_points, running_region, running_size
+from unstruct.view.draw.colors import PNG
 
 PICTURE = Path(__file__).parent / "cover.png"
 

@@ -83,7 +83,7 @@ def _refers(value: Any) -> bool:
 
 def _file(text: str) -> str:
     """The name of the library's file that holds this script or style; the text itself if there is none."""
-    for path in [*sorted(SCRIPTS.glob("*.js")), *sorted(SCRIPTS.glob("*.css"))]:
+    for path in [*sorted(SCRIPTS.rglob("*.js")), *sorted(SCRIPTS.rglob("*.css"))]:
         if path.read_text(encoding="utf-8") == text:
             return path.name
     return text

@@ -76,7 +76,7 @@ def show_widget(output: Any) -> None:
 
 def write_scripts(view: Path, made: Path) -> None:
     """Put the library's own scripts and styles of widgets into one file that a page loads."""
-    files = {p.name: p.read_text(encoding="utf-8") for p in [*view.glob("*.js"), *view.glob("*.css")]}
+    files = {p.name: p.read_text(encoding="utf-8") for p in [*view.rglob("*.js"), *view.rglob("*.css")]}
     made.mkdir(exist_ok=True)
     write(made / "scripts.js", f"window.unstructFiles = {json.dumps(dict(sorted(files.items())))};\n")
 

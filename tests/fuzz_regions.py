@@ -38,8 +38,8 @@ from unstruct import (
     skeleton_points,
     voronoi_segment,
 )
-from unstruct.jit import kernel
-from unstruct.predicates import incircle, orient2, scaled
+from unstruct.base.jit import kernel
+from unstruct.predicates.batch import incircle, orient2, scaled
 
 SECONDS = 20  # of the processor, for one mesh
 SAMPLE = 50  # one mesh in so many gets the full check

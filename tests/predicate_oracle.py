@@ -11,8 +11,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from unstruct import filters
-from unstruct.predicates import in_sphere, orient, power_of_two
+from unstruct.predicates import filters
+from unstruct.predicates.batch import in_sphere, orient, power_of_two
 
 STAGES = ("filter", "exact", "tie", "wide")
 KINDS = (

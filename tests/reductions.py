@@ -13,7 +13,7 @@ import numpy as np
 
 import unstruct
 from unstruct import Baker, Mesh
-from unstruct.examples import flip_at_random
+from unstruct.examples.running import flip_at_random
 
 
 def scrambled(n: int, rng: np.random.Generator, d: int = 3) -> Mesh:

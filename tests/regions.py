@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from unstruct.curves import Arc, Curve
-from unstruct.delaunay.insertion import delaunay
-from unstruct.domain import Domain
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.domain.domain import Domain
+from unstruct.geometry.curves import Arc, Curve
 
 __all__ = ["KINDS", "random_region"]
 

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError, Mesh
-from unstruct.check import boundary_is_convex, check
-from unstruct.delaunay.insertion import delaunay
+from unstruct.assess.check import boundary_is_convex, check
+from unstruct.connect.insertion.delaunay import delaunay
 
 
 def random_points(n, d, seed=0):
@@ -414,7 +414,7 @@ def test_wrong_arguments():
 
 def test_crossings_of_segments_against_rationals():
     """All pairs of segments on a small lattice, ties included, against an independent rule."""
-    from unstruct.embedding import crossing_facets
+    from unstruct.mesh.embedding import crossing_facets
 
     rng = np.random.default_rng(8)
     points = lattice(4, 2)
@@ -445,7 +445,7 @@ def _proper(x):
 
 def test_fans_match_a_direct_count():
     """The wedges about each interior edge of a small mesh in space contain a random direction once."""
-    from unstruct.embedding import RidgeFans
+    from unstruct.mesh.embedding import RidgeFans
 
     mesh = delaunay(random_points(25, 3, seed=2))
     fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors)

@@ -9,8 +9,8 @@ import pytest
 from regions import KINDS, random_region
 
 from unstruct import Arc, Domain, Mesh, check, constrained_delaunay, refine
-from unstruct.domain_inside import cells_area, enclosed_area
-from unstruct.topology import boundary, neighbors
+from unstruct.domain.plane.lunes import cells_area, enclosed_area
+from unstruct.mesh.topology import boundary, neighbors
 
 WIDE = [[0, 0], [4, 0], [4, 4], [0, 4], [1, 1], [2, 1], [2, 2], [1, 2], [3, 3]]
 FACETS = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]]
@@ -172,8 +172,8 @@ def test_a_wrong_order_along_a_piece() -> None:
     )
     assert not check(folded, domain=domain)
     # geometry is judged before; the order itself is judged on a chain whose cells are well
-    from unstruct.check_domain import Chain, _curves_met
-    from unstruct.report import Report
+    from unstruct.assess.region import Chain, _curves_met
+    from unstruct.base.report import Report
 
     report = Report("order")
     _curves_met(folded, domain, [Chain([0, 3, 4, 1], 0)], report)

@@ -14,8 +14,8 @@ from test_jit import run
 
 import unstruct
 from unstruct import Domain, circumcenter_insertion, delaunay, simplex
-from unstruct.check import check
-from unstruct.delaunay.worst import NONE, grown_tree, measures, put, top
+from unstruct.assess.check import check
+from unstruct.generate.centers.worst import NONE, grown_tree, measures, put, top
 from unstruct.plain import circumcenters as plain
 from unstruct.plain.bowyer_watson import triangulate
 
@@ -381,7 +381,7 @@ print(json.dumps([mesh.points.tolist(), mesh.simplices.tolist(), torus.simplices
 """
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_without_numba_the_meshes_are_the_same() -> None:
     assert json.loads(run(SMALL)) == json.loads(run(SMALL, NUMBA_DISABLE_JIT="1"))
 

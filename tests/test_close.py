@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unstruct import close, exact
+from unstruct.predicates import close, exact
 
 D = {"orient2": (2, 3), "incircle": (2, 4), "orient3": (3, 4), "insphere": (3, 5)}
 

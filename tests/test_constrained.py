@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
-from unstruct.check import Report, _spheres, boundary_is_convex
-from unstruct.delaunay import constrained
-from unstruct.delaunay import segments2 as kernels
-from unstruct.delaunay.constrained import complex_of, insert_all, mark_regions, planar_complex
-from unstruct.delaunay.planar import PlanarComplex
-from unstruct.domain import Domain
+from unstruct.assess.check import Report, _spheres, boundary_is_convex
+from unstruct.connect.planar import segments as kernels
+from unstruct.connect.planar.complex import PlanarComplex
+from unstruct.domain.domain import Domain
+from unstruct.generate.boundary import constrained
+from unstruct.generate.boundary.constrained import complex_of, insert_all, mark_regions, planar_complex
 from unstruct.plain import constrained as plain
 from unstruct.plain.predicates import orient
 

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import random_region
 
-from unstruct import Arc, Bezier, Curve, Domain, InputError, domain_sample
-from unstruct.curve_distance import distance_to_piece
+from unstruct import Arc, Bezier, Curve, Domain, InputError
+from unstruct.domain.plane import sample as domain_sample
+from unstruct.geometry.outline_distance import distance_to_piece
 
 HALF = np.array([0.0, 0.5, 1.0])
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError
-from unstruct.distance import SegmentTree
+from unstruct.geometry.segment_tree import SegmentTree
 
 
 def brute(x: np.ndarray, segments: np.ndarray) -> np.ndarray:

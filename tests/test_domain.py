@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 
 from unstruct import Arc, Curve, Domain, InputError, UnstructError
-from unstruct.embedding import crossing_facets
-from unstruct.segment_pairs import meetings
-from unstruct.sweep import any_meeting
+from unstruct.geometry.segment_pairs import meetings
+from unstruct.geometry.sweep import any_meeting
+from unstruct.mesh.embedding import crossing_facets
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 RING = [[0, 1], [1, 2], [2, 3], [3, 0]]
@@ -179,7 +179,7 @@ def test_meetings_agree_with_fractions(data: st.DataObject) -> None:
     segments = np.array(rows, dtype=int).reshape(-1, 2)
     tables = data.draw(st.sampled_from([((0.5, 1000),), ((4.0, 1000),), ((0.5, 0), (4.0, 2)), ()]))
     tables = tuple((*table, np.inf) for table in tables)
-    with mock.patch("unstruct.segment_pairs.TABLES", tables):
+    with mock.patch("unstruct.geometry.segment_pairs.TABLES", tables):
         found = set(map(tuple, meetings(points, segments)[0].tolist()))
     wanted = {(i, j) for i, j in combinations(range(len(rows)), 2) if oracle_meet(points, rows[i], rows[j])}
     assert found == wanted
@@ -224,10 +224,10 @@ def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> No
     segments = segments[segments[:, 0] != segments[:, 1]]
     segments = segments[np.unique(np.sort(segments, axis=1), axis=0, return_index=True)[1]]
     by_grid, kinds = meetings(points, segments)
-    monkeypatch.setattr("unstruct.segment_pairs.TABLES", ())
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.TABLES", ())
     by_last, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_last) and np.array_equal(kinds, same)
-    monkeypatch.setattr("unstruct.segment_pairs.LAST", (4.0, -1))
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST", (4.0, -1))
     by_tree, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_tree) and np.array_equal(kinds, same)
     assert np.array_equal(by_grid, crossing_facets(points, segments))
@@ -247,8 +247,8 @@ def test_a_table_of_fine_cells_finds_what_the_tree_finds(
     rows = np.concatenate([segments, np.column_stack([segments[:-1, 1], segments[1:, 0]])[::50]])
     by_table, kinds = meetings(points, rows)
     assert len(by_table) > 20
-    monkeypatch.setattr("unstruct.segment_pairs.TABLES", ())
-    monkeypatch.setattr("unstruct.segment_pairs.LAST", (4.0, -1))
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.TABLES", ())
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST", (4.0, -1))
     by_tree, same = meetings(points, rows)
     assert np.array_equal(by_table, by_tree) and np.array_equal(kinds, same)
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import Domain, InputError, check, constrained_delaunay
-from unstruct.curves import Arc, Bezier
-from unstruct.domain_corners import crossings_at_corners
+from unstruct.domain.plane.corners import crossings_at_corners
+from unstruct.geometry.curves import Arc, Bezier
 
 
 def arc_from(vertex: np.ndarray, direction: float, radius: float, sweep: float) -> Arc:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from unstruct import Bezier, Domain, InputError, check, constrained_delaunay, refine, voronoi_segment
-from unstruct.example_regions import coastline, coastline_size, plate, running_domain, wing_with_flap, word
-from unstruct.examples import running_region, running_size
+from unstruct.examples.regions import coastline, coastline_size, plate, running_domain, wing_with_flap, word
+from unstruct.examples.running import running_region, running_size
 
 # ---------------------------------------------------------------------- shapes
 

@@ -18,8 +18,13 @@ from unstruct import (
     delaunay,
     swap_diagonals,
 )
-from unstruct.delaunay.edge_recovery import complex_of_mesh, recover_edges, remove_outside, with_ghosts
-from unstruct.examples import random_triangulation
+from unstruct.examples.running import random_triangulation
+from unstruct.generate.boundary.edge_recovery import (
+    complex_of_mesh,
+    recover_edges,
+    remove_outside,
+    with_ghosts,
+)
 
 
 def spiky(seed, n=40):

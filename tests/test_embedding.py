@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from unstruct import Mesh
-from unstruct.check import check
-from unstruct.delaunay.insertion import delaunay
-from unstruct.embedding import crossing_facets
+from unstruct.assess.check import check
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.mesh.embedding import crossing_facets
 
 
 def interiors_meet(s, t):

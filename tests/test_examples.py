@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay, cKDTree
 
-from unstruct.errors import UnstructError
-from unstruct.examples import inside_polygon, running_points, running_region, running_size
+from unstruct.base.errors import UnstructError
+from unstruct.examples.running import inside_polygon, running_points, running_region, running_size
 from unstruct.plain.predicates import orient
 
 

@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Domain, Mesh, check, constrained_delaunay, example_regions, refine
-from unstruct.errors import MeshError
+from unstruct import Domain, Mesh, check, constrained_delaunay, refine
+from unstruct.base.errors import MeshError
+from unstruct.examples import regions as example_regions
 
 BOX = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [1, 1]]
 SIDES = [[0, 4], [4, 1], [1, 2], [2, 5], [5, 3], [3, 0]]

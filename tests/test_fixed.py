@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import Baker, InputError, Mesh, MeshError, check, delaunay, insert
-from unstruct.delaunay.fixed import as_cells, boundary_facets, cavities, held_by, hidden_facets
-from unstruct.examples import random_triangulation
+from unstruct.connect.baker.fixed import as_cells, boundary_facets, cavities, held_by, hidden_facets
+from unstruct.examples.running import random_triangulation
 from unstruct.plain import modernized as plain
 
 STRIP_POINTS = np.array([(0, 1), (0, 2), (1, 0), (1, 2), (2, 0)], float)

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 import unstruct
 from unstruct import DegenerateInputError, InputError, Mesh, MeshError, check, delaunay, gift_wrap
-from unstruct.delaunay.wrapping_start import first_cell, grow_exactly, suspects
-from unstruct.examples import running_points, running_region, running_size
+from unstruct.connect.wrapping.start import first_cell, grow_exactly, suspects
+from unstruct.examples.point_sets import clipped_lattice, letter_outlines, mapped_grid
+from unstruct.examples.running import running_points, running_region, running_size
 from unstruct.plain import gift_wrapping as plain
-from unstruct.point_sets import clipped_lattice, letter_outlines, mapped_grid
-from unstruct.predicates import in_sphere, orient
+from unstruct.predicates.batch import in_sphere, orient
 
 HARD = {f"{name}-2d": p for name, p in HARD_2D.items()} | {f"{name}-3d": p for name, p in HARD_3D.items()}
 SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)

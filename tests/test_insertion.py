@@ -13,9 +13,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from unstruct import DegenerateInputError, InputError, check, delaunay, topology
-from unstruct.delaunay.insertion_n import General, independent_rows, normal
-from unstruct.delaunay.triangulation import Triangulation
-from unstruct.predicates import in_sphere, orient
+from unstruct.connect.insertion.general import General, independent_rows, normal
+from unstruct.connect.insertion.triangulation import Triangulation
+from unstruct.predicates.batch import in_sphere, orient
 
 
 def cells_of(simplices):
@@ -215,7 +215,7 @@ def test_normal_is_orthogonal():
 INTERRUPTED = """
 import os, signal, sys, threading, time
 import numpy as np
-from unstruct.delaunay.triangulation import Triangulation
+from unstruct.connect.insertion.triangulation import Triangulation
 from unstruct import check
 n, d = int(sys.argv[1]), int(sys.argv[2])
 rng = np.random.default_rng(0)

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import pytest
 
-import unstruct.jit
+import unstruct.base.jit
 
 MISSING = "import sys; sys.modules['numba'] = None\n"
 LATTICE = """
-import json, numpy as np, unstruct, unstruct.jit
+import json, numpy as np, unstruct, unstruct.base.jit
 from unstruct.predicates import in_sphere, orient
 points = np.array([[x, y] for x in range(4) for y in range(3)], dtype=float)
 points = np.vstack([points, [[0.5, 0.25], [1.0, 1.0], [1e-20, 1e20]]])
 space = np.array([[x, y, z] for x in range(2) for y in range(2) for z in range(3)], dtype=float)
 meshes = [unstruct.delaunay(points), unstruct.delaunay(space)]
 signs = [int(orient(points[[0, 1, 5]])), int(in_sphere(points[[0, 3, 1]], points[4]))]
-print(json.dumps([unstruct.jit.numba is None, [m.simplices.tolist() for m in meshes], signs]))
+print(json.dumps([unstruct.base.jit.numba is None, [m.simplices.tolist() for m in meshes], signs]))
 """
 
 
@@ -37,7 +37,7 @@ def run(code: str, folder: Path | None = None, **environment: str) -> str:
     return result.stdout
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_without_numba_the_answers_are_the_same() -> None:
     compiled = json.loads(run(LATTICE))
     missing = json.loads(run(MISSING + LATTICE))
@@ -48,14 +48,14 @@ def test_without_numba_the_answers_are_the_same() -> None:
 
 
 HELPER = """
-from unstruct.jit import inline
+from unstruct.base.jit import inline
 
 @inline
 def step(x):
     return x + {amount}
 """
 MIDDLE = """
-from unstruct.jit import kernel
+from unstruct.base.jit import kernel
 from helper import step
 
 @kernel
@@ -63,7 +63,7 @@ def twice(x):
     return step(step(x))
 """
 CALLER = """
-from unstruct.jit import kernel
+from unstruct.base.jit import kernel
 from middle import twice
 
 @kernel
@@ -72,7 +72,7 @@ def four_times(x):
 """
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_the_cache_sees_edits_two_files_away(tmp_path: Path) -> None:
     """numba's own cache would answer 4 again after the helper's edit."""
     (tmp_path / "middle.py").write_text(MIDDLE)
@@ -89,7 +89,7 @@ def test_the_cache_sees_edits_two_files_away(tmp_path: Path) -> None:
 
 RULED = """
 from typing import NamedTuple
-from unstruct.jit import kernel
+from unstruct.base.jit import kernel
 
 class {name}(NamedTuple):
     step: int
@@ -102,7 +102,7 @@ print(ahead({name}({step}), 0))
 """
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> None:
     """numba would fail to read the index of its cache after an upgrade that renames a class."""
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
@@ -112,7 +112,7 @@ def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> Non
 
 
 LEAN_FIRST = """
-from unstruct.jit import lean
+from unstruct.base.jit import lean
 from unstruct.predicates import incircle
 
 @lean

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unstruct.delaunay.insertion import delaunay
-from unstruct.marked_edges import marked_facets, marked_sides
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.mesh.marked import marked_facets, marked_sides
 
 POINTS = np.random.default_rng(3).random((40, 2))
 MESH = delaunay(POINTS)

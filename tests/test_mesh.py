@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, Delaunay
 
 from unstruct import InputError, Mesh, MeshError, UnstructError
-from unstruct.check import check
-from unstruct.delaunay.insertion import delaunay
+from unstruct.assess.check import check
+from unstruct.connect.insertion.delaunay import delaunay
 
 SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
 TWO = [[0, 1, 2], [0, 2, 3]]

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct.ordering import MAX_TABLE_DIMENSION, brio, hilbert_order, radix_argsort
+from unstruct.geometry.ordering import MAX_TABLE_DIMENSION, brio, hilbert_order, radix_argsort
 
 
 @pytest.mark.parametrize(("d", "bits"), [(1, 5), (2, 1), (2, 5), (3, 1), (3, 3), (4, 2), (5, 2)])
@@ -99,7 +99,8 @@ def test_wrong_shape():
 
 def test_plain_python_gives_the_same_order():
     code = (
-        "import json, numpy as np; from unstruct.ordering import brio; rng = np.random.default_rng(0)\n"
+        "import json, numpy as np; from unstruct.geometry.ordering import brio\n"
+        "rng = np.random.default_rng(0)\n"
         "print(json.dumps([brio(rng.random((300, d))).tolist() for d in (1, 2, 3, 5)]))"
     )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}

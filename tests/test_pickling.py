@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from regions import KINDS, random_region
 
-from unstruct import Arc, Domain, Mesh, check, delaunay, example_regions, refine, sizing
+from unstruct import Arc, Domain, Mesh, check, delaunay, refine, sizing
+from unstruct.examples import regions as example_regions
 
 PLACES = np.random.default_rng(7).random((30, 2))
 TWO = np.array([[0.2, 0.3], [0.8, 0.6]])

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import unstruct.plain.bowyer_watson as plain
-from unstruct.errors import DegenerateInputError, InputError, UnstructError
+from unstruct.base.errors import DegenerateInputError, InputError, UnstructError
 from unstruct.plain.bowyer_watson import GHOST, boundary, bowyer_watson, insert, triangulate, with_ghosts
 from unstruct.plain.predicates import in_sphere, orient
 

@@ -7,7 +7,7 @@ import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 from unstruct.plain.lawson import angle_cotangents, lawson, least_angle_choice, six_angles, triangle
 from unstruct.plain.predicates import in_sphere, orient
 from unstruct.plain.triangulations import all_triangulations, is_delaunay

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct.errors import UnstructError
+from unstruct.base.errors import UnstructError
 from unstruct.plain.predicates import determinant, in_sphere, orient
 
 small = st.integers(-4, 4)

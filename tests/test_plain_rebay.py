@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from unstruct import Domain, voronoi_segment
-from unstruct.delaunay.voronoi_segment import CASES
-from unstruct.distance import SegmentTree
-from unstruct.examples import running_region, running_size
+from unstruct.examples.running import running_region, running_size
+from unstruct.generate.rebay.voronoi_segment import CASES
+from unstruct.geometry.segment_tree import SegmentTree
 from unstruct.plain import rebay
 from unstruct.plain import rebay_step as rs
 from unstruct.plain.constrained import is_constrained_delaunay

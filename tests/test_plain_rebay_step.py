@@ -9,9 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from unstruct import InputError
+from unstruct.geometry.simplex import circumcenter, circumradius
 from unstruct.plain import rebay_step as rs
 from unstruct.plain.predicates import in_sphere, orient
-from unstruct.simplex import circumcenter, circumradius
 
 GRID = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
 SIZES = st.floats(0.05, 40.0)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import DegenerateInputError, InputError, check
-from unstruct.delaunay.cavity2 import (
+from unstruct.connect.planar.cavity import (
     GHOST,
     SEGMENTS,
     blocked_by,
@@ -20,7 +20,7 @@ from unstruct.delaunay.cavity2 import (
     prev_edge,
     walk,
 )
-from unstruct.delaunay.planar import PlanarComplex
+from unstruct.connect.planar.complex import PlanarComplex
 
 
 def square(extra: np.ndarray) -> PlanarComplex:

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
 from tests.predicate_oracle import KINDS, STAGES, coordinates, oracle_in_sphere, oracle_orient, stage
-from unstruct import exact, filters
-from unstruct.errors import InputError
-from unstruct.predicates import in_sphere, in_sphere_at, orient, orient_at, power_of_two, scaled
+from unstruct.base.errors import InputError
+from unstruct.predicates import exact, filters
+from unstruct.predicates.batch import in_sphere, in_sphere_at, orient, orient_at, power_of_two, scaled
 
 DIMENSIONS = (1, 2, 3, 4, 5)
 EXAMPLES = 500

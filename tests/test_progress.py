@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from unstruct.progress import progress_bar
+from unstruct.base.progress import progress_bar
 
 
 def test_a_bar_counts(capsys):
@@ -25,7 +25,7 @@ def test_no_bar_says_nothing(capsys):
 
 def test_tqdm_is_imported_only_for_a_bar():
     code = (
-        "import sys; from unstruct.progress import progress_bar\n"
+        "import sys; from unstruct.base.progress import progress_bar\n"
         "progress_bar(False, 'a').close(); assert 'tqdm' not in sys.modules\n"
         "progress_bar(True, 'a').close(); assert 'tqdm' in sys.modules"
     )

@@ -8,21 +8,21 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from test_recovery import TEN, fan_domain, random_polygon
 
-from unstruct.check import check
-from unstruct.delaunay.constrained import constrained_delaunay
-from unstruct.delaunay.diametral import exact_in_disc, in_disc
-from unstruct.delaunay.insertion import delaunay
-from unstruct.delaunay.protection import insert_without_breaking, skeleton_points
-from unstruct.delaunay.recovery import conforming_delaunay
-from unstruct.delaunay.swapping import swap_diagonals
-from unstruct.domain import Domain
-from unstruct.errors import InputError
-from unstruct.examples import running_region
-from unstruct.mesh import Mesh
+from unstruct.assess.check import check
+from unstruct.base.errors import InputError
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.connect.swapping import swap_diagonals
+from unstruct.domain.domain import Domain
+from unstruct.examples.running import running_region
+from unstruct.generate.boundary.conforming import conforming_delaunay
+from unstruct.generate.boundary.constrained import constrained_delaunay
+from unstruct.generate.boundary.protection import insert_without_breaking, skeleton_points
+from unstruct.geometry.simplex import circumradius
+from unstruct.mesh.mesh import Mesh
 from unstruct.plain import bowyer_watson as bw
 from unstruct.plain import protection
 from unstruct.plain.conforming import missing
-from unstruct.simplex import circumradius
+from unstruct.predicates.diametral import exact_in_disc, in_disc
 
 entries = st.one_of(
     st.integers(-4, 4).map(lambda v: v / 4),

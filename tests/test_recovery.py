@@ -11,17 +11,17 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from regions import KINDS
 
-from unstruct.check import check
-from unstruct.curves import Arc
-from unstruct.delaunay.constrained import constrained_delaunay
-from unstruct.delaunay.fans import never_ends
-from unstruct.delaunay.insertion import delaunay
-from unstruct.delaunay.recovery import conforming_delaunay
-from unstruct.delaunay.swapping import swap_diagonals
-from unstruct.domain import Domain
-from unstruct.errors import InputError, MeshError
-from unstruct.examples import flip_at_random, running_region
-from unstruct.mesh import Mesh
+from unstruct.assess.check import check
+from unstruct.base.errors import InputError, MeshError
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.connect.swapping import swap_diagonals
+from unstruct.domain.domain import Domain
+from unstruct.examples.running import flip_at_random, running_region
+from unstruct.generate.boundary.conforming import conforming_delaunay
+from unstruct.generate.boundary.constrained import constrained_delaunay
+from unstruct.generate.boundary.fans import never_ends
+from unstruct.geometry.curves import Arc
+from unstruct.mesh.mesh import Mesh
 from unstruct.plain import bowyer_watson as bw
 from unstruct.plain import conforming as plain
 from unstruct.plain.predicates import in_sphere, orient

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-import unstruct.jit
+import unstruct.base.jit
 from unstruct import Arc, Curve, Domain, InputError, Mesh, MeshError, check, refine
 from unstruct.plain import ruppert as plain
 from unstruct.plain.predicates import in_sphere
@@ -594,7 +594,7 @@ def test_no_limits_at_all_is_the_constrained_triangulation() -> None:
     assert mesh.size == 4 and mesh.complete and len(mesh.points) == 6
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="plain Python is interrupted between any two lines")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="plain Python stops between any two lines")
 def test_an_interrupt_is_heard_at_once_and_harms_nothing() -> None:
     domain = Domain.rectangle()
     refine(domain, max_area=1e-3)
@@ -636,7 +636,7 @@ print(json.dumps([[m.points.tolist(), m.simplices.tolist(), m.counts] for m in m
 """
 
 
-@pytest.mark.skipif(unstruct.jit.numba is None, reason="numba is not installed")
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_without_numba_the_meshes_are_the_same() -> None:
     def run(**environment: str) -> Any:
         result = subprocess.run(

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError
-from unstruct.curves import Arc
-from unstruct.domain import Domain
+from unstruct.domain.domain import Domain
+from unstruct.geometry.curves import Arc
 from unstruct.sizing import FeatureSize, from_curvature, from_features, local_feature_size
 
 
@@ -136,7 +136,7 @@ def test_a_circle_gets_so_many_edges(radius: float) -> None:
 
 
 def test_an_ellipse_by_its_formula() -> None:
-    from unstruct.curves import Curve
+    from unstruct.geometry.curves import Curve
 
     a, b = 3.0, 1.0
     halves = {
@@ -180,9 +180,9 @@ def test_many_rough_pieces_are_no_fault_of_the_size(monkeypatch: pytest.MonkeyPa
     t = 2 * np.pi * np.arange(n) / n
     radius = 1 + 0.005 * np.random.default_rng(5).random(n)
     domain = Domain.polygon(radius[:, None] * np.column_stack([np.cos(t), np.sin(t)]))
-    monkeypatch.setattr("unstruct.domain_sample.STRETCH", 1000)  # as if there were a thousand times as many
+    monkeypatch.setattr("unstruct.domain.plane.sample.STRETCH", 1000)  # as if a thousand times as many
     sampled = domain.sampled(from_features(domain, 0.5))
     assert 2 * n < len(sampled.ends) < 10 * n
-    monkeypatch.setattr("unstruct.domain_sample.SHARE", 1)
+    monkeypatch.setattr("unstruct.domain.plane.sample.SHARE", 1)
     with pytest.raises(InputError, match="too small or too rough"):
         domain.sampled(from_features(domain, 0.5))

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import unstruct
 from unstruct import InputError
-from unstruct.examples import running_size
+from unstruct.examples.running import running_size
 from unstruct.sizing import SizeField, SizeTable, as_size, clip, control, maximum, minimum, product
 
 TIP = np.array([0.3137, 0.7071])
@@ -320,15 +320,15 @@ def test_errors_of_functions_come_through_a_table() -> None:
 
 def test_without_numba_tables_say_the_same() -> None:
     code = """
-import json, numpy as np, unstruct.jit
+import json, numpy as np, unstruct.base.jit
 from unstruct.sizing import as_size, local_feature_size, points
-from unstruct.domain import Domain
+from unstruct.domain.domain import Domain
 x = np.stack(np.meshgrid(np.linspace(-0.5, 1.5, 7), np.linspace(0, 1, 5)), axis=-1).reshape(-1, 2)
 size = as_size(lambda x: 1e-2 + 0.2 * np.hypot(x[:, 0] - 0.3, x[:, 1] - 0.6))
 table = size.table([0, 0], [1, 1], factor=0.5)
 near = points([[0, 0], [1, 1], [0.2, 0.7]], [0.1, 0.2, 0.05])(x)
 lfs = local_feature_size(Domain.disc(), x)
-print(json.dumps([unstruct.jit.numba is None, table(x).tolist(), near.tolist(), lfs.tolist()]))
+print(json.dumps([unstruct.base.jit.numba is None, table(x).tolist(), near.tolist(), lfs.tolist()]))
 """
     missing = "import sys; sys.modules['numba'] = None\n"
     codes = (missing + code, code)

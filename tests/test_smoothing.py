@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError, Mesh, MeshError, check, delaunay, simplex, statistics
-from unstruct.delaunay import stars2
-from unstruct.delaunay.refined import Refined
-from unstruct.delaunay.smoothing import METHODS, smooth
-from unstruct.examples import sweep_triangulation
+from unstruct.connect.planar import stars as stars2
+from unstruct.examples.running import sweep_triangulation
+from unstruct.generate.improve.smoothing import METHODS, smooth
+from unstruct.mesh.domain_mesh import Refined
+from unstruct.mesh.topology import twins
 from unstruct.plain.smoothing import laplacian_round
-from unstruct.topology import twins
 
 EVERY = list(METHODS)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from unstruct import InputError, Mesh, MeshError, delaunay
-from unstruct.statistics import angle_histogram, compare, statistics
+from unstruct.assess.statistics import angle_histogram, compare, statistics
 
 SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from unstruct import InputError, check
-from unstruct.structured import graded_line, ring_grid, tensor_grid
+from unstruct.examples.structured import graded_line, ring_grid, tensor_grid
 
 
 def circle(n, radius=1.0):

@@ -18,27 +18,9 @@ import unstruct
 
 PACKAGE = ROOT / "unstruct"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-# A module imports, at its top, only from its own floor or from floors below.
-FLOORS = {
-    **dict.fromkeys(["errors", "jit", "progress"], 0),
-    **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
-    **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
-    **dict.fromkeys(["cells", "marked_edges", "predicates"], 2),
-    **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),
-    **dict.fromkeys(["gmsh_files", "segment_pairs", "signs", "sweep"], 3),
-    **dict.fromkeys(
-        ["domain_constructors", "domain_corners", "domain_faults", "domain_files", "domain_input"], 4
-    ),
-    **dict.fromkeys(["domain_inside", "domain_repair", "domain_sample", "domain_shapes"], 4),
-    **dict.fromkeys(["domain", "sizing", "distance", "statistics"], 4),
-    **dict.fromkeys(
-        [f"size_{kind}" for kind in "background boundary field limit solution sources table".split()], 4
-    ),
-    **dict.fromkeys(["check", "check_brute", "check_cells", "check_domain", "curve_distance"], 4),
-    "delaunay": 5,
-    **dict.fromkeys(["example_regions", "examples", "structured", "point_sets"], 6),
-    "view": 7,
-}
+# From the ground: a file imports only from its own room and from rooms before it in this list.
+ROOMS = "base plain predicates geometry mesh connect sizing domain generate assess examples view".split()
+FLOORS = {room: floor for floor, room in enumerate(ROOMS)}
 
 
 def run(*command: str) -> subprocess.CompletedProcess[str]:

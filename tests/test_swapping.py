@@ -13,16 +13,16 @@ from fixtures import HARD_2D
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from unstruct.delaunay.insertion import delaunay
-from unstruct.delaunay.swapping import constraints, replay, swap_diagonals
-from unstruct.errors import DegenerateInputError, InputError, MeshError, UnstructError
-from unstruct.examples import random_triangulation, running_region, sweep_triangulation
-from unstruct.mesh import Mesh
+from unstruct.base.errors import DegenerateInputError, InputError, MeshError, UnstructError
+from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.connect.swapping import constraints, replay, swap_diagonals
+from unstruct.examples.running import random_triangulation, running_region, sweep_triangulation
+from unstruct.mesh.mesh import Mesh
+from unstruct.mesh.topology import neighbors
 from unstruct.plain.lawson import lawson, triangle
 from unstruct.plain.predicates import orient as plain_orient
 from unstruct.plain.triangulations import all_triangulations, is_delaunay
-from unstruct.predicates import in_sphere, orient
-from unstruct.topology import neighbors
+from unstruct.predicates.batch import in_sphere, orient
 
 SMALL_SETS = {
     "hexagon": [(2, 0), (4, 0), (6, 2), (4, 4), (2, 4), (0, 2)],
@@ -387,7 +387,7 @@ def test_plain_python_does_the_same():
     """With numba switched off the same code gives the same swaps."""
     program = (
         "import numpy as np; from unstruct.examples import random_triangulation as r;"
-        "from unstruct.delaunay.swapping import swap_diagonals as s;"
+        "from unstruct.connect.swapping import swap_diagonals as s;"
         "print(s(r(np.random.default_rng(4).random((50, 2)), 4), history=True)[1].tolist())"
     )
     answers = [

@@ -12,8 +12,8 @@ from hypothesis.extra.numpy import arrays
 
 import unstruct
 from unstruct import InputError, UnstructError
-from unstruct.check import check
-from unstruct.delaunay.terrain import greedy_terrain, grid_surface
+from unstruct.assess.check import check
+from unstruct.connect.terrain import greedy_terrain, grid_surface
 from unstruct.plain.predicates import orient
 
 FLAT = np.zeros((4, 5))

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError, periodic_circumcenters, simplex
-from unstruct.delaunay.periodic import PeriodicMesh, periodic_delaunay
+from unstruct.generate.centers.periodic import PeriodicMesh, periodic_delaunay
 from unstruct.plain import circumcenters as plain
 
 LATTICE = np.array([(i / 5, j / 5) for i in range(5) for j in range(5)])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from test_insertion import brute_force, complex_of, grid_points
 
 from unstruct import DegenerateInputError, InputError, MeshError, Triangulation, check, delaunay
-from unstruct.predicates import in_sphere, orient
+from unstruct.predicates.batch import in_sphere, orient
 
 
 def same_complex(mesh, other):

@@ -16,9 +16,9 @@ from matplotlib.colors import to_rgb
 from scipy.spatial import Delaunay, Voronoi
 
 from unstruct import Mesh, view
-from unstruct.errors import InputError
-from unstruct.view import colors, frames, plots, space
-from unstruct.view.space import axes3
+from unstruct.base.errors import InputError
+from unstruct.view.draw import colors, frames, plots, space
+from unstruct.view.draw.space import axes3
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from unstruct import view
-from unstruct.view import frames
+from unstruct.view.draw import frames
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="playwright is not installed: pip install playwright"

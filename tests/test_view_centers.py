@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from unstruct import InputError, view
-from unstruct.view.centers import CENTERS
+from unstruct.view.scenes.centers import CENTERS
 
 
 def numbers(frame: dict) -> dict[str, float]:

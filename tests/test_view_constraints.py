@@ -7,7 +7,7 @@ import pytest
 
 from unstruct import InputError
 from unstruct.view import check_frame
-from unstruct.view.constraints import (
+from unstruct.view.scenes.constraints import (
     COMPONENTS,
     SEGMENTS,
     constrained_insertion,

@@ -7,9 +7,9 @@ import pytest
 
 import unstruct
 from unstruct import InputError, Mesh, view
-from unstruct.delaunay.modernized import insert
-from unstruct.examples import sweep_triangulation
-from unstruct.predicates import in_sphere
+from unstruct.connect.baker.modernized import insert
+from unstruct.examples.running import sweep_triangulation
+from unstruct.predicates.batch import in_sphere
 
 POINTS = {
     "generic": [[0, 0], [4, 0.3], [1.8, 3.4], [2, 1.2], [3.6, 2.8], [0.4, 2.2], [1.2, 0.7]],

@@ -7,7 +7,7 @@ import pytest
 
 from unstruct import InputError
 from unstruct.view import check_frame
-from unstruct.view.proofs import cavity_proof_state, star_proof_state
+from unstruct.view.scenes.proofs import cavity_proof_state, star_proof_state
 
 ENDS = (1, 30, 90, 109, 111, 135, 170, 179)
 

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from unstruct import InputError
 from unstruct.plain import rebay
 from unstruct.plain import rebay_step as rs
-from unstruct.predicates import in_sphere
+from unstruct.predicates.batch import in_sphere
 from unstruct.view import check_frame
-from unstruct.view import rebay as rb
-from unstruct.view.rebay_history import rebay_frames
-from unstruct.view.rebay_widgets import rebay_cobweb, rebay_step
+from unstruct.view.scenes import rebay as rb
+from unstruct.view.scenes.rebay_history import rebay_frames
+from unstruct.view.widgets.rebay_widgets import rebay_cobweb, rebay_step
 
 
 def points(frame, role):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from unstruct import InputError, view
 from unstruct.plain.lawson import least_angle_choice
 from unstruct.plain.predicates import in_sphere, orient
-from unstruct.view.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag
+from unstruct.view.scenes.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag
 
 
 @pytest.mark.parametrize("preset", QUADRILATERALS)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from unstruct import InputError, view
 from unstruct.plain import predicates as plain
-from unstruct.view import states
-from unstruct.view.proofs import cavity_proof_drag, star_proof_drag
-from unstruct.view.states import CIRCLES, FADES, INSERTIONS, SITES
+from unstruct.view.scenes import states
+from unstruct.view.scenes.proofs import cavity_proof_drag, star_proof_drag
+from unstruct.view.scenes.states import CIRCLES, FADES, INSERTIONS, SITES
 
 NASTY = "nasty: neighboring doubles"
 

@@ -25,7 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import DegenerateInputError, InputError, UnstructError, Voronoi, voronoi
-from unstruct.delaunay.voronoi_dual import find_ridges, general_ridges
+from unstruct.connect.voronoi.dual import find_ridges, general_ridges
 from unstruct.plain.predicates import in_sphere, orient
 from unstruct.plain.voronoi import area, corners, dirichlet, exact_sites, neighbors
 

@@ -18,14 +18,14 @@ from regions import KINDS, random_region
 
 import unstruct
 from unstruct import Domain, InputError, constrained_delaunay, simplex
-from unstruct.check import check
-from unstruct.delaunay import front_queue as queue
-from unstruct.delaunay import voronoi_segment_kernel as kernel
-from unstruct.delaunay.cavity2 import blocked_by, end_of, find_cavity, start_of
-from unstruct.delaunay.constrained import planar_complex
-from unstruct.delaunay.voronoi_segment import CASES, epsilon_chains, voronoi_segment
-from unstruct.delaunay.voronoi_segment_run import COUNT_NAMES, Run, rule_of
-from unstruct.examples import running_region, running_size
+from unstruct.assess.check import check
+from unstruct.connect.planar.cavity import blocked_by, end_of, find_cavity, start_of
+from unstruct.examples.running import running_region, running_size
+from unstruct.generate.boundary.constrained import planar_complex
+from unstruct.generate.rebay import queue as queue
+from unstruct.generate.rebay import steps as kernel
+from unstruct.generate.rebay.run import COUNT_NAMES, Run, rule_of
+from unstruct.generate.rebay.voronoi_segment import CASES, epsilon_chains, voronoi_segment
 from unstruct.plain import rebay_step
 
 SPIKY = int(os.environ.get("UNSTRUCT_SPIKY", "30"))  # how many spiky regions; see `test_spiky_regions`
@@ -120,7 +120,7 @@ def test_spiky_regions() -> None:
 
 def test_curves_regions_markers_and_loose_points() -> None:
     points = [[0, 0], [4, 0], [4, 3], [0, 3], [2, 0.5], [2, 2.5], [1, 1.5], [3.1, 1.7]]
-    arc = unstruct.curves.Arc.through((4, 0), (4.8, 1.5), (4, 3))
+    arc = unstruct.geometry.curves.Arc.through((4, 0), (4.8, 1.5), (4, 3))
     domain = Domain(
         points, [[0, 1], [1, 2], [2, 3], [3, 0]], inner=[[4, 5]], curves={1: arc}, markers={"bay": [1]},
         regions={"water": [[0.3, 0.4]]},

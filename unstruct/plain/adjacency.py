@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
-from unstruct.errors import MeshError
+from unstruct.base.errors import MeshError
 from unstruct.plain.predicates import orient
 
 __all__ = ["face_counts", "neighbors", "walk"]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from unstruct.errors import DegenerateInputError, InputError
+from unstruct.base.errors import DegenerateInputError, InputError
 from unstruct.plain.predicates import in_sphere, orient
 
 __all__ = [

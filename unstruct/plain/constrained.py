@@ -16,7 +16,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from unstruct.errors import MeshError
+from unstruct.base.errors import MeshError
 from unstruct.plain.bowyer_watson import triangulate
 from unstruct.plain.lawson import triangle
 from unstruct.plain.predicates import in_sphere, orient

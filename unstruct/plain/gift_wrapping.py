@@ -21,7 +21,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from unstruct.errors import DegenerateInputError, InputError
+from unstruct.base.errors import DegenerateInputError, InputError
 from unstruct.plain.predicates import in_sphere, orient
 
 __all__ = ["Step", "apex", "first_simplex", "gift_wrap", "wrap"]

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 from unstruct.plain.predicates import in_sphere, orient
 
 __all__ = ["angle_cotangents", "flip", "lawson", "least_angle_choice", "six_angles", "triangle"]

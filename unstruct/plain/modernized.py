@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from unstruct.errors import InputError, MeshError
+from unstruct.base.errors import InputError, MeshError
 from unstruct.plain.bowyer_watson import Cell, Facet, Points, boundary, exact_points
 from unstruct.plain.predicates import in_sphere, orient
 

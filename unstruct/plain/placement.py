@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 from unstruct.plain.bowyer_watson import GHOST, Cell, Step, exact_points, insert
 from unstruct.plain.rebay_step import step
 from unstruct.plain.voronoi import circumcenter

@@ -11,7 +11,7 @@ from fractions import Fraction
 from math import lcm
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 
 __all__ = ["determinant", "in_sphere", "orient"]
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from math import asin, hypot, inf, pi, sqrt
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 
 __all__ = ["Step", "apex", "cap", "distance", "epsilon", "next_apex", "next_ratio", "radius", "step"]
 

@@ -20,7 +20,7 @@ from fractions import Fraction
 from math import pi, sin
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 from unstruct.plain.bowyer_watson import GHOST, Cell, exact_points, first_simplex, insert, with_ghosts
 
 __all__ = ["Step", "angle_is_small", "circumcenter", "encroaches", "inside", "refine", "ruppert"]

@@ -1,6 +1,6 @@
 """Smoothing told plainly: each vertex goes to the mean of its neighbors, if the mesh stays valid.
 
-Rational arithmetic, sets and dictionaries; the oracle for `unstruct.delaunay.smoothing`. Book: 2.6d.
+Rational arithmetic, sets and dictionaries; the oracle for `unstruct.generate.improve.smoothing`. Book: 2.6d.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from unstruct.errors import InputError
+from unstruct.base.errors import InputError
 
 __all__ = [
     "area",

@@ -1,0 +1,315 @@
+"""The one validator: is a mesh what it claims to be, and if not, which cells and vertices are to blame?
+
+Everything is decided by counting or by exact signs. See the book, chapters 1 and 2.0.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..base.report import Problem, Report, problem
+from ..mesh import topology
+from ..mesh.embedding import RidgeFans, crossing_facets, orient_rows
+from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
+from ..mesh.marked import marked_facets
+from ..predicates.batch import in_sphere
+from .region import check_domain, pinch_points
+
+if TYPE_CHECKING:
+    from ..domain.domain import Domain
+    from ..mesh.mesh import Mesh
+
+__all__ = ["Problem", "Report", "boundary_is_convex", "check"]
+
+CHUNK = 1 << 19
+SMALL = 100_000  # points times cells, up to which the brute-force tests run by default
+
+
+def check(
+    mesh: Mesh, *, domain: Domain | None = None, delaunay: bool | str = False, brute: bool | None = None
+) -> Report:
+    """Examine a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    domain : Domain, optional
+        What the mesh claims to fill: every piece must be a chain of edges marked "facets" or "inner" on the
+        true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree.
+    delaunay : bool or "constrained", optional
+        True: the mesh claims to be a Delaunay triangulation of (the hull of) its points. "constrained": of
+        a constrained one; facets named by the mesh's markers are then opaque.
+    brute : bool, optional
+        Whether to add tests of all points against all cells, which share no theorem with the fast ones.
+        By default only for small meshes (points times cells up to 100 000).
+
+    Returns
+    -------
+    Report
+        True when no problem was found. ``problems`` lists `Problem` (kind, text, cells, vertices);
+        ``passed`` and ``skipped`` say what was and was not examined.
+
+    Notes
+    -----
+    Always: arrays; every vertex used or a listed duplicate; at most two cells at a facet; neighbors mutual
+    and right; links of vertices (exact for k <= 3; necessary conditions above); coherent orientation; the
+    Euler characteristic against the boundary's. With k = d also: every cell positively oriented; cells
+    around each ridge (vertex in 2D, edge in 3D) wind once; and no overlap: for ``delaunay=True`` the
+    boundary must be convex, which together with the local tests makes the mesh tile the convex hull; else
+    the boundary must not meet itself (d <= 3) and no boundary vertex may lie in a foreign cell.
+
+    The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
+    dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
+    in a triangulation of a convex region, or up to opaque facets, are empty. O(m log m) in all; a million
+    points in the plane or a hundred thousand in space take some ten seconds.
+    """
+    if delaunay not in (False, True, "constrained"):
+        raise InputError(f"delaunay must be False, True or 'constrained', not {delaunay!r}")
+    from ..domain.domain import Domain
+    from ..mesh.mesh import Mesh
+
+    if not isinstance(mesh, Mesh):
+        raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
+    if not isinstance(domain, Domain | None):
+        raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
+    report = Report(repr(mesh))
+    if not _arrays(mesh, report):
+        return report
+    if not mesh.is_simplicial:
+        report.skipped += ["the domain, which needs triangles"] if domain is not None else []
+        from .mixed import check_mixed
+
+        check_mixed(mesh, report)
+        return report
+    _vertices(mesh, report)
+    pinches = np.empty(0, dtype=np.int64) if domain is None else pinch_points(mesh, domain)
+    sound, manifold = _topology(mesh, report, pinches)
+    if not sound:
+        report.skipped.append("everything that needs sound adjacency, the domain included")
+        return report
+    if mesh.dimension < mesh.points.shape[1]:
+        _surface(mesh, report)
+        report.skipped += ["the domain, which needs a planar mesh"] if domain is not None else []
+        return report
+    if not _orientation(mesh, report):
+        report.skipped.append("overlap, spheres and domain, which need positively oriented cells")
+        return report
+    if brute is None:
+        brute = len(mesh.points) * mesh.size <= SMALL
+    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
+    locally_well = fans is None or _local_overlap(fans, report)
+    if delaunay is True and manifold:
+        _hull(mesh, fans, report)
+    elif locally_well:
+        _overlap(mesh, report, everything=brute)
+    if delaunay:
+        _spheres(mesh, report, opaque=delaunay == "constrained")
+    if brute and delaunay is True:
+        from .brute import check_brute
+
+        check_brute(mesh, report)
+    if domain is not None:
+        check_domain(mesh, domain, report)
+    return report
+
+
+def boundary_is_convex(mesh: Mesh) -> bool:
+    """Whether the mesh tiles the convex hull of its points, by exact signs (its adjacency is trusted)."""
+    used = len(np.unique(mesh.simplices)) + len(mesh.duplicates)
+    if mesh.size == 0 or used < len(mesh.points) or (orient_rows(mesh.points, mesh.simplices) <= 0).any():
+        return False
+    report = Report("")
+    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
+    well = fans is None or _local_overlap(fans, report)
+    return well and _hull(mesh, fans, report)
+
+
+# ---------------------------------------------------------------------- arrays and adjacency
+
+
+def _arrays(mesh: Mesh, report: Report) -> bool:
+    """The arrays may have been written to since the mesh was made."""
+    finite = np.isfinite(mesh.points).all(axis=1)
+    bad = problem("points", "coordinates that are not finite", vertices=np.nonzero(~finite)[0])
+    problems = [bad]
+    if mesh.is_simplicial:
+        rows, n = mesh.simplices, len(mesh.points)
+        outside = ((rows < 0) | (rows >= n)).any(axis=1)
+        problems.append(problem("index", f"vertices outside 0..{n - 1}", cells=np.nonzero(outside)[0]))
+        ordered = np.sort(rows, axis=1)
+        repeated = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+        problems.append(problem("repeated vertex", "within one cell", cells=np.nonzero(repeated)[0]))
+        if mesh.size == 0:
+            problems.append(Problem("empty", "the mesh has no cells"))
+    return report.note("arrays: finite points, indices in range, distinct corners", *problems)
+
+
+def _vertices(mesh: Mesh, report: Report) -> None:
+    used = np.zeros(len(mesh.points), dtype=bool)
+    used[mesh.simplices.ravel()] = True
+    copies, kept = mesh.duplicates.T
+    listed = np.zeros(len(mesh.points), dtype=bool)
+    listed[copies] = True
+    differ = (mesh.points[copies] != mesh.points[kept]).any(axis=1)
+    wrong = differ | used[copies] | ~used[kept]
+    report.note(
+        "every vertex used, or listed as a duplicate of a used one",
+        problem("unused vertex", "in no cell and no duplicate", vertices=np.nonzero(~used & ~listed)[0]),
+        problem("duplicate", "the copy must equal a used vertex and be unused", vertices=copies[wrong]),
+    )
+
+
+def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bool]:
+    """Whether the adjacency is sound, and whether the complex is a manifold besides.
+
+    At ``pinches`` the cells may fall into several fans, as the domain has it.
+    """
+    simplices, k, n = mesh.simplices, mesh.dimension, len(mesh.points)
+    table = topology.FaceTable(simplices)
+    facets, cells = crowded_facets(table)
+    crowded = problem("facet", "shared by more than two cells", cells, facets.ravel())
+    if not report.note("at most two cells at a facet", crowded):
+        return False, False
+    neighbors = table.neighbors()
+    differ = (neighbors != mesh.neighbors).any(axis=1)
+    text = "neighbors do not lie across the facet opposite each vertex"
+    wrong = problem("neighbors", text, cells=np.nonzero(differ)[0])
+    well = report.note("neighbors mutual and across the right facets", wrong)
+    facets, cells = incoherent_facets(table)
+    text = "two cells on the same side of a facet, or against its orientation"
+    folded = problem("orientation", text, cells, facets.ravel())
+    well &= report.note("coherent orientation: the two cells of a facet on opposite sides", folded)
+    pinched = []
+    allowed = False
+    for faces, fans in pinched_faces(table, neighbors):
+        if faces.shape[1] == 1 and len(pinches):
+            wrong_ones = ~np.isin(faces[:, 0], pinches)
+            allowed = not wrong_ones.all()
+            faces, fans = faces[wrong_ones], fans[wrong_ones]
+        kind = {1: "pinched vertex", 2: "pinched edge"}.get(faces.shape[1], "pinched face")
+        text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
+        pinched.append(problem(kind, text, vertices=faces.ravel()))
+    manifold = report.note("cells around every vertex hang together", *pinched)
+    boundary = topology.boundary(simplices, neighbors)
+    if manifold and k == 3:
+        bad = bad_vertex_links(table, boundary, n)
+        manifold = report.note(
+            "the link of every vertex is a sphere or a disc",
+            problem("link", "the cells around the vertex form neither a ball nor a half-ball", vertices=bad),
+        )
+    elif k > 3:
+        report.skipped.append("whether vertex links are spheres (decided up to dimension 3 only)")
+    if manifold and allowed:
+        report.skipped.append("the Euler characteristic, where facets of the domain meet at a vertex")
+    elif manifold:
+        manifold = _euler(table, boundary, report)
+    return well, manifold
+
+
+def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> bool:
+    """For every compact manifold of dimension k: chi(boundary) = (1 - (-1)^k) chi."""
+    k = table.simplices.shape[1] - 1
+    inside = sum((-1) ** j * count for j, count in enumerate(table.counts()))
+    around = 0
+    if len(boundary):
+        around = len(np.unique(boundary)) if k == 1 else topology.euler(boundary)
+    text = f"{inside} inside and {around} on the boundary cannot go together"
+    wrong = None if around == (1 - (-1) ** k) * inside else Problem("Euler characteristic", text)
+    return report.note(f"Euler characteristic: {inside}, boundary {around}", wrong)
+
+
+# ---------------------------------------------------------------------- geometry
+
+
+def _surface(mesh: Mesh, report: Report) -> None:
+    """Cells of lower dimension: none may be flat (some projection to coordinate axes must be solid)."""
+    from itertools import combinations
+
+    k, d = mesh.dimension, mesh.points.shape[1]
+    flat = np.ones(mesh.size, dtype=bool)
+    for axes in combinations(range(d), k):
+        rows = np.nonzero(flat)[0]
+        flat[rows] = orient_rows(np.ascontiguousarray(mesh.points[:, axes]), mesh.simplices[rows]) == 0
+    wrong = problem("flat cell", "its corners lie in a lower dimension", cells=np.nonzero(flat)[0])
+    report.note("no flat cell", wrong)
+    report.skipped.append("whether the surface meets itself")
+
+
+def _orientation(mesh: Mesh, report: Report) -> bool:
+    signs = orient_rows(mesh.points, mesh.simplices)
+    return report.note(
+        "every cell positively oriented (exact)",
+        problem("negative cell", "turned inside out; Mesh.oriented() mends it", np.nonzero(signs < 0)[0]),
+        problem("flat cell", "its corners lie in a lower dimension", np.nonzero(signs == 0)[0]),
+    )
+
+
+def _local_overlap(fans: RidgeFans, report: Report) -> bool:
+    rows = fans.overlaps()
+    text = "the cells around a vertex (in space: an edge) wind more than once"
+    wrong = problem("overlap", text, fans.cells[rows], fans.ridges[rows].ravel())
+    return report.note("cells wind once around every vertex (in space: edge)", wrong)
+
+
+def _hull(mesh: Mesh, fans: RidgeFans | None, report: Report) -> bool:
+    """Connected and locally convex, so (Tietze-Nakajima) convex: the mesh tiles its points' hull."""
+    count, label = topology.components(mesh.neighbors)
+    problems = [None if count == 1 else problem("pieces", f"{count} pieces", np.nonzero(label > 0)[0])]
+    if fans is not None:
+        rows = fans.concave()
+        vertices = np.concatenate(
+            [fans.ridges[rows].ravel(), fans.b[rows], fans.a[fans.begin[fans.group[rows]]]]
+        )
+        problems.append(problem("concave boundary", "an angle above pi", fans.cells[rows], vertices))
+    return report.note("in one piece, with a convex boundary: the convex hull is tiled", *problems)
+
+
+def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
+    """The boundary must not meet itself, and no cell may hold a vertex that is not its own."""
+    d = mesh.points.shape[1]
+    if d in (2, 3):
+        facets = mesh.facets if everything else mesh.boundary
+        pairs = crossing_facets(mesh.points, facets)
+        text = "meet in more than a common face"
+        wrong = problem("crossing", f"{'facets' if everything else 'boundary facets'} that {text}",
+                           vertices=facets[pairs.ravel()].ravel())  # fmt: skip
+        report.note(f"no two {'' if everything else 'boundary '}facets cross", wrong)
+    elif d > 3:
+        report.skipped.append("whether boundary facets cross (decided up to dimension 3 only)")
+    vertices = np.unique(mesh.simplices if everything or d > 3 else mesh.boundary)
+    query, cells = mesh._locator.holding(mesh.points[vertices])
+    foreign = (mesh.simplices[cells] != vertices[query][:, None]).all(axis=1)
+    wrong = problem("overlap", "cells that hold a vertex of others", cells[foreign], vertices[query[foreign]])
+    report.note("no cell holds a foreign vertex", wrong)
+
+
+# ---------------------------------------------------------------------- spheres
+
+
+def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
+    simplices, neighbors = mesh.simplices, mesh.neighbors
+    cells, corner = np.nonzero(neighbors > np.arange(mesh.size)[:, None])
+    others = neighbors[cells, corner]
+    name = "locally Delaunay across every facet (exact)"
+    if opaque:
+        name = "locally Delaunay across every facet that is not marked (exact)"
+        closed = _marked(mesh, topology.oriented_facet(simplices, cells, corner))
+        cells, corner, others = cells[~closed], corner[~closed], others[~closed]
+    # The vertex across: that of the other cell which is not on the facet. Sums avoid a search.
+    across = simplices[others].sum(axis=1) - simplices[cells].sum(axis=1) + simplices[cells, corner]
+    inside = np.empty(len(cells), dtype=bool)
+    for i in range(0, len(cells), CHUNK):
+        part = slice(i, i + CHUNK)
+        inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
+    text = "spheres of cells that hold the vertex across a facet"
+    report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))
+
+
+def _marked(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
+    d = mesh.dimension
+    named = [rows for rows in mesh.markers.values() if rows.ndim == 2 and rows.shape[1] == d]
+    rows = np.concatenate([np.empty((0, d), dtype=np.int32), *named])
+    return marked_facets(facets, rows, len(mesh.points))

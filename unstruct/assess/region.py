@@ -1,0 +1,353 @@
+"""`unstruct.check` for the mesh of a region: is every piece there, in its place, and nothing else meshed?
+
+See the book, chapters 2.5 and 2.6d.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.report import Problem, Report, problem
+from ..domain.plane.lunes import cells_area, enclosed_area, even_odd, left_parity, right_parity
+from ..geometry.curves import Arc
+from ..geometry.outline_distance import distance_to_piece
+from ..mesh import topology
+from ..mesh.marked import marked_sides
+
+if TYPE_CHECKING:
+    from ..domain.domain import Domain
+    from ..mesh.mesh import Mesh
+
+__all__ = ["check_domain", "pinch_points"]
+
+ULPS = 64  # the most that a new vertex may be off its true curve, in 2^-53 of the largest coordinate
+
+
+@dataclass
+class Chain:
+    """Marked edges from one domain vertex to another: mesh vertices in order."""
+
+    vertices: list[int]
+    piece: int = -1
+
+
+def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
+    """Mesh vertices where four or more facets of the domain meet, so that the cells may fall into fans."""
+    degree = np.bincount(domain.facets.ravel(), minlength=len(domain.points))
+    origin = np.asarray(mesh.origin)
+    known = (origin >= 0) & (origin < len(domain.points))
+    return np.nonzero(known & (degree[np.where(known, origin, 0)] >= 4))[0]
+
+
+def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
+    """Hold a planar mesh against its domain; the report says what was examined and names the culprits.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Triangles whose adjacency, orientation and freedom from overlap are tested already. Its `origin`
+        refers to the points of the domain; markers "facets" and "inner" are the edges on its pieces.
+    domain : Domain
+    report : Report
+
+    Notes
+    -----
+    Marked edges between domain vertices must be chains, one for each piece; new vertices in them must lie on
+    the true piece up to 64 times 2^-53 of the largest coordinate, in order. The mesh must end at the facets
+    exactly, and its area must be that enclosed by the chains (sums without rounding error).
+    """
+    if mesh.points.shape[1] != 2 or mesh.dimension != 2:
+        report.note("a planar mesh for a planar domain", Problem("domain", "the mesh is not planar"))
+        return
+    place = _places(mesh, domain, report)
+    marked = {name: _edges(mesh, name) for name in ("facets", "inner")}
+    if place is None or not _marked(mesh, marked, report):
+        report.skipped.append("the pieces of the domain, which need sound origins and markers")
+        return
+    chains = _chains(mesh, place, np.concatenate(list(marked.values())), report)
+    if chains is None or not _assign(mesh, domain, chains, marked["facets"], report):
+        report.skipped.append("places and area of the chains, which need one for each piece")
+        return
+    _inside_out(mesh, domain, place, marked["facets"], report)
+    _curves_met(mesh, domain, chains, report)
+    _names(mesh, domain, chains, report)
+    _regions(mesh, domain, np.concatenate(list(marked.values())), report)
+
+
+# ---------------------------------------------------------------------- vertices and markers
+
+
+def _places(mesh: Mesh, domain: Domain, report: Report) -> np.ndarray | None:
+    """The mesh vertex of each domain vertex, -1 for none."""
+    origin, n = np.asarray(mesh.origin), len(domain.points)
+    outside = (origin < -1) | (origin >= n)
+    bad = problem("origin", f"outside -1..{n - 1}", vertices=np.nonzero(outside)[0])
+    if not report.note("origins are vertices of the domain", bad):
+        return None
+    rows = np.nonzero(origin >= 0)[0]
+    twice = np.bincount(origin[rows], minlength=n) > 1
+    moved = (mesh.points[rows] != domain.points[origin[rows]]).any(axis=1)
+    if not report.note(
+        "every domain vertex at most once, in its place",
+        problem("origin", "several vertices with the same origin", vertices=rows[twice[origin[rows]]]),
+        problem("moved", "not where the domain has its vertex", vertices=rows[moved]),
+    ):
+        return None
+    place = np.full(n, -1, dtype=np.int64)
+    place[origin[rows]] = rows
+    return place
+
+
+def _edges(mesh: Mesh, name: str) -> np.ndarray:
+    rows = mesh.markers.get(name, np.empty((0, 2), dtype=np.int32))
+    return np.asarray(rows, dtype=np.int64).reshape(-1, 2) if rows.ndim == 2 else np.empty((0, 2), np.int64)
+
+
+def _keys(rows: np.ndarray, n: int) -> np.ndarray:
+    low, high = np.sort(rows, axis=1).astype(np.int64).T
+    return low * n + high
+
+
+def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
+    """Marked edges are edges, each marked once; facets are the boundary, inner ones are not in it."""
+    n = len(mesh.points)
+    border = _keys(mesh.boundary, n)
+    facets, inner = _keys(marked["facets"], n), _keys(marked["inner"], n)
+    both = np.concatenate([facets, inner])
+    values, times = np.unique(both, return_counts=True)
+    twice = np.concatenate([marked["facets"], marked["inner"]])[np.isin(both, values[times > 1])]
+    missing = marked["facets"][~np.isin(facets, border)]
+    extra = np.asarray(mesh.boundary)[~np.isin(border, facets)]
+    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~np.isin(inner, border)
+    astray = marked["inner"][~within]
+    return report.note(
+        "the mesh ends exactly at its facets; inner edges lie within",
+        problem("marked twice", "as facet or inner edge", vertices=twice.ravel()),
+        problem("facet", "facet edges that do not bound the mesh", vertices=missing.ravel()),
+        problem("boundary", "the mesh ends at edges that are no facets", vertices=extra.ravel()),
+        problem("inner", "inner edges that are no edges inside the mesh", vertices=astray.ravel()),
+    )
+
+
+# ---------------------------------------------------------------------- chains
+
+
+def _chains(mesh: Mesh, place: np.ndarray, edges: np.ndarray, report: Report) -> list[Chain] | None:
+    """Marked edges in chains between domain vertices; each new vertex on them must have two."""
+    known = np.zeros(len(mesh.points), dtype=bool)
+    known[place[place >= 0]] = True
+    degree = np.bincount(edges.ravel(), minlength=len(mesh.points))
+    loose = (degree > 0) & (degree != 2) & ~known
+    text = "new vertices where other than two marked edges meet: a segment is missing, or several cross"
+    if not report.note("marked edges form chains", problem("chain", text, vertices=np.nonzero(loose)[0])):
+        return None
+    order = np.argsort(edges.ravel(), kind="stable")
+    start = np.concatenate([[0], np.cumsum(degree)]).tolist()
+    at, flat = (order // 2).tolist(), edges.tolist()
+    free = known.tolist()
+    seen = [False] * len(edges)
+    chains = []
+    for first in sorted(place[place >= 0].tolist()):
+        for slot in range(start[first], start[first + 1]):
+            edge, v = at[slot], first
+            if seen[edge]:
+                continue
+            chain = [first]
+            while True:
+                seen[edge] = True
+                a, b = flat[edge]
+                v = b if a == v else a
+                chain.append(v)
+                if free[v]:
+                    break
+                one, two = at[start[v]], at[start[v] + 1]
+                edge = two if one == edge else one
+            chains.append(Chain(chain))
+    rest = edges[~np.array(seen, dtype=bool)] if len(edges) else edges
+    text = "marked edges that lead to no vertex of the domain"
+    closed = problem("chain", text, vertices=rest.ravel())
+    return chains if report.note("chains end at vertices of the domain", closed) else None
+
+
+def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray, report: Report) -> bool:
+    """Find the piece of each chain: by its ends and kind, and by distance where several fit."""
+    kind = set(_keys(facets, len(mesh.points)).tolist())
+    by_ends: dict[tuple[int, int, bool], list[int]] = {}
+    for i, (a, b) in enumerate(domain.pieces.tolist()):
+        by_ends.setdefault((min(a, b), max(a, b), i < len(domain.facets)), []).append(i)
+    stray: list[int] = []
+    origin = np.asarray(mesh.origin)
+    for chain in chains:
+        a, b = (int(origin[v]) for v in (chain.vertices[0], chain.vertices[-1]))
+        edge = int(_keys(np.array([chain.vertices[:2]]), len(mesh.points))[0])
+        fits = by_ends.get((min(a, b), max(a, b), edge in kind), [])
+        if not fits:
+            stray += chain.vertices
+            continue
+        best = min(fits, key=lambda i: _away(mesh, domain, chain, i)) if len(fits) > 1 else fits[0]
+        fits.remove(best)
+        chain.piece = best
+        if int(origin[chain.vertices[0]]) != domain.pieces[best, 0]:
+            chain.vertices.reverse()
+    lost = sorted(i for rest in by_ends.values() for i in rest)
+    missing = np.array(lost, dtype=int)[_meshed(domain)[lost]].tolist() if lost else []
+    text = "chains of marked edges that are no piece of the domain"
+    names = ", ".join(f"{domain.name(i)} = {domain.pieces[i].tolist()}" for i in missing[:8])
+    absent = Problem("missing piece", f"{names} ({len(missing)} in all; by vertices of the domain)")
+    return report.note(
+        "every piece of the domain is a chain of marked edges, and no other edge is marked",
+        problem("stray chain", text, vertices=stray),
+        absent if missing else None,
+    )
+
+
+def _meshed(domain: Domain) -> np.ndarray:
+    """Whether each piece bounds or lies inside: pieces do not cross, so that the side of one end tells."""
+    sampled = domain.sampled()
+    facets = sampled.piece < len(domain.facets)
+    first = np.unique(sampled.piece, return_index=True)[1]
+    inside = right_parity(sampled.points, sampled.ends[facets], sampled.ends[first])
+    return inside | (np.arange(len(domain.pieces)) < len(domain.facets))
+
+
+def _away(mesh: Mesh, domain: Domain, chain: Chain, piece: int) -> float:
+    """How far a chain is from a piece: of its vertices, or of its middle where it has only ends."""
+    x = mesh.points[chain.vertices]
+    inside = x[1:-1] if len(x) > 2 else x.mean(axis=0, keepdims=True)
+    return float(distance_to_piece(domain, piece, inside)[0].max())
+
+
+# ---------------------------------------------------------------------- places
+
+
+def _curves_met(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
+    """New vertices of chains lie on the true piece up to rounding, in the order of the piece."""
+    off: list[int] = []
+    back: list[int] = []
+    worst = 0.0
+    for chain in chains:
+        if len(chain.vertices) == 2:
+            continue
+        rows = np.array(chain.vertices[1:-1])
+        away, t = distance_to_piece(domain, chain.piece, mesh.points[rows])
+        curve = domain.curves.get(chain.piece)
+        scale = np.abs(domain.points[domain.pieces[chain.piece]]).max()
+        if isinstance(curve, Arc):
+            scale = max(scale, curve.radius + np.abs(curve.center).max())
+        elif curve is not None:
+            scale = max(scale, np.abs(mesh.points[rows]).max())
+        ulps = away / (max(scale, 1e-300) * 2.0**-53)
+        worst = max(worst, float(ulps.max()))
+        off += rows[ulps > ULPS].tolist()
+        steps = np.diff(np.concatenate([[0.0], t, [1.0]]))
+        back += rows[(steps[:-1] <= 0) | (steps[1:] <= 0)].tolist()
+    text = f"off the true curve by up to {worst:.3g} units of rounding ({ULPS} allowed)"
+    report.note(
+        f"new vertices on the true curves (within {ULPS} units of rounding), in order",
+        problem("off the curve", text, vertices=off),
+        problem("order", "vertices of a chain that go back along their piece", vertices=back),
+    )
+
+
+# ---------------------------------------------------------------------- inside and outside
+
+
+def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarray, report: Report) -> None:
+    """The region enclosed by the chains, even-odd, is what is meshed; loose vertices in it are vertices."""
+    if len(domain.facets) == 0:
+        report.skipped.append("area and loose vertices of a domain without facets")
+        return
+    left = left_parity(mesh.points, facets)
+    wanted = enclosed_area(mesh.points, np.where(left[:, None], facets, facets[:, ::-1]))
+    area = cells_area(mesh.points, mesh.simplices)
+    wrong = abs(area - wanted) > 2.0**-50 * abs(wanted)
+    text = f"the cells cover {area:.17g}, the chains enclose {wanted:.17g} (even-odd)"
+    border = {(int(a), int(b)) for a, b in mesh.boundary}
+    turned = [(a, b) if side else (b, a) for (a, b), side in zip(facets.tolist(), left.tolist())]
+    turned_out = [v for edge in turned if edge not in border for v in edge]
+    report.note(
+        "the mesh covers what the chains enclose by the even-odd rule (exact)",
+        Problem("area", text) if wrong else None,
+        problem("inside out", "facets with the mesh on their outer side", vertices=turned_out),
+    )
+    inside, on = even_odd(mesh.points, facets, domain.points[domain.loose])
+    there = place[domain.loose] >= 0
+    lost, extra = domain.loose[inside & ~on & ~there], domain.loose[~inside & ~on & there]
+    text = f"loose vertices of the domain that are not in the mesh: {lost[:8].tolist()}"
+    report.note(
+        "loose vertices inside are vertices of the mesh",
+        Problem("missing vertex", text) if len(lost) else None,
+        problem("outer vertex", "loose vertices that lie outside", vertices=place[extra]),
+    )
+
+
+# ---------------------------------------------------------------------- names
+
+
+def _names(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
+    """Each marker of the domain holds the edges of its pieces, and no others."""
+    n = len(mesh.points)
+    wrong: list[Problem | None] = []
+    rows_of = {c.piece: np.column_stack([c.vertices[:-1], c.vertices[1:]]) for c in chains}
+    for name, pieces in domain.markers.items():
+        rows = [rows_of[i] for i in pieces.tolist() if i in rows_of]
+        wanted = _keys(np.concatenate([np.empty((0, 2), dtype=np.int64), *rows]), n)
+        if name not in mesh.markers:
+            wrong.append(Problem("marker", f"the mesh has no marker {name!r}"))
+            continue
+        found = _keys(_edges(mesh, name), n)
+        differ = np.setxor1d(wanted, found)
+        text = f"marker {name!r} is not on the edges of its pieces, or on others"
+        wrong.append(problem("marker", text, vertices=np.concatenate([differ // n, differ % n])))
+    if domain.markers:
+        report.note("named edges are those of the named pieces", *wrong)
+
+
+def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> None:
+    """Parts, as marked edges divide the mesh, have one number each: that of their seed's name, if any."""
+    number = mesh.markers.get("region")
+    if number is None or number.ndim != 1:
+        if domain.regions:
+            report.note("regions", Problem("region", "the mesh has no marker 'region', one number a cell"))
+        return
+    part = parts(mesh, edges)
+    values, code = np.unique(number, return_inverse=True)
+    pairs, times = np.unique(part * len(values) + code, return_counts=True)
+    rows = np.lexsort((times, pairs // len(values)))
+    last = rows[np.diff(pairs[rows] // len(values), append=-1) != 0]
+    usual = values[pairs[last] % len(values)]  # the most frequent number of each part
+    mixed = number != usual[part]
+    wrong = [problem("region", "cells numbered otherwise than their part", cells=np.nonzero(mixed)[0])]
+    named: set[int] = set()
+    for i, (name, seeds) in enumerate(domain.regions.items()):
+        cells = mesh.find_simplex(seeds)
+        lost, inside = cells < 0, cells[cells >= 0]
+        text = f"seeds of {name!r} in no cell: {seeds[lost].tolist()}"
+        wrong.append(Problem("region", text) if lost.any() else None)
+        text = f"cells with a seed of {name!r} whose number is not {i}"
+        wrong.append(problem("region", text, cells=inside[number[inside] != i]))
+        named |= set(part[inside].tolist())
+    others = [p for p in range(len(usual)) if p not in named]
+    own = usual[others].tolist()
+    once = len(set(own)) == len(own) and all(v >= len(domain.regions) for v in own)
+    text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {own[:16]}"
+    report.note(
+        "regions: one number a part, the seed's where there is one",
+        *wrong,
+        None if once else Problem("region", text),
+    )
+
+
+def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
+    """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
+    neighbors = np.array(mesh.neighbors)
+    neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
+    label = topology.components(neighbors)[1]
+    first = np.unique(label, return_index=True)[1]
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[label]

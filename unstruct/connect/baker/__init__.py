@@ -1,0 +1,1 @@
+"""Point insertion into any triangulation, beside cells that must not change."""

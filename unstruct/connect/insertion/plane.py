@@ -1,0 +1,240 @@
+"""Bowyer-Watson insertion in the plane, compiled.
+
+The triangulation covers the whole sphere: beyond every hull edge lies a *ghost* triangle, whose third
+vertex is the ghost at infinity (number -1). Triangles are two flat arrays of half-edges, three a triangle:
+
+    vertex[e]   the vertex of the triangle opposite half-edge e        e // 3  the triangle
+    twin[e]     the half-edge of the neighboring triangle on the same edge
+
+               vertex[e]
+                  /\\                 half-edge e runs from vertex[next(e)] to vertex[prev(e)],
+         prev(e) /  \\ next(e)        with its triangle on the left
+                /____\\
+            a      e      b
+
+Why no cavity mark is needed, and why no flat triangle can arise: a triangle belongs to the cavity of p if
+p is strictly inside its circle (ties stay outside). The power of p decreases strictly across every edge
+between a triangle with p inside and one with p not inside, so p sees each edge of the cavity's boundary
+strictly from within, and no old vertex is left without a triangle. Hence the cavity's dual is a tree, which
+a depth-first search runs through counterclockwise, meeting the boundary edges in the order of the star.
+The circle of a ghost is the open half-plane beyond its hull edge, and the open edge itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import inline, kernel
+from ...predicates.batch import incircle, orient2, orient_at
+from .engine import BUSY, COUNT, DONE, LAST, Compiled, grown
+
+GHOST = -1
+
+
+@inline
+def next_edge(e):
+    """The half-edge after e in its triangle, counterclockwise."""
+    return e - 2 if e % 3 == 2 else e + 1
+
+
+@inline
+def prev_edge(e):
+    """The half-edge before e in its triangle."""
+    return e + 2 if e % 3 == 0 else e - 1
+
+
+@inline
+def _side(xy, a, b, px, py):
+    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py)
+
+
+def start2(xy, vertex, twin, state):
+    """The first triangle, on points 0, 1, 2, and its three ghosts."""
+    vertex[:3] = (0, 1, 2) if orient_at(xy, np.arange(3)) > 0 else (0, 2, 1)
+    for k in range(3):
+        ghost = 3 * (1 + k)
+        vertex[ghost] = GHOST
+        vertex[ghost + 1] = vertex[(k + 2) % 3]
+        vertex[ghost + 2] = vertex[(k + 1) % 3]
+        twin[ghost], twin[k] = k, ghost
+        before = 3 * (1 + (k + 2) % 3) + 2
+        twin[ghost + 1], twin[before] = before, ghost + 1
+    state[COUNT] = 4
+    state[LAST] = 0
+
+
+@kernel
+def locate2(xy, vertex, twin, t, px, py):
+    """Walk from triangle t to a triangle that contains p, or to a ghost that p sees strictly.
+
+    The walk crosses only edges that have p strictly beyond them; in a Delaunay triangulation it
+    cannot return to a triangle.
+    """
+    for k in range(3):
+        if vertex[3 * t + k] == GHOST:
+            t = twin[3 * t + k] // 3
+            break
+    o = np.int64(-1)
+    for k in range(3):
+        e = 3 * t + k
+        if _side(xy, vertex[next_edge(e)], vertex[prev_edge(e)], px, py) < 0:
+            o = np.int64(twin[e])
+            break
+    if o < 0:
+        return np.int64(t)
+    while True:
+        c = vertex[o]
+        if c == GHOST:
+            return o // 3
+        right, left = next_edge(o), prev_edge(o)
+        if _side(xy, vertex[left], c, px, py) < 0:
+            o = np.int64(twin[right])
+        elif _side(xy, c, vertex[right], px, py) < 0:
+            o = np.int64(twin[left])
+        else:
+            return o // 3
+
+
+@kernel
+def locate_all2(xy, vertex, twin, t, rows, found):
+    """`locate2` for one row after the other, each walk from where the last one ended."""
+    for i in range(len(rows)):
+        t = locate2(xy, vertex, twin, t, rows[i, 0], rows[i, 1])
+        found[i] = t
+
+
+@inline
+def conflict_across(xy, a, b, c, px, py):
+    """Is p in the open disc of triangle (c, b, a), entered from the cavity over the edge a -> b?"""
+    if (a | b | c) >= 0:
+        return incircle(xy[c, 0], xy[c, 1], xy[b, 0], xy[b, 1], xy[a, 0], xy[a, 1], px, py) > 0
+    if c == GHOST:  # entered from inside the hull: p beyond the hull edge, or on it
+        return _side(xy, a, b, px, py) <= 0
+    if a == GHOST:  # entered from the next ghost
+        return _side(xy, c, b, px, py) > 0
+    return _side(xy, a, c, px, py) > 0
+
+
+@kernel
+def insert2(xy, vertex, twin, state, stack, spare, copy_of, start, stop):
+    """Insert the points ``start <= p < stop``; a point equal to a vertex is noted in ``copy_of``.
+
+    For each point: locate, turn through the cavity counterclockwise, and join every boundary edge
+    to p as soon as it is met. The slots of the cavity are used again at once: a star has two triangles
+    more than its cavity.
+    """
+    count, last = state[COUNT], state[LAST]
+    for p in range(start, stop):
+        px, py = xy[p, 0], xy[p, 1]
+        t = locate2(xy, vertex, twin, last, px, py)
+        copy = -1
+        for k in range(3):
+            v = vertex[3 * t + k]
+            if v != GHOST and xy[v, 0] == px and xy[v, 1] == py:
+                copy = v
+        if copy >= 0:
+            copy_of[p] = copy
+            state[DONE] = p + 1
+            continue
+        state[BUSY] = 1
+        spare[0] = t
+        spares = 1
+        stack[0], stack[1], stack[2] = twin[3 * t + 2], twin[3 * t + 1], twin[3 * t]
+        depth = 3
+        first = before = -1
+        while depth > 0:
+            depth -= 1
+            o = np.int64(stack[depth])
+            right, left = next_edge(o), prev_edge(o)
+            a, b, c = vertex[left], vertex[right], vertex[o]
+            if conflict_across(xy, a, b, c, px, py):
+                spare[spares] = o // 3
+                spares += 1
+                stack[depth], stack[depth + 1] = twin[left], twin[right]
+                depth += 2
+                continue
+            if spares > 0:
+                spares -= 1
+                new = 3 * np.int64(spare[spares])
+            else:
+                new = 3 * count
+                count += 1
+            vertex[new], vertex[new + 1], vertex[new + 2] = p, a, b
+            twin[new], twin[o] = o, new
+            if before < 0:
+                first = new
+            else:
+                twin[new + 2], twin[before + 1] = before + 1, new + 2
+            before = new
+        twin[first + 2], twin[before + 1] = before + 1, first + 2
+        last = before // 3
+        state[COUNT], state[LAST], state[DONE], state[BUSY] = count, last, p + 1, 0
+
+
+@kernel
+def cavity2(xy, vertex, twin, t, px, py, stack, found):
+    """Triangles, ghosts included, whose open disc contains p, starting from one of them; their number."""
+    found[0] = t
+    size = 1
+    for k in range(3):
+        stack[k] = twin[3 * t + k]
+    depth = 3
+    while depth > 0:
+        depth -= 1
+        o = np.int64(stack[depth])
+        right, left = next_edge(o), prev_edge(o)
+        if conflict_across(xy, vertex[left], vertex[right], vertex[o], px, py):
+            found[size] = o // 3
+            size += 1
+            stack[depth], stack[depth + 1] = twin[left], twin[right]
+            depth += 2
+    return size
+
+
+class Planar(Compiled):
+    """A growing Delaunay triangulation in the plane."""
+
+    width = 3
+    chunk = 100_000
+
+    def _reserve(self, points: int) -> None:
+        # n vertices and the ghost: 2 n - 2 triangles, always
+        self.vertex = grown(self.vertex, 6 * points)
+        self.across = grown(self.across, 6 * points)
+
+    def _start(self) -> None:
+        start2(self.rows, self.vertex, self.across, self.state)
+
+    def advance(self) -> None:
+        """Insert the next chunk of the points that were added."""
+        done = self.done
+        stop = min(self.size, done + self.chunk)
+        room = 2 * stop + 4
+        stack, spare = np.empty(room, dtype=np.int32), np.empty(room, dtype=np.int32)
+        insert2(self.rows, self.vertex, self.across, self.state, stack, spare, self.copy_of, done, stop)
+
+    def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
+        """For each row the slot of a triangle that contains it, or of a ghost beyond whose edge it lies."""
+        found = np.empty(len(rows), dtype=np.int32)
+        locate_all2(self.rows, self.vertex, self.across, int(self.state[LAST]), rows, found)
+        return found
+
+    def cavity(self, x: NDArray[np.float64]) -> NDArray[np.int32]:
+        """Slots of the triangles, ghosts included, whose open disc contains x."""
+        (t,) = self.locate_all(x[None])
+        t = int(t)
+        v = self.vertex[3 * t : 3 * t + 3]
+        if (self.rows[v[v >= 0]] == x).all(axis=1).any():
+            return np.empty(0, dtype=np.int32)
+        room = 2 * self.size + 4
+        stack, found = np.empty(room, dtype=np.int32), np.empty(room, dtype=np.int32)
+        size = cavity2(self.rows, self.vertex, self.across, t, x[0], x[1], stack, found)
+        return found[:size]
+
+    def remove(self, rank: int) -> bool:
+        """Remove a vertex; False, and nothing changed, where the rest would be collinear."""
+        from .removal import remove2
+
+        scratch = np.empty((4, 2 * self.size + 4), dtype=np.int64)
+        return bool(remove2(self.rows, self.vertex, self.across, self.state, rank, *scratch))

@@ -1,0 +1,1 @@
+"""The planar complex with its outside: cavities, segments, fillings, floods, stars."""

@@ -1,0 +1,267 @@
+"""PlanarComplex: the triangulation of a domain while it grows, constrained edges and regions included.
+
+All methods that mesh a planar domain work on these arrays with the kernels of `cavity2`. The triangulation
+covers the hull of all points, the outside of the domain too: so every change of the boundary is judged from
+both sides, and what touches or crosses is found out before it happens. See the book, 2.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...base.errors import InputError
+from ...base.jit import kernel
+from ...mesh.domain_mesh import Refined
+from ...mesh.mesh import as_points
+from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
+from ..insertion.triangulation import Triangulation
+from .cavity import GHOST, SEGMENTS, VERTICES
+
+__all__ = ["PlanarComplex"]
+
+
+@kernel
+def number_kept(vertex, region, count, number, place):
+    """Number the triangles of the domain and the vertices that they use, -1 for the others; how many."""
+    place[:] = -1
+    cells = 0
+    for t in range(count):
+        if region[t] < 0:
+            number[t] = -1
+            continue
+        number[t] = cells
+        cells += 1
+        for k in range(3):
+            place[vertex[3 * t + k]] = 0
+    vertices = 0
+    for v in range(len(place)):
+        if place[v] == 0:
+            place[v] = vertices
+            vertices += 1
+    return cells, vertices
+
+
+@kernel
+def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces, spans):
+    """Write the subsegments that bound a triangle with a number; how many."""
+    count = 0
+    for s in range(len(where)):
+        e = np.int64(where[s])
+        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
+            rows[count, 0], rows[count, 1] = place[ends[s, 0]], place[ends[s, 1]]
+            pieces[count] = piece[s]
+            spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
+            count += 1
+    return count
+
+
+def parted(rows: NDArray, first: NDArray[np.bool_]) -> tuple[NDArray, NDArray]:
+    """The rows that are marked, and the others."""
+    one = np.flatnonzero(first)
+    if len(one) in (0, len(rows)):
+        return (rows, rows[:0]) if len(one) else (rows[:0], rows)
+    return rows[one], rows[np.flatnonzero(~first)]
+
+
+class PlanarComplex:
+    """A triangulation of the plane with constrained edges, as flat arrays for the kernels.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 2)
+        Vertices; all different, not all on a line. They keep their numbers.
+    progress : bool
+        Show a bar while they are inserted.
+
+    Attributes
+    ----------
+    factor : float
+        The power of two with ``xy = points * factor`` and |xy| <= 1.
+    xy : ndarray, shape (capacity, 2)
+        Coordinates of the vertices, of which ``size`` are in use.
+    vertex, twin : ndarray of int32
+        Half-edges, as in `insertion2`: three a triangle, ghost triangles beyond the hull.
+    mark : ndarray of int32
+        The subsegment on each half-edge, -1 for none.
+    region : ndarray of int32
+        The part of the domain that each triangle belongs to: -1 outside and for ghosts.
+    ends, piece, span, where : ndarray
+        For each subsegment its two vertices in the direction of its piece, the piece, the parameters of the
+        ends on it, and one half-edge that carries it.
+    state : ndarray of int64, shape (16,)
+        Counters that the kernels advance: triangles, vertices, subsegments, the first free slot.
+
+    Raises
+    ------
+    InputError
+        For duplicate points, and coordinates whose exponents are too wide for one scale.
+    DegenerateInputError
+        For points on a line.
+    """
+
+    def __init__(self, points: ArrayLike, *, progress: bool = False):
+        rows = as_points(points)
+        if rows.shape[1] != 2:
+            raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
+        delaunay = Triangulation(rows, progress=progress)
+        if not delaunay.spans:
+            delaunay.mesh()  # raises, and says which flat holds the points
+        engine = delaunay._engine
+        if not isinstance(engine, Compiled):
+            raise InputError(
+                "the exponents of the coordinates span too much for one scale: drop or move points that are "
+                "nearer to each other than 1e-300 of the largest coordinate"
+            )
+        if (engine.copy_of[: engine.size] >= 0).any():
+            copy, kept = delaunay.mesh().duplicates[0]
+            raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")
+        count = int(engine.state[COUNT])
+        self.factor: float = delaunay._factor
+        self.xy: NDArray[np.float64] = rows * self.factor
+        label = np.append(delaunay._input, np.int32(GHOST))  # the ghost, -1, is the last entry
+        self.vertex: NDArray[np.int32] = label[engine.vertex[: 3 * count]]
+        self.twin: NDArray[np.int32] = engine.across[: 3 * count].copy()
+        self.mark: NDArray[np.int32] = np.full(3 * count, -1, dtype=np.int32)
+        self.region: NDArray[np.int32] = np.full(count, -1, dtype=np.int32)
+        self.ends: NDArray[np.int32] = np.empty((0, 2), dtype=np.int32)
+        self.piece: NDArray[np.int32] = np.empty(0, dtype=np.int32)
+        self.span: NDArray[np.float64] = np.empty((0, 2))
+        self.where: NDArray[np.int32] = np.empty(0, dtype=np.int32)
+        self.state: NDArray[np.int64] = np.zeros(16, dtype=np.int64)
+        self.state[COUNT], self.state[FREE], self.state[VERTICES] = count, -1, len(rows)
+
+    # ------------------------------------------------------------------ counters
+
+    @property
+    def size(self) -> int:
+        """How many vertices there are."""
+        return int(self.state[VERTICES])
+
+    @property
+    def triangles(self) -> int:
+        """How many slots for triangles are in use, ghosts and freed slots included."""
+        return int(self.state[COUNT])
+
+    @property
+    def segments(self) -> int:
+        """How many subsegments there are."""
+        return int(self.state[SEGMENTS])
+
+    @property
+    def broken(self) -> bool:
+        """Whether an interrupt hit a change half done (possible only where kernels are not compiled)."""
+        return bool(self.state[BUSY])
+
+    def reserve(self, vertices: int, segments: int) -> None:
+        """Make room for so many vertices and subsegments in all; the arrays are replaced where they grow.
+
+        Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels go on as
+        long as there are rows of ``xy``, and it may have grown by more than was asked for: so all rows count.
+        """
+        self.xy = grown(self.xy, vertices)
+        slots = max(2 * len(self.xy), self.triangles)
+        self.vertex, self.twin = grown(self.vertex, 3 * slots), grown(self.twin, 3 * slots)
+        self.mark, self.region = grown(self.mark, 3 * slots), grown(self.region, slots)
+        self.ends, self.piece = grown(self.ends, segments), grown(self.piece, segments)
+        self.span, self.where = grown(self.span, segments), grown(self.where, segments)
+
+    def scratch(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+        """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
+        # a search that goes round is given up when the cells are full: the rim has two edges more than cells
+        room = len(self.region) + 8
+        stack, cells, rim, fresh = (np.empty(room + more, dtype=np.int32) for more in (8, 0, 8, 8))
+        return stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh
+
+    # ------------------------------------------------------------------ the result
+
+    def kept(self) -> NDArray[np.bool_]:
+        """Which slots hold triangles of the domain."""
+        return self.region[: self.triangles] >= 0
+
+    def numbers(self) -> NDArray[np.int32]:
+        """For each slot the number of its cell in `mesh`, -1 for none."""
+        kept = self.kept()
+        number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
+        number[~kept] = -1
+        return number
+
+    def mesh(
+        self,
+        *,
+        facets: int,
+        origin: NDArray[np.int32] | None = None,
+        markers: Mapping[str, ArrayLike] | None = None,
+        regions: bool = True,
+        points: NDArray[np.float64] | None = None,
+        **rest: Any,
+    ) -> Refined:
+        """The triangles of the domain as a `Refined` mesh.
+
+        Parameters
+        ----------
+        facets : int
+            Pieces below this number are facets, the others inner segments.
+        origin : ndarray of int32, shape (k,), optional
+            The domain's vertex that each of the first k vertices is, or -1; later ones are new. By default
+            all vertices are new.
+        markers : dict of str to array of int, optional
+            Names of sets of pieces: their subsegments become markers of edges.
+        regions : bool
+            Whether to add the marker "region", one number a cell.
+        points : ndarray, shape (n, 2), optional
+            Coordinates to store for the first n vertices (by default those that the kernels used, unscaled,
+            which are the same).
+        **rest
+            Handed on to `Refined`; ``unrefined`` holds slots here, and cells there.
+
+        Returns
+        -------
+        Refined
+            Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" hold the
+            subsegments of each kind that bound a triangle.
+        """
+        count, n = self.triangles, self.size
+        number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
+        cells, vertices = number_kept(self.vertex, self.region, count, number, place)
+        simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
+        extract_cells(self.vertex, self.twin, 3, count, place, number, simplices, neighbors)
+        known = np.empty((0, 2)) if points is None else points
+        rows = np.concatenate([known, self.xy[len(known) : n] / self.factor])
+        source = np.full(n, -1, dtype=np.int32)
+        if origin is not None:
+            source[: len(origin)] = origin
+        if vertices < n:
+            used = place >= 0
+            rows, source = rows[used], source[used]
+        ends, piece, span = self._segments(number, place)
+        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece < facets)))
+        for name, pieces in (markers or {}).items():
+            named[name] = ends[np.isin(piece, np.asarray(pieces))]
+        if regions:
+            named["region"] = self.region[np.flatnonzero(number >= 0)]
+        if rest.get("unrefined") is not None:
+            rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
+        return Refined(
+            rows,
+            simplices,
+            neighbors=neighbors,
+            origin=source,
+            markers=named,
+            segments=ends,
+            piece=piece,
+            span=span,
+            **rest,
+        )
+
+    def _segments(self, number: NDArray[np.int32], place: NDArray[np.int32]) -> tuple[NDArray, ...]:
+        """Ends, piece and span of the subsegments that bound a triangle with a number."""
+        s = self.segments
+        rows, pieces, spans = np.empty((s, 2), np.int32), np.empty(s, np.int32), np.empty((s, 2))
+        many = extract_segments(
+            self.twin, number, self.where[:s], self.ends, self.piece, self.span, place, rows, pieces, spans
+        )
+        return rows[:many], pieces[:many], spans[:many]

@@ -1,0 +1,169 @@
+"""Filling a polygon beside a segment with constrained Delaunay triangles, compiled.
+
+The polygon lies on the left of its base V_0 V_n; its other sides are a chain V_0 ... V_n, each corner of
+which was joined to the other side of the base by an old edge. So every corner sees the base.
+
+`fill` asks, base by base, for the corner whose circle is empty: Anglada's way, k log k tests for corners
+strewn at random, but k^2 for rows of points along the segment, where each base cuts off one corner only.
+When it has asked too often, the polygons left are cut by `cut_ears` in one pass, and the edges made Delaunay
+by swaps afterwards. An ear at a corner b with neighbors a and c may be cut: the lines of sight from a and c
+to the base enclose no corner but b. And while there is a corner there is an ear, by the sum of angles.
+
+Sources: M. V. Anglada, Computers & Graphics 21 (1997) 215-223; G. T. Toussaint, D. Avis, On a convex hull
+algorithm for polygons and its application to triangulation problems, Pattern Recognition 15 (1982) 23-29.
+Book: 2.5.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...predicates.batch import incircle
+from ...predicates.kernels import orientation
+from ..insertion.plane import next_edge, prev_edge
+from .stars import legalize
+
+__all__ = ["cut_ears", "fill", "load", "swap_all"]
+
+
+@lean
+def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
+    """Note what a chain of n half-edges borders on, before its triangles are overwritten.
+
+    Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
+    """
+    for k in range(n):
+        h = np.int64(chain[k])
+        corners[k], beyond[k], marks[k], fresh[k] = vertex[prev_edge(h)], twin[h], mark[h], -1
+    corners[n] = vertex[next_edge(np.int64(chain[n - 1]))]
+    for k in range(n):
+        twin[beyond[k]] = -2 - k
+    for k in range(n):
+        if twin[chain[k]] < 0:
+            beyond[k] = twin[chain[k]]
+
+
+@inline
+def close(twin, mark, beyond, marks, fresh, g, k):
+    """Let half-edge g take the place of edge k of the chain."""
+    o = beyond[k]
+    mark[g] = marks[k]
+    fresh[k] = g
+    if o < 0:  # a dangling edge: joined when its other side is there
+        o = fresh[-2 - o]
+    if o >= 0:
+        twin[g], twin[o] = o, g
+
+
+@inline
+def write(vertex, mark, corner, slot, a, b, c):
+    """The triangle on the base a b with apex c: its base half-edge s; b c is s + 1, c a is s + 2."""
+    s = 3 * np.int64(slot)
+    vertex[s], vertex[s + 1], vertex[s + 2] = c, a, b
+    corner[c], corner[a], corner[b] = s, s + 1, s + 2
+    mark[s], mark[s + 1], mark[s + 2] = -1, -1, -1
+    return s
+
+
+@lean
+def cut_ears(xy, vertex, twin, mark, corner, cells, used, corners, beyond, marks, fresh, i, j, places, links):
+    """Triangulate the polygon of the chain from V_i to V_j; triangles used, and the base half-edge.
+
+    A pile of corners: as long as the last three turn right, the middle one is an ear. ``links`` has for
+    each the half-edge towards the one before, -1 for an edge of the chain.
+    """
+    places[0] = i
+    top = 0
+    for k in range(i + 1, j + 1):
+        top += 1
+        places[top], links[top] = k, -1
+        while top >= 2:
+            a, b, c = corners[places[top - 2]], corners[places[top - 1]], corners[k]
+            if orientation(xy, a, b, c) >= 0:
+                break
+            s = write(vertex, mark, corner, cells[used], a, c, b)
+            used += 1
+            for g, at in ((s + 2, top - 1), (s + 1, top)):
+                h = links[at]
+                if h < 0:
+                    close(twin, mark, beyond, marks, fresh, g, places[at - 1])
+                else:
+                    twin[g], twin[h] = h, g
+            top -= 1
+            places[top], links[top] = k, s
+    return used, np.int64(links[1])
+
+
+@lean
+def fill(
+    xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n, stack, patience, places, links
+):
+    """Triangulate the polygon on the left of V_0 V_n; its base half-edge, and from which cell on there are
+    edges that may not be Delaunay.
+
+            V_c                 On V_i V_j: slot s, the base opposite V_c;
+           /   \\  s + 1        the chain's parts from V_i to V_c and from V_c to V_j
+    s + 2 /  s  \\              come next, on s + 2 and s + 1.
+        V_i-----V_j
+    """
+    base = np.int64(-1)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, n, -1
+    depth, used, asked, rough = 1, 0, 0, n
+    while depth > 0:
+        depth -= 1
+        i, j, g = stack[depth, 0], stack[depth, 1], stack[depth, 2]
+        if j == i + 1:
+            close(twin, mark, beyond, marks, fresh, g, i)
+            continue
+        if asked > patience * n and g >= 0:
+            rough = min(rough, used)
+            used, s = cut_ears(
+                xy,
+                vertex,
+                twin,
+                mark,
+                corner,
+                cells,
+                used,
+                corners,
+                beyond,
+                marks,
+                fresh,
+                i,
+                j,
+                places,
+                links,
+            )
+            twin[s], twin[g] = g, s
+            continue
+        a, b, c = corners[i], corners[j], i + 1
+        v = corners[c]
+        for k in range(i + 2, j):
+            p = corners[k]
+            if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[v, 0], xy[v, 1], xy[p, 0], xy[p, 1]) > 0:
+                c, v = k, p
+        asked += j - i
+        s = write(vertex, mark, corner, cells[used], a, b, v)
+        used += 1
+        if g < 0:
+            base = s
+        else:
+            twin[s], twin[g] = g, s
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = i, c, s + 2
+        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = c, j, s + 1
+        depth += 2
+    return base, rough
+
+
+@lean
+def swap_all(xy, vertex, twin, mark, where, corner, cells, first, last, pending):
+    """Swap the edges of ``cells[first:last]``, and what follows, until all are locally Delaunay."""
+    again = True
+    while again:
+        again = False
+        for k in range(first, last):
+            for e in range(3 * np.int64(cells[k]), 3 * np.int64(cells[k]) + 3):
+                pending[0] = e
+                if legalize(xy, vertex, twin, mark, where, corner, pending, np.int64(1)) < 0:
+                    again = True

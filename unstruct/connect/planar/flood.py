@@ -1,0 +1,132 @@
+"""What is inside: even-odd parity from the ghosts, and the connected parts of the inside, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import inline, kernel
+from ...predicates.batch import orient2
+from ..insertion.plane import next_edge, prev_edge
+
+__all__ = ["flood", "hold_seeds"]
+
+
+@kernel
+def _parity(vertex, twin, mark, piece, facets, part, stack):
+    """-1 outside, -2 inside: every facet that is crossed changes sides, inner segments do not."""
+    part[:] = -3
+    for t in range(len(part)):
+        if vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0:
+            part[t] = -1
+            stack[0] = t
+            break
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        t = np.int64(stack[depth])
+        for e in range(3 * t, 3 * t + 3):
+            other = twin[e] // 3
+            s = mark[e]
+            side = -3 - part[t] if s >= 0 and piece[s] < facets else part[t]
+            if part[other] == -3:
+                part[other] = side
+                stack[depth] = other
+                depth += 1
+            elif part[other] != side:
+                return _odd_facet(vertex, mark, piece, facets)
+    return np.int64(-1)
+
+
+@kernel
+def _odd_facet(vertex, mark, piece, facets):
+    """A facet whose end belongs to an odd number of facets."""
+    degree = np.zeros(vertex.max() + 1, dtype=np.int64)
+    for e in range(len(mark)):
+        if mark[e] >= 0 and piece[mark[e]] < facets:
+            degree[vertex[next_edge(e)]] += 1  # each subsegment is met twice, once from either side
+    for e in range(len(mark)):
+        if mark[e] >= 0 and piece[mark[e]] < facets and degree[vertex[next_edge(e)]] % 2 == 1:
+            return np.int64(mark[e])
+    return np.int64(0)
+
+
+@inline
+def _root(above, t):
+    """The first of the triangles that t hangs on; ways are halved."""
+    while above[t] != t:
+        above[t] = above[above[t]]
+        t = np.int64(above[t])
+    return t
+
+
+@kernel
+def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
+    """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
+
+    Returns -1 and the number of parts; or a facet with the same side of the boundary on both of its sides
+    (the facets do not close). ``least`` gets the least vertex of each part where there are several. With
+    ``hull`` everything but the ghosts is inside. Parts hang together over edges that are not marked.
+    """
+    if hull:
+        for t in range(len(part)):
+            ghost = vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0
+            part[t] = -1 if ghost else -2
+    else:
+        odd = _parity(vertex, twin, mark, piece, facets, part, stack)
+        if odd >= 0:
+            return odd, 0
+    for t in range(len(part)):  # a forest: each triangle hangs on one before it, if they hang together
+        if part[t] != -2:
+            continue
+        root = np.int64(t)
+        stack[t] = t
+        for e in range(3 * t, 3 * t + 3):
+            other = np.int64(twin[e] // 3)
+            joined = (other < t) & (mark[e] < 0) & (part[other] == -2)
+            other = _root(stack, other if joined else root)
+            stack[max(root, other)] = min(root, other)
+            root = min(root, other)
+    parts = 0
+    for t in range(len(part)):
+        if part[t] == -2:
+            if stack[t] == t:
+                part[t] = parts
+                parts += 1
+            else:
+                part[t] = part[stack[t]]
+    if parts > 1:
+        least[:parts] = vertex.max()
+        for t in range(len(part)):
+            p = part[t]
+            if p >= 0:
+                least[p] = min(least[p], vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2])
+    return np.int64(-1), parts
+
+
+@kernel
+def hold_seeds(xy, vertex, mark, count, seeds):
+    """For each seed the slot of a closed triangle that holds it; -1 for none, -2 on a segment.
+
+    Looks at all triangles: a walk may run in circles where the triangulation is not Delaunay.
+    """
+    found = np.full(len(seeds), -1, dtype=np.int64)
+    for t in range(count):
+        a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+        if a < 0 or b < 0 or c < 0:
+            continue
+        for i in range(len(seeds)):
+            x, y = seeds[i, 0], seeds[i, 1]
+            if not (
+                min(xy[a, 0], xy[b, 0], xy[c, 0]) <= x <= max(xy[a, 0], xy[b, 0], xy[c, 0])
+                and min(xy[a, 1], xy[b, 1], xy[c, 1]) <= y <= max(xy[a, 1], xy[b, 1], xy[c, 1])
+            ):
+                continue
+            inside, on = True, False
+            for e in range(3 * t, 3 * t + 3):
+                u, v = vertex[next_edge(e)], vertex[prev_edge(e)]
+                side = orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], x, y)
+                inside = inside and side >= 0
+                on = on or (side == 0 and mark[e] >= 0)
+            if inside and found[i] != -2:
+                found[i] = -2 if on else t
+    return found

@@ -1,0 +1,256 @@
+"""Stars of vertices, compiled: what they are worth, where is a better place, which swaps a move asks for.
+
+The arrays are those of `planar`: ``vertex``, ``twin``, ``mark`` and, for each vertex, ``at``: a half-edge
+that is opposite to it. A marked edge is never crossed, so ``twin`` may be -1 there and the same kernels serve
+a mesh without ghosts. A vertex may move where no marked edge ends at it; then the half-edges opposite to it
+close up to its star, which is looked at through a list of the places around it: nothing else is needed to
+judge where the vertex is to go.
+
+A triangle is measured by 2 r / R (r inradius, R circumradius), 1 where it is equilateral, or, where a
+vertex is looked at in a fraction of a microsecond, by its *fairness*, 4 sqrt(3) area / (a^2 + b^2 + c^2),
+which near 1 falls as 2 r / R does, and takes no roots. Beside it the sine of the least angle is watched,
+which may not fall while it is below that of 30 degrees: a triangle may become rounder and have a smaller
+least angle. Every place is judged by exact signs: all triangles of the star stay counterclockwise, or it is
+refused. Book: 2.6c, 2.6d.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...predicates.batch import incircle, orient2
+from ..insertion.plane import next_edge, prev_edge
+from .cavity import end_of, start_of
+
+FAIRNESS, ROUNDNESS = 0, 1  # how stars are judged: by fairness and sine, or by the least 2 r / R alone
+TWICE_ROOT3 = 2.0 * sqrt(3.0)
+EASY = 0.77  # beyond it every angle is above 30 degrees: the extreme triangle has angles of 30, 75 and 75
+SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
+GIVE = 1e-6  # the least gain of fairness for which a vertex is moved
+FAIR = 0.85  # a triangle beyond it may become less fair if the others of its star gain more
+CERTAIN, TINY = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
+COMPASS = (
+    (1.0, 0.0),
+    (0.7, 0.7),
+    (0.0, 1.0),
+    (-0.7, 0.7),
+    (-1.0, 0.0),
+    (-0.7, -0.7),
+    (0.0, -1.0),
+    (0.7, -0.7),
+)
+
+
+# --- swaps ----------------------------------------------------------------------------------------
+
+
+@lean
+def opposite_half_edges(vertex, region, count, at):
+    """For each vertex of the triangles that have a region a half-edge opposite to it; -1 for the others."""
+    at[:] = -1
+    for t in range(count):
+        if region[t] >= 0:
+            for e in range(3 * t, 3 * t + 3):
+                at[vertex[e]] = e
+
+
+@inline
+def flip_edge(vertex, twin, mark, where, at, e):
+    """Swap the diagonal under half-edge e, which is not marked, in place.
+
+    ::
+
+               b                     b            e and its twin o keep their triangles' apexes p and q,
+             / | \\                 /   \\          and lie afterwards on a-q and on b-p; the half-edges
+            p e|o q      ->       p --- q         after them, n and on, lie on the new diagonal.
+             \\ | /                 \\   /
+               a                     a
+    """
+    o = np.int64(twin[e])
+    n, r, on, back = next_edge(e), prev_edge(e), next_edge(o), prev_edge(o)
+    p, a, q, b = vertex[e], vertex[n], vertex[o], vertex[on]
+    beyond_q, beyond_p = twin[on], twin[n]
+    mark_q, mark_p = mark[on], mark[n]
+    vertex[r], vertex[back] = q, p
+    twin[e], twin[o] = beyond_q, beyond_p
+    if beyond_q >= 0:
+        twin[beyond_q] = e
+    if beyond_p >= 0:
+        twin[beyond_p] = o
+    mark[e], mark[o] = mark_q, mark_p
+    if mark_q >= 0:
+        where[mark_q] = e
+    if mark_p >= 0:
+        where[mark_p] = o
+    twin[n], twin[on] = on, n
+    mark[n], mark[on] = -1, -1
+    at[p], at[a], at[q], at[b] = e, n, o, on
+
+
+@lean
+def legalize(xy, vertex, twin, mark, where, at, stack, depth):
+    """Swap the half-edges on the stack, and what follows, until all are locally Delaunay; how many."""
+    flips = 0
+    while depth > 0:
+        depth -= 1
+        e = np.int64(stack[depth])
+        if mark[e] >= 0:
+            continue
+        p, a, b, q = vertex[e], start_of(vertex, e), end_of(vertex, e), vertex[twin[e]]
+        if min(min(p, q), min(a, b)) < 0:
+            continue
+        if incircle(xy[p, 0], xy[p, 1], xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[q, 0], xy[q, 1]) > 0:
+            o = np.int64(twin[e])
+            flip_edge(vertex, twin, mark, where, at, e)
+            flips += 1
+            if depth + 4 <= len(stack):
+                stack[depth], stack[depth + 1] = e, prev_edge(e)
+                stack[depth + 2], stack[depth + 3] = o, prev_edge(o)
+                depth += 4
+            else:  # rather begin anew than leave an edge unseen
+                return -1
+    return flips
+
+
+@inline
+def touched(vertex, t, moved):
+    """Whether a corner of triangle t has moved."""
+    return moved[vertex[3 * t]] or moved[vertex[3 * t + 1]] or moved[vertex[3 * t + 2]]
+
+
+@lean
+def legalize_moved(xy, vertex, twin, mark, region, where, at, count, moved, stack):
+    """Swap the diagonals that moves of all these vertices ask for; how many."""
+    flips, full = 0, True
+    while full:  # again where more waits than the stack holds: hardly ever
+        full = False
+        for t in range(count):
+            if region[t] < 0 or not touched(vertex, t, moved):
+                continue
+            for e in range(3 * t, 3 * t + 3):
+                if mark[e] < 0 and (twin[e] > e or not touched(vertex, twin[e] // 3, moved)):
+                    stack[0] = e
+                    more = legalize(xy, vertex, twin, mark, where, at, stack, np.int64(1))
+                    flips, full = flips + max(more, 0), full or more < 0
+    return flips
+
+
+# --- stars ----------------------------------------------------------------------------------------
+
+
+@inline
+def star_of(xy, vertex, twin, first, ring, places):
+    """The half-edges opposite a vertex, counterclockwise from ``first``; how many, k.
+
+    ``places[:k + 1]`` gets the points where they begin, the first one once more at the end.
+    """
+    e, k = np.int64(first), 0
+    while True:
+        n = next_edge(e)
+        a = vertex[n]
+        ring[k], places[k, 0], places[k, 1] = e, xy[a, 0], xy[a, 1]
+        e, k = next_edge(np.int64(twin[n])), k + 1  # opposite the same vertex in the next triangle
+        if e == first:
+            places[k, 0], places[k, 1] = places[0, 0], places[0, 1]
+            return k
+
+
+@inline
+def measures(ax, ay, bx, by, cx, cy):
+    """2 r / R of a counterclockwise triangle, and the squared sine of its least angle."""
+    ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+    double = ux * (cy - ay) - uy * (cx - ax)
+    u, v, w = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
+    if double <= 0.0 or u == 0.0 or v == 0.0 or w == 0.0:
+        return 0.0, 0.0
+    a, b, c = sqrt(u), sqrt(v), sqrt(w)
+    square = double * double
+    return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / (u * v * w)
+
+
+@inline
+def star_measures(places, k, x, y, floor, judge):
+    """The least quality and squared sine, and the sum of the qualities, in a star put at (x, y).
+
+    -1 for all where a triangle is not counterclockwise, or its quality not above ``floor``. The sine is 1
+    where it does not matter.
+    """
+    least, sine, total = 2.0, 1.0, 0.0
+    ux, uy = places[0, 0] - x, places[0, 1] - y
+    u = ux * ux + uy * uy
+    for i in range(k):
+        vx, vy = places[i + 1, 0] - x, places[i + 1, 1] - y
+        wx, wy = vx - ux, vy - uy
+        v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
+        around, below = u + v + w, u * v * w
+        if (
+            double <= CERTAIN * around + TINY  # else the filter of the predicate would be satisfied, too
+            and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
+        ):
+            return -1.0, -1.0, -1.0
+        quality = angle = 0.0
+        if below > 0.0 and double > 0.0:
+            if judge == ROUNDNESS:
+                a, b, c = sqrt(u), sqrt(v), sqrt(w)
+                quality = 4.0 * double * double / ((a + b + c) * a * b * c)
+            else:
+                quality = TWICE_ROOT3 * double / around
+                # the sine opposite the shortest side is twice the area by the product of the other two
+                angle = double * double * min(u, min(v, w)) / below if quality < EASY else 1.0
+        if quality <= floor:
+            return -1.0, -1.0, -1.0
+        sine = min(sine, angle)
+        least, total = min(least, quality), total + quality
+        ux, uy, u = vx, vy, v
+    return least, sine, total
+
+
+@inline
+def floor_for(least, judge):
+    """What all triangles of a star must be above to be preferred to a star of this least quality."""
+    if judge == ROUNDNESS:
+        return least
+    return least + GIVE if least < FAIR else FAIR
+
+
+@inline
+def better(new, old, judge):
+    """Whether a star with the measures ``new``, for `floor_for` the old ones, is to be preferred.
+
+    Where the worst triangle is poor, it must become better; where all are fair, the sum of fairness.
+    """
+    if new[0] < 0.0:
+        return False
+    if judge == ROUNDNESS:
+        return True
+    return (new[1] >= old[1] or new[1] >= SAFE) and (old[0] < FAIR or new[2] > old[2] + GIVE)
+
+
+@lean
+def search(places, k, x, y, old, judge):
+    """A better place for a star by pattern search: eight directions, steps that are halved."""
+    step = 0.25 * sqrt((places[0, 0] - x) ** 2 + (places[0, 1] - y) ** 2)
+    smallest = step / 64.0
+    while step > smallest:
+        found = False
+        for dx, dy in COMPASS:
+            new = star_measures(places, k, x + step * dx, y + step * dy, floor_for(old[0], judge), judge)
+            if better(new, old, judge):
+                x, y, old, found = x + step * dx, y + step * dy, new, True
+                break
+        if not found:
+            step /= 2.0
+    return x, y
+
+
+@lean
+def swap_around(xy, vertex, twin, mark, where, at, ring, k, stack):
+    """Swap the diagonals that a move of the vertex inside the ring asks for; how many."""
+    depth = 0
+    for i in range(k):
+        stack[depth], stack[depth + 1] = ring[i], next_edge(np.int64(ring[i]))
+        depth += 2
+    return legalize(xy, vertex, twin, mark, where, at, stack, depth)

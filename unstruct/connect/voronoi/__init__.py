@@ -1,0 +1,1 @@
+"""The dual: Voronoi diagrams, their centers, their cells within a window, nearest points."""

@@ -1,0 +1,1 @@
+"""Face by face: gift wrapping of given points and from a given front."""

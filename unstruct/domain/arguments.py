@@ -1,0 +1,200 @@
+"""The arguments of a `Domain`: checked, of the right type, or an error that says which is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.arrays import as_points, frozen
+from ..base.errors import InputError
+from ..geometry.curves import CurveLike
+
+if TYPE_CHECKING:
+    from .domain import Domain
+
+__all__ = [
+    "DEFAULT_BUDGET",
+    "MOST",
+    "around",
+    "as_count",
+    "as_curves",
+    "as_domain",
+    "as_mapping",
+    "as_markers",
+    "as_ring",
+    "as_seeds",
+    "as_segments",
+    "finite",
+    "joined",
+    "positive",
+]
+
+DEFAULT_BUDGET = 10_000_000  # vertices of a mesh, if nothing else is said: some gigabytes
+MOST = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
+RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
+
+
+def finite(value: Any, name: str) -> float:
+    """A finite number, or an error that calls it by ``name``."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not np.isfinite(number):
+        raise InputError(f"{name} = {number} must be finite")
+    return number
+
+
+def positive(value: Any, name: str) -> float:
+    """A positive finite number, or an error that calls it by ``name``."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not (number > 0 and np.isfinite(number)):
+        raise InputError(f"{name} = {number} must be positive and finite")
+    return number
+
+
+def as_count(value: Any, name: str) -> int:
+    """A whole number that is not negative, or an error that calls it by ``name``."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise InputError(f"{name} = {value!r} must be a whole number, not negative")
+    return int(value)
+
+
+def as_domain(value: Any) -> Domain:
+    """A domain, or an error that tells what was given in its place."""
+    from .domain import Domain
+
+    if not isinstance(value, Domain):
+        raise InputError(f"domain must be a Domain, not {type(value).__name__}")
+    return value
+
+
+def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:
+    """A mapping, or an error that calls it by ``name``."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} must be a dict, not {type(value).__name__}")
+    return value
+
+
+def as_segments(rows: Any, name: str) -> np.ndarray:
+    """Pairs of vertices as int32, shape (s, 2)."""
+    if np.ma.isMaskedArray(rows) and np.ma.getmaskarray(rows).any():
+        row = int(np.argwhere(np.ma.getmaskarray(rows))[0][0])
+        raise InputError(f"{name}[{row}] is masked; drop masked rows first")
+    try:
+        array = np.asarray(rows)
+    except ValueError:
+        raise InputError(f"{name} must be an array of shape (s, 2): pairs of vertices") from None
+    if array.size == 0:
+        return frozen(np.empty((0, 2), dtype=np.int32))
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
+    if array.dtype.kind not in "iu":
+        raise InputError(f"{name} must be integers, not {array.dtype}")
+    if array.max() > np.iinfo(np.int32).max or array.min() < np.iinfo(np.int32).min:
+        raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
+    return frozen(np.array(array, dtype=np.int32))
+
+
+def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:
+    """Curves by piece number, in order."""
+    as_mapping(curves, "curves")
+    result = {}
+    wrong = [piece for piece in curves if isinstance(piece, bool) or not isinstance(piece, int | np.integer)]
+    if wrong:
+        raise InputError(f"curves has the key {wrong[0]!r}; keys are piece numbers")
+    for piece in sorted(curves):
+        if not 0 <= piece < many:
+            raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
+        if not isinstance(curves[piece], CurveLike):
+            raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
+        result[int(piece)] = curves[piece]
+    return result
+
+
+def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
+    """Unique piece numbers by name."""
+    as_mapping(markers, "markers")
+    result = {}
+    for name, pieces in markers.items():
+        if str(name) in RESERVED:
+            raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another")
+        try:
+            array = np.asarray(pieces)
+        except ValueError:  # ragged
+            raise InputError(f"markers[{name!r}] must be a list of piece numbers") from None
+        if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+            raise InputError(f"markers[{name!r}] must be a list of piece numbers")
+        if array.size and not 0 <= array.min() <= array.max() < many:
+            raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}")
+        result[str(name)] = frozen(np.unique(array).astype(np.int32))
+    return result
+
+
+def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Seeds (r, 2) by name; a single point is one seed."""
+    as_mapping(regions, "regions")
+    result = {}
+    for name, seeds in regions.items():
+        try:
+            single = np.ndim(seeds) == 1
+        except ValueError:  # ragged: the rows are judged below
+            single = False
+        rows = as_points([seeds] if single else seeds, f"regions[{name!r}]")
+        if rows.shape[1] != 2:
+            raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
+        result[str(name)] = frozen(rows)
+    return result
+
+
+def as_ring(ring: Any, name: str) -> np.ndarray:
+    """The corners of a ring, (k, 2), without a repeated last one."""
+    rows = as_points(ring, name)
+    if rows.shape[1] != 2:
+        raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
+    if len(rows) > 1 and (rows[0] == rows[-1]).all():
+        rows = rows[:-1]
+    if len(rows) < 3:
+        raise InputError(f"{name} has {len(rows)} corners; a ring needs three")
+    return rows
+
+
+def around(first: int, count: int) -> np.ndarray:
+    """The segments of a ring of ``count`` vertices from ``first`` on."""
+    index = np.arange(count)
+    return np.column_stack([index, np.roll(index, -1)]) + first
+
+
+def joined(domains: list[Domain]) -> dict[str, Any]:
+    """The arguments of one domain with the pieces of several: all facets, then all inner segments."""
+    facets, inner, points = [], [], []
+    curves: dict[int, CurveLike] = {}
+    markers: dict[str, list[int]] = {}
+    regions: dict[str, list[np.ndarray]] = {}
+    many = sum(len(d.facets) for d in domains)
+    start, first, last = 0, 0, many
+    for d in domains:
+        f = len(d.facets)
+        number = np.concatenate([first + np.arange(f), last + np.arange(len(d.inner))])
+        facets.append(d.facets + start)
+        inner.append(d.inner + start)
+        points.append(d.points)
+        curves |= {int(number[piece]): curve for piece, curve in d.curves.items()}
+        for name, pieces in d.markers.items():
+            markers.setdefault(name, []).extend(number[pieces].tolist())
+        for name, seeds in d.regions.items():
+            regions.setdefault(name, []).extend(seeds)
+        start, first, last = start + len(d.points), first + f, last + len(d.inner)
+    return {
+        "points": np.concatenate(points),
+        "facets": np.concatenate(facets),
+        "inner": np.concatenate(inner),
+        "curves": curves,
+        "markers": markers,
+        "regions": regions,
+    }

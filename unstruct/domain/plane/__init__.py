@@ -1,0 +1,1 @@
+"""Planar domains: sampling, corners, faults, repairs, shapes, files."""

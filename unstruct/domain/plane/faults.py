@@ -1,0 +1,276 @@
+"""What can be wrong with the pieces of a region, found exactly, each fault with its culprits and place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...base.jit import kernel
+from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
+from ...geometry.sweep import lexicographic
+from .lunes import even_odd
+
+if TYPE_CHECKING:
+    from ..domain import Domain
+
+__all__ = ["Fault", "check_ends", "check_seeds", "find_faults", "first_copies"]
+
+ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads bits: 2^64 by the golden ratio
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: its kind, the pieces and vertices to blame, its place, and a sentence."""
+
+    kind: str
+    text: str
+    place: tuple[float, float]
+    pieces: tuple[int, ...] = ()
+    vertices: tuple[int, ...] = ()
+
+
+def first_copies(points: np.ndarray) -> np.ndarray:
+    """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
+    first = np.arange(len(points))
+    x, y = (points + 0.0).view(np.uint64).T  # -0.0 becomes 0.0
+    bits = max(2 * len(points), 2).bit_length()
+    key = x * ODD
+    key = ((key ^ (key >> np.uint64(32))) + y) * ODD >> np.uint64(64 - bits)
+    if not _any_equal(points, key.view(np.int64), np.full(1 << bits, -1, dtype=np.int32)):
+        return first
+    order = lexicographic(points)
+    head = np.ones(len(points), dtype=bool)
+    head[1:] = (points[order[1:], 0] != points[order[:-1], 0]) | (
+        points[order[1:], 1] != points[order[:-1], 1]
+    )
+    if not head.all():
+        first[order] = order[np.maximum.accumulate(np.where(head, first, 0))]
+    return first
+
+
+@kernel
+def _any_equal(points, slots, table):
+    """Whether two points are equal: each is put in the first free place of the table from its slot on."""
+    for i in range(points.shape[0]):
+        slot = slots[i]
+        while table[slot] >= 0:
+            j = table[slot]
+            if points[j, 0] == points[i, 0] and points[j, 1] == points[i, 1]:
+                return True
+            slot = (slot + 1) & (table.shape[0] - 1)
+        table[slot] = i
+    return False
+
+
+@kernel
+def _any_repeated(segments, head, after, seen):
+    """Whether two segments join the same vertices: those of each vertex in turn, each with its other end."""
+    for s in range(segments.shape[0]):
+        a = min(segments[s, 0], segments[s, 1])
+        after[s], head[a] = head[a], s
+    for a in range(head.shape[0]):
+        s = head[a]
+        while s >= 0:
+            b = max(segments[s, 0], segments[s, 1])
+            if seen[b] == a:
+                return True
+            seen[b] = a
+            s = after[s]
+    return False
+
+
+def piece_name(piece: int, facets: int) -> str:
+    """How messages call a piece."""
+    return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"
+
+
+def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
+    """Where the lines of two crossing segments meet: rational arithmetic, rounded once."""
+    (px, py), (qx, qy), (ax, ay), (bx, by) = (
+        tuple(map(Fraction, points[v].tolist())) for v in (*s.tolist(), *t.tolist())
+    )
+    ux, uy, wx, wy = qx - px, qy - py, bx - ax, by - ay
+    ratio = ((ax - px) * wy - (ay - py) * wx) / (ux * wy - uy * wx)
+    return float(px + ratio * ux), float(py + ratio * uy)
+
+
+# ---------------------------------------------------------------------- all faults of a domain
+
+
+def find_faults(domain: Domain) -> list[Fault]:
+    """Every fault of the straight structure, in stages: later ones are looked for if there are none before.
+
+    Curved pieces are left to the sampling, but for their vertices.
+    """
+    for stage in (_indices, _duplicates, _zero_length, _repeated, _crossings, _open_vertices):
+        faults = stage(domain)
+        if faults:
+            return faults
+    return []
+
+
+def _place(point: np.ndarray) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
+
+
+def _at(place: tuple[float, float]) -> str:
+    return f"at ({place[0]:.17g}, {place[1]:.17g})"
+
+
+def _indices(domain: Domain) -> list[Fault]:
+    n, pieces = len(domain.points), domain.pieces
+    if pieces.size == 0 or 0 <= pieces.min() <= pieces.max() < n:
+        return []
+    bad = np.nonzero(((pieces < 0) | (pieces >= n)).any(axis=1))[0]
+    return [
+        Fault(
+            "index out of range",
+            f"{domain.name(i)} = {domain.pieces[i].tolist()} refers to points outside 0..{n - 1}; mend the "
+            "index, or let resolve=True drop the segment",
+            (float("nan"), float("nan")),
+            (i,),
+        )
+        for i in bad.tolist()
+    ]
+
+
+def _duplicates(domain: Domain) -> list[Fault]:
+    first = first_copies(domain.points)
+    result = []
+    for copy in np.nonzero(first != np.arange(len(first)))[0].tolist():
+        kept, place = int(first[copy]), _place(domain.points[copy])
+        text = (
+            f"points {kept} and {copy} are equal, {_at(place)}; use one of them, or resolve=True merges them"
+        )
+        result.append(Fault("duplicate points", text, place, vertices=(kept, copy)))
+    return result
+
+
+def _zero_length(domain: Domain) -> list[Fault]:
+    result = []
+    for i in np.nonzero(domain.pieces[:, 0] == domain.pieces[:, 1])[0].tolist():
+        v = int(domain.pieces[i, 0])
+        place = _place(domain.points[v])
+        remedy = "put a second vertex on the curve" if i in domain.curves else "drop it, or resolve=True does"
+        text = f"{domain.name(i)} = [{v}, {v}] has zero length, {_at(place)}; {remedy}"
+        result.append(Fault("zero length", text, place, (i,), (v,)))
+    return result
+
+
+def _straight(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+    """The straight pieces, and their vertices."""
+    rows = np.arange(len(domain.pieces))
+    if not domain.curves:
+        return rows, domain.pieces
+    rows = np.setdiff1d(rows, list(domain.curves), assume_unique=True)
+    return rows, domain.pieces[rows]
+
+
+def _repeated(domain: Domain) -> list[Fault]:
+    rows, segments = _straight(domain)
+    head, seen = np.full((2, len(domain.points)), -1, dtype=np.int32)
+    if not _any_repeated(segments, head, np.empty(len(rows), dtype=np.int32), seen):
+        return []
+    a, b = segments.astype(np.int64).T
+    key = np.minimum(a, b) * len(domain.points) + np.maximum(a, b)
+    order = np.argsort(key, kind="stable")
+    same = key[order[1:]] == key[order[:-1]]
+    result = []
+    for one, two in zip(rows[order[:-1][same]].tolist(), rows[order[1:][same]].tolist()):
+        a, b = domain.points[domain.pieces[one]]
+        place = _place(a / 2 + b / 2)
+        text = (
+            f"{domain.name(one)} and {domain.name(two)} join the same points {domain.pieces[one].tolist()}, "
+            f"{_at(place)}; drop one, or resolve=True (two equal facets then cancel: even-odd)"
+        )
+        result.append(Fault("repeated segment", text, place, (one, two)))
+    return result
+
+
+def overlap_place(s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
+    """The middle of the common part of two segments on a line."""
+    ends = np.concatenate([s, t])
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    return _place(ends[order[1]] / 2 + ends[order[2]] / 2)
+
+
+def _crossings(domain: Domain) -> list[Fault]:
+    rows, segments = _straight(domain)
+    pairs, kinds = meetings(domain.points, segments)
+    if len(pairs) == 0 and len(domain.loose) == 0:
+        return []
+    result = []
+    for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
+        one, two = int(rows[i]), int(rows[j])
+        names = f"{domain.name(one)} = {segments[i].tolist()} and {domain.name(two)} = {segments[j].tolist()}"
+        if kind == CROSSING:
+            place = crossing_place(domain.points, segments[i], segments[j])
+            text = f"{names} cross {_at(place)}; put a vertex there, or resolve=True splits both"
+            result.append(Fault("crossing", text, place, (one, two)))
+        elif kind == OVERLAPPING:
+            place = overlap_place(domain.points[segments[i]], domain.points[segments[j]])
+            text = f"{names} overlap near ({place[0]:.6g}, {place[1]:.6g}); shorten one, or resolve=True does"
+            result.append(Fault("overlap", text, place, (one, two)))
+    suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), domain.loose]))
+    touched = np.unique(pairs) if len(domain.loose) == 0 else np.arange(len(rows))
+    for v, i in vertices_on_segments(domain.points, suspects, segments[touched]).tolist():
+        piece = int(rows[touched[i]])
+        place = _place(domain.points[v])
+        text = (
+            f"point {v} lies on {domain.name(piece)} = {domain.pieces[piece].tolist()}, {_at(place)}; "
+            "split the segment there, or resolve=True does"
+        )
+        result.append(Fault("vertex on a segment", text, place, (piece,), (v,)))
+    return result
+
+
+def _open_vertices(domain: Domain) -> list[Fault]:
+    degree = np.bincount(domain.facets.ravel(), minlength=len(domain.points))
+    result = []
+    for v in np.nonzero(degree % 2)[0].tolist():
+        touching = tuple(np.nonzero((domain.facets == v).any(axis=1))[0].tolist())
+        place = _place(domain.points[v])
+        text = (
+            f"the boundary is open: {degree[v]} facet{'s meet' if degree[v] > 1 else ' ends'} at point {v}, "
+            f"{_at(place)} (facets {', '.join(map(str, touching))}); an even number must meet. Close the "
+            "chain, give what shall not bound as inner, or let resolve=True do so"
+        )
+        result.append(Fault("open boundary", text, place, touching, (v,)))
+    return result
+
+
+# ---------------------------------------------------------------------- curves and seeds
+
+
+def check_ends(domain: Domain) -> None:
+    """Raise where a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
+    for piece, curve in domain.curves.items():
+        ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
+        if ends.shape != (3, 2) or not np.isfinite(ends).all():
+            raise InputError(f"the curve of {domain.name(piece)} must give finite points of shape (k, 2)")
+        slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(domain.points).max())
+        for end, vertex, x in zip(("starts", "ends"), domain.pieces[piece], ends[[0, 2]]):
+            if not (np.abs(x - domain.points[vertex]) <= slack).all():
+                raise InputError(
+                    f"the curve of {domain.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
+                    f"{domain.points[vertex].tolist()}; give that vertex the curve's end"
+                )
+
+
+def check_seeds(domain: Domain) -> None:
+    """Raise where a seed of a region lies on a piece or outside."""
+    sampled = domain.sampled()
+    straight = ~np.isin(sampled.piece, list(domain.curves))
+    for name, seeds in domain.regions.items():
+        on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]
+        wrong = on | ~domain.contains(seeds) if len(domain.facets) else on
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            where = "on a piece" if on[row] else "outside the region (even-odd)"
+            raise InputError(
+                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
+            )

@@ -1,0 +1,257 @@
+"""Triangle's ``.poly``: regions by segments, holes by seeds.
+
+Triangle eats holes and the outside from seeds and from beyond, as far as segments do not stop it: a ring
+without a hole's seed is a wall, not a hole. Here holes follow from facets alone. So a segment becomes a facet
+if it stands between what is eaten and what is left, and an inner segment otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import count
+from pathlib import Path
+from re import fullmatch
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...base.errors import InputError
+
+if TYPE_CHECKING:
+    from ...mesh.mesh import Mesh
+    from ..domain import Domain
+
+__all__ = ["read_poly", "write_poly"]
+
+
+# ---------------------------------------------------------------------- reading
+
+
+class _Rows:
+    """The rows of a file that hold more than a comment."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        if not path.is_file():
+            raise InputError(f"there is no file {path.name}")
+        lines = path.read_text(encoding="utf-8").splitlines()
+        self.rows = [words for line in lines if (words := line.split("#")[0].split())]
+        self.at = 0
+
+    def next(self, least: int, what: str) -> list[str]:
+        """The next row, of at least so many entries."""
+        if self.at >= len(self.rows):
+            raise InputError(f"{self.path.name} ends where {what} should stand")
+        row = self.rows[self.at]
+        self.at += 1
+        if len(row) < least:
+            raise InputError(f"{self.path.name}: {what} needs {least} entries, not {' '.join(row)!r}")
+        return row
+
+    def count(self, what: str) -> list[int]:
+        """A row of whole numbers that begins a section."""
+        many, *rest = (_whole(word, what, self.path) for word in self.next(1, what))
+        if many < 0:
+            raise InputError(f"{self.path.name}: {what} is {many}")
+        return [many, *rest]
+
+    def end(self) -> bool:
+        """Whether nothing follows."""
+        return self.at >= len(self.rows)
+
+
+def _number(word: str, what: str, path: Path) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"{path.name}: {word!r} among {what} is no number") from None
+
+
+def _whole(word: str, what: str, path: Path) -> int:
+    number = _number(word, what, path)
+    if not number.is_integer():
+        raise InputError(f"{path.name}: {word!r} among {what} is no whole number")
+    return int(number)
+
+
+def _vertices(path: Path, rows: _Rows) -> tuple[np.ndarray, int]:
+    """Coordinates, and the number of the first vertex (0 or 1)."""
+    many, *rest = rows.count("the number of vertices")
+    if many == 0:
+        return _vertices(path, _Rows(path.with_suffix(".node")))
+    if rest and rest[0] != 2:
+        raise InputError(f"{rows.path.name} is in {rest[0]} dimensions, not 2")
+    table = [rows.next(3, "a vertex") for _ in range(many)]
+    points = np.array([[_number(w, "vertices", rows.path) for w in row[1:3]] for row in table])
+    return points, _whole(table[0][0], "the numbers of vertices", rows.path)
+
+
+class Poly(NamedTuple):
+    """What a file holds.
+
+    Attributes
+    ----------
+    parts : dict
+        The arguments of a `Domain`.
+    areas : dict of str to float
+        Area bounds of regions by name.
+    walls : Domain
+        All segments as inner ones, repaired where that was asked for.
+    piece_origin : (s,) int32
+        The segment of the file that each piece is part of.
+    """
+
+    parts: dict[str, Any]
+    areas: dict[str, float]
+    walls: Domain
+    piece_origin: np.ndarray
+
+
+def read_poly(path: Path, *, resolve: bool) -> Poly:
+    """Read a file; with ``resolve`` its vertices and segments are repaired first."""
+    rows = _Rows(path)
+    points, first = _vertices(path, rows)
+    many, *flags = rows.count("the number of segments")
+    segments = np.empty((many, 2), dtype=np.int64)
+    markers: dict[str, list[int]] = {}
+    for i in range(many):
+        row = rows.next(3, "a segment")
+        segments[i] = [_whole(w, "segments", path) - first for w in row[1:3]]
+        if flags and flags[0] and len(row) > 3 and (mark := _whole(row[3], "markers", path)):
+            markers.setdefault(str(mark), []).append(i)
+    seeds = np.array(list(_seeds(rows, "holes", path)), dtype=float).reshape(-1, 2)
+    regions: dict[str, list[list[float]]] = {}
+    areas: dict[str, float] = {}
+    for _ in range(0 if rows.end() else rows.count("the number of regions")[0]):
+        _, x, y, value, *bound = (_number(w, "regions", path) for w in rows.next(4, "a region"))
+        name = _region_name(value)
+        regions.setdefault(name, []).append([x, y])
+        if bound and bound[0] > 0:
+            areas[name] = min(areas.get(name, np.inf), bound[0])
+    from ..domain import Domain
+
+    walls = Domain(points, (), inner=segments, markers=markers, resolve=resolve)
+    facets = _eaten_sides(walls, seeds)
+    order = np.concatenate([np.nonzero(facets)[0], np.nonzero(~facets)[0]])
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    parts = {
+        "points": walls.points,
+        "facets": walls.inner[facets],
+        "inner": walls.inner[~facets],
+        "markers": {name: place[pieces] for name, pieces in walls.markers.items()},
+        "regions": regions,
+    }
+    return Poly(parts, areas, walls, walls.piece_origin[order])
+
+
+def _region_name(value: float) -> str:
+    """With all digits, because seeds of equal names are one region."""
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+
+
+def _seeds(rows: _Rows, what: str, path: Path) -> Iterator[list[float]]:
+    for _ in range(0 if rows.end() else rows.count(f"the number of {what}")[0]):
+        yield [_number(w, what, path) for w in rows.next(3, what)[1:3]]
+
+
+def _eaten_sides(walls: Domain, seeds: np.ndarray) -> np.ndarray:
+    """Which segments have what is eaten on one side, and what is left on the other."""
+    mesh, part, beyond = _hull_parts(walls)
+    cells = mesh.find_simplex(seeds) if len(seeds) else np.empty(0, dtype=np.int64)
+    eaten = np.isin(part, np.concatenate([part[cells[cells >= 0]], beyond]))
+    cells, corner = np.nonzero(np.ones_like(mesh.neighbors, dtype=bool))
+    from ...mesh.topology import oriented_facet
+
+    sides = np.sort(oriented_facet(mesh.simplices, cells, corner), axis=1)
+    other = mesh.neighbors[cells, corner]
+    differs = eaten[cells] != np.where(other < 0, True, eaten[other])
+    n = len(mesh.points)
+    between = np.unique(sides[differs, 0].astype(np.int64) * n + sides[differs, 1])
+    number = np.full(len(walls.points), -1, dtype=np.int64)
+    number[mesh.origin] = np.arange(n)
+    low, high = np.sort(number[walls.inner], axis=1).T
+    return np.isin(low * n + high, between)
+
+
+def _hull_parts(walls: Domain) -> tuple[Mesh, np.ndarray, np.ndarray]:
+    """The convex hull in triangles, the part of each between walls, and the parts open to the outside."""
+    from ...assess.region import parts
+    from ...generate.boundary.constrained import constrained_delaunay
+    from ...mesh.topology import oriented_facet
+
+    mesh = constrained_delaunay(walls, hull=True)
+    marked = np.concatenate([mesh.markers["facets"], mesh.markers["inner"]])
+    part = parts(mesh, marked)
+    cells, corner = np.nonzero(mesh.neighbors < 0)
+    sides = np.sort(oriented_facet(mesh.simplices, cells, corner), axis=1).astype(np.int64)
+    walled = np.sort(marked, axis=1).astype(np.int64)
+    n = len(mesh.points)
+    free = ~np.isin(sides[:, 0] * n + sides[:, 1], walled[:, 0] * n + walled[:, 1])
+    return mesh, part, np.unique(part[cells[free]])
+
+
+# ---------------------------------------------------------------------- writing
+
+
+def write_poly(domain: Domain, path: Path) -> None:
+    """Vertices, segments, a seed for each hole, regions; every number in full precision."""
+    from ..domain import Domain
+
+    if path.suffix != ".poly":
+        raise InputError(f"a region is written as .poly, not {path.suffix!r}")
+    sampled = domain.sampled()
+    marks = _numbers(domain.markers, _is_marker)
+    mark = np.full(len(domain.pieces), "0", dtype=object)
+    for name, pieces in domain.markers.items():
+        mark[pieces] = marks[name]
+    values = _numbers(domain.regions, _is_value)
+    lines = [f"# marker {number}: {name!r}" for name, number in marks.items() if name != number]
+    lines += [f"# region {number}: {name!r}" for name, number in values.items() if name != number]
+    lines += [f"{len(sampled.points)} 2 0 0"]
+    lines += [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(sampled.points.tolist())]
+    lines += [f"{len(sampled.ends)} 1"]
+    lines += [
+        f"{i} {a} {b} {mark[piece]}"
+        for i, ((a, b), piece) in enumerate(zip(sampled.ends.tolist(), sampled.piece))
+    ]
+    walls = Domain(sampled.points, (), inner=sampled.ends)
+    mesh, part, beyond = _hull_parts(walls)
+    holes = []
+    for p in np.setdiff1d(part, beyond):
+        cells = np.nonzero(part == p)[0]
+        seed = mesh.points[mesh.simplices[cells[np.argmax(mesh.volumes[cells])]]].mean(axis=0)
+        if not _inside(sampled, len(domain.facets), seed):
+            holes.append(seed.tolist())
+    lines += [str(len(holes))] + [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(holes)]
+    seeds = [(name, x) for name in domain.regions for x in domain.regions[name].tolist()]
+    lines += [str(len(seeds))]
+    for row, (name, (x, y)) in enumerate(seeds):
+        lines.append(f"{row} {x!r} {y!r} {values[name]} {domain.max_areas.get(name, -1.0)!r}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
+    from .lunes import even_odd
+
+    return bool(even_odd(sampled.points, sampled.ends[sampled.piece < facets], x[None])[0][0])
+
+
+def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:
+    """What stands for each name in a file: itself, if it is a number; else a number that is free."""
+    taken = {name for name in names if is_one(name)}
+    free = (str(i) for i in count(1) if str(i) not in taken)
+    return {name: name if name in taken else next(free) for name in names}
+
+
+def _is_marker(name: str) -> bool:
+    """Whether `read_poly` gives this name to a marker; 0 is none."""
+    return fullmatch("-?[1-9][0-9]*", name) is not None
+
+
+def _is_value(name: str) -> bool:
+    """Whether `read_poly` gives this name to a region."""
+    try:
+        return _region_name(float(name)) == name
+    except ValueError:
+        return False

@@ -1,0 +1,316 @@
+"""Pieces cut into subsegments: as few as keep the shape of the region, or as a size field asks.
+
+A chord stands for its stretch of a curve. That is *safe* if no other chord or stretch meets it and no
+other vertex lies between chord and curve: then chords bound the same regions, with the same holes in
+them, as the curves do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...geometry.segment_pairs import meetings
+from ...mesh.locate import BoxTree
+from ...sizing.field import SizeField, as_size
+from .corners import crossings_at_corners
+
+if TYPE_CHECKING:
+    from ..domain import Domain
+
+__all__ = ["Sampled"]
+
+SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
+FINE = len(SAMPLES) - 1  # chords within a chord
+TURN = np.pi / 3  # the most that a curve may turn over one chord
+ROUNDS = 40  # halvings, after which curves that still conflict do meet,
+SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
+SAME = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
+MANY = 1 << 16  # chords in conflict: curves that cross do so in points, those that lie on each other in all
+MOST = 1 << 25  # subsegments, and
+STRETCH = 1 << 20  # parameter intervals at once, and
+SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A region's boundary and inner pieces as straight subsegments.
+
+    Attributes
+    ----------
+    points : (n, 2) float64
+        First the points of the domain, then those that cut its pieces.
+    origin : (n,) int32
+        The domain vertex that each point is; -1 for the others.
+    ends : (s, 2) int32
+        Subsegments, along each piece from its first vertex to its last, piece after piece.
+    piece : (s,) int32
+        The piece that each is part of: facets 0 to f - 1, then inner segments.
+    span : (s, 2) float64
+        Parameters of its ends on the piece, 0 and 1 at the piece's own.
+    """
+
+    points: np.ndarray
+    origin: np.ndarray
+    ends: np.ndarray
+    piece: np.ndarray
+    span: np.ndarray
+
+
+# ---------------------------------------------------------------------- cutting
+
+
+def assemble(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> Sampled:
+    """Subsegments for parameter intervals that fill each piece from 0 to 1, sorted by piece and t0."""
+    n = len(domain.points)
+    inside = t1 < 1.0
+    count = int(inside.sum())
+    fresh = n + np.cumsum(inside) - 1
+    pieces = domain.pieces
+    last = np.where(inside, fresh, pieces[piece, 1])
+    first = np.where(t0 > 0.0, np.concatenate([[-1], last[:-1]]), pieces[piece, 0])
+    points = np.empty((n + count, 2))
+    points[:n] = domain.points
+    points[n:] = domain.points_at(piece[inside], t1[inside])
+    origin = np.full(n + count, -1, dtype=np.int32)
+    origin[:n] = np.arange(n)
+    ends = np.column_stack([first, last]).astype(np.int32)
+    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]))
+
+
+def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The parameter intervals (piece, t0, t1) after the subsegments ``rows`` (a mask) are halved."""
+    times = np.where(rows, 2, 1)
+    piece = np.repeat(sampled.piece, times)
+    t0, t1 = np.repeat(sampled.span, times, axis=0).T.copy()
+    at = np.cumsum(times)[rows] - 2
+    middle = (t0[at] + t1[at]) / 2
+    t1[at] = middle
+    t0[at + 1] = middle
+    return piece, t0, t1
+
+
+# ---------------------------------------------------------------------- safety
+
+
+def fine_chains(domain: Domain, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
+    """Points (r, FINE + 1, 2) along the stretches of curve over the subsegments ``rows``."""
+    t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
+    chains = domain.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
+    chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
+    return chains
+
+
+def turning(chains: np.ndarray) -> np.ndarray:
+    """The total turn of each chain of points; that within its short first and last chords is left out."""
+    d = np.diff(chains, axis=1)
+    cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
+    dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
+    return np.abs(np.arctan2(cross, dot)).sum(axis=1)
+
+
+def conflicts(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+    """Pairs of subsegments (c, 2) of which one or both must be cut for the chords to be safe.
+
+    ``rows`` are the curved ones, ``chains`` their `fine_chains`.
+    """
+    pairs = [meetings(sampled.points, sampled.ends)[0]]
+    if len(rows):
+        pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(domain, sampled, rows, chains)]
+    return np.concatenate(pairs)
+
+
+def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+    """Stretches of curve that meet other stretches or other subsegments."""
+    n, k = len(sampled.points), FINE - 1
+    inner = n + np.arange(len(rows) * k).reshape(-1, k)
+    vertices = np.column_stack([sampled.ends[rows, 0], inner, sampled.ends[rows, 1]])
+    segments = np.stack([vertices[:, :-1], vertices[:, 1:]], axis=2).reshape(-1, 2)
+    points = np.concatenate([sampled.points, chains[:, 1:-1].reshape(-1, 2)])
+    long = (points[segments[:, 0]] != points[segments[:, 1]]).any(axis=1)
+    segments = np.concatenate([segments[long], sampled.ends])
+    owner = np.concatenate([np.repeat(rows, FINE)[long], np.arange(len(sampled.ends))])
+    pairs = owner[meetings(points, segments)[0]]
+    return pairs[pairs[:, 0] != pairs[:, 1]]
+
+
+def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+    """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
+    at = np.concatenate([sampled.points, *domain.regions.values()])
+    query, hit = BoxTree(chains.min(axis=1), chains.max(axis=1)).pairs(at, at)
+    own = (sampled.ends[rows[hit]] == query[:, None]).any(axis=1)
+    query, hit = query[~own], hit[~own]
+    polygon, x = chains[hit], at[query][:, None]
+    a, b = polygon, np.roll(polygon, -1, axis=1)
+    over = (a[..., 1] <= x[..., 1]) != (b[..., 1] <= x[..., 1])
+    turn = (b[..., 0] - a[..., 0]) * (x[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
+        x[..., 0] - a[..., 0]
+    )
+    inside = (over & ((turn > 0) == (b[..., 1] > a[..., 1]))).sum(axis=1) % 2 == 1
+    cut = rows[hit[inside]]
+    return np.column_stack([cut, cut])
+
+
+def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
+    """Cut on until the chords are safe, and none stands for more than this turn of its curve.
+
+    Straight pieces that rounding lets touch others become whole.
+    """
+    bent = np.zeros(len(domain.pieces), dtype=bool)
+    bent[list(domain.curves)] = True
+    for _ in range(ROUNDS):
+        sampled = assemble(domain, piece, t0, t1)
+        curved = bent[sampled.piece]
+        rows = np.nonzero(curved)[0]
+        cut = np.zeros(len(curved), dtype=bool)
+        chains = fine_chains(domain, sampled, rows)
+        if turn < np.inf:
+            cut[rows[turning(chains) > turn * (1 + 1e-9)]] = True
+        if not cut.any():
+            pairs = conflicts(domain, sampled, rows, chains)
+            if len(pairs) == 0:
+                return sampled
+            cut[pairs.ravel()] = True
+            straight = np.isin(sampled.piece, sampled.piece[cut & ~curved]) & ~curved
+            cut &= curved
+            if cut.sum() > MANY + SHARE * len(domain.curves):
+                break
+            if not cut.any():
+                if not ((sampled.span[straight] != [0.0, 1.0]).any()):
+                    break
+                whole = straight & (sampled.span[:, 0] > 0)
+                piece, (t0, t1) = sampled.piece[~whole], sampled.span[~whole].T.copy()
+                t1[straight[~whole]] = 1.0
+                continue
+        a, b = sampled.points[sampled.ends[cut]].transpose(1, 0, 2)
+        if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
+            break
+        piece, t0, t1 = halve(sampled, cut)
+    raise InputError(_meeting_text(domain, sampled, conflicts(domain, sampled, rows, chains)))
+
+
+def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
+    if len(pairs) == 0:
+        row = int(np.argmax(turning(fine_chains(domain, sampled, np.arange(len(sampled.ends))))))
+        x, y = sampled.points[sampled.ends[row, 0]]
+        name = domain.name(int(sampled.piece[row]))
+        return f"{name} turns without end near ({x:.6g}, {y:.6g}): a curve must be smooth; put a vertex there"
+    first, second = pairs[0]
+    x, y = sampled.points[sampled.ends[first]].mean(axis=0)
+    return _told(domain, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
+
+
+def _told(domain: Domain, first: int, second: int, x: float, y: float) -> str:
+    one, two = domain.name(first), domain.name(second)
+    both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
+    return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
+
+
+# ---------------------------------------------------------------------- sizes
+
+
+def _refuse_repeated(domain: Domain) -> None:
+    """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
+    with_ends: dict[tuple[int, int], list[int]] = {}
+    for piece in domain.curves:
+        a, b = domain.pieces[piece].tolist()
+        with_ends.setdefault((min(a, b), max(a, b)), []).append(piece)
+    for (a, b), pieces in with_ends.items():
+        for one, two in combinations(pieces, 2):
+            turned = domain.pieces[one, 0] != domain.pieces[two, 0]
+            x, y = domain.at(one, SAMPLES), domain.at(two, SAMPLES)[:: -1 if turned else 1]
+            if np.abs(x - y).max() <= SAME * np.abs(x).max():
+                names = f"{domain.name(one)} and {domain.name(two)}"
+                raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
+
+
+def coarse(domain: Domain) -> Sampled:
+    """Straight pieces whole, curves as coarsely as is safe."""
+    _refuse_repeated(domain)
+    whole = np.arange(len(domain.pieces))
+    if not domain.curves:  # validated as they stand
+        number, span = np.arange(len(domain.points), dtype=np.int32), np.empty((len(whole), 2))
+        span[:, 0], span[:, 1] = 0.0, 1.0
+        return Sampled(domain.points, number, domain.pieces, whole.astype(np.int32), span)
+    pairs, places = crossings_at_corners(domain)
+    if len(pairs):
+        raise InputError(_told(domain, *pairs[0].tolist(), *places[0].tolist()))
+    return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
+
+
+def sized(domain: Domain, size: Any, step: float) -> Sampled:
+    """Equal steps of the integral of ds / size along each piece, a whole count on each."""
+    size = as_size(size)
+    piece, t, total = _table(domain, size)
+    start = np.searchsorted(piece, np.arange(len(domain.pieces)))
+    begin = total[start]
+    amount = np.append(begin[1:], total[-1]) - begin if len(start) else np.empty(0)
+    if amount.sum() / step > MOST:
+        raise InputError(_too_small(domain, int(np.argmax(amount)), 0.5))
+    count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
+    owner = np.repeat(np.arange(len(count)), count)
+    j = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    even = np.ones(len(domain.pieces), dtype=bool)
+    if size.constant is None:
+        even[:] = False
+    else:
+        even[list(domain.curves)] = False
+    share = j / count[owner]
+    wanted = begin[owner] + share * amount[owner]
+    t0 = np.where(even[owner], share, np.interp(wanted, total, piece + t) - owner)
+    t0 = np.where(j == 0, 0.0, t0)
+    last = np.append(owner[1:] != owner[:-1], True)
+    t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
+    return safe(domain, owner, t0, t1, np.inf)
+
+
+def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples (piece, t) in order with the integral of ds / size up to each, over all pieces.
+
+    Intervals are halved until their halves are nearly alike and agree with the whole, or far below a step.
+    """
+    many = len(domain.pieces)
+    parts = np.where(np.isin(np.arange(many), list(domain.curves)), 16, 1)
+    piece = np.repeat(np.arange(many), parts)
+    j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+    t0, t1 = j / parts[piece], (j + 1) / parts[piece]
+    done: list[tuple[np.ndarray, ...]] = []
+    while len(piece):
+        t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
+        x = domain.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
+        h = size(x[1::2].reshape(-1, 2)).reshape(2, -1)
+        h1 = size(x[2])
+        dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
+        length = np.hypot(dx, dy)
+        halves = length / h
+        whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)
+        even = np.abs(length[0] - length[1]) <= 0.02 * length.sum(axis=0)
+        even &= (np.abs(halves[0] - halves[1]) <= 0.02 * amount) & (np.abs(amount - whole) <= 0.01 * amount)
+        well = even | ((amount < 0.02) & (whole < 0.02))
+        done.append((piece[well], t0[well], t1[well], amount[well]))
+        piece, (t0, t1) = (
+            np.repeat(piece[~well], 2),
+            np.stack([np.stack([t0, t[2]])[:, ~well].T.ravel(), np.stack([t[2], t1])[:, ~well].T.ravel()]),
+        )
+        if len(piece) > max(STRETCH, SHARE * many):
+            raise InputError(_too_small(domain, int(piece[0]), float(t0[0])))
+    piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
+    order = np.lexsort((t0, piece))
+    piece, t1, amount = piece[order], t1[order], amount[order]
+    # one more sample at the head of each piece: same integral as at the end of the piece before
+    total = np.cumsum(amount)
+    heads = np.searchsorted(piece, np.arange(many))
+    return (
+        np.insert(piece, heads, np.arange(many)),
+        np.insert(t1, heads, 0.0),
+        np.insert(total, heads, np.concatenate([[0.0], total])[heads]),
+    )
+
+
+def _too_small(domain: Domain, piece: int, t: float) -> str:
+    x, y = domain.at(piece, t)[0]
+    return f"the size is too small or too rough along {domain.name(piece)} near ({x:.6g}, {y:.6g}); raise it"

@@ -1,0 +1,251 @@
+"""Ready-made regions: polygons, discs, smooth closed curves, airfoils, letters, and geographic outlines.
+
+Each function gives the arguments of a `Domain`: points, facets, and options. See the book, chapter 2.6d.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from itertools import pairwise
+from math import cos, pi, radians, sin
+from typing import Any, cast
+
+import numpy as np
+
+from ...base.arrays import as_points
+from ...base.errors import InputError
+from ...geometry.curves import Arc, Bezier, Curve, CurveLike
+from ..arguments import around, as_ring, finite, positive
+
+__all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
+
+Parts = dict[str, Any]  # points, facets, and what else `Domain` takes
+
+
+def _pair(value: Any, name: str) -> tuple[float, float]:
+    """Two coordinates, or an error that calls them by ``name``."""
+    rows = as_points([value], name) if np.ndim(value) == 1 else np.empty((1, 0))
+    if rows.shape[1] != 2:
+        raise InputError(f"{name} must be two coordinates, not {value!r}")
+    return float(rows[0, 0]), float(rows[0, 1])
+
+
+def rings(outer: Any, holes: Sequence[Any]) -> Parts:
+    """Polygon with holes: points and facets along the rings."""
+    if not isinstance(holes, Iterable):
+        raise InputError(f"holes must be a sequence of rings, not {holes!r}")
+    found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
+    start = np.cumsum([0] + [len(ring) for ring in found])
+    facets = [around(first, len(ring)) for first, ring in zip(start, found)]
+    return {"points": np.concatenate(found), "facets": np.concatenate(facets)}
+
+
+def rectangle(lower: Any, upper: Any) -> Parts:
+    """Bottom, right, top, left, with these names."""
+    (x0, y0), (x1, y1) = _pair(lower, "lower"), _pair(upper, "upper")
+    if not (x0 < x1 and y0 < y1):
+        raise InputError(f"lower {[x0, y0]} must be less than upper {[x1, y1]} in both coordinates")
+    markers = {name: [i] for i, name in enumerate(("bottom", "right", "top", "left"))}
+    return {"points": [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], "facets": around(0, 4), "markers": markers}
+
+
+def disc(center: Any, radius: float) -> Parts:
+    """Four arcs."""
+    (x, y), r = _pair(center, "center"), positive(radius, "radius")
+    points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
+    arcs = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
+    return {"points": points, "facets": around(0, 4), "curves": arcs}
+
+
+def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
+    """Closed cubic splines by chord length through the corners of rings: two continuous derivatives."""
+    from scipy.interpolate import CubicSpline
+
+    parts = rings(outer, holes)
+    curves: dict[int, CurveLike] = {}
+    for i, ring in enumerate([outer, *holes]):
+        corners = as_ring(ring, f"holes[{i - 1}]" if i else "outer")
+        closed = np.concatenate([corners, corners[:1]])
+        step = np.hypot(*np.diff(closed, axis=0).T)
+        if not (step > 0).all():
+            raise InputError(f"ring {i}: corner {int(np.argmin(step))} equals the next one; drop one of them")
+        t = np.concatenate([[0.0], np.cumsum(step)])
+        spline = CubicSpline(t, closed, bc_type="periodic")
+        curves |= {len(curves) + j: Curve(spline, t[j], t[j + 1]) for j in range(len(corners))}
+    return {**parts, "curves": curves}
+
+
+# ---------------------------------------------------------------------- airfoils
+
+
+def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -> Parts:
+    """A NACA four-digit section as two curves, trailing edge to nose and back; see `Domain.naca`."""
+    if not (isinstance(digits, str) and len(digits) == 4 and digits.isdigit()):
+        raise InputError(f"a four-digit section is named by a string such as '2412', not {digits!r}")
+    camber, place, thickness = int(digits[0]) / 100, int(digits[1]) / 10, int(digits[2:]) / 100
+    if thickness == 0 or (camber > 0) != (place > 0):
+        raise InputError(f"NACA {digits}: thickness must not be 0; camber and its place come together")
+    (x0, y0), c, turn = _pair(nose, "nose"), positive(chord, "chord"), radians(finite(attack, "attack"))
+    move = np.array([[cos(turn), -sin(turn)], [sin(turn), cos(turn)]])
+    section = (camber, place, thickness, -0.1036 if closed else -0.1015)
+    rim = partial(_rim, section, c, move, (x0, y0))  # a function of the module: so the curve can be pickled
+    tail = rim(np.array([pi, -pi]))
+    upper, lower = Curve(rim, pi, 0.0), Curve(rim, 0.0, -pi)
+    if closed:
+        points = [rim(np.array([pi]))[0], [x0, y0]]
+        facets, names = [[0, 1], [1, 0]], {"upper": [0], "lower": [1]}
+    else:
+        points = [tail[0], [x0, y0], tail[1]]
+        facets, names = [[0, 1], [1, 2], [2, 0]], {"upper": [0], "lower": [1], "trailing edge": [2]}
+    return {"points": points, "facets": facets, "curves": {0: upper, 1: lower}, "markers": names}
+
+
+def _rim(
+    section: tuple[float, float, float, float],
+    chord: float,
+    move: np.ndarray,
+    nose: tuple[float, float],
+    angle: np.ndarray,
+) -> np.ndarray:
+    """The surface turned, at its place."""
+    return chord * _surface(*section, angle) @ move + [*nose]
+
+
+def _surface(camber: float, place: float, thickness: float, last: float, angle: np.ndarray) -> np.ndarray:
+    """Points by an angle from pi (tail) over 0 (nose) to -pi: x = sin^2(angle / 2) makes the nose smooth."""
+    root = np.abs(np.sin(angle / 2))
+    x = root * root
+    half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
+    y, slope = np.zeros_like(x), np.zeros_like(x)
+    if camber:
+        front = x < place
+        scale = camber / np.where(front, place, 1 - place) ** 2
+        y = scale * (np.where(front, 0.0, 1 - 2 * place) + 2 * place * x - x * x)
+        slope = 2 * scale * (place - x)
+    length = np.hypot(1.0, slope)
+    side = np.where(angle < 0, -half, half) / length
+    return np.stack([x - side * slope, y + side], axis=-1)
+
+
+# ---------------------------------------------------------------------- letters
+
+
+def letters(text: str, size: float, font: str) -> Parts:
+    """The outlines of a text, with their Bezier curves as the font has them; see `Domain.letters`."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    if not (isinstance(text, str) and text.strip()):  # matplotlib fails on these
+        raise InputError(f"the text {text!r} has no outline: give at least one visible letter")
+    path = TextPath((0, 0), text, size=positive(size, "size"), prop=FontProperties(family=font))
+    points: list[list[float]] = []
+    facets: list[list[int]] = []
+    curves: dict[int, CurveLike] = {}
+    for controls in _contours(path):
+        first = len(points)
+        points += [piece[0].tolist() for piece in controls]
+        for i, piece in enumerate(controls):
+            if len(piece) > 2:
+                curves[len(facets)] = Bezier(piece)
+            facets.append([first + i, first + (i + 1) % len(controls)])
+    if not facets:
+        raise InputError(f"the text {text!r} has no outline: give at least one visible letter")
+    return {"points": points, "facets": facets, "curves": curves}
+
+
+def _contours(path: Any) -> Iterator[list[np.ndarray]]:
+    """Closed contours as lists of control points, each piece from the end of the one before."""
+    contour: list[np.ndarray] = []
+    at = np.zeros(2)
+    degree = {path.LINETO: 1, path.CURVE3: 2, path.CURVE4: 3}
+    codes, vertices = path.codes.tolist(), path.vertices
+    i = 0
+    while i <= len(codes):
+        code = codes[i] if i < len(codes) else path.MOVETO
+        if code in degree:
+            piece = np.concatenate([[at], vertices[i : i + degree[code]]])
+            at = piece[-1]
+            if (piece != piece[0]).any():
+                contour.append(piece)
+            i += degree[code]
+            continue
+        if contour:
+            if (at != contour[0][0]).any():
+                contour.append(np.array([at, contour[0][0]]))
+            else:
+                contour[-1][-1] = contour[0][0]
+            yield contour
+            contour = []
+        at = vertices[i] if i < len(codes) else at
+        i += 1
+
+
+# ---------------------------------------------------------------------- geographic outlines
+
+
+def outlines(geometry: Any) -> Parts:
+    """Rings as facets, lines as inner segments, points as loose vertices; see `Domain.from_geojson`."""
+    numbers: dict[tuple[float, float], int] = {}
+    facets: list[tuple[int, int]] = []
+    inner: list[tuple[int, int]] = []
+
+    def vertex(x: Any) -> int:
+        return numbers.setdefault((float(x[0]), float(x[1])), len(numbers))
+
+    for kind, coordinates in _geometries(geometry):
+        if len(coordinates) == 0:  # nothing, as both GeoJSON and shapely allow
+            continue
+        rows = _planar(coordinates, f"a {kind}")
+        if kind == "ring":
+            index = [vertex(x) for x in as_ring(rows, "a ring")]
+            facets += zip(index, index[1:] + index[:1])
+        else:
+            index = [vertex(x) for x in rows]
+            inner += pairwise(index) if kind == "line" else []
+    if not numbers:
+        raise InputError("the geometry is empty")
+    return {"points": np.array(list(numbers)), "facets": facets, "inner": inner or None}
+
+
+def _planar(coordinates: Any, name: str) -> np.ndarray:
+    """Positions as points of the plane; a height is no matter here, whether all have one or some."""
+    try:
+        return as_points([position[:2] for position in coordinates], name)
+    except (TypeError, IndexError, KeyError):
+        raise InputError(f"{name} must be a list of positions (x, y), not {coordinates!r}") from None
+
+
+def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
+    geometry = getattr(geometry, "__geo_interface__", geometry)
+    if not isinstance(geometry, dict):
+        raise InputError(
+            "a geometry is a mapping with a 'type', or an object with __geo_interface__ (shapely has it), "
+            f"not {type(geometry).__name__}"
+        )
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    if kind in ("FeatureCollection", "GeometryCollection"):
+        for part in _member(geometry, "features" if kind == "FeatureCollection" else "geometries"):
+            yield from _geometries(part)
+    elif kind == "Feature":
+        if geometry.get("geometry") is not None:  # null: a feature without a place
+            yield from _geometries(geometry["geometry"])
+    elif kind in ("Polygon", "MultiPolygon"):
+        for polygon in [coordinates] if kind == "Polygon" else coordinates or ():
+            for ring in polygon or ():
+                yield "ring", ring
+    elif kind == "LinearRing":
+        yield "ring", coordinates or ()
+    elif kind in ("LineString", "MultiLineString"):
+        for line in [coordinates] if kind == "LineString" else coordinates or ():
+            yield "line", line or ()
+    elif kind in ("Point", "MultiPoint"):
+        yield "point", ([coordinates] if kind == "Point" and coordinates else coordinates) or ()
+    else:
+        raise InputError(f"a geometry of type {kind!r}; known are those of GeoJSON and LinearRing")
+
+
+def _member(geometry: dict[str, Any], name: str) -> Sequence[Any]:
+    if not isinstance(geometry.get(name), list | tuple):
+        raise InputError(f"a {geometry['type']} has a list of {name!r}")
+    return cast("Sequence[Any]", geometry[name])

@@ -1,0 +1,41 @@
+"""The book's regions, points and meshes, in one namespace: what chapters and tests start from."""
+
+from .point_sets import clipped_lattice as clipped_lattice
+from .point_sets import letter_outlines as letter_outlines
+from .point_sets import mapped_grid as mapped_grid
+from .regions import coastline as coastline
+from .regions import coastline_size as coastline_size
+from .regions import plate as plate
+from .regions import running_domain as running_domain
+from .regions import wing_with_flap as wing_with_flap
+from .regions import word as word
+from .running import flip_at_random as flip_at_random
+from .running import random_triangulation as random_triangulation
+from .running import running_points as running_points
+from .running import running_region as running_region
+from .running import running_size as running_size
+from .running import sweep_triangulation as sweep_triangulation
+from .structured import graded_line as graded_line
+from .structured import ring_grid as ring_grid
+from .structured import tensor_grid as tensor_grid
+
+__all__ = [
+    "clipped_lattice",
+    "coastline",
+    "coastline_size",
+    "flip_at_random",
+    "graded_line",
+    "letter_outlines",
+    "mapped_grid",
+    "plate",
+    "random_triangulation",
+    "ring_grid",
+    "running_domain",
+    "running_points",
+    "running_region",
+    "running_size",
+    "sweep_triangulation",
+    "tensor_grid",
+    "wing_with_flap",
+    "word",
+]

@@ -1,0 +1,1 @@
+"""From a domain and a size to a mesh."""

@@ -1,0 +1,337 @@
+"""Boundary-conforming Delaunay triangulation: midpoints until every subsegment is an edge by itself.
+
+A subsegment that is in no Delaunay triangulation of the vertices gets a new vertex in its middle (on the
+true curve, for curved pieces), and so on with the halves. Vertices make subsegments missing, never present:
+so each of these splits must happen in any order, and the result depends on the domain only. It exists for
+domains in which the pieces at each vertex leave a gap of 180 degrees; elsewhere midpoints may go on for
+ever (`fans`). Then *concentric shells* help: at an apex, a vertex where pieces meet at less than 60 degrees,
+split at distances that are powers of two. Pieces of equal length never cut each other, and the first vertex
+on each piece keeps its distance from the apex: so shells at all apices always end.
+
+Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585 (midpoints, shells, lower bounds on lengths); H.
+Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-213 (how many points it may take).
+Book: 2.4b.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import frozen
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...connect.planar.complex import PlanarComplex
+from ...domain.arguments import as_count, as_domain
+from ...mesh.domain_mesh import Refined
+from .constrained import complex_of
+from .fans import never_ends
+from .midpoints import GABRIEL, MISSING, pick, split_all
+
+if TYPE_CHECKING:
+    from ...domain.domain import Domain
+
+__all__ = ["Conforming", "conform", "conforming_delaunay"]
+
+FLOOR = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
+LOOKED = 5000  # sharp vertices that are judged in advance
+DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells there
+CHUNK = 100_000  # splits a kernel call: a fraction of a second
+SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
+TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would touch or cross another piece"
+SHARP = np.cos(np.pi / 3)  # pieces at a larger angle than 60 degrees cannot cut each other for ever
+
+
+class Conforming(Refined):
+    """A boundary-conforming Delaunay mesh, with the account of how it came about.
+
+    Parameters
+    ----------
+    mesh : Refined
+        What was reached; the other parameters become the attributes below.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether every subsegment passes the test; then the mesh is Delaunay.
+    missing : (q,) int32
+        Rows of ``segments`` that do not pass.
+    why : (q,) array of str
+        Why each of them was not split.
+    rounds : (r,) int64
+        How many points each round added.
+    added : (f + g,) int64
+        How many points were put on each piece of the domain, beyond those of its first cutting.
+    apices : (k,) int32
+        Vertices of the domain around which pieces were split on shells.
+    endless : (k,) int32
+        Vertices of the domain, among the first 5000 in question, at which midpoints alone provably never
+        end (`never_ends`).
+    """
+
+    def __init__(
+        self,
+        mesh: Refined,
+        *,
+        missing: NDArray[np.int32],
+        why: NDArray[np.str_],
+        rounds: NDArray[np.int64],
+        added: NDArray[np.int64],
+        apices: NDArray[np.int32],
+        endless: NDArray[np.int32],
+    ):
+        self.__dict__.update(vars(mesh))
+        self.missing, self.why = frozen(missing), frozen(why)
+        self.rounds, self.added = frozen(rounds), frozen(added)
+        self.apices, self.endless = frozen(apices), frozen(endless)
+
+
+def conforming_delaunay(
+    domain: Domain,
+    size: Any = None,
+    *,
+    test: Literal["missing", "gabriel"] = "missing",
+    shells: bool | Literal["auto"] = "auto",
+    budget: int | None = None,
+    progress: bool = False,
+) -> Conforming:
+    """A Delaunay triangulation of a domain's vertices and of points on its pieces that shows every piece.
+
+    Parameters
+    ----------
+    domain : Domain
+    size : number, function or size field, optional
+        Cut the pieces by a size first; see `Domain.sampled`.
+    test : {"missing", "gabriel"}
+        Split subsegments that are in no Delaunay triangulation of the vertices; or, more cautiously, those
+        with a vertex inside their diametral circle (then all later points outside of these leave them alone).
+    shells : bool or "auto"
+        Whether pieces that meet at less than 60 degrees are split on concentric shells about their vertex
+        instead of in the middle. "auto": where midpoints provably never end, or have not after 12 halvings.
+    budget : int, optional
+        The most new points; by default 10,000 and 5 for each subsegment.
+    progress : bool
+        Show the number of new points.
+
+    Returns
+    -------
+    Conforming
+        A `Refined` mesh. Not ``complete`` where a budget, a length of 2^-40 of the extent, or a neighbor too
+        close to be avoided stopped a split: then ``missing`` and ``why`` tell where, ``unrefined`` holds the
+        cells beside, and the mesh is the constrained Delaunay triangulation.
+
+    Raises
+    ------
+    InputError
+        For an unknown test, a budget below zero, and as `constrained_delaunay` does.
+
+    Notes
+    -----
+    Exact tests; points are rounded, and a split that would then touch or cross another piece is refused. Of
+    several Delaunay triangulations (ties) one that shows the pieces is taken. A round costs the subsegments
+    that it touched. Proofs of termination are for straight pieces. Book: 2.4b.
+    """
+    if test not in ("missing", "gabriel"):
+        raise InputError(f"test = {test!r} must be 'missing' or 'gabriel'")
+    if shells not in (True, False, "auto"):
+        raise InputError(f"shells = {shells!r} must be True, False or 'auto'")
+    budget = None if budget is None else as_count(budget, "budget")
+    sampled = as_domain(domain).sampled(size)
+    complex_ = complex_of(domain, sampled)
+    run = conform(domain, complex_, test=test, shells=shells, budget=budget, progress=progress)
+    return run.mesh(sampled)
+
+
+def conform(
+    domain: Domain,
+    complex_: PlanarComplex,
+    *,
+    test: str = "missing",
+    shells: bool | str = "auto",
+    budget: int | None = None,
+    progress: bool = False,
+) -> _Run:
+    """`conforming_delaunay` for a complex that stands already, in place."""
+    run = _Run(domain, complex_, test, shells, budget)
+    with progress_bar(progress, "", desc="splits") as bar:
+        while len(run.queue):
+            bar.update(run.round())
+    return run
+
+
+class _Run:
+    """One run: the queue of subsegments to be looked at, and what has been found out."""
+
+    def __init__(
+        self, domain: Domain, complex_: PlanarComplex, test: str, shells: bool | str, budget: int | None
+    ):
+        self.domain, self.complex = domain, complex_
+        self.test = GABRIEL if test == "gabriel" else MISSING
+        self.budget = 10_000 + 5 * complex_.segments if budget is None else budget
+        self.curved = np.zeros(len(domain.pieces), dtype=bool)
+        self.curved[list(domain.curves)] = True
+        self.start = complex_.size
+        self.queue = np.arange(complex_.segments, dtype=np.int32)
+        self.why = np.zeros(
+            complex_.segments, dtype=np.int8
+        )  # why a subsegment was not split when it was to be
+        self.made: list[int] = []
+        self.added = np.zeros(len(domain.pieces), dtype=np.int64)
+        xy = complex_.xy[: self.start]
+        self.floor = FLOOR * float(np.ptp(xy, axis=0).max())
+        sharp, endless = _apices(domain, complex_, self.test == GABRIEL)
+        self.endless = endless
+        self.sharp = np.zeros(len(domain.points), dtype=bool)
+        self.sharp[sharp] = True
+        self.apex = np.zeros(len(domain.points), dtype=bool)  # where shells are in use
+        self.apex[sharp if shells is True else endless if shells == "auto" else []] = True
+        self.auto = shells == "auto"
+        self.depth = np.zeros(len(domain.points), dtype=np.int64)
+        self.used = np.zeros(len(domain.points), dtype=bool)
+
+    def round(self) -> int:
+        """Split what fails the test among the queue; the next queue is what that touched."""
+        c = self.complex
+        chosen = np.empty(len(self.queue), dtype=np.int32)
+        rows = chosen[: pick(c.xy, c.vertex, c.twin, c.where, self.queue, self.test, chosen)]
+        rows = np.sort(rows)
+        length = np.linalg.norm(c.xy[c.ends[rows, 0]] - c.xy[c.ends[rows, 1]], axis=1)
+        left = self.budget - (c.size - self.start)
+        self.why = np.append(self.why, np.zeros(c.segments - len(self.why), dtype=np.int8))
+        self.why[rows] = 0
+        self.why[rows[length < self.floor]] = SHORT
+        rows = rows[length >= self.floor]
+        self.why[rows[left:]] = SPENT
+        self.queue = rows[:0]
+        rows = rows[:left]
+        if len(rows):
+            self._split(rows)
+        return len(rows)
+
+    def _split(self, rows: NDArray[np.int32]) -> None:
+        """Split these subsegments, in chunks, so that Ctrl-C is heard."""
+        c, before = self.complex, self.complex.size
+        points, t = self._places(rows)
+        c.reserve(c.size + len(rows), c.segments + len(rows))
+        refused, stamp = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=np.int32)
+        touched, count, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.scratch()
+        piece = c.piece[rows]
+        for start in range(0, len(rows), CHUNK):
+            part = slice(start, start + CHUNK)
+            count += split_all(
+                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+                rows[part], points[part], t[part], c.size, refused[part], *scratch, stamp, 1, touched[count:],
+            )  # fmt: skip
+        self.why[rows[refused]] = REFUSED
+        self.added += np.bincount(piece[~refused], minlength=len(self.added))
+        self.made.append(c.size - before)
+        self.queue = touched[:count].copy()
+
+    def _places(self, rows: NDArray[np.int32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where to split: midpoints, or shells where an end is an apex; and the parameters there."""
+        c, n = self.complex, len(self.domain.points)
+        ends, span, piece = c.ends[rows], c.span[rows], c.piece[rows]
+        a, b = c.xy[ends[:, 0]], c.xy[ends[:, 1]]
+        points, t = (a + b) / 2, span.mean(axis=1)
+        if self.auto:
+            near = ends[(ends < n)]
+            self.depth += np.bincount(near, minlength=n)
+            self.apex |= self.sharp & (self.depth > DEEP * np.maximum(self._degree(), 1))
+        at = np.where(ends < n, ends, 0)
+        apex = self.apex[at] & (ends < n)
+        shell = apex.any(axis=1)
+        second = shell & ~apex[:, 0]
+        own, far = np.where(second[:, None], b, a), np.where(second[:, None], a, b)
+        length = np.linalg.norm(far - own, axis=1)
+        radius = np.ldexp(1.0, np.frexp(2 * length / 3)[1] - 1)
+        share = radius / length
+        points[shell] = (own + (far - own) * share[:, None])[shell]
+        t[shell] = (span[:, 0] + np.where(second, 1 - share, share) * (span[:, 1] - span[:, 0]))[shell]
+        self.used[at[apex]] = True
+        bent = self.curved[piece]
+        if bent.any():
+            t[bent & shell] = self._on_shell(
+                piece[bent & shell], span[bent & shell], own[bent & shell], radius[bent & shell],
+                second[bent & shell],
+            )  # fmt: skip
+            points[bent] = self.domain.points_at(piece[bent], t[bent]) * c.factor
+        return points, t
+
+    def _on_shell(
+        self, piece: NDArray, span: NDArray, own: NDArray, radius: NDArray, second: NDArray
+    ) -> NDArray[np.float64]:
+        """Parameters within ``span`` at which curves have the distance ``radius`` from their apex."""
+        near = np.where(second, span[:, 1], span[:, 0])
+        far = np.where(second, span[:, 0], span[:, 1])
+        for _ in range(60):
+            middle = (near + far) / 2
+            x = self.domain.points_at(piece, middle) * self.complex.factor
+            inside = np.linalg.norm(x - own, axis=1) < radius
+            near, far = np.where(inside, middle, near), np.where(inside, far, middle)
+        return (near + far) / 2
+
+    def _degree(self) -> NDArray[np.int64]:
+        return np.bincount(self.domain.pieces.ravel(), minlength=len(self.domain.points))
+
+    def failing(self) -> NDArray[np.int32]:
+        """All subsegments that fail the test now."""
+        c = self.complex
+        chosen = np.empty(c.segments, dtype=np.int32)
+        every = np.arange(c.segments, dtype=np.int32)
+        return np.sort(chosen[: pick(c.xy, c.vertex, c.twin, c.where, every, self.test, chosen)])
+
+    def mesh(self, sampled: Any) -> Conforming:
+        """The result, with its account."""
+        c = self.complex
+        failing = self.failing()
+        text = {SHORT: TOO_SHORT, SPENT: f"the budget of {self.budget} points is spent", REFUSED: TOO_CLOSE}
+        why = np.array([text.get(code, "") for code in range(4)])[self.why[failing]]
+        half = c.where[failing].astype(np.int64)
+        slots = np.concatenate([half // 3, c.twin[half] // 3])
+        reasons = np.tile(np.char.add("a subsegment beside it stays: ", why), 2)
+        kept = c.region[slots] >= 0
+        slots, first = np.unique(slots[kept], return_index=True)
+        counts = {"rounds": len(self.made), "splits": sum(self.made), "missing": len(failing)}
+        base = c.mesh(
+            facets=len(self.domain.facets), origin=sampled.origin, markers=self.domain.markers,
+            points=sampled.points, unrefined=slots, reasons=reasons[kept][first], counts=counts,
+        )  # fmt: skip
+        half = c.where[: c.segments].astype(np.int64)
+        inside = (c.region[half // 3] >= 0) | (c.region[c.twin[half] // 3] >= 0)
+        row, seen = np.cumsum(inside, dtype=np.int32) - np.int32(1), inside[failing]
+        return Conforming(
+            base, missing=row[failing[seen]], why=why[seen],
+            rounds=np.array(self.made, dtype=np.int64), added=self.added,
+            apices=np.flatnonzero(self.used).astype(np.int32), endless=self.endless,
+        )  # fmt: skip
+
+
+def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray, NDArray]:
+    """Vertices at which pieces meet at less than 60 degrees; and those where midpoints provably never end."""
+    n, ends = len(domain.points), c.ends[: c.segments]
+    tail = np.concatenate([ends[:, 0], ends[:, 1]])
+    head = np.concatenate([ends[:, 1], ends[:, 0]])
+    head, tail = head[tail < n], tail[tail < n]
+    d = c.xy[head] - c.xy[tail]
+    angle = np.arctan2(d[:, 1], d[:, 0])
+    order = np.lexsort([angle, tail])
+    head, tail, d = head[order], tail[order], d[order]
+    begin = np.flatnonzero(np.diff(tail, prepend=-1))
+    size = np.diff(np.append(begin, len(tail)))
+    following = np.arange(1, len(tail) + 1)
+    following[begin + size - 1] = begin
+    dot = (d * d[following]).sum(axis=1)
+    length = np.linalg.norm(d, axis=1)
+    sharp = (dot > SHARP * length * length[following]) & (following != np.arange(len(tail)))
+    candidates = np.unique(tail[sharp]).astype(np.int32)
+    # next to a gap of 180 degrees nothing can be missing for ever
+    gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
+    suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
+    endless = []
+    for v in suspects[:LOOKED].tolist():
+        low, high = np.searchsorted(tail, [v, v + 1])
+        if never_ends(c.xy[v], c.xy[head[low:high]], encroached=encroached):
+            endless.append(v)
+    return candidates, np.array(endless, dtype=np.int32)

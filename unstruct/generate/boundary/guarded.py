@@ -1,0 +1,148 @@
+"""Compiled insertion of points that may be turned away: they would break a marked edge, or come too near.
+
+An edge between two triangles is broken by a point that lies in both their circles. In a Delaunay
+triangulation that shows all marked edges, the cavity that is searched over unmarked edges is the whole one
+unless it ends at a marked edge with the point in the circle beyond: there it would go on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import lean
+from ...connect.insertion.engine import LAST
+from ...connect.insertion.plane import GHOST, conflict_across, next_edge, prev_edge
+from ...connect.planar.cavity import blocked_by, commit, end_of, find_cavity, start_of, walk
+from ...predicates.batch import orient2
+from ...predicates.diametral import in_disc
+
+__all__ = ["BREAKS", "CROWDED", "HIDDEN", "INSERTED", "OUTSIDE", "REPEATED", "guard_all", "hit_all"]
+
+INSERTED, OUTSIDE, REPEATED, BREAKS, CROWDED, HIDDEN = 0, 1, 2, 3, 4, 5  # what happened to a point
+
+
+@lean
+def judge_in(xy, vertex, mark, region, part, t, px, py):
+    """(verdict, culprit): is p, in triangle t, a vertex, on a marked edge, outside of ``part`` (-1: any)?"""
+    for k in range(3):
+        v = vertex[3 * t + k]
+        if v == GHOST:
+            return OUTSIDE, np.int64(-1)
+        if xy[v, 0] == px and xy[v, 1] == py:
+            return REPEATED, np.int64(v)
+    for k in range(3):
+        e = 3 * t + k
+        a, b = start_of(vertex, e), end_of(vertex, e)
+        if mark[e] >= 0 and orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) == 0:
+            return BREAKS, np.int64(mark[e])
+    if region[t] < 0 or (part >= 0 and region[t] != part):
+        return OUTSIDE, np.int64(-1)
+    return INSERTED, np.int64(-1)
+
+
+@lean
+def judge_rim(xy, vertex, twin, mark, rim, k, discs, gap, px, py):
+    """(verdict, culprit) by the edges around the cavity of p.
+
+    Without ``discs``: is p in the circle beyond a marked edge? With it: in the diametral circle of one?
+    And is a vertex, which is then a corner of the rim, nearer than ``gap``?
+    """
+    for i in range(k):
+        e = np.int64(rim[i])
+        if mark[e] < 0:
+            continue
+        a, b = start_of(vertex, e), end_of(vertex, e)
+        if discs:
+            hit = in_disc(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) > 0
+        else:
+            o = np.int64(twin[e])
+            hit = conflict_across(xy, vertex[prev_edge(o)], vertex[next_edge(o)], vertex[o], px, py)
+        if hit:
+            return BREAKS, np.int64(mark[e])
+    nearest, least = np.int64(-1), gap * gap
+    for i in range(k):
+        a = start_of(vertex, np.int64(rim[i]))
+        if a != GHOST:
+            d = (xy[a, 0] - px) ** 2 + (xy[a, 1] - py) ** 2
+            if d < least:
+                nearest, least = np.int64(a), d
+    if nearest >= 0:
+        return CROWDED, nearest
+    return INSERTED, np.int64(-1)
+
+
+@lean
+def guard_all(
+    xy,
+    vertex,
+    twin,
+    mark,
+    region,
+    where,
+    state,
+    points,
+    parts,
+    gaps,
+    discs,
+    start,
+    stop,
+    first,
+    stack,
+    cells,
+    rim,
+    hold,
+    fresh,
+    verdict,
+    culprit,
+):
+    """Insert ``points[start:stop]`` in this order, each unless it is turned away; the next vertex number.
+
+    ``verdict`` and ``culprit`` (a subsegment or a vertex, -1 for none) tell what happened to each.
+    """  # fmt: skip
+    p = first
+    for i in range(start, stop):
+        px, py = points[i, 0], points[i, 1]
+        t = walk(xy, vertex, twin, state[LAST], px, py)
+        verdict[i], culprit[i] = judge_in(xy, vertex, mark, region, parts[i], t, px, py)
+        if verdict[i] != INSERTED:
+            continue
+        m, k = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+        if k < 0 or blocked_by(xy, vertex, rim, k, px, py) >= 0:
+            verdict[i] = HIDDEN
+            continue
+        verdict[i], culprit[i] = judge_rim(xy, vertex, twin, mark, rim, k, discs, gaps[i], px, py)
+        if verdict[i] != INSERTED:
+            continue
+        xy[p, 0], xy[p, 1] = px, py
+        commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
+        culprit[i] = p
+        p += 1
+    return p
+
+
+@lean
+def hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit):
+    """``hit`` for the cavity of p that begins with triangle t, if that is inside."""
+    if region[t] >= 0:
+        m, _ = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+        for j in range(m):
+            hit[cells[j]] = True
+
+
+@lean
+def hit_all(xy, vertex, twin, mark, region, start, points, stack, cells, rim, hit):
+    """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace.
+
+    A point on a marked edge has two cavities, one on either side.
+    """
+    t = start
+    for i in range(len(points)):
+        px, py = points[i, 0], points[i, 1]
+        t = walk(xy, vertex, twin, t, px, py)
+        hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit)
+        for e in range(3 * t, 3 * t + 3):
+            if mark[e] >= 0:
+                a, b = start_of(vertex, e), end_of(vertex, e)
+                if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) == 0:
+                    beyond = np.int64(twin[e]) // 3
+                    hit_from(xy, vertex, twin, mark, region, beyond, px, py, stack, cells, rim, hit)

@@ -1,0 +1,256 @@
+"""Circumcenter insertion: the next point goes to the circumcenter of the maximal triangle.
+
+The chapter's first strategy (12.2.6), and its generalized choice. What it leaves open, what to do where the
+boundary is in the way, is a choice here. See the book, 2.6a and 2.6b; for guaranteed angles `refine`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...base.arrays import as_points
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...connect.insertion.delaunay import delaunay
+from ...connect.planar.cavity import blocked_by, commit_split, find_split
+from ...connect.planar.complex import PlanarComplex
+from ...domain.arguments import as_count
+from ...mesh.domain_mesh import Refined
+from ...sizing import as_size
+from ..boundary.constrained import complex_of
+from .steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
+from .worst import NONE, Contest, Rule, make_rule, measures, put
+
+if TYPE_CHECKING:
+    from ...domain.domain import Domain
+
+__all__ = ["circumcenter_insertion"]
+
+CHUNK = 20_000  # insertions a kernel call: a fraction of a second
+MOST = 1_000_000  # insertions, where nothing but a limit of shape could end the run
+SHORTEST = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
+STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
+
+
+def circumcenter_insertion(
+    domain_or_points: Domain | ArrayLike,
+    size: Any = None,
+    *,
+    priority: Any = None,
+    limit: float | None = None,
+    boundary: str = "split",
+    step: float = STEP,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> Refined:
+    """Put points at circumcenters, always of the worst triangle, until no triangle is bad.
+
+    Parameters
+    ----------
+    domain_or_points : Domain, or array_like of shape (n, 2)
+        What to mesh. The edges of the convex hull bound a set of points.
+    size : float, function or SizeField, optional
+        The wanted edge length h. A triangle is bad where alpha = R / f(Q) >= 1, f = h / sqrt(3), R its
+        circumradius, Q its circumcenter; beyond the bounding box of the domain f has the value at the
+        box's nearest point. Pieces of a Domain are first cut into subsegments of ``step`` sizes.
+    priority : str, float, function or SizeField, optional
+        Which bad triangle is the worst: the largest "circumradius" (by default, without a size), "alpha" (by
+        default, with one), "radius_edge", "radius_ratio", "area", or the least "min_angle". A size g in
+        its place compares by sqrt(3) R / g(Q): the generalized choice.
+    limit : float, optional
+        Also bad is a triangle whose measure of this kind is greater ("min_angle": less, in degrees).
+    boundary : "split" or "keep"
+        What to do where the circumcenter lies beyond a boundary or inner edge, on it, or in its open
+        diametral disk. "split" halves that edge instead, on the true curve, and looks again. "keep" adds no
+        vertex to any edge: it inserts circumcenters near edges, and leaves triangles whose own lie beyond.
+    step : float
+        Length of the first subsegments, in sizes.
+    budget : int, optional
+        At most so many points are inserted; needed where there is neither a size nor a limit.
+    history : bool
+        Record the run in ``steps``.
+    progress : bool
+        Show a bar.
+
+    Returns
+    -------
+    Refined
+        ``points`` are the first ones, then the inserted ones in order: the (constrained) Delaunay
+        triangulation of a prefix of them is a state. Bad triangles that are left are ``unrefined``, with
+        ``reasons``; ``counts`` has "circumcenters", "splits", "encroachments" (circumcenters that were put
+        into a diametral disk; with a history only) and "duplicates" (input points that were left out).
+        ``steps``: for each state, the last one included, "R", "l", "L", "mu", "angle" (largest
+        circumradius, shortest and longest edge, largest R / r, least angle in degrees); for each insertion
+        "chosen" (the circumradius), "value" (the measure) and "triangle" (its vertices), "vertex" (the
+        inserted one), "split" and "encroaching" (bool).
+
+    Raises
+    ------
+    InputError
+        For a choice that does not exist, sizes that are not positive, or no end in sight.
+
+    Notes
+    -----
+    With a size of at least h_0 everywhere it ends: each circumcenter is inserted at least h_0 / sqrt(3) away
+    from all that it sees, and an edge is halved for a center in its disk only if it is longer than
+    sqrt(2/3) h_0, or for one beyond it if so flat a triangle lies on it that finitely many halvings help.
+    With a limit on shapes there is no such bound: the budget (by default 10^6 points) then ends what does
+    not end. O(log n) to find the worst triangle, O(1) on average for its cavity. Sources: the chapter,
+    12.2.6; L. P. Chew, Cornell TR 89-983 (1989); "split" is the step of J. Ruppert, Journal of
+    Algorithms 18 (1995) 548-585. Book: 2.6a, 2.6b.
+    """
+    if boundary not in ("split", "keep"):
+        raise InputError(f"boundary must be 'split' or 'keep', not {boundary!r}")
+    if size is None and limit is None and budget is None:
+        raise InputError("without a size or a limit every triangle is bad: give a budget of points")
+    field = None if size is None else as_size(size)
+    domain, origin, dropped = _as_domain(domain_or_points)
+    sampled = domain.sampled(field if origin is None else None, step=step)
+    complex_ = complex_of(domain, sampled)
+    rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
+    most = MOST if limit is not None else int(np.iinfo(np.int32).max)
+    most = most if budget is None else as_count(budget, "budget")
+    run = _Run(complex_, domain, rule, boundary == "split", history)
+    run.advance(most, progress)
+    counts = {**run.counts(), "duplicates": dropped}
+    return complex_.mesh(
+        facets=len(domain.facets),
+        origin=sampled.origin if origin is None else origin,
+        markers=domain.markers,
+        points=sampled.points,
+        counts=counts,
+        steps=run.steps() if history else None,
+        **run.unrefined(),
+    )
+
+
+def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
+    """The domain; for points also their numbers in the input, and how many repeat others."""
+    from ...domain.domain import Domain
+
+    if isinstance(given, Domain):
+        return given, None, 0
+    rows = as_points(given)
+    if rows.shape[1] != 2:
+        raise InputError(
+            f"points have {rows.shape[1]} coordinates; circumcenter_insertion works in the plane"
+        )
+    mesh = delaunay(rows)
+    if len(mesh.duplicates) == 0:
+        return Domain(rows, mesh.boundary), mesh.origin, 0
+    kept = np.setdiff1d(np.arange(len(rows)), mesh.duplicates[:, 0])
+    place = np.full(len(rows), -1, dtype=np.int32)
+    place[kept] = np.arange(len(kept))
+    return Domain(rows[kept], place[mesh.boundary]), kept.astype(np.int32), len(mesh.duplicates)
+
+
+class _Run(Contest):
+    """A run over a complex: the tournament, the record, and the splits."""
+
+    def __init__(self, complex_: PlanarComplex, domain: Domain, rule: Rule, split: bool, history: bool):
+        super().__init__(rule, history, 7)
+        self.complex, self.domain, self.split = complex_, domain, split
+        self.first = complex_.size
+        self.splits = 0
+        self.end = FULL
+        self.why = np.zeros(0, dtype=np.int8)
+        self.ask = np.zeros(2, dtype=np.int64)
+        self._reserve(self.first + 64)
+        self._enter(np.arange(complex_.triangles))
+
+    def _reserve(self, vertices: int) -> None:
+        k = self.complex
+        k.reserve(vertices, k.segments + vertices - k.size)
+        slots = len(k.region)
+        if slots != len(self.why):
+            self.why = np.concatenate([self.why, np.zeros(slots - len(self.why), dtype=np.int8)])
+            self.scratch = k.scratch()
+        self.make_room(slots, len(k.xy) - self.first)
+
+    def _judges(self) -> tuple:
+        return self.rule, self.tree, self.watch, self.why
+
+    def _enter(self, slots: NDArray) -> None:
+        k = self.complex
+        enter_slots(k.xy, k.vertex, k.region, np.asarray(slots, dtype=np.int64), *self._judges())
+
+    def advance(self, budget: int, progress: bool) -> None:
+        """Insert until nothing is bad that can be mended, or the budget is used up."""
+        k, last = self.complex, self.first + budget
+        bar = progress_bar(progress, " points")
+        while self.end != DONE and k.size < last:
+            before = k.size
+            stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
+            self._reserve(stop)
+            stack, cells, rim, hold, fresh = self.scratch
+            self.end = insert_centers(
+                k.xy, k.vertex, k.twin, k.mark, k.region, k.where, k.state, *self._judges(), self.split, stop,
+                self.first, stack, cells, rim, hold, fresh, self.rows, self.events, self.ask,
+            )  # fmt: skip
+            if self.end == SPLIT:
+                self._reserve(k.size + 1)
+                self._split(int(self.ask[0]), int(self.ask[1]))
+            bar.update(k.size - before)
+        bar.close()
+
+    def _split(self, e: int, t: int) -> None:
+        """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""
+        k = self.complex
+        stack, cells, rim, hold, fresh = self.scratch
+        s = int(k.mark[e])
+        a, b = k.xy[k.ends[s]]
+        piece, middle, p = int(k.piece[s]), float(k.span[s].mean()), k.size
+        if piece in self.domain.curves:
+            point = self.domain.at(piece, [middle])[0] * k.factor
+        else:
+            point = (a + b) / 2
+        m, n, h = find_split(k.xy, k.vertex, k.twin, k.mark, e, *point, stack, cells, rim)
+        short = np.hypot(*(b - a)) < SHORTEST
+        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, rim, n, *point) >= 0:
+            self.why[t] = REFUSED
+            put(self.tree, t, NONE)
+            return
+        if len(self.watch):
+            radius = measures(*k.xy[k.vertex[3 * t : 3 * t + 3]].ravel())[0]
+            note(k.vertex, t, p, self.first, self.tree, self.watch, radius, 1.0, 0.0, self.rows, self.events)
+        k.xy[p] = point
+        commit_split(
+            k.vertex, k.twin, k.mark, k.region, k.where, k.ends, k.piece, k.span, k.state, e,
+            cells, m, rim, n, h, p, middle, hold, fresh,
+        )  # fmt: skip
+        self.splits += 1
+        self._enter(fresh[:n])
+
+    # ------------------------------------------------------------------ what is told
+
+    def counts(self) -> dict[str, int]:
+        inserted = self.complex.size - self.first
+        counts = {"circumcenters": inserted - self.splits, "splits": self.splits}
+        if len(self.watch):
+            counts["encroachments"] = int(self.events[:inserted, 6].sum())
+        return counts
+
+    def unrefined(self) -> dict[str, Any]:
+        """Bad triangles that are left, as slots, and why."""
+        k = self.complex
+        slots = np.flatnonzero((self.waiting(k.triangles) | (self.why[: k.triangles] > 0)) & k.kept())
+        return {"unrefined": slots, "reasons": [REASONS[int(code)] for code in self.why[slots]]}
+
+    def steps(self) -> dict[str, NDArray]:
+        k = self.complex
+        inserted = k.size - self.first
+        events = self.events[:inserted]
+        used = np.zeros(k.size, dtype=bool)
+        used[k.vertex[: 3 * k.triangles].reshape(-1, 3)[k.kept()].ravel()] = True
+        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+        return {
+            **self.story(0, inserted, k.factor),
+            "triangle": place[events[:, 2:5].astype(np.int64)],
+            "vertex": place[np.arange(self.first, k.size)],
+            "split": events[:, 5] > 0,
+            "encroaching": events[:, 6] > 0,
+        }

@@ -1,0 +1,153 @@
+"""Circumcenter insertion among constrained edges, compiled: the worst triangle, its center, the insertion.
+
+A triangle of the domain that is bad has its value in the tournament ``tree``. If its circumcenter cannot be
+used, its value is taken out and ``why`` keeps the reason, until the slot holds another triangle. The
+insertion itself is that of `cavity2`: found and judged before anything changes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...connect.insertion.plane import next_edge, prev_edge
+from ...connect.planar.cavity import GHOST, VERTICES, blocked_by, commit, end_of, find_cavity, start_of
+from ...predicates.batch import incircle, orient2
+from .worst import NONE, enter, measures, put, record, top, unwatch
+
+DONE, FULL, SPLIT = 0, 1, 2  # why a run of steps ends
+HIDDEN, ROUNDED, REFUSED = 1, 2, 3  # why a triangle is left as it is
+REASONS = {
+    HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
+    ROUNDED: "its circumcenter cannot be told from the triangle's own edges by doubles",
+    REFUSED: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
+    "or a vertex lies between chord and curve",
+    0: "budget",
+}
+FAR = 4.0  # a center this far away is only a direction (the domain lies within 1)
+
+
+@inline
+def _enter(xy, vertex, region, t, rule, tree, watch, why):
+    why[t] = 0
+    if region[t] < 0:
+        put(tree, t, NONE)
+        unwatch(watch, t)
+        return
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    enter(t, rule, tree, watch, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+
+
+@lean
+def enter_slots(xy, vertex, region, slots, rule, tree, watch, why):
+    """Judge the triangles in these slots, and put them into the tournaments."""
+    for i in range(len(slots)):
+        _enter(xy, vertex, region, slots[i], rule, tree, watch, why)
+
+
+@lean
+def first_marked(xy, vertex, twin, mark, t, px, py):
+    """The first marked half-edge on the way from the middle of triangle t to p; -1 where there is none.
+
+    The way is followed by exact signs from edge to edge; it may end on the edge.
+    """
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    gx, gy = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
+    e = np.int64(-1)
+    for k in range(3):
+        u, v = start_of(vertex, 3 * t + k), end_of(vertex, 3 * t + k)
+        if orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], gx, gy) <= 0:
+            return np.int64(-1)  # too thin to have a middle
+        if (
+            orient2(gx, gy, px, py, xy[u, 0], xy[u, 1]) <= 0 <= orient2(gx, gy, px, py, xy[v, 0], xy[v, 1])
+            and orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], px, py) <= 0
+        ):
+            e = np.int64(3 * t + k)
+    while e >= 0 and mark[e] < 0:
+        o = np.int64(twin[e])
+        w = vertex[o]
+        if w == GHOST:
+            return np.int64(-1)
+        e = next_edge(o) if orient2(gx, gy, px, py, xy[w, 0], xy[w, 1]) >= 0 else prev_edge(o)
+        u, v = start_of(vertex, e), end_of(vertex, e)
+        if orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], px, py) > 0:
+            return np.int64(-1)
+    return e
+
+
+@lean
+def judge_center(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
+    """The cavity of the center p of triangle t: (m, k, e). k = 0 where p cannot be inserted.
+
+    e is then the marked half-edge that hides p from t, -1 where rounding is the reason.
+    """
+    nothing = np.int64(0)
+    far = max(abs(px), abs(py))
+    if not far < np.inf:
+        return nothing, nothing, np.int64(-1)
+    if far <= FAR:
+        a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+        if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], px, py) > 0:
+            m, k = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+            if k > 0 and blocked_by(xy, vertex, rim, k, px, py) < 0:
+                return np.int64(m), np.int64(k), np.int64(-1)
+    else:
+        px, py = px * (FAR / far), py * (FAR / far)
+    return nothing, nothing, first_marked(xy, vertex, twin, mark, t, px, py)
+
+
+@lean
+def encroached(xy, vertex, mark, rim, k, px, py):
+    """The longest marked half-edge of the rim whose open diametral disk holds p; -1 for none."""
+    found, longest = np.int64(-1), 0.0
+    for i in range(k):
+        e = rim[i]
+        if mark[e] >= 0:
+            a, b = start_of(vertex, e), end_of(vertex, e)
+            ux, uy, vx, vy = xy[a, 0] - px, xy[a, 1] - py, xy[b, 0] - px, xy[b, 1] - py
+            length = (vx - ux) ** 2 + (vy - uy) ** 2
+            if ux * vx + uy * vy < 0.0 and length > longest:
+                found, longest = np.int64(e), length
+    return found
+
+
+@lean
+def note(vertex, t, p, first, tree, watch, radius, kind, close, rows, events):
+    """Record a step: the state before it, and what is done about which triangle."""
+    record(vertex, t, p - first, radius, tree, watch, rows, events)
+    events[p - first, 5], events[p - first, 6] = kind, close
+
+
+@lean
+def insert_centers(
+    xy, vertex, twin, mark, region, where, state, rule, tree, watch, why, split, stop, first,
+    stack, cells, rim, hold, fresh, rows, events, ask,
+):  # fmt: skip
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or SPLIT.
+
+    SPLIT (only with ``split``): the marked half-edge ``ask[0]`` hides the center of triangle ``ask[1]``, or
+    has it in its open diametral disk. Vertices from ``first`` on are recorded in ``rows`` and ``events``.
+    """
+    while state[VERTICES] < stop:
+        if tree[1] == NONE:
+            return DONE
+        t = top(tree)
+        a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+        radius, _, _, _, _, px, py = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+        m, k, e = judge_center(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+        close = encroached(xy, vertex, mark, rim, k, px, py)
+        if split and (e >= 0 or close >= 0):
+            ask[0], ask[1] = max(e, close), t
+            return SPLIT
+        if k == 0:
+            why[t] = HIDDEN if e >= 0 else ROUNDED
+            put(tree, t, NONE)
+            continue
+        p = state[VERTICES]
+        if len(watch) > 0:
+            note(vertex, t, p, first, tree, watch, radius, 0.0, 1.0 if close >= 0 else 0.0, rows, events)
+        xy[p, 0], xy[p, 1] = px, py
+        commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
+        for i in range(k):
+            _enter(xy, vertex, region, np.int64(fresh[i]), rule, tree, watch, why)
+    return FULL if tree[1] > NONE else DONE

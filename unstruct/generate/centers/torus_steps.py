@@ -1,0 +1,163 @@
+"""Circumcenter insertion on the unit torus, compiled: Bowyer-Watson without a boundary.
+
+The half-edges are those of `insertion2`, without ghosts. Each corner has besides its vertex a ``shift`` by
+whole periods: in its own frame a triangle has the corners ``xy[vertex[e]] + shift[e]``. Two triangles at an
+edge agree about it up to a common shift. Coordinates are multiples of ``GRID``, so that all copies are exact.
+
+While every circumradius is below 1/4 (the caller checks the first triangles, and relation (1) of the book's
+chapter 2.6a keeps the others) the cavity of a point lies within 1/2 of it: no two copies of a triangle
+belong to it, and the star has no vertex twice.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...connect.insertion.engine import COUNT
+from ...connect.insertion.plane import next_edge, prev_edge
+from ...predicates.batch import incircle
+from .worst import NONE, enter, measures, record, top
+
+GRID = 2.0**-50  # of the coordinates; a corner in [-2, 3) is then a double, and a quarter of it below 1
+VERTICES = 8
+DONE, FULL, ROUNDED = 0, 1, 2  # why a run of steps ends
+
+
+@inline
+def corner(xy, vertex, shift, e):
+    """Where the corner of half-edge e is, in the frame of its triangle."""
+    v = vertex[e]
+    return xy[v, 0] + shift[e, 0], xy[v, 1] + shift[e, 1]
+
+
+@lean
+def _enter(xy, vertex, shift, t, rule, tree, watch):
+    ax, ay = corner(xy, vertex, shift, 3 * t)
+    bx, by = corner(xy, vertex, shift, 3 * t + 1)
+    cx, cy = corner(xy, vertex, shift, 3 * t + 2)
+    enter(t, rule, tree, watch, ax, ay, bx, by, cx, cy)
+
+
+@lean
+def enter_all(xy, vertex, shift, count, rule, tree, watch):
+    """Judge the first ``count`` triangles, and put them into the tournaments."""
+    for t in range(count):
+        _enter(xy, vertex, shift, t, rule, tree, watch)
+
+
+@inline
+def in_circle(xy, vertex, shift, o, fx, fy, px, py):
+    """Is p in the open circle of the triangle of half-edge o, moved by (fx, fy)?"""
+    ax, ay = corner(xy, vertex, shift, o)
+    bx, by = corner(xy, vertex, shift, next_edge(o))
+    cx, cy = corner(xy, vertex, shift, prev_edge(o))
+    s = 0.25
+    return (
+        incircle(
+            s * (ax + fx),
+            s * (ay + fy),
+            s * (bx + fx),
+            s * (by + fy),
+            s * (cx + fx),
+            s * (cy + fy),
+            s * px,
+            s * py,
+        )
+        > 0
+    )
+
+
+@inline
+def push(twin, shift, stack, frame, depth, e, fx, fy):
+    """Put the half-edge beyond e on the stack, with the frame of its triangle; e's own frame is (fx, fy)."""
+    o = twin[e]
+    stack[depth] = o
+    frame[depth, 0] = fx + shift[next_edge(e), 0] - shift[prev_edge(o), 0]
+    frame[depth, 1] = fy + shift[next_edge(e), 1] - shift[prev_edge(o), 1]
+
+
+@lean
+def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fresh):
+    """Replace the cavity of p, found from triangle t in t's frame, by its star; how many triangles that has.
+
+    As `insertion2.insert2`: what is popped from the stack goes into the cavity or gives a triangle of the
+    star at once. (px, py) is p in the frame of t, ``xy[p]`` the same point in [0, 1) x [0, 1).
+    """
+    wx, wy = math.floor(px), math.floor(py)
+    xy[p, 0], xy[p, 1] = px - wx, py - wy
+    count = state[COUNT]
+    spare[0], spares, depth = t, 1, 0
+    for k in range(2, -1, -1):
+        push(twin, shift, stack, frame, depth, 3 * t + k, 0, 0)
+        depth += 1
+    first = before = np.int64(-1)
+    k = 0
+    while depth > 0:
+        depth -= 1
+        o = np.int64(stack[depth])
+        fx, fy = frame[depth, 0], frame[depth, 1]
+        right, left = next_edge(o), prev_edge(o)
+        if in_circle(xy, vertex, shift, o, fx, fy, px, py):
+            spare[spares] = o // 3
+            spares += 1
+            push(twin, shift, stack, frame, depth, left, fx, fy)
+            push(twin, shift, stack, frame, depth + 1, right, fx, fy)
+            depth += 2
+            continue
+        a, b = vertex[left], vertex[right]
+        ax, ay = shift[left, 0] + fx - wx, shift[left, 1] + fy - wy
+        bx, by = shift[right, 0] + fx - wx, shift[right, 1] + fy - wy
+        if spares > 0:
+            spares -= 1
+            slot = np.int64(spare[spares])
+        else:
+            slot = count
+            count += 1
+        new = 3 * slot
+        vertex[new], vertex[new + 1], vertex[new + 2] = p, a, b
+        shift[new, 0], shift[new, 1] = 0, 0
+        shift[new + 1, 0], shift[new + 1, 1] = ax, ay
+        shift[new + 2, 0], shift[new + 2, 1] = bx, by
+        twin[new], twin[o] = o, new
+        if before < 0:
+            first = new
+        else:
+            twin[new + 2], twin[before + 1] = before + 1, new + 2
+        before = new
+        fresh[k] = slot
+        k += 1
+    twin[first + 2], twin[before + 1] = before + 1, first + 2
+    state[COUNT], state[VERTICES] = count, p + 1
+    return k
+
+
+@lean
+def insert_on_torus(
+    xy, vertex, twin, shift, state, rule, tree, watch, stop, stack, frame, spare, fresh, rows, events
+):
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or ROUNDED.
+
+    ``rows`` and ``events`` take the record of each step, where they have room: the state before it, and
+    circumradius, value and vertices of the triangle.
+    """
+    while state[VERTICES] < stop:
+        if tree[1] == NONE:
+            return DONE
+        t = top(tree)
+        p = state[VERTICES]
+        ax, ay = corner(xy, vertex, shift, 3 * t)
+        bx, by = corner(xy, vertex, shift, 3 * t + 1)
+        cx, cy = corner(xy, vertex, shift, 3 * t + 2)
+        radius, _, _, _, _, qx, qy = measures(ax, ay, bx, by, cx, cy)
+        px, py = math.floor(qx / GRID + 0.5) * GRID, math.floor(qy / GRID + 0.5) * GRID
+        if not in_circle(xy, vertex, shift, 3 * t, 0, 0, px, py):
+            return ROUNDED
+        if p < len(events):
+            record(vertex, t, p, radius, tree, watch, rows, events)
+        k = star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fresh)
+        for i in range(k):
+            _enter(xy, vertex, shift, fresh[i], rule, tree, watch)
+    return FULL if tree[1] > NONE else DONE

@@ -1,0 +1,1 @@
+"""Smoothing: vertices that move to better places."""

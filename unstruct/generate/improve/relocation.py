@@ -1,0 +1,102 @@
+"""Local improvement of a planar triangulation, compiled: smart Laplace steps, pattern search, and a survey.
+
+The arrays are those of `PlanarComplex` and `stars2`. ``still[v]`` tells which vertices may not move: those on
+constrained edges, given points, and all outside. ``todo[v]`` tells which are to be looked at, so that the
+cost follows the number of poor triangles and not that of all; ``moved[v]`` which have moved. Book: 2.6c.
+"""
+
+from __future__ import annotations
+
+from ...base.jit import lean
+from ...connect.planar.cavity import start_of
+from ...connect.planar.stars import (
+    FAIRNESS,
+    better,
+    floor_for,
+    measures,
+    search,
+    star_measures,
+    star_of,
+    swap_around,
+    touched,
+)
+
+OVER = 0.2  # steps go that much farther than to the mean: three rounds then do what five do
+
+
+@lean
+def improve(
+    xy, vertex, twin, mark, where, at, still, todo, moved, threshold, patterns, start, stop, ring, places,
+    stack, counts,
+):  # fmt: skip
+    """Look at the vertices ``start <= v < stop`` that are to be looked at, and move those that gain.
+
+    Each goes to the mean of its neighbors, and a little farther, if its star is `better` then (a *smart*
+    Laplace step), or else, with ``patterns``, to the best place that a pattern search finds. A star whose
+    triangles are all beyond ``threshold`` is left alone. Vertices around a move are looked at again.
+    Diagonals are swapped at once with ``patterns``; otherwise see `legalize_moved`: of 10^5 Laplace steps
+    in a good mesh only a hundred ask for it. ``counts``: moves, swaps.
+    """
+    moves = 0
+    for v in range(start, stop):
+        if still[v] or not todo[v]:
+            continue
+        todo[v] = False
+        k = star_of(xy, vertex, twin, at[v], ring, places)
+        x0, y0 = xy[v, 0], xy[v, 1]
+        old = star_measures(places, k, x0, y0, -1.0, FAIRNESS)
+        if old[0] >= threshold:
+            continue
+        sx = sy = 0.0
+        for i in range(k):
+            sx, sy = sx + places[i, 0], sy + places[i, 1]
+        x, y = sx / k + OVER * (sx / k - x0), sy / k + OVER * (sy / k - y0)
+        new = star_measures(places, k, x, y, floor_for(old[0], FAIRNESS), FAIRNESS)
+        if not better(new, old, FAIRNESS):
+            x, y = x0, y0
+            if patterns:
+                x, y = search(places, k, x, y, old, FAIRNESS)
+            if x == x0 and y == y0:
+                continue
+        xy[v, 0], xy[v, 1] = x, y
+        moves += 1
+        todo[v] = moved[v] = True
+        for i in range(k):
+            todo[start_of(vertex, ring[i])] = True
+        if patterns:
+            counts[1] += swap_around(xy, vertex, twin, mark, where, at, ring, k, stack)
+    counts[0] += moves
+    return moves
+
+
+@lean
+def look_for(xy, vertex, region, count, threshold, among, todo):
+    """Put the corners of triangles with 2 r / R below the threshold, and one ``among`` these, on the list."""
+    for t in range(count):
+        if region[t] >= 0 and touched(vertex, t, among):
+            a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+            quality, _ = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+            if quality < threshold:
+                todo[a] = todo[b] = todo[c] = True
+
+
+@lean
+def survey(xy, vertex, region, count, threshold, todo, found):
+    """Look at all triangles, and put the corners of those with 2 r / R below the threshold on the list.
+
+    ``found`` gets the number of triangles, the sum and the least of 2 r / R, the least squared sine of an
+    angle, and how many are below the threshold.
+    """
+    total = poor = cells = 0.0
+    least = sine = 1.0
+    for t in range(count):
+        if region[t] >= 0:
+            a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+            q, s = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+            cells += 1.0
+            total += q
+            least, sine = min(least, q), min(sine, s)
+            if q < threshold:
+                todo[a] = todo[b] = todo[c] = True
+                poor += 1.0
+    found[0], found[1], found[2], found[3], found[4] = cells, total, least, sine, poor

@@ -1,0 +1,77 @@
+"""Rounds of smoothing, compiled: each vertex goes where its star is better, or where a mean has it.
+
+The arrays are those of `stars2`. Every move is judged by exact signs: all triangles around the vertex stay
+counterclockwise, or it stays where it is.
+
+Sources: D. A. Field, Laplacian smoothing and Delaunay triangulations (1988); L. Chen and M. Holst, Efficient
+mesh optimization schemes based on optimal Delaunay triangulations (2011). Book: 2.6c, 2.6d.
+"""
+
+from __future__ import annotations
+
+from ...base.jit import lean
+from ...connect.planar.stars import ROUNDNESS, search, star_measures, star_of, swap_around
+
+# where to: mean of the neighbors, of circumcenters, of centroids, or where a pattern search ends
+LAPLACE, OPTIMAL, CENTROID, SEARCH = 0, 1, 2, 3
+MOVED, INVALID, WORSE, FLIPS, LOOKED = 0, 1, 2, 3, 4  # what is counted
+
+
+@lean
+def target(places, k, x0, y0, method):
+    """Where the method would have a vertex: relative to it, so that nothing is lost far from the origin."""
+    sx, sy, weight = 0.0, 0.0, 0.0
+    for i in range(k):
+        ax, ay, bx, by = places[i, 0] - x0, places[i, 1] - y0, places[i + 1, 0] - x0, places[i + 1, 1] - y0
+        if method == LAPLACE:
+            sx, sy, weight = sx + ax, sy + ay, weight + 1.0
+            continue
+        area2 = ax * by - ay * bx
+        if area2 <= 0.0:
+            continue
+        if method == OPTIMAL:  # area times circumcenter: the area cancels
+            aa, bb = ax * ax + ay * ay, bx * bx + by * by
+            sx += 0.5 * (by * aa - ay * bb)
+            sy += 0.5 * (ax * bb - bx * aa)
+        else:
+            sx += area2 * (ax + bx) / 3.0
+            sy += area2 * (ay + by) / 3.0
+        weight += area2
+    if weight <= 0.0:
+        return x0, y0
+    return x0 + sx / weight, y0 + sy / weight
+
+
+@lean
+def smooth_round(
+    xy, vertex, twin, mark, where, at, still, method, smart, swap, threshold, start, stop, ring, places,
+    stack, counts,
+):  # fmt: skip
+    """Move each vertex of ``start <= v < stop`` whose worst triangle is below the threshold, in turn.
+
+    ``smart``: only where the least 2 r / R around it grows, as it always does in a search. Vertices that are
+    ``still`` stay. ``swap``: diagonals follow at once. ``counts`` are added to.
+    """
+    for v in range(start, stop):
+        if still[v]:
+            continue
+        k = star_of(xy, vertex, twin, at[v], ring, places)
+        x0, y0 = xy[v, 0], xy[v, 1]
+        old = star_measures(places, k, x0, y0, -1.0, ROUNDNESS)
+        if old[0] >= threshold:
+            continue
+        counts[LOOKED] += 1
+        if method == SEARCH:
+            x, y = search(places, k, x0, y0, old, ROUNDNESS)
+            counts[WORSE] += int(x == x0 and y == y0)
+        else:
+            x, y = target(places, k, x0, y0, method)
+            new = star_measures(places, k, x, y, -1.0, ROUNDNESS)
+            if new[0] < 0.0 or (smart and new[0] <= old[0]):
+                counts[INVALID if new[0] < 0.0 else WORSE] += 1
+                continue
+        if x != x0 or y != y0:
+            xy[v, 0], xy[v, 1] = x, y
+            counts[MOVED] += 1
+            if swap:
+                counts[FLIPS] += swap_around(xy, vertex, twin, mark, where, at, ring, k, stack)

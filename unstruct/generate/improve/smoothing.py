@@ -1,0 +1,176 @@
+"""Smoothing: vertices move to better places, diagonals follow, the mesh stays valid at every step.
+
+See `smoothing2` for the kernels and the sources. Book: 2.6d.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...base.errors import InputError, MeshError
+from ...connect.planar.stars import opposite_half_edges
+from ...connect.swapping import constraints, first_fault, planar_coordinates
+from ...domain.arguments import as_count, finite
+from ...mesh.domain_mesh import Refined
+from ...mesh.mesh import Mesh
+from ...mesh.topology import twins
+from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, SEARCH, WORSE, smooth_round
+
+__all__ = ["smooth"]
+
+METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
+CHUNK = 200_000  # vertices between two looks at Ctrl-C
+COUNTED = {"moved": MOVED, "invalid": INVALID, "worse": WORSE, "swaps": FLIPS, "examined": LOOKED}
+
+
+def smooth(
+    mesh: Mesh,
+    method: str = "laplace",
+    *,
+    rounds: int = 10,
+    smart: bool = True,
+    swap: bool = True,
+    below: float | None = None,
+    fixed: ArrayLike | None = None,
+    progress: bool = False,
+) -> Refined:
+    """Move the inner vertices of a planar triangle mesh so that its triangles become rounder.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Counterclockwise triangles in the plane.
+    method : {"laplace", "optimal", "centroid", "search"}
+        Where a vertex goes, one after the other: to the mean of its neighbors; to the mean of the
+        circumcenters of its triangles weighted by their areas (optimal Delaunay triangulation); to the mean
+        of their centroids weighted in the same way (centroidal patches, close to a centroidal Voronoi
+        tessellation); or to the best place that a search in eight directions finds.
+    rounds : int
+        How often all vertices are visited; it ends sooner when none moves.
+    smart : bool
+        Move only where the least 2 r / R around the vertex grows. Otherwise every valid move is made.
+    swap : bool
+        Swap diagonals after each move, so that a constrained Delaunay triangulation stays one.
+    below : float, optional
+        Look only at vertices with a triangle whose 2 r / R is less than this.
+    fixed : array_like of int, optional
+        Vertices that stay. By default, in a mesh of a domain (`Refined`), those of the domain.
+    progress : bool
+        Show the rounds.
+
+    Returns
+    -------
+    Refined
+        The same vertices and markers, new places, and with ``swap`` new triangles. ``counts`` has how many
+        moves were "moved", refused as "invalid" (a triangle would turn over: exact) or as "worse", how many
+        visits were "examined", and the "swaps" and "rounds".
+
+    Raises
+    ------
+    MeshError
+        For a mesh that is not made of counterclockwise triangles of the plane.
+    InputError
+        For an unknown method, a negative number of rounds, vertices that are not there.
+
+    Notes
+    -----
+    Boundary vertices, those on marked edges and those named by a marker stay. With ``swap``, the input is
+    expected to be constrained Delaunay (otherwise see `swap_diagonals` first); regions and marked edges are
+    respected. O(n) a round. Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
+    Book: 2.6d.
+    """
+    if method not in METHODS:
+        *names, last = METHODS
+        raise InputError(f"no method is called {method!r}; there are {', '.join(names)} and {last}")
+    rounds = as_count(rounds, "rounds")
+    limit = 2.0 if below is None else finite(below, "below")
+    coordinates, wide = planar_coordinates(mesh)
+    if mesh.size == 0:
+        raise MeshError(f"there is nothing to smooth: {mesh!r}")
+    fault = first_fault(coordinates, mesh.simplices, mesh.neighbors, wide)
+    if wide or fault >= 0:
+        what = "its coordinates span too many exponents" if wide else f"simplices[{fault}] is not well placed"
+        raise MeshError(f"this mesh cannot be smoothed: {what}; see unstruct.check")
+    markers, locked = constraints(mesh, None)
+    xy = coordinates.copy()
+    vertex, twin = mesh.simplices.ravel().copy(), twins(mesh.neighbors)
+    mark = np.where((twin >= 0) & ~locked.ravel(), -1, 0).astype(np.int32)  # 0 where an edge is closed
+    at = np.empty(len(xy), dtype=np.int32)
+    opposite_half_edges(vertex, np.zeros(mesh.size, dtype=np.int32), mesh.size, at)
+    closed = mark.reshape(-1, 3) >= 0
+    stays = _staying(mesh, fixed) | (at < 0)
+    stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # their ends
+    counts = np.zeros(8, dtype=np.int64)
+    arrays = (xy, vertex, twin, mark, np.zeros(1, dtype=np.int32), at, stays)
+    ring, stack = np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32)
+    scratch = ring, np.empty((len(ring) + 1, 2)), stack, counts
+    done = 0
+    for number in _rounds(rounds, progress):
+        done, before = number, counts[MOVED]
+        for start in range(0, len(xy), CHUNK):
+            stop = min(start + CHUNK, len(xy))
+            smooth_round(*arrays, METHODS[method], smart, swap, limit, start, stop, *scratch)
+        if counts[MOVED] == before:
+            break
+    found = {name: int(counts[place]) for name, place in COUNTED.items()} | {"rounds": done}
+    moved = (xy != coordinates).any(axis=1)
+    points = np.array(mesh.points)
+    points[moved] = (xy / _factor(mesh.points, coordinates))[moved]
+    points[mesh.duplicates[:, 0]] = points[mesh.duplicates[:, 1]]
+    return _result(mesh, points, vertex.reshape(-1, 3), markers, found)
+
+
+def _factor(points: NDArray[np.float64], coordinates: NDArray[np.float64]) -> float:
+    k = int(np.argmax(np.abs(points)))
+    return float(coordinates.flat[k] / points.flat[k])
+
+
+def _staying(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
+    stays = np.zeros(len(mesh.points), dtype=bool)
+    for rows in mesh.markers.values():
+        if rows.ndim == 2 and rows.shape[1] == 1:
+            stays[rows[:, 0]] = True
+    if fixed is None:
+        return stays | (mesh.origin >= 0) if isinstance(mesh, Refined) else stays
+    rows = np.asarray(fixed).ravel()
+    if rows.size and (rows.dtype.kind not in "iu" or rows.min() < 0 or rows.max() >= len(stays)):
+        raise InputError(f"fixed must be numbers of vertices, 0..{len(stays) - 1}")
+    stays[rows.astype(np.int64)] = True
+    return stays
+
+
+def _rounds(rounds: int, progress: bool) -> Any:
+    numbers = range(1, rounds + 1)
+    if not progress:
+        return numbers
+    from tqdm.auto import tqdm
+
+    return tqdm(numbers, unit=" rounds")
+
+
+def _result(
+    mesh: Mesh, points: NDArray, simplices: NDArray, markers: dict[str, NDArray], counts: dict[str, int]
+) -> Refined:
+    """The same vertices with the account of a `Refined`; what was unrefined and is still there stays so."""
+    rest: dict[str, Any] = {}
+    if isinstance(mesh, Refined):
+        rest = {"segments": mesh.segments, "piece": mesh.piece, "span": mesh.span}
+        old = np.sort(mesh.simplices[mesh.unrefined], axis=1)
+        number = {tuple(row): k for k, row in enumerate(old.tolist())}
+        rows = np.sort(simplices, axis=1).tolist() if number else []
+        same = [(t, number[tuple(row)]) for t, row in enumerate(rows) if tuple(row) in number]
+        rest["unrefined"] = [t for t, _ in same]
+        rest["reasons"] = [mesh.reasons[k] for _, k in same]
+        counts = mesh.counts | counts
+    return Refined(
+        points,
+        simplices,
+        origin=mesh.origin,
+        duplicates=mesh.duplicates,
+        markers=markers,
+        counts=counts,
+        **rest,
+    )

@@ -1,0 +1,1 @@
+"""Voronoi-segment insertion (12.2.6): nearly equilateral triangles of a wanted size."""

@@ -1,0 +1,160 @@
+"""The finishing pass of `voronoi_segment`: poor triangles are smoothed, too small angles refined away.
+
+Nothing here looks at good triangles more than once: what it costs follows the number of poor ones.
+"""
+
+from __future__ import annotations
+
+from math import asin, degrees, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...connect.planar.stars import legalize_moved, opposite_half_edges
+from ..improve.relocation import improve, look_for, survey
+from ..refinement.account import account
+from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
+from ..refinement.limits import make_limits
+from ..refinement.run import Planned
+from ..refinement.run import Run as Refinement
+from ..refinement.state import FINISHED, MORE, REFUSED
+
+if TYPE_CHECKING:
+    from ...connect.planar.complex import PlanarComplex
+    from ...domain.domain import Domain
+
+__all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
+
+CHUNK = 100_000  # vertices of a kernel call
+# Laplace steps on stars with a triangle below this fairness, then a search on those below that; most rounds
+NEARLY, STEPS = 0.995, 3
+POOR, SEARCHES = 0.9, 6
+LEAST = 25.0  # degrees: what is promised
+WANTED = 26.0  # and what is asked for
+PASSES = 3  # of refinement and smoothing
+LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
+
+
+def smooth_poor(
+    complex_: PlanarComplex, given: int, since: int = 0
+) -> tuple[int, int, NDArray[np.bool_], dict[str, float]]:
+    """Move vertices of poor triangles in place; those below number ``given`` and on segments stay.
+
+    ``since``: where the mesh was smoothed before and nothing but vertices from this number on has come in,
+    that number; then only what is around them is looked at, and searched.
+
+    Returns
+    -------
+    moves, swaps : int
+    moved : ndarray of bool
+        The vertices that have another place or, with ``since``, another triangle now.
+    before : dict of str to float
+        The `figures` of the mesh as it was; empty with ``since``.
+    """
+    c = complex_
+    n, count = c.size, c.triangles
+    at = np.empty(n, dtype=np.int32)
+    opposite_half_edges(c.vertex, c.region, count, at)
+    still = at < 0
+    still[:given] = True
+    still[c.ends[: c.segments].ravel()] = True
+    todo, moved = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+    # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
+    stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
+    arrays = (c.xy, c.vertex, c.twin, c.mark, c.where, at, still, todo, moved)
+    scratch = (np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2)), stack, counts)
+    before: dict[str, float] = {}
+    if since:
+        look_for(c.xy, c.vertex, c.region, count, np.inf, np.arange(n) >= since, todo)
+    else:
+        before = _named(_survey(c, NEARLY, todo))
+        seen = todo.copy()
+        if _rounds(arrays, NEARLY, False, STEPS, scratch):
+            counts[1] += legalize_moved(*arrays[:4], c.region, c.where, at, count, moved, stack)
+        todo[:] = False
+        # the others are as they were, beyond NEARLY
+        look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
+    corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
+    _rounds(arrays, POOR, True, SEARCHES, scratch)
+    swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
+    moved[corners.reshape(-1, 3)[swapped]] = True
+    return int(counts[0]), int(counts[1]), moved, before
+
+
+def _rounds(
+    arrays: tuple[NDArray, ...], threshold: float, patterns: bool, rounds: int, scratch: tuple[NDArray, ...]
+) -> int:
+    """Rounds of `improve` until nothing moves, but no more than so many; how many moves."""
+    n, moves = len(arrays[-1]), 0
+    for _ in range(rounds):
+        before = moves
+        for start in range(0, n, CHUNK):
+            moves += improve(*arrays, threshold, patterns, start, min(start + CHUNK, n), *scratch)
+        if moves == before:
+            break
+    return moves
+
+
+def figures(complex_: PlanarComplex) -> dict[str, float]:
+    """Number of triangles of the domain, least angle in degrees, least and mean 2 r / R."""
+    return _named(_survey(complex_, 0.0, np.zeros(complex_.size, dtype=bool)))
+
+
+def _survey(c: PlanarComplex, threshold: float, todo: NDArray[np.bool_]) -> NDArray[np.float64]:
+    found = np.zeros(5)
+    survey(c.xy, c.vertex, c.region, c.triangles, threshold, todo, found)
+    return found
+
+
+def _named(found: NDArray[np.float64]) -> dict[str, float]:
+    return {
+        "triangles": float(found[0]),
+        "least angle": degrees(asin(sqrt(min(found[3], 0.75)))),
+        "least 2r/R": float(found[2]),
+        "mean 2r/R": float(found[1] / max(found[0], 1.0)),
+    }
+
+
+def refine_angles(
+    domain: Domain, complex_: PlanarComplex, given: int, most: int
+) -> tuple[dict[str, int], list[int], list[str]]:
+    """Chew's second algorithm on the complex, for the sake of the least angle alone.
+
+    Parameters
+    ----------
+    domain : Domain
+    complex_ : PlanarComplex
+        Constrained Delaunay; it stays so.
+    given : int
+        Vertices from this number on may be taken away.
+    most : int
+        The number of vertices at which to stop.
+
+    Returns
+    -------
+    counts : dict of str to int
+        "circumcenters", "splits" and "removed" among others.
+    slots, reasons : list
+        Triangles that still have an angle below 26 degrees, and why.
+    """
+    lower, upper = domain.bounds
+    names = [""] * (int(complex_.region[: complex_.triangles].max(initial=-1)) + 1)
+    limits = make_limits(
+        names, np.concatenate([lower, upper]), complex_.factor, min_angle=WANTED, max_area=None, size=None,
+        lens=LENS,
+    )  # fmt: skip
+    cuts = domain.cuts()
+    planned = Planned(
+        complex_, names, domain.pieces, cuts.kind, cuts.arc, domain.points_at,
+        {"inputs": np.arange(len(domain.points))},
+    )  # fmt: skip
+    run = Refinement(planned, limits, 0.0, most, False)
+    free = run.kind[given : complex_.size]
+    free[free == INPUT_VERTEX] = FREE_VERTEX
+    run.start()
+    code = run.advance()
+    while code == MORE:
+        code = run.advance()
+    slots, reasons, _ = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
+    return run.counts(), slots.tolist(), reasons.tolist()

@@ -1,0 +1,277 @@
+"""One run of `voronoi_segment`: the arrays around its kernels, splits of the boundary, the account."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...connect.planar.cavity import blocked_by, commit_split, find_split
+from ...sizing import as_size
+from . import steps as k
+from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
+from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
+
+if TYPE_CHECKING:
+    from ...connect.planar.complex import PlanarComplex
+    from ...domain.domain import Domain
+    from ...mesh.domain_mesh import Refined
+
+COUNT_NAMES = (
+    "points", "capped", "clamped", "behind", "deleted", "cocircular", "circumcenters", "splits", "moved",
+    "wide", "outside", "encroaching", "collisions", "rounded", "given up", "refused splits",
+)  # fmt: skip
+FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
+NO_LIMIT = 2**30
+CHUNK = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
+TOLERANCE = 0.04  # of the size table, relative
+BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the last one
+MANY = 96  # of any other measure
+
+
+class Run:
+    """The state of one run.
+
+    Parameters
+    ----------
+    domain, size, priority
+        As for `voronoi_segment`.
+    complex_ : PlanarComplex
+        The constrained Delaunay triangulation to start from.
+    rule : Rule
+        The other choices.
+    history : bool
+        Whether to keep a record of each step.
+    """
+
+    def __init__(
+        self, domain: Domain, complex_: PlanarComplex, size: Any, priority: Any, rule: k.Rule, history: bool
+    ):
+        self.domain, self.complex = domain, complex_
+        lower, upper = domain.bounds
+        field = as_size(size)
+        self.table = field.table(lower, upper, factor=complex_.factor, tolerance=TOLERANCE).nodes
+        self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
+        if priority is not None:
+            measure = 1.0 if isinstance(priority, str) else priority
+            self.order, buckets = as_size(measure).table(lower, upper, factor=complex_.factor).nodes, MANY
+            scale *= (self.table.values.min() / self.order.values.max()) ** 2
+        constant = 0.0 if field.constant is None else self.table.values[0, 0] / k.ROOT3
+        self.rule = rule._replace(scale=float(scale), constant=float(constant))
+        self.batch = BATCH if field.constant is not None and not rule.last_first else 0
+        self.links, self.gates, self.turn = empty_queue(0, buckets, self.batch)
+        self.counts = np.zeros(k.COUNTS, dtype=np.int64)
+        self.ask = np.zeros(1, dtype=np.int64)
+        self.first = complex_.size  # vertices from here on are new
+        self.history, self.spent = history, False
+        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
+        # room for all points at once where their number is foreseen: what is not used costs nothing
+        h = np.inf if field.constant is None else field.constant
+        expected = 1.2 * domain.area * 2.0 / k.ROOT3 / h / h
+        self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
+
+    def reserve(self, vertices: int) -> None:
+        """Make room for so many vertices in all, and for a few more subsegments."""
+        complex_ = self.complex
+        if vertices > len(complex_.xy) or complex_.segments + 8 > len(complex_.ends):
+            complex_.reserve(vertices, complex_.segments + 64)
+        if len(complex_.region) > len(self.links):
+            self.links = grown_links(self.links, len(complex_.region))
+            self.scratch = complex_.scratch()
+        more = len(complex_.xy) - len(self.log)
+        if self.history and more > 0:
+            self.log = np.concatenate([self.log, np.tile(np.array([-1, -1, -1, -1, 0], np.int32), (more, 1))])
+            self.numbers = np.concatenate([self.numbers, np.full((more, 6), np.nan)])
+
+    @property
+    def _plane(self) -> tuple[NDArray, ...]:
+        c = self.complex
+        return c.xy, c.vertex, c.twin, c.mark, c.region
+
+    @property
+    def _sizes(self) -> tuple[Any, ...]:
+        return self.links, self.gates, self.turn, *self.table, *self.order, self.rule
+
+    def insert(self, budget: int | None, bar: Any) -> None:
+        """Insert points until no waiting triangle is left at the front, or the budget is spent."""
+        self.start(np.ones(self.complex.size, dtype=bool))
+        self.advance(budget, bar)
+
+    def advance(self, budget: int | None, bar: Any) -> None:
+        """`insert` from where it stands."""
+        c = self.complex
+        while True:
+            before = c.size
+            limit = CHUNK if budget is None else min(CHUNK, self.first + budget - c.size)
+            if limit <= 0:
+                self.spent = True
+                return
+            status = k.advance(
+                *self._plane, c.where, c.state, *self._sizes, *self.scratch,
+                self.counts, self.log, self.numbers, self.ask, limit,
+            )  # fmt: skip
+            if status == k.SPLIT:
+                self.split(int(self.ask[0]))
+            elif status == k.ROOM:
+                self.reserve(2 * c.size + 1000)
+            if bar is not None:
+                bar.update(c.size - before)
+            if status == k.DONE:
+                return
+
+    def split(self, e: int) -> bool:
+        """Split the subsegment on half-edge e on the true curve; False where that is not possible."""
+        self.reserve(self.complex.size + 8)
+        c = self.complex
+        s = int(c.mark[e])
+        t = float(c.span[s].mean())
+        x, y = self.domain.points_at(c.piece[s : s + 1], np.array([t]))[0] * c.factor
+        stack, cells, rim, hold, fresh = self.scratch
+        m, n, h = find_split(c.xy, c.vertex, c.twin, c.mark, e, x, y, stack, cells, rim)
+        if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, rim, n, x, y) >= 0:
+            self.counts[k.REFUSED] += 1
+            return False
+        for slot in cells[:m]:
+            if self.links[slot, STATUS] >= 0:
+                unlink(self.links, self.gates, slot, WAITING)
+        p = c.size
+        c.xy[p] = x, y
+        if self.history:
+            self.log[p], self.numbers[p, :2] = (*c.ends[s], -1, -1, 1 << k.SPLITS), (x, y)
+        commit_split(
+            c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+            e, cells, m, rim, n, h, p, t, hold, fresh,
+        )  # fmt: skip
+        inside = c.region[fresh[:n]] >= 0
+        self.links[fresh[:n][~inside], STATUS] = ACCEPTED
+        seen = fresh[:n][inside]
+        k.settle(c.xy, c.vertex, c.twin, c.mark, *self._sizes, seen, len(seen))
+        self.counts[k.SPLITS] += 1
+        return True
+
+    # ------------------------------------------------------------------ finishing
+
+    def start(self, moved: NDArray[np.bool_]) -> None:
+        """Look at all triangles that have a corner among these: which are accepted, which wait."""
+        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes, moved)
+
+    def restart(self) -> None:
+        """Look at all triangles anew, with an empty queue."""
+        self.reserve(self.complex.size)
+        slots, buckets = len(self.complex.region), len(self.gates) // 2
+        self.links, self.gates, self.turn = empty_queue(slots, buckets, self.batch)
+        self.start(np.ones(self.complex.size, dtype=bool))
+
+    def finish(self, budget: int | None) -> dict[str, Any]:
+        """The finishing pass; what `result` is to report of it."""
+        c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
+        done = dict.fromkeys(FINISH_NAMES, 0)
+        before: dict[str, float] = {}
+        since = 0  # not 0: vertices from number ``since`` on are new, and nothing else has changed
+        for number in range(PASSES + 1):
+            if number < PASSES:  # the last one refines only, so that the list is that of the result
+                moves, swaps, moved, measured = smooth_poor(c, self.first, since)
+                before = before or measured
+                done["moves"] += moves
+                done["swaps"] += swaps
+                if since and not self.spent:
+                    self.start(moved)
+                else:
+                    self.restart()
+            counted, size = self.counts.copy(), c.size
+            self.advance(budget, None)  # where a triangle has become too large again
+            done["points again"] += c.size - size
+            self.counts, after = counted, figures(c)
+            refined = False
+            slots: list[int] = []
+            reasons: list[str] = []
+            if after["least angle"] < LEAST:
+                found, slots, reasons = refine_angles(self.domain, c, self.first, most)
+                done["angle points"] += found["circumcenters"]
+                done["angle splits"] += found["splits"]
+                done["removed"] += found["removed"]
+                if found["circumcenters"] + found["splits"] > 0:
+                    refined, after = True, figures(c)
+                self.restart()
+            if not refined and (c.size == size or number > 0):
+                break
+            since = 0 if refined else size
+        kept = {f"{name} before": x for name, x in before.items()}
+        kept |= {f"{name} after": x for name, x in after.items()}
+        return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
+
+    # ------------------------------------------------------------------ the account
+
+    def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
+        """The record by columns; see `voronoi_segment`. ``place`` has the final number of each vertex."""
+        stop, c = self.complex.size, self.complex
+        log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
+        edge, case = log[:, :2], log[:, 4].astype(np.uint8)
+        f, p, q, d = numbers[:, 2:].T
+        last = edge.max(axis=1, initial=-1)
+        row = np.maximum(last - self.first, 0)
+        ends = edge[row]
+        other = edge.min(axis=1, initial=np.iinfo(np.int32).max)
+        proper = ((case & 1) > 0) & ((case >> k.DELETED & 1) == 0)  # AXB came and stood
+        child = (last >= self.first) & proper[row] & ((ends == other[:, None]).any(axis=1)) & (case & 1 > 0)
+        named = np.append(place, -1)
+        return {
+            "vertex": place[self.first : stop],
+            "edge": named[edge],
+            "accepted": named[log[:, 2]],
+            "waiting": named[log[:, 3]],
+            "parent": np.where(child, row, -1).astype(np.int32),
+            "case": case,
+            "f": f.copy(),
+            "p": p.copy(),
+            "q": q.copy(),
+            "d": d.copy(),
+            "point": numbers[:, :2].copy(),
+        }
+
+    def waiting(self) -> tuple[list[int], list[str]]:
+        """Triangles that are not accepted, as slots, and why."""
+        status = self.links[: self.complex.triangles, STATUS]
+        slots = np.flatnonzero((self.complex.region[: self.complex.triangles] >= 0) & (status >= ASIDE))
+        return slots.tolist(), ["budget" if self.spent else "too large: no room for a point"] * len(slots)
+
+    def result(self, finished: dict[str, Any] | None = None) -> Refined:
+        """The mesh and its account, that of the finishing pass included."""
+        c = self.complex
+        used = np.zeros(c.size, dtype=bool)
+        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+        waiting = dict(zip(*self.waiting()))
+        counts = dict(zip(COUNT_NAMES, self.counts.tolist()))
+        if finished is None:
+            finished = {"counts": {}, "figures": figures(c), "slots": [], "reasons": []}
+        missed = dict(zip(finished["slots"], finished["reasons"])) | waiting
+        return c.mesh(
+            facets=len(self.domain.facets),
+            markers=self.domain.markers,
+            origin=np.arange(len(self.domain.points), dtype=np.int32),
+            points=self.domain.points,
+            steps=self.steps(place) if self.history else None,
+            unrefined=np.array(sorted(missed), dtype=np.int64),
+            reasons=np.array([missed[slot] for slot in sorted(missed)], dtype=str),
+            counts=counts | finished["counts"],
+            figures=finished["figures"],
+        )
+
+
+def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool) -> k.Rule:
+    """The choices, checked."""
+    if not (isinstance(accept, (int, float)) and 1.0 < accept < np.inf):
+        raise InputError(f"accept = {accept!r} must be a number above 1; 1.35 is usual, the chapter has 1.5")
+    if evaluate not in ("center", "middle"):
+        raise InputError(f"evaluate = {evaluate!r} must be 'center' or 'middle'")
+    if order not in ("first", "last"):
+        raise InputError(f"order = {order!r} must be 'first' or 'last'")
+    if isinstance(priority, str) and priority not in ("alpha", "circumradius"):
+        raise InputError(
+            f"priority = {priority!r} must be 'alpha', 'circumradius' or a size to divide the circumradius by"
+        )
+    general = priority is not None and not (isinstance(priority, str) and priority == "alpha")
+    return k.Rule(float(accept), general, 1.0, evaluate == "center", order == "last", bool(split), 0.0)

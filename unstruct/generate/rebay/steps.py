@@ -1,0 +1,355 @@
+"""Rebay's insertion of points along Voronoi segments, compiled.
+
+Triangles of the domain are *accepted* (circumradius below delta f) or *waiting*; what lies beyond a
+constrained edge counts as accepted. An edge between the two kinds is *active*: the front. A step takes the
+first waiting triangle of the queue and one of its active edges, AB, and puts X on the bisector of AB:
+
+           C                    M  middle of AB, p = |AM|
+          / \\     accepted      F  circumcenter of the waiting triangle, q = |MF|, negative behind AB
+         A-M-B                  R = min(max(f, p), (p^2 + q^2) / 2 q)     (12.4)
+          \\X/    waiting       d = |MX| = R + sqrt(R^2 - p^2)            (12.5)
+           F
+           D                    taken together: d = min((12.5) for R = max(f, p), q), which is q where q < p
+
+The cavity is searched from the waiting triangle, whose circle holds X, so that no point location is needed;
+it is judged before anything is changed. Source: S. Rebay, Journal of Computational Physics 106 (1993)
+125-138. Book: 2.6c.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...connect.insertion.engine import COUNT
+from ...connect.planar.cavity import SEGMENTS, VERTICES, commit_here, end_of, find_cavity_here, start_of
+from ...connect.planar.stars import touched
+from ...predicates.batch import incircle, orient2
+from ...sizing.table import size_at
+from .queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
+
+# how a call of `advance` ends
+DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
+# what becomes of one attempt
+INSERTED, OUTSIDE, ENCROACHES, TOO_NEAR, ROUNDED = 0, 1, 2, 3, 4
+# places in the counts; the first eight are also the bits of the case that a step records
+POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, CENTERS, SPLITS = range(8)
+MOVED, WIDE, HIDDEN, FLAT, COLLISIONS, LOST, GIVEN_UP, REFUSED, COUNTS = range(8, 17)
+ROOT3 = sqrt(3.0)
+
+
+class Rule(NamedTuple):
+    """What the caller chooses."""
+
+    accept: float  # delta: a triangle is accepted where R < delta f
+    general: bool  # sort by R / g(Q) instead of R / f
+    scale: float  # the squared measure is divided by this before it is sorted into buckets
+    at_center: bool  # f is taken at the center of the new triangle, not at M
+    last_first: bool  # within a bucket
+    split: bool  # long boundary edges that reject a point are split
+    constant: float  # f, where it is the same everywhere; else 0
+
+
+@inline
+def wanted(child, values, box, rule, x, y):
+    """The wanted circumradius f at a point: that of an equilateral triangle with edges of the wanted size."""
+    return rule.constant if rule.constant > 0.0 else size_at(child, values, box, x, y) / ROOT3
+
+
+@inline
+def far_point(r, p):
+    """(12.5): from M to the far one of the two points on the bisector and on the circle of radius r."""
+    return r + sqrt(max(r * r - p * p, 0.0))
+
+
+@inline
+def circle(xy, vertex, t):
+    """The squared circumradius of triangle t (inf where it is flat), its circumcenter, its centroid."""
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    ax, ay = xy[a, 0], xy[a, 1]
+    ux, uy, vx, vy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
+    twice = 2.0 * (ux * vy - uy * vx)
+    gx, gy = ax + (ux + vx) / 3.0, ay + (uy + vy) / 3.0
+    if twice <= 0.0:
+        return inf, gx, gy, gx, gy
+    u, v = ux * ux + uy * uy, vx * vx + vy * vy
+    x, y = (u * vy - v * uy) / twice, (ux * v - vx * u) / twice
+    return x * x + y * y, ax + x, ay + y, gx, gy
+
+
+@inline
+def classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t):
+    """Accepted or waiting; in the second case also the bucket for it."""
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+    wx, wy, double = vx - ux, vy - uy, ux * vy - uy * vx
+    product = (ux * ux + uy * uy) * (vx * vx + vy * vy) * (wx * wx + wy * wy)
+    below = 4.0 * double * double  # R^2 = product / below
+    f = wanted(child, values, box, rule, xy[a, 0] + (ux + vx) / 3.0, xy[a, 1] + (uy + vy) / 3.0)
+    if double > 0.0 and product < below * rule.accept * rule.accept * f * f:
+        links[t, STATUS] = ACCEPTED
+        return
+    links[t, STATUS] = WAITING
+    if rule.general:
+        _, x, y, _, _ = circle(xy, vertex, t)
+        f = size_at(child2, values2, box2, x, y) / ROOT3
+    scale = below * f * f * rule.scale
+    links[t, LEVEL] = bucket_of(product / scale, len(gates) // 2) if scale > 0.0 else len(gates) // 2 - 1
+
+
+@inline
+def is_active(twin, mark, links, e):
+    """Whether the edge parts its triangle, if that waits, from an accepted one or from what is beyond."""
+    return mark[e] >= 0 or links[twin[e] // 3, STATUS] == ACCEPTED
+
+
+@inline
+def join_queue(twin, mark, links, gates, turn, rule, t):
+    """Queue triangle t if it waits at the front."""
+    if links[t, STATUS] == WAITING:
+        e = 3 * t
+        if (
+            is_active(twin, mark, links, e)
+            or is_active(twin, mark, links, e + 1)
+            or is_active(twin, mark, links, e + 2)
+        ):
+            push(links, gates, turn, t, rule.last_first)
+
+
+@lean
+def settle(
+    xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule, fresh, k
+):  # fmt: skip
+    """Classify new triangles; queue those at the front, and the neighbors that the front now reaches."""
+    for i in range(k):
+        classify(
+            xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, np.int64(fresh[i])
+        )
+    for i in range(k):
+        t = np.int64(fresh[i])
+        join_queue(twin, mark, links, gates, turn, rule, t)
+        if mark[3 * t] < 0:
+            o = np.int64(twin[3 * t] // 3)
+            status = links[o, STATUS]
+            if status == ASIDE or (status == WAITING and links[t, STATUS] == ACCEPTED):
+                push(links, gates, turn, o, rule.last_first)
+
+
+@lean
+def start(
+    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
+    box2, rule, moved,
+):  # fmt: skip
+    """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones.
+
+    Where no corner has ``moved``, what is known of a triangle holds. No triangle may be waiting in the queue.
+    """
+    for t in range(state[COUNT]):
+        if region[t] < 0:
+            links[t, STATUS] = ACCEPTED
+        elif touched(vertex, t, moved):
+            classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t)
+    for s in range(state[SEGMENTS]):
+        e = np.int64(where[s])
+        join_queue(twin, mark, links, gates, turn, rule, e // 3)
+        join_queue(twin, mark, links, gates, turn, rule, np.int64(twin[e] // 3))
+    for t in range(state[COUNT]):
+        join_queue(twin, mark, links, gates, turn, rule, np.int64(t))
+
+
+@inline
+def point_for(xy, vertex, child, values, box, rule, e, counts):
+    """X for the active edge on half-edge e: (x, y, f, p, q, d)."""
+    a, b, c = start_of(vertex, e), end_of(vertex, e), vertex[e]
+    ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+    mx, my = xy[a, 0] + ux / 2.0, xy[a, 1] + uy / 2.0
+    length = sqrt(ux * ux + uy * uy)
+    nx, ny, p = -uy / length, ux / length, length / 2.0
+    wx, wy = xy[c, 0] - mx, xy[c, 1] - my
+    high = wx * nx + wy * ny
+    q = (wx * wx + wy * wy - p * p) / (2.0 * high) if high > 0.0 else inf
+    f = wanted(child, values, box, rule, mx, my)
+    d = min(far_point(max(f, p), p), q)
+    if rule.at_center and rule.constant == 0.0:
+        g = wanted(child, values, box, rule, mx + nx * d / 3.0, my + ny * d / 3.0)
+        if abs(g - f) > 0.1 * f:
+            counts[MOVED] += 1
+        f = g
+        d = min(far_point(max(f, p), p), q)
+    return mx + d * nx, my + d * ny, f, p, q, d
+
+
+@inline
+def judge(xy, vertex, mark, rim, k, x, y, f, counts):
+    """Whether (x, y) may be joined to the rim: INSERTED, or the reason why not and the place in the rim.
+
+    Only constrained edges need an exact look: over the others the star-shape is a theorem (see `insertion2`).
+    """
+    wide = False
+    for i in range(k):
+        e = np.int64(rim[i])
+        a = start_of(vertex, e)
+        ax, ay = xy[a, 0] - x, xy[a, 1] - y
+        square = ax * ax + ay * ay
+        if mark[e] >= 0:
+            b = end_of(vertex, e)
+            if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], x, y) <= 0:
+                return OUTSIDE, i
+            bx, by = xy[b, 0] - x, xy[b, 1] - y
+            dot = ax * bx + ay * by
+            if dot < 0.0:  # seen under more than 90 degrees; under 120 or more:
+                if 4.0 * dot * dot >= square * (bx * bx + by * by):
+                    return ENCROACHES, i
+                wide = True
+        if square < 0.49 * f * f:
+            return TOO_NEAR, i
+    if wide:
+        counts[WIDE] += 1
+    return INSERTED, -1
+
+
+@inline
+def attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts):
+    """Find and judge the cavity of (x, y) from triangle t: (outcome, m, k, place in the rim)."""
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], x, y) <= 0:
+        return ROUNDED, 0, 0, -1
+    m, k = find_cavity_here(xy, vertex, twin, mark, t, x, y, stack, cells, rim)
+    if k < 0:
+        return ROUNDED, 0, 0, -1
+    outcome, i = judge(xy, vertex, mark, rim, k, x, y, f, counts)
+    return outcome, m, k, i
+
+
+@inline
+def clear(links, gates, cells, m):
+    """Take the triangles of a cavity out of the queue."""
+    for i in range(m):
+        t = np.int64(cells[i])
+        if links[t, STATUS] >= 0:
+            unlink(links, gates, t, WAITING)
+
+
+@inline
+def next_active(xy, vertex, twin, mark, links, t, tried):
+    """The shortest active edge of triangle t that was not tried yet (bits of ``tried``), or -1."""
+    best, shortest = np.int64(-1), inf
+    for j in range(3):
+        e = 3 * t + j
+        if (tried >> j) & 1 == 0 and is_active(twin, mark, links, e):
+            a, b = start_of(vertex, e), end_of(vertex, e)
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            if ux * ux + uy * uy < shortest:
+                best, shortest = np.int64(e), ux * ux + uy * uy
+    return best
+
+
+@inline
+def blame(xy, vertex, rim, outcome, i, f, counts):
+    """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, or -1."""
+    if outcome == TOO_NEAR or outcome == ROUNDED:
+        counts[COLLISIONS if outcome == TOO_NEAR else LOST] += 1
+        return np.int64(-1)
+    counts[HIDDEN if outcome == OUTSIDE else FLAT] += 1
+    e = np.int64(rim[i])
+    a, b = start_of(vertex, e), end_of(vertex, e)
+    ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+    # half of it is longer than f, where sqrt(3) / 2 f is the rule
+    return e if ux * ux + uy * uy > 4.0 * f * f else np.int64(-1)
+
+
+@inline
+def case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts):
+    """The bits of what is special about a step, which are counted; and whether AB stays."""
+    case = 1 << POINTS
+    if q < p:
+        case |= 1 << (CLAMPED if q > 0.0 else BEHIND)
+    elif d == q:
+        case |= 1 << CAPPED
+    stays = False
+    for j in range(k):
+        stays = stays or rim[j] == e
+    if not stays:
+        case |= 1 << DELETED
+    elif mark[e] < 0:
+        a, b, c = start_of(vertex, e), end_of(vertex, e), vertex[twin[e]]
+        if incircle(xy[b, 0], xy[b, 1], xy[a, 0], xy[a, 1], xy[c, 0], xy[c, 1], x, y) == 0:
+            case |= 1 << COCIRCULAR
+    for j in range(POINTS, COCIRCULAR + 1):
+        counts[j] += (case >> j) & 1
+    return case
+
+
+@inline
+def last_resort(xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts):
+    """Try the circumcenter of triangle t: (outcome, m, k, place in the rim, x, y, f)."""
+    square, x, y, gx, gy = circle(xy, vertex, t)
+    f = wanted(child, values, box, rule, gx, gy)
+    if square == inf:
+        return ROUNDED, 0, 0, -1, x, y, f
+    outcome, m, k, i = attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts)
+    if outcome == INSERTED:
+        counts[CENTERS] += 1
+    return outcome, m, k, i, x, y, f
+
+
+@lean
+def advance(
+    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
+    box2, rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
+):  # fmt: skip
+    """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split half-edge ``ask[0]``."""
+    for _ in range(limit):
+        if state[VERTICES] >= len(xy) or state[COUNT] + 4 > len(links):
+            return ROOM
+        t = np.int64(next_slot(links, gates, turn))
+        if t < 0:
+            return DONE
+        tried, to_split = 0, np.int64(-1)
+        outcome = -1
+        a = b = c = w = np.int64(-1)
+        case = 0
+        p = q = d = 0.0
+        while outcome != INSERTED:
+            e = next_active(xy, vertex, twin, mark, links, t, tried)
+            if e >= 0:
+                tried |= 1 << (e - 3 * t)
+                x, y, f, p, q, d = point_for(xy, vertex, child, values, box, rule, e, counts)
+                outcome, m, k, i = attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts)
+                if outcome == INSERTED:
+                    case = case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts)
+                    a, b, w = start_of(vertex, e), end_of(vertex, e), vertex[e]
+                    c = -1 if mark[e] >= 0 else vertex[twin[e]]
+            else:
+                outcome, m, k, i, x, y, f = last_resort(
+                    xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts
+                )
+                case = 1 << CENTERS
+            if outcome != INSERTED:
+                blamed = blame(xy, vertex, rim, outcome, i, f, counts)
+                to_split = blamed if to_split < 0 else to_split
+                if e < 0:
+                    break
+        if outcome == INSERTED:
+            clear(links, gates, cells, m)
+            v = state[VERTICES]
+            xy[v, 0], xy[v, 1] = x, y
+            commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, v, hold, fresh)
+            settle(
+                xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule,
+                fresh, k,
+            )  # fmt: skip
+            if len(log) > 0:
+                log[v, 0], log[v, 1], log[v, 2], log[v, 3], log[v, 4] = a, b, c, w, case
+                numbers[v, 0], numbers[v, 1], numbers[v, 2], numbers[v, 3] = x, y, f, p
+                numbers[v, 4], numbers[v, 5] = q, d
+            continue
+        unlink(links, gates, t, ASIDE)
+        if to_split >= 0 and rule.split:
+            ask[0] = to_split
+            return SPLIT
+        counts[GIVEN_UP] += 1
+    return MORE

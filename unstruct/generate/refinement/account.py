@@ -1,0 +1,105 @@
+"""What a refinement has not reached, and why, triangle by triangle."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import lean
+from ...connect.insertion.engine import COUNT
+from .encroachment import across_small_angle
+from .limits import ANGLE, Limits, misses
+from .state import CENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
+from .steps import shortest_first
+
+__all__ = ["account", "history_of"]
+
+TEXTS = {
+    FLOOR: "too near: the angle would need edges below a thousandth of the input's there, or near rounding",
+    PRECISION: "precision: the point needed is no double between its neighbors",
+    CURVE: "curve: a split of a curve would meet another feature",
+}
+EVENT_NAMES = {CENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
+
+
+@lean
+def _survey(w, limits, found):
+    """Slots of triangles that miss a limit, what they miss, and the apex of a small input angle; how many."""
+    count = 0
+    for t in range(w.state[COUNT]):
+        r = w.region[t]
+        if r < 0:
+            continue
+        a, b, c = shortest_first(w.xy, w.vertex, t)
+        bits = misses(w.xy, a, b, c, r, limits)
+        if bits == 0:
+            continue
+        if count < len(found):
+            found[count, 0], found[count, 1], found[count, 2] = t, bits, -1
+            found[count, 3], found[count, 4] = a, b
+            if bits == ANGLE:
+                apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
+                e = 3 * t
+                while w.vertex[e] != c:
+                    e += 1
+                n, p = (e - 2 if e % 3 == 2 else e + 1), (e + 2 if e % 3 == 0 else e - 1)
+                if apex < 0 and w.mark[n] >= 0 and w.mark[p] >= 0:
+                    apex = c  # its own least angle lies between two subsegments
+                found[count, 2] = apex
+        count += 1
+    return count
+
+
+def account(
+    w: Work, limits: Limits, finished: bool, given_up: bool
+) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
+    """Slots of triangles that miss a limit, the reason for each, and how many miss what.
+
+    Parameters
+    ----------
+    w, limits : as the kernels have them
+    finished : bool
+        Whether the run came to its end; else the reason is its budget where no other is known.
+    given_up : bool
+        Whether it ever gave a triangle up. If not, and it is finished, nothing misses a limit: each triangle
+        was looked at when it was made, and waited until it was gone.
+
+    Returns
+    -------
+    slots : ndarray of int32, shape (k,)
+    reasons : ndarray of str, shape (k,)
+    missed : dict of str to int
+    """
+    found = np.empty((0, 5), dtype=np.int64)
+    count = 0 if finished and not given_up else _survey(w, limits, found)
+    if count:
+        found = np.empty((count, 5), dtype=np.int64)
+        _survey(w, limits, found)
+    slot, bits, apex, a, b = found.T
+    why = w.status[slot].astype(np.int64) & 255
+    why[apex >= 0] = SMALL_ANGLE
+    reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
+    for code, text in TEXTS.items():
+        reasons[why == code] = text
+    if not finished:
+        reasons[why <= LARGE] = "budget"
+    rows = np.flatnonzero(apex >= 0)
+    u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
+    turn = np.abs(np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
+    reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
+    missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(("angle", "area", "size"))}
+    return slot.astype(np.int32), reasons.astype(str), missed
+
+
+def history_of(w: Work, count: int) -> dict[str, NDArray]:
+    """The record of a run as named arrays, unscaled coordinates excepted: the caller knows the factor."""
+    event = w.event[:count]
+    kind = (
+        np.array([EVENT_NAMES[int(k)] for k in event[:, 0]], dtype=str) if count else np.empty(0, dtype="U12")
+    )
+    return {
+        "kind": kind,
+        "vertex": event[:, 1].copy(),
+        "cause": event[:, 2:].copy(),
+        "place": w.place[:count].copy(),
+    }

@@ -1,0 +1,107 @@
+"""Subsegments in the way: when a vertex encroaches on one, and where one is split; compiled.
+
+Ruppert's rule is the diametral disc, Chew's the lens: a vertex encroaches where it sees the subsegment under
+more than a right angle, or under more than 180 degrees minus twice the least angle.
+
+Where two pieces meet at a small angle, a point put on one encroaches on the other, and so on for ever. So a
+subsegment that ends at such an *apex* is split at a power of two from it (Ruppert's concentric shells): both
+pieces are then cut at equal distances, and points at equal distances do not encroach on each other. What is
+left is a short edge across the wedge between two points of one shell: a triangle whose shortest edge this is
+cannot get a better angle without a shorter edge, and so on for ever; it is left alone.
+
+Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry
+(1993) 274-280; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller, S. E. Pav, N. J.
+Walkington, When and why Ruppert's algorithm works (International Meshing Roundtable, 2003).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ...base.jit import inline
+
+STRAIGHT, ARC, OTHER = 0, 1, 2  # kinds of pieces
+FIRST, SECOND = 1, 2  # which end of a subsegment is the apex of a small angle: bits
+FREE_VERTEX, INPUT_VERTEX, REMOVED_VERTEX = -1, -2, -3  # kinds of vertices; else the piece it lies on
+
+
+@inline
+def encroaches(ax, ay, bx, by, px, py, lens):
+    """Whether p sees a-b under an angle that is too large: lens 0 for more than 90 degrees."""
+    ux, uy, vx, vy = ax - px, ay - py, bx - px, by - py
+    dot = ux * vx + uy * vy
+    if dot >= 0.0:
+        return False
+    return lens == 0.0 or dot * dot >= lens * (ux * ux + uy * uy) * (vx * vx + vy * vy)
+
+
+@inline
+def shell(length):
+    """The power of two that divides a length most evenly: between a third and two thirds of it."""
+    d = 1.0
+    while length > 3.0 * d:
+        d *= 2.0
+    while length < 1.5 * d:
+        d *= 0.5
+    return d
+
+
+@inline
+def split_distance(length, apexes):
+    """How far from its first end a subsegment of this length is split."""
+    if apexes == FIRST:
+        return shell(length)
+    if apexes == SECOND:
+        return length - shell(length)
+    return 0.5 * length
+
+
+@inline
+def split_straight(xy, a, b, t0, t1, apexes):
+    """(x, y, t): where a straight subsegment is split, and the parameter there."""
+    dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+    if apexes == FIRST or apexes == SECOND:
+        length = math.sqrt(dx * dx + dy * dy)
+        ratio = split_distance(length, apexes) / length
+    else:
+        ratio = 0.5
+    return xy[a, 0] + ratio * dx, xy[a, 1] + ratio * dy, t0 + ratio * (t1 - t0)
+
+
+@inline
+def split_arc(xy, a, b, t0, t1, apexes, arc):
+    """The same for a part of a circular arc (center, radius, start, sweep); the point is on the circle."""
+    r = arc[2]
+    t = 0.5 * (t0 + t1)
+    if apexes == FIRST or apexes == SECOND:
+        dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+        d = shell(math.sqrt(dx * dx + dy * dy))
+        step = 2.0 * math.asin(min(1.0, d / (2.0 * r))) / abs(arc[4])  # the chord from the apex is the shell
+        t = t0 + step if apexes == FIRST else t1 - step
+    angle = arc[3] + t * arc[4]
+    return arc[0] + r * math.cos(angle), arc[1] + r * math.sin(angle), t
+
+
+@inline
+def across_small_angle(xy, kind, joints, u, v):
+    """The vertex about which u and v lie on one shell, on two pieces that meet there below 60 degrees; or -1.
+
+    ``kind[v]`` is the piece in whose interior vertex v lies, ``joints`` (pieces, 2) the ends of the pieces.
+    """
+    p, q = kind[u], kind[v]
+    if p < 0 or q < 0 or p == q:
+        return -1
+    for i in range(2):
+        for j in range(2):
+            w = joints[p, i]
+            if w >= 0 and w == joints[q, j]:
+                ux, uy, vx, vy = (
+                    xy[u, 0] - xy[w, 0],
+                    xy[u, 1] - xy[w, 1],
+                    xy[v, 0] - xy[w, 0],
+                    xy[v, 1] - xy[w, 1],
+                )
+                d, e = ux * ux + uy * uy, vx * vx + vy * vy
+                if 0.999 * e < d < 1.001 * e and 2.0 * (ux * vx + uy * vy) > 0.999 * d:
+                    return w
+    return -1

@@ -1,0 +1,133 @@
+"""What a triangle may be at most: least angle, largest area, largest circumradius, region by region.
+
+A size h is a wanted edge length. A triangle is too large where its circumradius exceeds h / sqrt(2): a new
+point is then farther than h / sqrt(2) from all others that it sees, and in the end no edge is longer than
+sqrt(2) h. So the edges lie between h / sqrt(2) and sqrt(2) h, symmetrically about the wanted length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.jit import inline
+from ...sizing import as_size
+from ...sizing.table import size_at
+
+__all__ = ["Limits"]
+
+ANGLE, AREA, SIZE = 1, 2, 4  # what a triangle misses: bits
+BY_ANGLE, BY_SIZE = 1, 2  # what a triangle or a subsegment is asked for: the angle only, or area and size
+
+
+class Limits(NamedTuple):
+    """The limits as the kernels see them; lengths are scaled."""
+
+    sine2: float  # squared sine of the least angle, 0 for none
+    lens: float  # squared cosine of the angle under which an encroaching vertex sees a subsegment
+    twice_area: NDArray[np.float64]  # (regions,) twice the largest area, inf for none
+    radius2: NDArray[np.float64]  # (regions,) largest circumradius, squared, where the size is constant
+    first: NDArray[np.int64]  # (regions,) the rows of the region's size table, -1 where it is constant
+    last: NDArray[np.int64]
+    child: NDArray[np.int32]
+    values: NDArray[np.float64]
+    box: NDArray[np.float64]
+
+
+@inline
+def largest_radius2(limits, r, x, y):
+    """The squared circumradius that a triangle of region r may have at (x, y)."""
+    i = limits.first[r]
+    if i < 0:
+        return limits.radius2[r]
+    j = limits.last[r]
+    h = size_at(limits.child[i:j], limits.values[i:j], limits.box, x, y)
+    return 0.5 * h * h
+
+
+@inline
+def misses_of(twice, p, q, s, x, y, r, limits):
+    """`misses` for twice the area, the squared edges, and the centroid.
+
+    R = abc / (2 twice), and the sine of the least angle is twice over the product of the two longer edges.
+    No branch: the outcome is a matter of chance, and wrong guesses of the processor cost more than all else.
+    """
+    square, product = twice * twice, p * q * s
+    angle = square * min(min(p, q), s) < limits.sine2 * product
+    area = twice > limits.twice_area[r]
+    size = product > 4.0 * square * largest_radius2(limits, r, x, y)
+    return ANGLE * angle + AREA * area + SIZE * size
+
+
+@inline
+def misses(xy, a, b, c, r, limits):
+    """Which limits the counterclockwise triangle a, b, c of region r misses: a sum of bits, 0 for none."""
+    ax, ay, bx, by, cx, cy = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]
+    twice = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    p = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
+    q = (cx - bx) * (cx - bx) + (cy - by) * (cy - by)
+    s = (ax - cx) * (ax - cx) + (ay - cy) * (ay - cy)
+    return misses_of(twice, p, q, s, (ax + bx + cx) / 3.0, (ay + by + cy) / 3.0, r, limits)
+
+
+# --- building them ---------------------------------------------------------------------------------
+
+
+def make_limits(
+    names: list[str], box: NDArray[np.float64], factor: float, *, min_angle: float, max_area: Any, size: Any,
+    lens: float,
+) -> Limits:  # fmt: skip
+    """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates."""
+    areas = [
+        _positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")
+    ]
+    radius2 = np.full(len(names), np.inf)
+    first, last = np.full(len(names), -1, dtype=np.int64), np.full(len(names), -1, dtype=np.int64)
+    child, values, rows = [np.empty(0, np.int32)], [np.empty((0, 4))], 0
+    made: dict[int, tuple[int, int]] = {}
+    for r, one in enumerate(per_region(size, names, "size")):
+        if one is None:
+            continue
+        field = as_size(one)
+        if field.constant is not None:
+            h = field.constant * factor
+            radius2[r] = 0.5 * h * h  # inf for an enormous size, which then limits nothing
+            continue
+        if id(one) not in made:  # one table for all regions that share a field
+            nodes = field.table(box[:2], box[2:], factor=factor).nodes
+            child.append(nodes.child)
+            values.append(nodes.values)
+            made[id(one)] = rows, rows + len(nodes.child)
+            rows += len(nodes.child)
+        first[r], last[r] = made[id(one)]
+    return Limits(
+        math.sin(math.radians(min_angle)) ** 2, lens, np.array(areas), radius2, first, last,
+        np.concatenate(child), np.concatenate(values), box * factor,
+    )  # fmt: skip
+
+
+def per_region(value: Any, names: list[str], what: str) -> list[Any]:
+    """One value a region: the same for all, or looked up by name (None where a name is not given)."""
+    if not isinstance(value, Mapping):
+        return [value] * len(names)
+    unknown = [name for name in value if name not in names]
+    if unknown:
+        raise InputError(f"{what} names region {unknown[0]!r}; the domain has {sorted(set(names))}")
+    return [value.get(name) for name in names]
+
+
+def _positive(value: Any, what: str) -> float:
+    if value is None:
+        return math.inf
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} must be a number or a dict of numbers by region, not {value!r}") from None
+    if not number > 0:
+        raise InputError(f"{what} = {number} must be positive")
+    return number

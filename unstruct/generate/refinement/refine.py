@@ -1,0 +1,194 @@
+"""Delaunay refinement with guarantees: `refine` (section 2.6 of the book).
+
+The kernels are in `ruppert2`; the loop around them, which makes room and answers what only Python knows, is
+in `refinement_run`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...domain.arguments import DEFAULT_BUDGET, MOST
+from ...domain.domain import Domain
+from ...mesh.domain_mesh import Refined
+from ...mesh.mesh import Mesh
+from ...sizing import as_size
+from ..boundary.constrained import planar_complex
+from .account import account, history_of
+from .limits import make_limits
+from .remeshing import carry, plan_mesh
+from .run import Planned, Run
+from .state import BUDGET, EVENTS, FINISHED, MORE, REFUSED
+
+__all__ = ["refine"]
+
+LEAST_LENS = 15.0  # degrees: below, the stretch of a curve might leave the lens of its chord
+MOST_ANGLE = 59.0
+
+
+def refine(
+    domain: Domain | Mesh,
+    size: Any = None,
+    *,
+    min_angle: float | None = None,
+    max_area: Any = None,
+    method: Literal["ruppert", "chew", "off-centers"] = "off-centers",
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> Refined:
+    """Mesh a planar domain with triangles that are neither too flat nor too large.
+
+    Parameters
+    ----------
+    domain : Domain or Mesh
+        A region; or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
+        edges and edges between cells of different "region" are kept as edges (divided, where need be);
+        where it is not constrained Delaunay it is made so first. Its edges are straight, whatever curve they
+        came from; ``piece`` of the result numbers straight chains of the edges that were kept.
+    size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
+        The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
+        vertices keep a distance of at least 1 / sqrt(2) times the wanted length.
+    min_angle : float, optional
+        The least angle wanted, in degrees; 25 by default, 0 for none.
+    max_area : number or dict of region name to number, optional
+        The largest area wanted.
+    method : "off-centers", "chew" or "ruppert"
+        Ruppert: circumcenters and diametral discs. Chew's second algorithm: subsegments are split where a
+        vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are taken
+        away first. Off-centers (Üngör), with Chew's rule: points no farther from the shortest edge than the
+        angle needs; by far the fewest triangles where the angle drives, and as many where size or area does.
+    budget : int, optional
+        The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
+        its triangulation are made in any case.
+    history : bool
+        Keep a record: ``steps`` of the result.
+    progress : bool
+        Show the number of vertices as it grows.
+
+    Returns
+    -------
+    Refined
+        ``complete`` where all limits hold; else ``unrefined`` has the cells that miss one and ``reasons``
+        says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision: ...",
+        "too near: ...", "curve: ...". ``counts`` tells what happened. With ``history`` the arrays of
+        ``steps`` have one row an event: "kind" ("split", "circumcenter", "rejected", "removed"), "vertex" (-1
+        for a rejected one), "cause" (the ends of the subsegment and its number; or the triangle), "place".
+        Where nothing was removed (always so for Ruppert's method on straight segments) a prefix of the
+        points is the state: the constrained Delaunay triangulation of ``points[:k]``.
+
+    Raises
+    ------
+    InputError
+        For limits that are not positive or name a region that is not there, and as
+        `unstruct.constrained_delaunay` does.
+
+    Notes
+    -----
+    All signs that decide the topology are exact. Split points of straight segments are rounded: a
+    constraint is, from then on, its two stored halves. Points on curves lie on the true curve.
+
+    What is proved, for straight segments: where they meet at 60° or more, Ruppert's method ends for a
+    ``min_angle`` of up to 20.7° (Ruppert), Chew's for up to 26.5° (Shewchuk), with triangles as large as the
+    features allow within a constant. With concentric shells about small input angles, and the rule that
+    leaves triangles across them alone (their reason is "input angle"), Ruppert's method ends for any straight
+    input and up to 26.45° (Miller, Pav, Walkington). Larger values mostly work, up to about 33°; but there is
+    input without small angles where, in exact arithmetic, Ruppert's method never ends for more than about
+    29.5°, and other input where Chew's does not for more than about 30.7° (Rand). Beyond the
+    theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
+    the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
+
+    O(n log n) in practice: no point is looked for, each starts at its own bad triangle. Sources: J. Ruppert,
+    Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;
+    A. Üngör, LATIN (2004) 152-161; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller,
+    S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
+    non-termination of Ruppert's algorithm (2011). Book: 2.6a, 2.6d.
+    """
+    if not isinstance(domain, Domain | Mesh):
+        raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
+    angle, lens, offset = _method(method, min_angle)
+    planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
+    c = planned.complex_
+    rows = c.xy[: c.size] / c.factor
+    box = np.concatenate([rows.min(axis=0), rows.max(axis=0)])
+    limits = make_limits(
+        planned.names, box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
+    )
+    run = Run(planned, limits, offset, _budget(budget), history)
+    run.start()
+    code = _loop(run, progress)
+    slots, reasons, missed = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
+    steps = None
+    if history:
+        steps = history_of(run.work(), int(run.tally[EVENTS]))
+        steps["place"] /= c.factor
+    result = c.mesh(
+        unrefined=slots, reasons=reasons, counts=run.counts() | {f"missed {k}": v for k, v in missed.items()},
+        steps=steps, **planned.rest["mesh"],
+    )  # fmt: skip
+    if isinstance(domain, Mesh):
+        carry(domain, planned, result)
+    return result
+
+
+def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
+    """The least angle, the lens' squared cosine, and how far off the middle of an edge off-centers lie."""
+    try:
+        angle = 25.0 if min_angle is None else float(min_angle)
+    except (TypeError, ValueError):
+        raise InputError(f"min_angle must be a number of degrees, not {min_angle!r}") from None
+    if not 0.0 <= angle <= MOST_ANGLE:
+        raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
+    if method not in ("ruppert", "chew", "off-centers"):
+        raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
+    lens = (
+        0.0 if method == "ruppert" else math.cos(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0))) ** 2
+    )
+    offset = 0.0
+    if method == "off-centers" and angle > 0.0:
+        # the apex over the shortest edge that makes the angle, a little lower so that rounding does no harm
+        offset = 0.475 / math.tan(math.radians(angle) / 2.0)
+    return angle, lens, offset
+
+
+def _budget(budget: int | None) -> int:
+    if budget is None:
+        return DEFAULT_BUDGET
+    if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
+        raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
+    return min(int(budget), MOST)
+
+
+def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
+    """The constrained Delaunay triangulation of a domain; its boundary is cut by the size, if that is one."""
+    whole = None if size is None or isinstance(size, Mapping) else as_size(size)
+    sample = whole if whole is None or whole.constant is None else whole.constant
+    c = planar_complex(domain, sample, progress=progress)
+    names = list(domain.regions)
+    parts = int(c.region[: c.triangles].max()) + 1
+    cuts = domain.cuts()
+    n = len(domain.points)
+    return Planned(
+        c, names + [""] * (parts - len(names)), domain.pieces, cuts.kind, cuts.arc, domain.points_at,
+        {"inputs": np.arange(n), "mesh": {
+            "facets": len(domain.facets), "origin": np.arange(n, dtype=np.int32), "markers": domain.markers,
+            "points": domain.points,
+        }},
+    )  # fmt: skip
+
+
+def _loop(run: Run, progress: bool) -> int:
+    code = MORE
+    with progress_bar(progress, " vertices", desc="refine") as bar:
+        while code == MORE:
+            before = run.vertices
+            code = run.advance()
+            bar.update(run.vertices - before)
+    assert code in (FINISHED, BUDGET)
+    return code

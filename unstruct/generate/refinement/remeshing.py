@@ -1,0 +1,257 @@
+"""A triangle mesh as the start of a refinement: its boundary and marked edges become subsegments."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import frozen
+from ...base.errors import InputError, MeshError
+from ...base.jit import lean
+from ...connect.planar.cavity import SEGMENTS
+from ...connect.planar.complex import PlanarComplex
+from ...mesh.domain_mesh import Refined
+from ...mesh.marked import marked_sides
+from ...mesh.mesh import Mesh, is_planar
+from ...predicates.batch import orient
+from ..boundary.constrained import insert_all
+from .encroachment import STRAIGHT
+from .run import Planned
+
+__all__ = ["carry", "plan_mesh"]
+
+STRAIGHT_TURN = 1e-9  # edges that turn less, in radians, count as parts of one straight piece
+
+
+def plan_mesh(mesh: Mesh) -> Planned:
+    """The constrained Delaunay triangulation of a mesh's vertices and of the edges that must stay.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Counterclockwise triangles in the plane.
+
+    Returns
+    -------
+    Planned
+        Regions are the connected values of all markers of cells; they are named by the value of the marker
+        "region", if there is one. Pieces are straight chains of edges with equal markers.
+
+    Raises
+    ------
+    MeshError
+        For other meshes, for cells that are not counterclockwise, and for cells that overlap.
+    """
+    _judge(mesh)
+    used, place = _used(mesh)
+    values, group = _groups(mesh)
+    edges, left, right, kinds = _constraints(mesh, group)
+    ends, chain, span, flipped = chains(mesh.points, edges, np.column_stack([kinds, left < 0, right < 0]))
+    left, right = np.where(flipped, right, left), np.where(flipped, left, right)
+    joints = _joints(ends, span, chain)
+    inner = np.array(
+        [(left[chain == p] >= 0).all() and (right[chain == p] >= 0).all() for p in range(len(joints))]
+    )
+    order = np.argsort(inner, kind="stable")  # facets first
+    number = np.empty(len(order), dtype=np.int32)
+    number[order] = np.arange(len(order))
+    chain, joints = number[chain], joints[order]
+    c = PlanarComplex(mesh.points[used])
+    try:
+        insert_all(c, place[ends], chain, span, facets=-1)
+    except InputError as error:
+        raise MeshError(f"cells of the mesh overlap: among the vertices that are used, {error}") from error
+    if c.segments != len(ends):
+        raise MeshError("a vertex of the mesh lies on an edge that it does not belong to; see unstruct.check")
+    _color(c, left, right)
+    _compare(mesh, c)
+    names = [row["region"] for row in values] if "region" in mesh.markers else [""] * len(values)
+    inputs = np.ones(len(used), dtype=bool)
+    inputs[place[ends]], inputs[place[joints]] = False, True
+    return Planned(
+        c, names, place[joints].astype(np.int32), np.full(len(joints), STRAIGHT, np.int8),
+        np.zeros((len(joints), 5)), _never, {
+            "inputs": np.flatnonzero(inputs),
+            "values": values,
+            "mesh": {
+                "facets": int((~inner).sum()), "origin": mesh.origin[used], "points": mesh.points[used],
+                "markers": {name: np.unique(chain[kinds[:, k]]) for k, name in enumerate(_names(mesh))},
+            },
+        },
+    )  # fmt: skip
+
+
+def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
+    raise AssertionError("all pieces of a mesh are straight")
+
+
+def _judge(mesh: Mesh) -> None:
+    if not is_planar(mesh) or mesh.size == 0:
+        raise MeshError(f"refinement takes a Domain or a triangle mesh of the plane; this is {mesh!r}")
+    turned = np.asarray(orient(mesh.corners)) <= 0
+    if turned.any():
+        t = int(np.argmax(turned))
+        raise MeshError(
+            f"simplices[{t}] = {mesh.simplices[t].tolist()} is not counterclockwise: see mesh.oriented()"
+        )
+
+
+def _used(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """The vertices that cells use, and the place of each vertex among them."""
+    mask = np.zeros(len(mesh.points), dtype=bool)
+    mask[mesh.simplices.ravel()] = True
+    return np.flatnonzero(mask), np.cumsum(mask, dtype=np.int32) - np.int32(1)
+
+
+def _names(mesh: Mesh) -> list[str]:
+    return [k for k, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2 and k not in _OWN]
+
+
+_OWN = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
+
+
+def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
+    """The different rows of cell markers, and which of them each cell has."""
+    names = [name for name, rows in mesh.markers.items() if rows.ndim == 1]
+    columns = [np.unique(mesh.markers[name], return_inverse=True)[1] for name in names]
+    table = np.stack(columns, axis=1) if columns else np.zeros((mesh.size, 1), dtype=np.int64)
+    _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    rows = [{name: mesh.markers[name][t].item() for name in names} for t in first]
+    return rows, group.reshape(-1)
+
+
+def _constraints(
+    mesh: Mesh, group: NDArray[np.int64]
+) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Edges (a < b) that must stay, the group of cells on the left and right, and the markers of each."""
+    n = len(mesh.points)
+    stay = (mesh.neighbors < 0) | (group[mesh.neighbors] != group[:, None])
+    for name, rows in mesh.markers.items():
+        if rows.ndim == 2 and rows.shape[1] == 2:
+            sides, found = marked_sides(mesh.simplices, rows, n)
+            if not found.all():
+                edge = rows[int(np.argmin(found))].tolist()
+                raise MeshError(f"markers[{name!r}]: {edge} is no edge of the mesh")
+            stay |= sides
+    cells, corner = np.nonzero(stay)
+    start, end = (mesh.simplices[cells, (corner + k) % 3].astype(np.int64) for k in (1, 2))
+    key, where = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
+    side = np.full((2, len(key)), -1, dtype=np.int64)
+    side[(start > end).astype(int), where] = group[cells]
+    edges = np.column_stack([key // n, key % n]).astype(np.int32)
+    kinds = np.zeros((len(key), len(_names(mesh))), dtype=bool)
+    for k, name in enumerate(_names(mesh)):
+        kinds[:, k] = np.isin(key, np.sort(mesh.markers[name].astype(np.int64), axis=1) @ [n, 1])
+    return edges, side[0], side[1], kinds
+
+
+# --- straight chains -------------------------------------------------------------------------------
+
+
+def chains(
+    points: NDArray[np.float64], edges: NDArray[np.int32], labels: NDArray
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64], NDArray[np.bool_]]:
+    """Edges as parts of straight pieces: ends along the piece, its number, parameters; which were turned."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    m = len(edges)
+    vertex, edge = edges.ravel(), np.repeat(np.arange(m), 2)
+    order = np.argsort(vertex, kind="stable")
+    vertex, edge = vertex[order], edge[order]
+    head = np.flatnonzero(np.diff(vertex, prepend=-1))
+    two = head[np.diff(np.append(head, len(vertex))) == 2]
+    v, e, f = vertex[two], edge[two], edge[two + 1]
+    u, w = points[edges[e].sum(axis=1) - v] - points[v], points[edges[f].sum(axis=1) - v] - points[v]
+    cross, dot = u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0], (u * w).sum(axis=1)
+    join = (np.abs(cross) <= -STRAIGHT_TURN * dot) & (labels[e] == labels[f]).all(axis=1)
+    graph = coo_matrix((np.ones(join.sum()), (e[join], f[join])), shape=(m, m))
+    chain = connected_components(graph, directed=False)[1].astype(np.int32)
+    longest = np.lexsort((np.arange(m), chain))
+    lead = longest[
+        np.flatnonzero(np.diff(chain[longest], prepend=-1))
+    ]  # one edge of each chain: its direction
+    direction = (points[edges[lead, 1]] - points[edges[lead, 0]])[chain]
+    along = np.einsum("ijk,ik->ij", points[edges], direction)
+    flipped = along[:, 0] > along[:, 1]
+    ends = np.where(flipped[:, None], edges[:, ::-1], edges)
+    along = np.sort(along, axis=1)
+    low, high = np.full(len(lead), np.inf), np.full(len(lead), -np.inf)
+    np.minimum.at(low, chain, along[:, 0])
+    np.maximum.at(high, chain, along[:, 1])
+    span = (along - low[chain, None]) / (high - low)[chain, None]
+    return np.ascontiguousarray(ends, dtype=np.int32), chain, span, flipped
+
+
+def _joints(ends: NDArray, span: NDArray, chain: NDArray) -> NDArray[np.int32]:
+    """The end vertices of each chain."""
+    joints = np.empty((int(chain.max()) + 1, 2), dtype=np.int32)
+    for column, t in ((0, 0.0), (1, 1.0)):
+        rows = span[:, column] == t
+        joints[chain[rows], column] = ends[rows, column]
+    return joints
+
+
+# --- regions ---------------------------------------------------------------------------------------
+
+
+@lean
+def _spread(twin, mark, region, count, stack):
+    """Carry numbers of regions over unmarked edges; False where two meet."""
+    size = 0
+    for t in range(count):
+        if region[t] >= 0:
+            stack[size] = t
+            size += 1
+    while size > 0:
+        size -= 1
+        t = stack[size]
+        for k in range(3):
+            if mark[3 * t + k] < 0:
+                o = twin[3 * t + k] // 3
+                if region[o] < 0:
+                    region[o] = region[t]
+                    stack[size] = o
+                    size += 1
+                elif region[o] != region[t]:
+                    return False
+    return True
+
+
+def _color(c: PlanarComplex, left: NDArray, right: NDArray) -> None:
+    """Give every triangle the group of the cells that lie on its side of the edges that stayed."""
+    half = c.where[: c.state[SEGMENTS]]
+    for side, group in ((half, left), (c.twin[half], right)):
+        rows = group >= 0
+        c.region[side[rows] // 3] = group[rows]
+    if not _spread(c.twin, c.mark, c.region, c.triangles, np.empty(c.triangles, dtype=np.int32)):
+        raise MeshError("cells of the mesh overlap: see unstruct.check")
+
+
+def _compare(mesh: Mesh, c: PlanarComplex) -> None:
+    """Cells that overlap without crossing boundaries have too much area."""
+    rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
+    if (rows < 0).any():
+        raise MeshError("the boundary of the mesh does not close: see unstruct.check")
+    a, b, d = (c.xy[rows[:, k]] / c.factor for k in range(3))
+    u, v = b - a, d - a
+    area = 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
+    cells = mesh.volume
+    if abs(area - cells) > 1e-9 * cells:
+        raise MeshError(f"cells of the mesh overlap: their area is {cells}, that of the region {area}")
+
+
+def carry(mesh: Mesh, planned: Planned, result: Refined) -> None:
+    """Give the refined mesh the markers of cells and vertices that the first one had."""
+    group = result.markers.pop("region")
+    values = planned.rest["values"]
+    for name in values[0]:
+        result.markers[name] = frozen(np.array([row[name] for row in values])[group])
+    place = np.full(len(mesh.points), -1, dtype=np.int32)
+    used = _used(mesh)[0]
+    place[used] = np.arange(len(used))  # the first vertices of the result, in the same order
+    for name, rows in mesh.markers.items():
+        if rows.ndim == 2 and rows.shape[1] == 1:
+            result.markers[name] = frozen(place[rows][place[rows[:, 0]] >= 0])

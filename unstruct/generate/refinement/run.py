@@ -1,0 +1,191 @@
+"""One run of Delaunay refinement: its arrays, room for them as they grow, and points of curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...connect.insertion.engine import grown
+from ...connect.planar.complex import PlanarComplex
+from .acute import apexes
+from .encroachment import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
+from .free_vertices import MOST
+from .limits import Limits
+from .state import (
+    CENTERS,
+    CURVES,
+    EVENTS,
+    FRACTION,
+    LARGE,
+    LIMIT,
+    MORE,
+    REMOVED,
+    ROOM,
+    SEGMENT_TOP,
+    WANTED,
+    Work,
+    look_at_all,
+    set_floors,
+)
+from .steps import advance
+
+__all__ = ["Planned", "Run"]
+
+STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+PER_VERTEX = ("kind", "floor")
+PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
+PER_SLOT = ("large", "ahead", "behind")
+OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
+At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass
+class Planned:
+    """A triangulation to be refined, and what is known of its pieces."""
+
+    complex_: PlanarComplex
+    names: list[str]  # of the regions, by number
+    joints: NDArray[np.int32]  # (pieces, 2) end vertices
+    curve: NDArray[np.int8]  # (pieces,) STRAIGHT, ARC, OTHER
+    arc: NDArray[np.float64]  # (pieces, 5), unscaled
+    at: At  # points of pieces by parameter, unscaled
+    rest: dict[str, Any] = field(default_factory=dict)  # for `PlanarComplex.mesh`
+
+
+class Run:
+    """The arrays of a run beside those of its `PlanarComplex`, and the loop around the kernel."""
+
+    def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
+        c = planned.complex_
+        self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
+        self.tally = np.zeros(16, dtype=np.int64)
+        self.tally[LIMIT] = budget
+        n, s = c.size, c.segments
+        self.kind = np.full(n, INPUT_VERTEX, dtype=np.int32)
+        inner = np.ones(n, dtype=bool)  # vertices that cut a piece, and were no vertices of the input
+        inner[planned.rest["inputs"]] = False
+        for column in (0, 1):
+            rows = inner[c.ends[:s, column]]
+            self.kind[c.ends[:s][rows, column]] = c.piece[:s][rows]
+        self.floor = np.full(n, np.inf)
+        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor)
+        self.floor *= FRACTION
+        self.apexes = apexes(c, planned.curve != STRAIGHT)
+        self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
+        self.need, self.given = np.full(s, np.inf), np.full((s, 3), np.nan)
+        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
+        self.status, self.large = np.zeros(0, dtype=np.uint16), np.empty(0, dtype=np.int32)
+        self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
+        self.gates = np.full((LARGE, 2), -1, dtype=np.int32)
+        # copies, so that none is read-only: that would be another type, and a second compilation
+        self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
+        self.joints = planned.joints.astype(np.int32)
+        self.arc[:, :3] *= c.factor
+        self.polygon = np.empty((MOST, 7), dtype=np.int64)
+        self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
+        self.place = np.empty((len(self.event), 2))
+        self._make_room(min(self._expected(), budget) + 2 * n + 64, 2 * s + 64)
+
+    def _expected(self) -> int:
+        """About how many vertices the limits will lead to, as far as they are constant."""
+        c, limits = self.complex, self.limits
+        rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
+        part = c.region[: c.triangles][c.kept()]
+        a, b, d = (c.xy[rows[:, k]] for k in range(3))
+        twice = (b - a)[:, 0] * (d - a)[:, 1] - (b - a)[:, 1] * (d - a)[:, 0]
+        # as counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length
+        number = np.maximum(1.6 * twice / limits.twice_area[part], 0.75 * twice / limits.radius2[part])
+        return int(min(0.52 * number.sum(), 2.0**25))
+
+    def _make_room(self, vertices: int, segments: int) -> None:
+        c = self.complex
+        c.reserve(vertices, segments)
+        n, s, t = len(c.xy), len(c.where), len(c.region)
+        before = len(self.status)
+        for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t + 1)):
+            for name in names:
+                setattr(self, name, grown(getattr(self, name), size))
+        if t > before:  # zeroed pages that are not touched cost nothing
+            status = np.zeros(len(self.large), dtype=np.uint16)
+            status[:before] = self.status
+            self.status = status
+        if self.tally[EVENTS] + 256 > len(self.event) > 0:
+            self.event = grown(self.event, 2 * len(self.event))
+            self.place = grown(self.place, len(self.event))
+        self.scratch = c.scratch()
+
+    def work(self) -> Work:
+        """The arrays as they are now."""
+        c = self.complex
+        arrays: list[NDArray] = [
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+            *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
+            self.polygon, self.event, self.place,
+        ]  # fmt: skip
+        return Work(*arrays)
+
+    def start(self) -> None:
+        """Look at all subsegments and triangles."""
+        look_at_all(self.work(), self.tally, self.limits)
+
+    def advance(self) -> int:
+        """Some thousand steps; FINISHED, MORE or BUDGET."""
+        code = advance(self.work(), self.tally, self.limits, self.offset, STEPS)
+        if code == ROOM:
+            c = self.complex
+            vertices = len(c.xy) if c.size + 1 <= len(c.xy) else 2 * len(c.xy)
+            segments = len(c.where) if c.segments + 1 <= len(c.where) else 2 * len(c.where)
+            self._make_room(vertices, segments)
+            return MORE
+        if code == CURVES:
+            self._answer()
+            return MORE
+        return int(code)
+
+    @property
+    def vertices(self) -> int:
+        """How many vertices there are."""
+        return int(self.complex.size - self.tally[REMOVED])
+
+    def _answer(self) -> None:
+        """Work out the points of curves that the kernel waits for, and put their subsegments on the stack."""
+        c, count = self.complex, int(self.tally[WANTED])
+        s = self.wanted[:count].copy()
+        t = self._parameters(s)
+        x = self.planned.at(c.piece[s], t)
+        if not np.isfinite(x).all():
+            i = int(np.argmin(np.isfinite(x).all(axis=1)))
+            raise InputError(f"the curve of piece {c.piece[s[i]]} is not finite at parameter {t[i]}")
+        self.given[s, :2] = x * c.factor
+        self.given[s, 2] = t
+        top = int(self.tally[SEGMENT_TOP])
+        self.segments[top : top + count] = s[::-1]
+        self.tally[SEGMENT_TOP], self.tally[WANTED] = top + count, 0
+
+    def _parameters(self, s: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Where curves are split: halfway by parameter, at small angles where they leave a shell."""
+        c = self.complex
+        t0, t1 = c.span[s].T
+        t = 0.5 * (t0 + t1)
+        for i in np.flatnonzero((self.apexes[s] == FIRST) | (self.apexes[s] == SECOND)):
+            a, b = c.xy[c.ends[s[i]]] / c.factor
+            apex, near, far = (a, t0[i], t1[i]) if self.apexes[s[i]] == FIRST else (b, t1[i], t0[i])
+            radius = shell(float(np.hypot(*(b - a) * c.factor))) / c.factor
+            piece = c.piece[s[i] : s[i] + 1]
+            for _ in range(60):  # the distance from the apex grows along the subsegment, which turns little
+                t[i] = 0.5 * (near + far)
+                x = self.planned.at(piece, t[i : i + 1])[0]
+                near, far = (t[i], far) if np.hypot(*(x - apex)) < radius else (near, t[i])
+        return t
+
+    def counts(self) -> dict[str, int]:
+        """What happened, by name."""
+        names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
+        return {"removed": int(self.tally[REMOVED])} | {
+            k: int(self.tally[CENTERS + i]) for i, k in enumerate(names)
+        }

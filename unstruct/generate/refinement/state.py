@@ -1,0 +1,292 @@
+"""What a run of Delaunay refinement keeps beside its triangulation, and what it looks at after each change.
+
+A stack has the subsegments that must be split, a queue the triangles that miss a limit: first those that are
+too large, the last one first; then those with too small an angle, the shortest edge first, in buckets, two an
+octave. (That order, and that triangles leave the queue when they vanish, saves a third of the vertices where
+the angle drives.) After each change only what is new is looked at: the new triangles, and the subsegments
+that they see.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import inline, lean
+from ...connect.insertion.engine import COUNT
+from ...connect.planar.cavity import SEGMENTS
+from .encroachment import encroaches
+from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
+
+# what is known of a triangle: nothing; the bucket in which it waits, for its angle; that it is too large; or
+# the reason why it, or a subsegment, was given up
+OPEN, LARGE = 0, 250
+SMALL_ANGLE, FLOOR, PRECISION, CURVE = 251, 252, 253, 254
+STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
+# what `advance` returns
+FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
+# entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
+SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
+REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 8, 9, 10, 11, 12, 13, 14
+HALF_OCTAVE = math.sqrt(0.5)
+FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
+LEAST = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
+
+
+class Work(NamedTuple):
+    """All arrays of a run: those of the `PlanarComplex`, then what refinement adds."""
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    region: NDArray[np.int32]
+    where: NDArray[np.int32]
+    ends: NDArray[np.int32]
+    piece: NDArray[np.int32]
+    span: NDArray[np.float64]
+    state: NDArray[np.int64]
+    # per vertex
+    kind: NDArray[np.int32]  # the piece in whose interior it lies, or FREE_VERTEX, INPUT_VERTEX, ...
+    floor: NDArray[np.float64]  # new points for the angle's sake keep this distance, squared
+    # per subsegment
+    apexes: NDArray[np.uint8]
+    lock: NDArray[np.uint8]  # why it cannot be split
+    asked: NDArray[np.uint8]  # on the stack, and by whom
+    need: NDArray[np.float64]  # the least floor of those who asked
+    given: NDArray[np.float64]  # (., 3) x, y and parameter of a split worked out outside; nan: none
+    segments: NDArray[np.int32]  # the stack
+    wanted: NDArray[np.int32]  # those that wait for a point of a curve
+    # per slot of a triangle
+    status: NDArray[np.uint16]  # OPEN, a bucket, LARGE, or why it was given up; and the bit STACKED
+    large: NDArray[np.int32]  # the stack of those that are too large, some of them out of date
+    ahead: NDArray[np.int32]  # the one before it in the same bucket
+    behind: NDArray[np.int32]  # the one after it
+    gates: NDArray[np.int32]  # (LARGE, 2) the first and the last one of each bucket
+    # per piece
+    curve: NDArray[np.int8]
+    arc: NDArray[np.float64]
+    joints: NDArray[np.int32]
+    # scratch
+    stack: NDArray[np.int32]
+    cells: NDArray[np.int32]
+    rim: NDArray[np.int32]
+    hold: NDArray[np.int64]
+    fresh: NDArray[np.int32]
+    polygon: NDArray[np.int64]
+    # the record: (what, vertex, three more) and the place; of length 0 where none is kept
+    event: NDArray[np.int32]
+    place: NDArray[np.float64]
+
+
+@inline
+def ask(w, tally, s, by, floor):
+    """Put subsegment s on the stack, unless it is there or locked; whether it is there now.
+
+    ``floor`` is that of the vertex or triangle that asks: the split may come as near as this.
+    """
+    if w.lock[s] != OPEN:
+        return False
+    if w.asked[s] == 0:
+        w.segments[tally[SEGMENT_TOP]] = s
+        tally[SEGMENT_TOP] += 1
+    w.asked[s] |= by
+    w.need[s] = min(w.need[s], floor)
+    return True
+
+
+@inline
+def bucket_of(w, t):
+    """The bucket of triangle t, which misses the angle only: two an octave of its shortest edge, squared."""
+    a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+    p = (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2
+    q = (w.xy[b, 0] - w.xy[c, 0]) ** 2 + (w.xy[b, 1] - w.xy[c, 1]) ** 2
+    s = (w.xy[c, 0] - w.xy[a, 0]) ** 2 + (w.xy[c, 1] - w.xy[a, 1]) ** 2
+    f, e = math.frexp(min(p, q, s))
+    return min(max(1, 20 - 2 * e - (f > HALF_OCTAVE)), LARGE - 1)
+
+
+@inline
+def unlink(w, tally, t, k):
+    """Take triangle t out of bucket k."""
+    before, after = w.ahead[t], w.behind[t]
+    if before >= 0:
+        w.behind[before] = after
+    else:
+        w.gates[k, 0] = after
+    if after >= 0:
+        w.ahead[after] = before
+    else:
+        w.gates[k, 1] = before
+    tally[LINKED] -= 1
+
+
+@inline
+def give_up(w, tally, t, why):
+    """Note why triangle t, which waits no longer, was not refined."""
+    w.status[t] = (w.status[t] & STACKED) | why
+    tally[REFUSED] += 1
+
+
+@inline
+def link(w, tally, t):
+    """Let triangle t wait at the end of the bucket of its shortest edge."""
+    k = bucket_of(w, t)
+    w.status[t] |= k
+    tally[LINKED] += 1
+    tally[BUCKET] = max(tally[BUCKET], k)
+    last = w.gates[k, 1]
+    w.ahead[t], w.behind[t] = last, -1
+    w.gates[k, 1] = t
+    if last >= 0:
+        w.behind[last] = t
+    else:
+        w.gates[k, 0] = t
+
+
+@inline
+def settle(w, tally, t, bits):
+    """Slot t has a new triangle that misses the limits ``bits``: it waits on the stack, in a bucket, or not.
+
+    Without branches as long as no bucket has to do with it, for the reason that `misses_of` gives: the entry
+    on the stack is always written, and counted where it is one. (An entry that the slot had stays.)
+    """
+    before = np.int64(w.status[t])
+    known, stacked = before & 255, before & STACKED
+    if 0 < known < LARGE:
+        unlink(w, tally, t, known)
+    is_large = np.int64(bits > ANGLE)
+    top = tally[STACK_TOP]
+    w.large[top] = t
+    tally[STACK_TOP] = top + (is_large & (stacked == 0))
+    tally[LARGE_ONES] += is_large - (known == LARGE)
+    w.status[t] = stacked | is_large * (STACKED | LARGE)
+    if bits == ANGLE:
+        link(w, tally, t)
+
+
+@inline
+def next_triangle(w, tally):
+    """Take the last triangle that is too large, else the first of the highest bucket; and why it waits."""
+    while tally[LARGE_ONES] > 0:
+        tally[STACK_TOP] -= 1
+        t = np.int64(w.large[tally[STACK_TOP]])
+        k = w.status[t] & 255
+        if k == LARGE:
+            w.status[t] = OPEN
+            tally[LARGE_ONES] -= 1
+            return t, BY_SIZE
+        w.status[t] = k  # an entry that is out of date
+    k = tally[BUCKET]
+    while w.gates[k, 0] < 0:
+        k -= 1
+    tally[BUCKET] = k
+    t = np.int64(w.gates[k, 0])
+    unlink(w, tally, t, k)
+    w.status[t] &= STACKED
+    return t, BY_ANGLE
+
+
+@inline
+def look_at_segment(w, tally, limits, s):
+    """Ask for subsegment s where the vertices beside it encroach on it, or where it is too long."""
+    e = np.int64(w.where[s])
+    a, b = w.ends[s, 0], w.ends[s, 1]
+    ax, ay, bx, by = w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1]
+    square = (ax - bx) * (ax - bx) + (ay - by) * (ay - by)
+    for side in range(2):
+        o = e if side == 0 else np.int64(w.twin[e])
+        r = w.region[o // 3]
+        if r < 0:
+            continue
+        p = w.vertex[o]
+        if square > 4.0 * largest_radius2(limits, r, 0.5 * (ax + bx), 0.5 * (ay + by)):
+            ask(w, tally, s, BY_SIZE, w.floor[p])
+        elif encroaches(ax, ay, bx, by, w.xy[p, 0], w.xy[p, 1], limits.lens):
+            ask(w, tally, s, BY_ANGLE, w.floor[p])
+
+
+@inline
+def look_at_star(w, tally, limits, k):
+    """Queue the bad ones of the k fresh triangles, and the subsegments on which their apex encroaches."""
+    for i in range(k):
+        t = w.fresh[i]
+        bits = 0
+        if w.region[t] >= 0:
+            p, a, b = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+            s = w.mark[3 * t]
+            if s >= 0 and encroaches(
+                w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], w.xy[p, 0], w.xy[p, 1], limits.lens
+            ):
+                ask(w, tally, s, BY_ANGLE, w.floor[p])
+            bits = misses(w.xy, p, a, b, w.region[t], limits)
+        settle(w, tally, t, bits)
+
+
+@inline
+def look_at_fan(w, tally, limits, p, r, k):
+    """`look_at_star` within one region, from what `commit` left in ``hold``: it takes a fifth of all time."""
+    px, py = w.xy[p, 0], w.xy[p, 1]
+    a = w.hold[0, 0]
+    ax, ay = w.xy[a, 0], w.xy[a, 1]
+    ux, uy = ax - px, ay - py
+    near = ux * ux + uy * uy
+    for i in range(k):
+        b, s, t = w.hold[i, 1], w.hold[i, 3], w.fresh[i]
+        bx, by = w.xy[b, 0], w.xy[b, 1]
+        vx, vy = bx - px, by - py
+        far = vx * vx + vy * vy
+        if s >= 0 and encroaches(ax, ay, bx, by, px, py, limits.lens):
+            ask(w, tally, s, BY_ANGLE, w.floor[p])
+        rim = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
+        x, y = (px + ax + bx) / 3.0, (py + ay + by) / 3.0
+        bits = misses_of(ux * vy - uy * vx, near, far, rim, x, y, r, limits)
+        settle(w, tally, t, bits)
+        ax, ay, ux, uy, near = bx, by, vx, vy, far
+
+
+@lean
+def look_at_all(w, tally, limits):
+    """Look at every subsegment and every triangle, to begin with."""
+    for s in range(w.state[SEGMENTS] - 1, -1, -1):
+        look_at_segment(w, tally, limits, s)
+    for t in range(w.state[COUNT] - 1, -1, -1):
+        r = w.region[t]
+        if r >= 0:
+            bits = misses(w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], r, limits)
+            settle(w, tally, t, bits)
+
+
+@inline
+def record(w, tally, what, p, a, b, c, px, py):
+    """Note an event, where a record is kept."""
+    if len(w.event) > 0:
+        i = tally[EVENTS]
+        w.event[i, 0], w.event[i, 1] = what, p
+        w.event[i, 2], w.event[i, 3], w.event[i, 4] = a, b, c
+        w.place[i, 0], w.place[i, 1] = px, py
+        tally[EVENTS] = i + 1
+
+
+# --- before the first step -------------------------------------------------------------------------
+
+
+@lean
+def set_floors(xy, vertex, mark, region, count, floor):
+    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across; squared."""
+    for t in range(count):
+        if region[t] < 0:
+            continue
+        for i in range(3):
+            a, b, c = vertex[3 * t + i], vertex[3 * t + (i + 1) % 3], vertex[3 * t + (i + 2) % 3]
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+            side = ux * ux + uy * uy
+            floor[a], floor[b] = min(floor[a], side), min(floor[b], side)
+            wx, wy = vx - ux, vy - uy
+            if mark[3 * t + i] >= 0 and ux * wx + uy * wy < 0.0 < vx * wx + vy * wy:
+                height = (ux * vy - uy * vx) ** 2 / (wx * wx + wy * wy)
+                floor[a] = min(floor[a], height)

@@ -1,0 +1,361 @@
+"""Delaunay refinement, compiled: split encroached subsegments, then insert circumcenters of bad triangles.
+
+One step takes a subsegment from its stack, if there is one, else a triangle:
+
+    subsegment  split it at its middle (shells at small angles; on the true curve), from both sides at once;
+    triangle    find the cavity of its circumcenter, from itself as the seed, without a change. Where the
+                point is hidden by, or encroaches on, subsegments of the rim, these go on the stack and the
+                triangle waits; else the cavity is replaced by the star of the point.
+
+After each change only what is new is looked at: the new triangles, and the subsegments they see. A split that
+cannot be done is not done: the subsegment is locked, with the reason, and so are, in the end, the triangles
+that would need it.
+
+No loop without end: what the angle asks for must keep the distance ``floor`` of the vertices around it, a
+small part of the input's edges there, and more than a few units of rounding; what size and area ask for
+keeps a part of the wanted length. So all vertices keep a least distance, and there is room for so many only.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...base.jit import inline, lean
+from ...connect.planar.cavity import (
+    SEGMENTS,
+    VERTICES,
+    blocked_by,
+    commit_here,
+    commit_split,
+    end_of,
+    find_cavity_here,
+    find_split,
+    start_of,
+)
+from ...predicates.batch import incircle, orient2
+from .encroachment import (
+    FIRST,
+    FREE_VERTEX,
+    OTHER,
+    SECOND,
+    STRAIGHT,
+    across_small_angle,
+    encroaches,
+    split_arc,
+    split_straight,
+)
+from .free_vertices import MOST, clear_disc
+from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
+from .state import (
+    BUDGET,
+    CENTERS,
+    CURVE,
+    CURVES,
+    EVENTS,
+    FINISHED,
+    FLOOR,
+    FRACTION,
+    LARGE_ONES,
+    LEAST,
+    LIMIT,
+    LINKED,
+    LOCKED,
+    MORE,
+    OPEN,
+    PRECISION,
+    REJECTED,
+    REMOVED,
+    ROOM,
+    SEGMENT_TOP,
+    SHELLS,
+    SMALL_ANGLE,
+    SPLITS,
+    WANTED,
+    ask,
+    give_up,
+    look_at_fan,
+    look_at_segment,
+    look_at_star,
+    next_triangle,
+    record,
+    settle,
+)
+
+FAR = 1e30  # a circumcenter beyond this cannot be judged
+
+
+# --- subsegments -----------------------------------------------------------------------------------
+
+
+@inline
+def _split_point(w, s):
+    """(x, y, t) of the next split of subsegment s; nan where it must be worked out outside."""
+    a, b, k = w.ends[s, 0], w.ends[s, 1], w.piece[s]
+    if w.curve[k] == STRAIGHT:
+        return split_straight(w.xy, a, b, w.span[s, 0], w.span[s, 1], w.apexes[s])
+    if w.curve[k] == OTHER:
+        return w.given[s, 0], w.given[s, 1], w.given[s, 2]
+    return split_arc(w.xy, a, b, w.span[s, 0], w.span[s, 1], w.apexes[s], w.arc[k])
+
+
+@inline
+def _lock(w, tally, s, why):
+    w.lock[s] = why
+    tally[LOCKED] += 1
+
+
+@inline
+def _wanted(w, limits, s, px, py):
+    """The smaller limit, as a squared length, on the two sides of subsegment s at (x, y)."""
+    least = np.inf
+    for side in range(2):
+        o = w.where[s] if side == 0 else w.twin[w.where[s]]
+        r = w.region[o // 3]
+        if r >= 0:
+            least = min(least, limits.twice_area[r], largest_radius2(limits, r, px, py))
+    return least
+
+
+@inline
+def _find(w, s, px, py):
+    """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
+    m, k, h = find_split(
+        w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim
+    )
+    if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
+        k = -1
+    return m, k, h
+
+
+@inline
+def split_next(w, tally, limits):
+    """Split the subsegment on top of the stack, or say in ``lock`` why not."""
+    tally[SEGMENT_TOP] -= 1
+    s = w.segments[tally[SEGMENT_TOP]]
+    px, py, t = _split_point(w, s)
+    if math.isnan(px):
+        w.wanted[tally[WANTED]] = s
+        tally[WANTED] += 1
+        return
+    by, w.asked[s] = w.asked[s], 0
+    w.given[s, 0] = np.nan
+    a, b = w.ends[s, 0], w.ends[s, 1]
+    square = min(
+        (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
+    )
+    rounding = LEAST * max(px * px, py * py)
+    floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
+    w.need[s] = np.inf
+    least = floor
+    if by & BY_SIZE:
+        least = FRACTION * _wanted(w, limits, s, px, py)
+        floor = min(floor, max(FRACTION * square, rounding))
+    if square < least:
+        _lock(w, tally, s, FLOOR)
+        return
+    if limits.lens > 0.0 and w.apexes[s] == 0:
+        clear_disc(w, tally, limits, s)
+    m, k, h = _find(w, s, px, py)
+    if k < 0 and clear_disc(w, tally, limits, s) > 0:
+        m, k, h = _find(w, s, px, py)
+    if k < 0:
+        _lock(w, tally, s, PRECISION if w.curve[w.piece[s]] == STRAIGHT else CURVE)
+        return
+    p = w.state[VERTICES]
+    w.xy[p, 0], w.xy[p, 1] = px, py
+    w.kind[p], w.floor[p] = w.piece[s], floor
+    record(w, tally, SPLITS, p, a, b, s, px, py)
+    new = commit_split(
+        w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state, np.int64(w.where[s]),
+        w.cells, m, w.rim, k, h, p, t, w.hold, w.fresh,
+    )  # fmt: skip
+    tally[SPLITS] += 1
+    if w.apexes[s] == FIRST or w.apexes[s] == SECOND:
+        tally[SHELLS] += 1
+    w.apexes[new], w.apexes[s] = w.apexes[s] & SECOND, w.apexes[s] & FIRST
+    w.lock[new], w.asked[new], w.need[new] = OPEN, 0, np.inf
+    w.given[new, 0] = np.nan
+    look_at_star(w, tally, limits, k)
+    for i in range(2):
+        look_at_segment(w, tally, limits, s if i == 0 else new)
+
+
+# --- triangles -------------------------------------------------------------------------------------
+
+
+@inline
+def _center(xy, a, b, c, offset):
+    """(x, y, R², sure): the circumcenter, or nearer to the shortest edge a-b as far as ``offset`` asks.
+
+    ``sure``: it is strictly inside the circle, however it was rounded. (The longest edge being L and the
+    shortest l, its error is at most R (4 eps L / l + 4 eps L² / D), with D = 2 area and l >= D / L.)
+    """
+    ax, ay = xy[a, 0], xy[a, 1]
+    bx, by, cx, cy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
+    twice = 2.0 * (bx * cy - by * cx)
+    if not twice > 0.0:
+        return ax, ay, 0.0, False
+    b2, c2 = bx * bx + by * by, cx * cx + cy * cy
+    ux, uy = (cy * b2 - by * c2) / twice, (bx * c2 - cx * b2) / twice
+    square = ux * ux + uy * uy
+    sure = twice > 1e-9 * (b2 + c2) and square > 1e-20
+    if offset > 0.0:  # an angle of the wanted size over a-b, if that point is nearer
+        mx, my = 0.5 * bx - offset * by, 0.5 * by + offset * bx
+        if mx * mx + my * my < square:
+            return ax + mx, ay + my, mx * mx + my * my, sure
+    return ax + ux, ay + uy, square, sure
+
+
+@inline
+def shortest_first(xy, vertex, t):
+    """The corners of triangle t, counterclockwise, so that the first two bound its shortest edge."""
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    p = (xy[a, 0] - xy[b, 0]) ** 2 + (xy[a, 1] - xy[b, 1]) ** 2
+    q = (xy[b, 0] - xy[c, 0]) ** 2 + (xy[b, 1] - xy[c, 1]) ** 2
+    s = (xy[c, 0] - xy[a, 0]) ** 2 + (xy[c, 1] - xy[a, 1]) ** 2
+    if p <= q and p <= s:
+        return a, b, c
+    if q <= s:
+        return b, c, a
+    return c, a, b
+
+
+@inline
+def _in_the_way(w, tally, limits, k, px, py, by, floor):
+    """Ask for what p encroaches on: (subsegments of the rim, encroached, of these asked for, why not)."""
+    marked = found = asked = 0
+    why = OPEN
+    for i in range(k):
+        e = np.int64(w.rim[i])
+        s = w.mark[e]
+        if s >= 0:
+            marked += 1
+            a, b = start_of(w.vertex, e), end_of(w.vertex, e)
+            if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
+                found += 1
+                if ask(w, tally, s, by, floor):
+                    asked += 1
+                else:
+                    why = w.lock[s]
+    return marked, found, asked, why
+
+
+@lean
+def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
+    """The subsegment of the rim that the way from g, in the cavity, to p crosses; -1 for none."""
+    for i in range(k):
+        e = np.int64(rim[i])
+        if mark[e] >= 0:
+            a, b = start_of(vertex, e), end_of(vertex, e)
+            ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
+            if (
+                orient2(ax, ay, bx, by, px, py) <= 0
+                and orient2(gx, gy, px, py, ax, ay) <= 0
+                and orient2(gx, gy, px, py, bx, by) >= 0
+            ):
+                return mark[e]
+    return -1
+
+
+@inline
+def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+    """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
+
+    A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
+    Delaunay triangulation, and need not be tested.
+    """
+    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
+    if found == 0:
+        if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
+            return True
+        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+        gx, gy = (w.xy[a, 0] + w.xy[b, 0] + w.xy[c, 0]) / 3.0, (w.xy[a, 1] + w.xy[b, 1] + w.xy[c, 1]) / 3.0
+        s = _hidden_by(w.xy, w.vertex, w.mark, w.rim, k, gx, gy, px, py)
+        why = PRECISION
+        if s >= 0:
+            if ask(w, tally, s, by, floor):
+                asked = 1
+            else:
+                why = w.lock[s]
+    if asked > 0:
+        tally[REJECTED] += 1
+        record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
+        settle(w, tally, t, SIZE if by == BY_SIZE else ANGLE)
+    else:
+        give_up(w, tally, t, why)
+    return False
+
+
+@lean
+def _in_circle(xy, a, b, c, px, py):
+    return incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], px, py) > 0
+
+
+@inline
+def improve_next(w, tally, limits, offset):
+    """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
+    t, by = next_triangle(w, tally)
+    if by == BY_ANGLE:
+        a, b, c = shortest_first(w.xy, w.vertex, t)
+    else:  # off-centers serve the angle
+        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+        offset = 0.0
+    px, py, square, sure = _center(w.xy, a, b, c, offset)
+    rounding = LEAST * max(px * px, py * py)
+    floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
+    if by == BY_ANGLE:
+        if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
+            give_up(w, tally, t, SMALL_ANGLE)
+            return
+        if square < floor:
+            give_up(w, tally, t, FLOOR)
+            return
+    else:
+        floor = min(floor, max(FRACTION * square, rounding))
+    if not (abs(px) < FAR and abs(py) < FAR):
+        give_up(w, tally, t, PRECISION)
+        return
+    if not sure and not _in_circle(w.xy, a, b, c, px, py):
+        give_up(w, tally, t, PRECISION)
+        return
+    m, k = find_cavity_here(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
+    if k < 0:
+        give_up(w, tally, t, PRECISION)
+        return
+    if not _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+        return
+    p = w.state[VERTICES]
+    w.xy[p, 0], w.xy[p, 1] = px, py
+    w.kind[p], w.floor[p] = FREE_VERTEX, floor
+    record(w, tally, CENTERS, p, a, b, c, px, py)
+    commit_here(
+        w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh
+    )
+    tally[CENTERS] += 1
+    look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
+
+
+# --- the loop --------------------------------------------------------------------------------------
+
+
+@lean
+def advance(w, tally, limits, offset, steps):
+    """So many steps; why it stopped."""
+    for _ in range(steps):
+        if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
+            return ROOM
+        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST + 8 > len(w.event):
+            return ROOM
+        if tally[SEGMENT_TOP] + tally[WANTED] + tally[LARGE_ONES] + tally[LINKED] == 0:
+            return FINISHED
+        if w.state[VERTICES] - tally[REMOVED] >= tally[LIMIT]:
+            return BUDGET
+        if tally[SEGMENT_TOP] > 0:
+            split_next(w, tally, limits)
+        elif tally[WANTED] > 0:
+            return CURVES
+        else:
+            improve_next(w, tally, limits, offset)
+    return MORE

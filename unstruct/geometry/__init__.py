@@ -1,0 +1,1 @@
+"""Shapes without a mesh: simplices, curves, segments and boxes, orders along a curve."""

@@ -1,0 +1,171 @@
+"""Curved pieces of a boundary: points by parameter, so that a split lies on the true curve.
+
+A curve is any object with ``point(t)``, parameters t in [0, 1] as an array (k,) to points (k, 2). It should
+be smooth and injective in the open interval; where it is not, put a vertex there and give two curves.
+See the book, chapter 2.6d.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_numbers
+from ..base.errors import InputError
+
+__all__ = ["Arc", "Bezier", "Curve", "CurveLike"]
+
+Array = NDArray[np.float64]
+
+
+@runtime_checkable
+class CurveLike(Protocol):
+    """Anything that gives points by parameter."""
+
+    def point(self, t: Array) -> Array:
+        """Points (k, 2) for parameters (k,) in [0, 1]."""
+        ...
+
+
+def _pair(value: Any, name: str) -> tuple[float, float]:
+    array = as_numbers(value, name)
+    if array.shape != (2,) or not np.isfinite(array).all():
+        raise InputError(f"{name} must be two finite numbers, not {value!r}")
+    return float(array[0]), float(array[1])
+
+
+def _number(value: Any, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {number} must be finite")
+    return number
+
+
+class Arc:
+    """A circular arc.
+
+    Parameters
+    ----------
+    center : (2,) array_like
+    radius : float
+        Positive.
+    start : float
+        Angle of the first point, in radians.
+    sweep : float
+        Angle from the first point on to the last, in radians: positive is counterclockwise; at most a
+        full turn.
+
+    Raises
+    ------
+    InputError
+        For a radius that is not positive, a sweep that is zero or beyond a full turn, and non-numbers.
+    """
+
+    def __init__(self, center: ArrayLike, radius: float, start: float, sweep: float):
+        self.center = _pair(center, "center")
+        self.radius, self.start = _number(radius, "radius"), _number(start, "start")
+        self.sweep = _number(sweep, "sweep")
+        if not self.radius > 0:
+            raise InputError(f"radius = {self.radius} must be positive")
+        if not 0 < abs(self.sweep) <= 2 * math.pi * (1 + 1e-15):
+            raise InputError(f"sweep = {self.sweep} must not be 0 nor beyond a full turn (2 pi)")
+
+    @classmethod
+    def through(cls, first: ArrayLike, middle: ArrayLike, last: ArrayLike) -> Arc:
+        """The arc from ``first`` over ``middle`` to ``last``: three points that are not collinear."""
+        (ax, ay), (bx, by), (cx, cy) = _pair(first, "first"), _pair(middle, "middle"), _pair(last, "last")
+        ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+        double = 2 * (ux * vy - uy * vx)
+        if double == 0:
+            raise InputError("first, middle and last lie on a line: leave the piece straight")
+        u2, v2 = ux * ux + uy * uy, vx * vx + vy * vy
+        x, y = (vy * u2 - uy * v2) / double, (ux * v2 - vx * u2) / double
+        start = math.atan2(-y, -x)
+        sweep = (math.atan2(vy - y, vx - x) - start) % (2 * math.pi)
+        return cls((ax + x, ay + y), math.hypot(x, y), start, sweep if double > 0 else sweep - 2 * math.pi)
+
+    def point(self, t: Array) -> Array:
+        """Points (k, 2) for parameters (k,): equal steps of t are equal steps of arc."""
+        angle = self.start + np.asarray(t, dtype=float) * self.sweep
+        x, y = self.center
+        return np.stack([x + self.radius * np.cos(angle), y + self.radius * np.sin(angle)], axis=-1)
+
+    def __repr__(self) -> str:
+        return f"Arc({self.center}, {self.radius:g}, {self.start:g}, {self.sweep:g})"
+
+
+class Curve:
+    """A parametric curve.
+
+    Parameters
+    ----------
+    function : callable, (k,) -> (k, 2)
+        Points for an array of parameters; must give the same points whenever it is asked.
+    t0, t1 : float
+        Its parameters at the first and at the last end; t0 > t1 runs backwards.
+
+    Raises
+    ------
+    InputError
+        For t0 = t1; on evaluation, where the function returns another shape or points that are not finite.
+    """
+
+    def __init__(self, function: Callable[[Array], ArrayLike], t0: float = 0.0, t1: float = 1.0):
+        if not callable(function):
+            raise InputError(f"function must be callable, not {type(function).__name__}")
+        self.function, self.t0, self.t1 = function, _number(t0, "t0"), _number(t1, "t1")
+        if self.t0 == self.t1:
+            raise InputError(f"t0 = t1 = {self.t0}: the curve is a single point")
+
+    def point(self, t: Array) -> Array:
+        """Points (k, 2) for parameters (k,) in [0, 1]."""
+        t = np.asarray(t, dtype=float)
+        inner = self.t0 * (1 - t) + self.t1 * t  # exact at both ends
+        result = np.asarray(self.function(inner), dtype=float)
+        if result.shape != (*t.shape, 2):
+            raise InputError(
+                f"a curve's function must return shape {(*t.shape, 2)} for parameters {t.shape}, "
+                f"not {result.shape}"
+            )
+        if not np.isfinite(result).all():
+            where = float(inner[np.argmin(np.isfinite(result).all(axis=-1))])
+            raise InputError(f"a curve's function is not finite at parameter {where}")
+        return result
+
+    def __repr__(self) -> str:
+        return f"Curve({getattr(self.function, '__name__', 'function')}, {self.t0:g}, {self.t1:g})"
+
+
+class Bezier:
+    """A Bezier curve of any degree, as font outlines use it.
+
+    Parameters
+    ----------
+    controls : (degree + 1, 2) array_like
+        Control points; the first and the last are the ends. At least two.
+    """
+
+    def __init__(self, controls: ArrayLike):
+        self.controls = as_numbers(controls, "controls")
+        if self.controls.ndim != 2 or self.controls.shape[1] != 2 or len(self.controls) < 2:
+            raise InputError(f"controls must have shape (degree + 1, 2), not {self.controls.shape}")
+        if not np.isfinite(self.controls).all():
+            raise InputError("controls must be finite")
+
+    def point(self, t: Array) -> Array:
+        """Points (k, 2) for parameters (k,), by de Casteljau's repeated interpolation."""
+        t = np.asarray(t, dtype=float)[:, None, None]
+        level = np.broadcast_to(self.controls, (len(t), *self.controls.shape))
+        while level.shape[1] > 1:
+            level = (1 - t) * level[:, :-1] + t * level[:, 1:]
+        return np.ascontiguousarray(level[:, 0])
+
+    def __repr__(self) -> str:
+        return f"Bezier({self.controls.tolist()})"

@@ -1,0 +1,105 @@
+"""Simplices as edge vectors from one corner, scaled so that nothing overflows: for `unstruct.simplex`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+
+import numpy as np
+
+from ..base.errors import InputError
+
+__all__ = [
+    "angle_between",
+    "as_corners",
+    "content",
+    "cross",
+    "determinant",
+    "exponents",
+    "local_edges",
+    "quiet",
+]
+
+
+def quiet(function: Callable) -> Callable:
+    """Divisions by zero mean something here (flat simplices): no warnings."""
+
+    @wraps(function)
+    def silent(*args, **kwargs):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
+            return function(*args, **kwargs)
+
+    return silent
+
+
+def as_corners(simplices: np.ndarray) -> np.ndarray:
+    """The corners as a float array of shape (..., k + 1, d), or an error that tells the right shape."""
+    points = np.asarray(simplices, dtype=np.float64)
+    if points.ndim < 2 or not 2 <= points.shape[-2] <= points.shape[-1] + 1:
+        raise InputError(
+            f"simplices must have shape (..., k + 1, d) with 1 <= k <= d, not {points.shape}: "
+            "index the points by the cells, points[cells]"
+        )
+    return points
+
+
+def exponents(values: np.ndarray) -> np.ndarray:
+    """e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite."""
+    return np.frexp(np.abs(values).max(axis=(-2, -1)))[1]
+
+
+def local_edges(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edge vectors (..., k, d) from corner 0, scaled to at most 1, and the exponents taken out."""
+    points = as_corners(simplices)
+    half = np.ldexp(points, -1)  # differences of the largest doubles would overflow
+    rows = half[..., 1:, :] - half[..., :1, :]
+    exponent = exponents(rows)
+    return np.ldexp(rows, -exponent[..., None, None]), exponent + 1
+
+
+def _gram_content(rows: np.ndarray) -> np.ndarray:
+    """sqrt(det(rows rows^T)) by QR, without squaring the condition number."""
+    r = np.linalg.qr(np.swapaxes(rows, -1, -2), mode="r")
+    return np.abs(np.diagonal(r, axis1=-2, axis2=-1)).prod(axis=-1)
+
+
+def determinant(rows: np.ndarray) -> np.ndarray:
+    """det of (..., k, k), written out for k <= 3."""
+    k = rows.shape[-1]
+    if k == 1:
+        return rows[..., 0, 0]
+    a, b = rows[..., 0, :], rows[..., 1, :]
+    if k == 2:
+        return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    if k == 3:
+        return (a * cross(b, rows[..., 2, :])).sum(axis=-1)
+    return np.linalg.det(rows)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products in space (several times faster than numpy's, which handles more cases)."""
+    x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    return np.stack([x, y, a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]], axis=-1)
+
+
+def content(rows: np.ndarray) -> np.ndarray:
+    """k! times the measure of the simplices with these edge vectors, without sign."""
+    k, d = rows.shape[-2:]
+    if k == 1:
+        return np.sqrt((rows[..., 0, :] ** 2).sum(axis=-1))
+    if k == d:
+        return np.abs(determinant(rows))
+    if k == 2 and d == 3:
+        return np.sqrt((cross(rows[..., 0, :], rows[..., 1, :]) ** 2).sum(axis=-1))
+    return _gram_content(rows)
+
+
+def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The angle between vectors of any dimension, accurate near 0 and pi as well (Kahan).
+
+    With both made unit vectors: 2 atan2(|a - b|, |a + b|).
+    """
+    la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
+    a, b = a / la, b / lb
+    return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))

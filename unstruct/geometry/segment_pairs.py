@@ -1,0 +1,332 @@
+"""Which segments of many meet? Candidates by a grid or a tree in compiled code, then exact signs.
+
+Used to validate regions, see the book, chapter 2.6d.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.jit import inline, kernel
+from ..mesh.embedding import orient_rows
+from ..mesh.locate import BoxTree
+from .sweep import any_meeting
+
+__all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
+
+CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
+# Cells that a segment of mean length spans, looks at others for each segment up to which a table of such
+# cells is used, and the crowd from which on it is not tried: wide cells for chains, narrow ones for segments
+# side by side; after a sweep, with patience.
+TABLES, LAST = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
+SLACK = 1e-15  # relative: above the rounding errors of the few operations below
+
+
+@inline
+def _beside(ax, ay, bx, by, ux, uy, vx, vy):
+    """Whether u and v lie strictly on one side of the line ab; if in doubt, no."""
+    dx, dy = bx - ax, by - ay
+    ux, uy, vx, vy = ux - bx, uy - by, vx - bx, vy - by
+    u, v = dx * uy - dy * ux, dx * vy - dy * vx
+    bound = SLACK * (abs(dx) * (abs(uy) + abs(vy)) + abs(dy) * (abs(ux) + abs(vx))) + 1e-290
+    return (u > bound and v > bound) or (u < -bound and v < -bound)
+
+
+@inline
+def _turns(ax, ay, bx, by, ux, uy):
+    """Whether segments from a to b and from a to u clearly have no more in common than a.
+
+    They overlap only where b, a, u are on a line, and b and u on the same side of a.
+    """
+    dx, dy, ux, uy = bx - ax, by - ay, ux - ax, uy - ay
+    if dx * ux + dy * uy < -SLACK * (abs(dx * ux) + abs(dy * uy)) - 1e-290:
+        return True
+    return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
+
+
+@inline
+def _may_meet(ends, segments, s, t):
+    """False only where floating point proves that two segments meet in a common end at most."""
+    px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
+    ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
+    if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
+        return False
+    if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
+        return False
+    if px == ax and py == ay:  # one vertex, or two at one place
+        return (
+            segments[s, 0] != segments[t, 0] or (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
+        )
+    if qx == ax and qy == ay:
+        return (
+            segments[s, 1] != segments[t, 0] or (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
+        )
+    if px == bx and py == by:
+        return segments[s, 0] != segments[t, 1] or not _turns(px, py, qx, qy, ax, ay)
+    if qx == bx and qy == by:
+        return segments[s, 1] != segments[t, 1] or not _turns(qx, qy, px, py, ax, ay)
+    return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
+
+
+# ---------------------------------------------------------------------- a table of cells
+
+
+@inline
+def _cell_range(ends, s, x0, y0, scale, ny, row, rows):
+    """Columns that segment s may touch in a row of the grid (row < 0: its range of rows)."""
+    ax, ay = (ends[s, 0] - x0) * scale, (ends[s, 1] - y0) * scale
+    bx, by = (ends[s, 2] - x0) * scale, (ends[s, 3] - y0) * scale
+    if row < 0:
+        return int(min(ay, by) - 1e-9), min(int(max(ay, by) + 1e-9), ny - 1)
+    left, right = min(ax, bx), max(ax, bx)
+    if rows > 1 and abs(by - ay) > 0.5:
+        slope = (bx - ax) / (by - ay)
+        one, two = ax + (row - 1e-9 - ay) * slope, ax + (row + 1 + 1e-9 - ay) * slope
+        left, right = max(left, min(one, two)), min(right, max(one, two))
+    return int(max(left - 1e-9, 0.0)), int(max(right + 1e-9, 0.0))
+
+
+@kernel
+def _gather(points, segments, ends):
+    """Write the coordinates of all ends, a segment a row; their box, widths and heights added up."""
+    x0 = y0 = np.inf
+    x1 = y1 = -np.inf
+    total = 0.0
+    for s in range(segments.shape[0]):
+        p, q = segments[s, 0], segments[s, 1]
+        ax, ay, bx, by = points[p, 0], points[p, 1], points[q, 0], points[q, 1]
+        ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3] = ax, ay, bx, by
+        x0, y0, x1, y1 = min(x0, ax, bx), min(y0, ay, by), max(x1, ax, bx), max(y1, ay, by)
+        total += abs(bx - ax) + abs(by - ay)
+    return x0, y0, x1, y1, total
+
+
+@kernel
+def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
+    """Candidates in common cells of a grid, of which a hash table holds those that are touched.
+
+    The number of pairs, of which those that fit are written; -1 where there are too many entries, or more
+    than so many looks at one. An entry has the row and the column of its cell, a segment, and the entry
+    before it in the same slot. ``seen[t]`` is the last segment that t was compared with.
+    """
+    used, count = 0, 0
+    mask = head.shape[0] - 1
+    for s in range(ends.shape[0]):
+        first, last = _cell_range(ends, s, x0, y0, scale, ny, -1, 0)
+        first = max(first, 0)
+        for row in range(first, last + 1):
+            left, right = _cell_range(ends, s, x0, y0, scale, ny, row, last - first + 1)
+            for column in range(left, right + 1):
+                slot = (row * 73856093 + column * 19349663) & mask
+                e = head[slot]
+                while e >= 0:
+                    t = entries[e, 2]
+                    looks -= 1
+                    if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
+                        seen[t] = s
+                        if _may_meet(ends, segments, t, s):
+                            if count < pairs.shape[0]:
+                                pairs[count, 0], pairs[count, 1] = t, s
+                            count += 1
+                    e = entries[e, 3]
+                if used == entries.shape[0] or looks < 0:
+                    return -1
+                entries[used, 0], entries[used, 1], entries[used, 2] = row, column, s
+                entries[used, 3] = head[slot]
+                head[slot] = used
+                used += 1
+    return count
+
+
+# ---------------------------------------------------------------------- a tree, where lengths are uneven
+
+
+@inline
+def _apart(ax, ay, bx, by, low, high):
+    """Whether a box lies strictly on one side of the line ab; if in doubt, no."""
+    dx, dy = bx - ax, by - ay
+    # The corners farthest to the left and to the right of the direction.
+    left = dx * ((high[1] if dx > 0 else low[1]) - ay) - dy * ((low[0] if dy > 0 else high[0]) - ax)
+    right = dx * ((low[1] if dx > 0 else high[1]) - ay) - dy * ((high[0] if dy > 0 else low[0]) - ax)
+    wide, tall = abs(low[0] - ax) + abs(high[0] - ax), abs(low[1] - ay) + abs(high[1] - ay)
+    slack = SLACK * (abs(dx) * tall + abs(dy) * wide) + 1e-290
+    return left < -slack or right > slack
+
+
+@kernel
+def _tree_pairs(ends, segments, low, high, order, pairs):
+    """Candidates by the tree of `BoxTree`, four boxes to a leaf; their number."""
+    leaves = low.shape[0] // 2
+    stack = np.empty(128, dtype=np.int64)
+    count = 0
+    for s in range(ends.shape[0]):
+        ax, ay, bx, by = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
+        x0, x1, y0, y1 = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
+        top = 1
+        stack[0] = 1
+        while top > 0:
+            top -= 1
+            node = stack[top]
+            l, h = low[node], high[node]
+            if l[0] > x1 or h[0] < x0 or l[1] > y1 or h[1] < y0 or _apart(ax, ay, bx, by, l, h):
+                continue
+            if node < leaves:
+                stack[top] = 2 * node
+                stack[top + 1] = 2 * node + 1
+                top += 2
+                continue
+            first = (node - leaves) * 4
+            for i in range(first, min(first + 4, order.shape[0])):
+                t = order[i]
+                if t > s and _may_meet(ends, segments, s, t):
+                    if count < pairs.shape[0]:
+                        pairs[count, 0], pairs[count, 1] = s, t
+                    count += 1
+    return count
+
+
+# ---------------------------------------------------------------------- candidates, then exact signs
+
+
+def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Pairs s < t, unique, among them all that meet in more than a common end.
+
+    Most input is clean: where cells hold too much, a sweep is to tell whether there is anything to list.
+    """
+    if len(segments) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    grid = _Grid(points, segments)
+    for cells, looks, most in TABLES:
+        pairs = grid.pairs(cells, looks) if grid.crowd < most else None
+        if pairs is not None:
+            return pairs
+    if any_meeting(points, segments) is False:
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = grid.pairs(*LAST)
+    return _tree_candidates(grid.ends, segments) if pairs is None else pairs
+
+
+class _Grid:
+    """Square cells over the box of some segments.
+
+    ``crowd``: how many segments would share a cell of their mean length if they were strewn evenly.
+    """
+
+    def __init__(self, points: np.ndarray, segments: np.ndarray):
+        self.segments, self.ends = segments, np.empty((len(segments), 4))
+        x0, y0, x1, y1, self.extent = _gather(points, segments, self.ends)
+        self.low, self.wide, self.tall = (x0, y0), x1 - x0, y1 - y0
+        area = max(self.wide, 1e-150) * max(self.tall, 1e-150) * len(segments)
+        self.crowd: float = self.extent * (self.extent / area)
+
+    def pairs(self, cells: float, looks: int) -> np.ndarray | None:
+        """Candidates, where a segment of mean length spans so many cells; None if that is too much work.
+
+        ``looks``: at most so many for each segment.
+        """
+        s, longer = len(self.ends), max(self.wide, self.tall)
+        if not 1e-140 < longer < 1e140:
+            return None
+        scale = cells * s / self.extent
+        if longer * scale > 2**30:
+            return None
+        head = np.full(2 ** int(np.ceil(np.log2(max(2, 4 * cells) * s))), -1, dtype=np.int32)
+        entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
+        seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
+        while True:
+            count = _cell_pairs(
+                self.ends, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
+                looks * s, pairs,
+            )  # fmt: skip
+            if count < 0:
+                return None
+            if count <= len(pairs):
+                return _sorted(pairs[:count], s)
+            pairs = np.empty((count, 2), dtype=np.int64)
+            head[:], seen[:] = -1, -1
+
+
+def _tree_candidates(ends: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """The same by a tree, which suits any lengths."""
+    tree = BoxTree(np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:]))
+    pairs = np.empty((2 * len(ends) + 16, 2), dtype=np.int64)
+    count = _tree_pairs(ends, segments, tree.low, tree.high, tree.order, pairs)
+    if count > len(pairs):
+        pairs = np.empty((count, 2), dtype=np.int64)
+        _tree_pairs(ends, segments, tree.low, tree.high, tree.order, pairs)
+    return _sorted(pairs[:count], len(ends))
+
+
+def _sorted(pairs: np.ndarray, s: int) -> np.ndarray:
+    if len(pairs) == 0:
+        return pairs
+    keys = np.sort(pairs[:, 0] * s + pairs[:, 1])
+    return np.column_stack([keys // s, keys % s])
+
+
+def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of segments that meet in more than a common end vertex, by exact signs.
+
+    Parameters
+    ----------
+    points : (n, 2) float64
+        Equal ones that segments have for ends are different vertices: there the segments meet.
+    segments : (s, 2) int
+        None of zero length.
+
+    Returns
+    -------
+    pairs : (c, 2) int64
+        Rows of ``segments``, the smaller first, in lexicographic order.
+    kind : (c,) int8
+        1 crossing inside both, 2 an end of one inside the other, 3 overlapping along a line (or equal).
+
+    Notes
+    -----
+    A grid where segments are of similar length; elsewhere first a sweep, O(s log s), which tells whether any
+    meet. Below a microsecond a segment where none do.
+    """
+    pairs = _candidates(points, np.ascontiguousarray(segments))
+    if len(pairs) == 0:
+        return pairs, np.empty(0, dtype=np.int8)
+    s, t = segments[pairs[:, 0]], segments[pairs[:, 1]]
+    (p, q), (a, b) = s.T, t.T
+    signs = np.stack(
+        [orient_rows(points, np.column_stack(v)) for v in ((p, q, a), (p, q, b), (a, b, p), (a, b, q))]
+    )
+    kind = np.zeros(len(pairs), dtype=np.int8)
+    across, back = signs[0] * signs[1], signs[2] * signs[3]
+    shared = (s[:, :, None] == t[:, None, :]).any(axis=(1, 2))
+    kind[(across < 0) & (back < 0)] = CROSSING
+    kind[(across <= 0) & (back <= 0) & (kind == 0) & ~shared] = TOUCHING
+    flat = np.nonzero((signs == 0).all(axis=0))[0]
+    if len(flat):
+        p, q = _ordered(*points[s[flat]].transpose(1, 0, 2))
+        a, b = _ordered(*points[t[flat]].transpose(1, 0, 2))
+        start, end = np.where(_before(p, a)[:, None], a, p), np.where(_before(q, b)[:, None], q, b)
+        apart = np.where(shared[flat] | _before(end, start), 0, TOUCHING)
+        kind[flat] = np.where(_before(start, end), OVERLAPPING, apart)
+    return pairs[kind > 0], kind[kind > 0]
+
+
+def _before(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Lexicographic p < q; along a common line this is the order on it."""
+    return (p[..., 0] < q[..., 0]) | ((p[..., 0] == q[..., 0]) & (p[..., 1] < q[..., 1]))
+
+
+def _ordered(p: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    swap = _before(q, p)[:, None]
+    return np.where(swap, q, p), np.where(swap, p, q)
+
+
+def vertices_on_segments(points: np.ndarray, vertices: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Rows (vertex, segment) with the vertex strictly between the ends of the segment; exact."""
+    if len(vertices) == 0 or len(segments) == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    ends, at = points[segments], points[vertices]
+    query, hit = BoxTree(ends.min(axis=1), ends.max(axis=1)).pairs(at, at)
+    v, rows = vertices[query], segments[hit]
+    own = (rows == v[:, None]).any(axis=1)
+    v, rows, hit = v[~own], rows[~own], hit[~own]
+    flat = orient_rows(points, np.column_stack([rows, v])) == 0
+    return np.column_stack([v[flat], hit[flat]])

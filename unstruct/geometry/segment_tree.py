@@ -1,0 +1,216 @@
+"""Distances to points and segments, and the smallest of "a value there plus a growth times the distance".
+
+One tree of bounding boxes serves both: with values 0 and growth 1 it gives distances. A value may change
+linearly along its segment. See the book, chapter 2.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_points
+from ..base.errors import InputError
+from ..base.jit import inline, kernel
+from ..mesh.locate import LEAF, BoxTree
+from ..predicates.batch import power_of_two
+
+__all__ = ["SegmentTree", "to_box", "to_segment"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@inline
+def to_box(x, q, low, high, node):
+    """The distance from point q to a box; infinite for an empty box."""
+    total = 0.0
+    for j in range(x.shape[1]):
+        away = max(low[node, j] - x[q, j], x[q, j] - high[node, j], 0.0)
+        total += away * away
+    return np.sqrt(total)
+
+
+@inline
+def to_segment(x, q, segments, i):
+    """The distance from point q to segment i, whose ends may be equal."""
+    along, square = 0.0, 0.0
+    for j in range(x.shape[1]):
+        side = segments[i, 1, j] - segments[i, 0, j]
+        along += side * (x[q, j] - segments[i, 0, j])
+        square += side * side
+    t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    total = 0.0
+    for j in range(x.shape[1]):
+        start, end = segments[i, 0, j], segments[i, 1, j]
+        foot = end if t == 1.0 else start + t * (end - start)
+        away = x[q, j] - foot
+        total += away * away
+    return np.sqrt(total)
+
+
+@inline
+def _from_segment(x, q, segments, weights, i, growth):
+    """The least of weight + growth * distance to x[q] over the places of segment i.
+
+    With the weight rising by r along a length of l, it is taken where the way from the segment to x[q] has
+    turned from the perpendicular, against the rise, by an angle of sine r / (growth l); at the lower end if
+    there is no such angle, at the next end if that place is beyond it.
+    """
+    rise = weights[i, 1] - weights[i, 0]
+    if rise == 0.0:
+        return weights[i, 0] + growth * to_segment(x, q, segments, i)
+    along, square = 0.0, 0.0
+    for j in range(x.shape[1]):
+        side = segments[i, 1, j] - segments[i, 0, j]
+        along += side * (x[q, j] - segments[i, 0, j])
+        square += side * side
+    reach = growth * np.sqrt(square)
+    if abs(rise) >= reach:
+        t = 0.0 if rise > 0.0 else 1.0
+    else:
+        foot, total = along / square, 0.0
+        for j in range(x.shape[1]):
+            away = x[q, j] - (segments[i, 0, j] + foot * (segments[i, 1, j] - segments[i, 0, j]))
+            total += away * away
+        t = foot - np.sqrt(total / square) * rise / np.sqrt((reach - rise) * (reach + rise))
+        t = min(max(t, 0.0), 1.0)
+    total = 0.0
+    for j in range(x.shape[1]):
+        start, end = segments[i, 0, j], segments[i, 1, j]
+        away = x[q, j] - (end if t == 1.0 else start + t * (end - start))
+        total += away * away
+    return (weights[i, 1] if t == 1.0 else weights[i, 0] + t * rise) + growth * np.sqrt(total)
+
+
+@kernel
+def _search(x, low, high, least, order, segments, weights, growth, best, which):
+    """Lower best[q] to the least of weight + growth * distance(x[q], segment i); which[q] is that i.
+
+    A box is left out when even its least weight at its nearest point would not do better. Neighbors are
+    often asked for one after the other: so the last answer is tried first.
+    """
+    leaves = low.shape[0] // 2
+    stack = np.empty(128, dtype=np.int64)
+    for q in range(x.shape[0]):
+        i = which[q - 1] if q > 0 else -1
+        if i >= 0:
+            value = _from_segment(x, q, segments, weights, i, growth)
+            if value < best[q]:
+                best[q], which[q] = value, i
+        top = 1
+        stack[0] = 1
+        while top > 0:
+            top -= 1
+            node = stack[top]
+            if least[node] + growth * to_box(x, q, low, high, node) >= best[q]:
+                continue
+            if node < leaves:
+                left = least[2 * node] + growth * to_box(x, q, low, high, 2 * node)
+                right = least[2 * node + 1] + growth * to_box(x, q, low, high, 2 * node + 1)
+                near = 0 if left <= right else 1
+                stack[top] = 2 * node + 1 - near
+                stack[top + 1] = 2 * node + near
+                top += 2
+                continue
+            first = (node - leaves) * LEAF
+            for k in range(first, min(first + LEAF, order.shape[0])):
+                i = order[k]
+                value = _from_segment(x, q, segments, weights, i, growth)
+                if value < best[q]:
+                    best[q] = value
+                    which[q] = i
+
+
+class SegmentTree:
+    """A static tree over segments (or points, which are segments of length zero) in any dimension.
+
+    Parameters
+    ----------
+    segments : array_like, shape (s, 2, d) or (s, d)
+        Two ends each; or points.
+    weights : array_like, shape (s,) or (s, 2), optional
+        A value at each segment, or one at each of its ends with linear change between them, for `least`; 0
+        by default.
+
+    Raises
+    ------
+    InputError
+        For no segments, wrong shapes, or entries that are not finite.
+    """
+
+    def __init__(self, segments: ArrayLike, weights: ArrayLike | None = None):
+        array = np.asarray(segments)
+        if array.ndim == 2:
+            array = np.repeat(array[:, None], 2, axis=1)
+        if array.ndim != 3 or array.shape[1] != 2 or 0 in array.shape:
+            raise InputError(f"segments must have shape (s, 2, d) with s >= 1, not {array.shape}")
+        ends = as_points(array.reshape(-1, array.shape[2]), "ends of segments")
+        self.factor = power_of_two(ends)
+        self.segments: Array = np.ascontiguousarray((ends * self.factor).reshape(array.shape))
+        given = np.zeros(len(array)) if weights is None else np.array(weights, dtype=np.float64)
+        if given.shape not in ((len(array),), (len(array), 2)) or not np.isfinite(given).all():
+            raise InputError(f"weights must be {len(array)} finite numbers, not shape {given.shape}")
+        self.weights: Array = given if given.ndim == 2 else np.repeat(given[:, None], 2, axis=1)
+        tree = BoxTree(self.segments.min(axis=1), self.segments.max(axis=1))
+        self.boxes = tree.low, tree.high
+        self.order = tree.order
+        self._lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
+
+    def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
+        """The least of weight + growth * distance over all segments.
+
+        Parameters
+        ----------
+        x : array_like, shape (k, d)
+        growth : float
+            At least 0.
+        start : array_like, shape (k,), optional
+            Values that are to be beaten.
+
+        Returns
+        -------
+        values : ndarray, shape (k,)
+        which : ndarray of int, shape (k,)
+            The segment that gave each, -1 where ``start`` was not beaten.
+        """
+        points = as_points(x, "x")
+        if points.shape[1] != self.segments.shape[2]:
+            raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
+        if not (np.isfinite(growth) and growth >= 0):
+            raise InputError(f"growth must be a number of at least 0, not {growth!r}")
+        best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
+        which = np.full(len(points), -1, dtype=np.int64)
+        scaled = np.ascontiguousarray(points * self.factor)
+        tree = *self.boxes, self._lowest, self.order, self.segments, self.weights
+        _search(scaled, *tree, growth / self.factor, best, which)
+        return best, which
+
+    def distance(self, x: ArrayLike) -> Array:
+        """The distance from each point (k, d) to the nearest segment, shape (k,)."""
+        return self._nearest(x)[0]
+
+    def nearest(self, x: ArrayLike) -> tuple[Integers, Array]:
+        """The nearest segment of each point (k, d), and where on it: 0 at its first end, 1 at its second."""
+        points, which = as_points(x, "x"), self._nearest(x)[1]
+        start, end = self.segments[which, 0], self.segments[which, 1]
+        square = ((end - start) ** 2).sum(axis=1)
+        along = ((end - start) * (points * self.factor - start)).sum(axis=1)
+        return which, np.clip(along / np.where(square > 0, square, 1.0), 0.0, 1.0)
+
+    def _nearest(self, x: ArrayLike) -> tuple[Array, Integers]:
+        if self.weights.any():
+            raise InputError("this tree has weights: ask it for `least`")
+        return self.least(x, 1.0)
+
+
+def _minima(values: Array, leaves: int) -> Array:
+    """The least value below each node of the tree, whose leaves hold `LEAF` values each, in order."""
+    result = np.full(2 * leaves, np.inf)
+    firsts = np.arange(0, len(values), LEAF)
+    result[leaves : leaves + len(firsts)] = np.minimum.reduceat(values, firsts)
+    while leaves > 1:
+        half = leaves // 2
+        result[half:leaves] = np.minimum(result[leaves : 2 * leaves : 2], result[leaves + 1 : 2 * leaves : 2])
+        leaves = half
+    return result

@@ -1,0 +1,183 @@
+"""Kinds of cells (meshio's names) and what they are made of: edges and facets of mixed meshes.
+
+A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See the book, chapter 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import InputError
+from .topology import as_simplices, group_rows
+
+__all__ = [
+    "CELL_TYPES",
+    "as_cells",
+    "cell_dimension",
+    "counted",
+    "incident_edges",
+    "incident_facets",
+    "simplex_type",
+]
+
+# name -> (dimension, corners, edges, facets); corners in VTK's order, facets outward
+CELL_TYPES: dict[str, tuple[int, int, list[list[int]], list[list[int]]]] = {
+    "line": (1, 2, [[0, 1]], [[1], [0]]),
+    "triangle": (2, 3, [[1, 2], [2, 0], [0, 1]], [[1, 2], [2, 0], [0, 1]]),
+    "quad": (2, 4, [[0, 1], [1, 2], [2, 3], [3, 0]], [[0, 1], [1, 2], [2, 3], [3, 0]]),
+    "tetra": (
+        3,
+        4,
+        [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]],
+        [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]],
+    ),
+    "pyramid": (
+        3,
+        5,
+        [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]],
+        [[0, 3, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+    ),
+    "wedge": (
+        3,
+        6,
+        [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
+        [[0, 2, 1], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]],
+    ),
+    "hexahedron": (
+        3,
+        8,
+        [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
+        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+    ),
+}
+SIMPLEX_NAMES = {1: "line", 2: "triangle", 3: "tetra"}
+
+
+def simplex_type(k: int) -> str:
+    """The name of the simplex of dimension k: "line", "triangle", "tetra", "simplex4", "simplex5", ..."""
+    return SIMPLEX_NAMES.get(k, f"simplex{k}")
+
+
+def counted(count: int, name: str) -> str:
+    """In words: "1 triangle", "12 triangles", "5 tetrahedra", "3 4-simplices"."""
+    if name.startswith("simplex"):
+        return f"{count} {name[7:]}-simplex" if count == 1 else f"{count} {name[7:]}-simplices"
+    word = {"tetra": "tetrahedron"}.get(name, name)
+    if count == 1:
+        return f"1 {word}"
+    return f"{count} {word.removesuffix('on') + 'a' if word.endswith('hedron') else word + 's'}"
+
+
+def simplex_dimension(name: str) -> int | None:
+    """The dimension of a kind of simplex; None for kinds that are no simplices."""
+    for k, known in SIMPLEX_NAMES.items():
+        if name == known:
+            return k
+    return int(name[7:]) if name.startswith("simplex") and name[7:].isdigit() else None
+
+
+def cell_dimension(name: str) -> int:
+    """The dimension of a kind of cell, or an error that lists the known kinds."""
+    simplex = simplex_dimension(name)
+    if simplex is not None:
+        return simplex
+    if name == "polygon":
+        return 2
+    if name in CELL_TYPES:
+        return CELL_TYPES[name][0]
+    raise InputError(
+        f"no kind of cell is called {name!r}; there are {', '.join(CELL_TYPES)}, polygon, simplex4, ..."
+    )
+
+
+def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
+    """Validate a dictionary kind -> rows of vertex numbers; "polygon" may be ragged (a list of arrays)."""
+    if not cells:
+        raise InputError("cells is empty: give at least one kind, for example {'triangle': array}")
+    result: dict[str, Any] = {}
+    for name, block in cells.items():
+        cell_dimension(name)
+        try:
+            if name == "polygon":
+                result[name] = tuple(_polygon(row, i, vertices) for i, row in enumerate(block))
+                continue
+            rows = as_simplices(np.asarray(block), vertices=vertices)
+        except InputError as error:
+            raise InputError(f"cells[{name!r}]: {error}") from None
+        simplex = simplex_dimension(name)
+        corners = CELL_TYPES[name][1] if simplex is None else simplex + 1
+        if rows.shape[1] != corners:
+            raise InputError(f"cells[{name!r}] must have {corners} vertices a row, not {rows.shape[1]}")
+        rows.flags.writeable = False
+        result[name] = rows
+    dimensions = {name: cell_dimension(name) for name in result}
+    if len(set(dimensions.values())) > 1:
+        raise InputError(f"cells of different dimensions, {dimensions}: keep lower ones as markers")
+    return result
+
+
+def _polygon(row: Sequence[int], index: int, vertices: int) -> np.ndarray:
+    polygon = np.asarray(row)
+    if polygon.ndim != 1 or len(polygon) < 3 or polygon.dtype.kind not in "iu":
+        raise InputError(f"polygon {index} must be at least three integers, not {polygon.tolist()}")
+    if polygon.min() < 0 or polygon.max() >= vertices:
+        raise InputError(f"polygon {index} = {polygon.tolist()} refers to vertices outside 0..{vertices - 1}")
+    if len(np.unique(polygon)) < len(polygon):
+        raise InputError(f"polygon {index} = {polygon.tolist()} repeats a vertex")
+    polygon = polygon.astype(np.int32)
+    polygon.flags.writeable = False
+    return polygon
+
+
+def _incident(cells: Mapping, *, facets: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of vertices (padded by -1) of the edges or the facets, and their cells."""
+    pieces, owners, start = [], [], 0
+    for name, block in cells.items():
+        if name == "polygon":
+            for row in block:
+                pieces.append(np.column_stack([row, np.roll(row, -1)]))
+                owners.append(np.full(len(row), start))
+                start += 1
+            continue
+        for face in CELL_TYPES[name][3] if facets else CELL_TYPES[name][2]:
+            pieces.append(block[:, face])
+            owners.append(np.arange(start, start + len(block)))
+        start += len(block)
+    width = max((piece.shape[1] for piece in pieces), default=2)
+    padded = [np.pad(p, ((0, 0), (0, width - p.shape[1])), constant_values=-1) for p in pieces]
+    if not padded:
+        return np.empty((0, width), dtype=np.int32), np.empty(0, dtype=np.int64)
+    return np.concatenate(padded).astype(np.int32), np.concatenate(owners)
+
+
+def _number(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    # Adding 1 keeps the padding non-negative, which hashing needs.
+    group, first = group_rows(np.sort(rows, axis=1) + 1)
+    return group, first
+
+
+def incident_edges(cells: Mapping) -> np.ndarray:
+    """The edges (i, j), i < j, of mixed cells, in lexicographic order: int32, shape (e, 2)."""
+    rows, _ = _incident(cells, facets=False)
+    _, first = _number(rows)
+    found = np.sort(rows[first], axis=1)
+    return found[np.lexsort(found.T[::-1])]
+
+
+def incident_facets(cells: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The facets of mixed cells as their cells see them.
+
+    Returns
+    -------
+    rows : ndarray of int32, shape (r, w)
+        One row a cell and facet, outward for positively oriented cells, padded by -1 at the end.
+    owner : ndarray of int, shape (r,)
+        The cell (numbered through all kinds, in the order of the dictionary).
+    group : ndarray of int64, shape (r,)
+        Equal numbers for equal sets of vertices.
+    """
+    rows, owner = _incident(cells, facets=True)
+    return rows, owner, _number(rows)[0]

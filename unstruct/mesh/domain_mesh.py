@@ -1,0 +1,81 @@
+"""Refined: the mesh of a domain, with the account of what was reached and what was not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import frozen
+from ..base.errors import InputError
+from .mesh import Mesh
+
+__all__ = ["Refined"]
+
+
+class Refined(Mesh):
+    """A mesh of a domain, as the meshing methods return it.
+
+    Parameters
+    ----------
+    points, simplices, **rest
+        As for `Mesh`.
+    unrefined : array_like of int, shape (k,), optional
+        Cells that miss what was asked for.
+    reasons : array_like of str, shape (k,), optional
+        Why, for each of them.
+    counts : dict of str to int, optional
+        What happened on the way, by name: insertions, splits, exceptional cases.
+    steps : dict of str to array, optional
+        The record of the run, where it was asked for; its arrays are described by the method.
+    figures : dict of str to float, optional
+        Measured on the way, by name, such as the quality before the last step.
+    segments : array_like of int, shape (s, 2), optional
+        All subsegments of the domain's pieces that are in the mesh, in the direction of their piece.
+    piece : array_like of int, shape (s,), optional
+        The piece of the domain (facets first, then inner segments) that each is a part of.
+    span : array_like, shape (s, 2), optional
+        The parameters of its ends on that piece, between 0 and 1.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether everything that was asked for is reached: then ``unrefined`` is empty.
+    """
+
+    def __init__(
+        self,
+        points: Any,
+        simplices: Any,
+        *,
+        unrefined: ArrayLike | None = None,
+        reasons: ArrayLike | None = None,
+        counts: Mapping[str, int] | None = None,
+        figures: Mapping[str, float] | None = None,
+        steps: Mapping[str, NDArray] | None = None,
+        segments: ArrayLike | None = None,
+        piece: ArrayLike | None = None,
+        span: ArrayLike | None = None,
+        **rest: Any,
+    ):
+        super().__init__(points, simplices, **rest)
+        nothing = np.empty(0, dtype=np.int32)
+        self.unrefined: np.ndarray = frozen(np.asarray(nothing if unrefined is None else unrefined, np.int32))
+        why = np.full(len(self.unrefined), "") if reasons is None else np.asarray(reasons, dtype=str)
+        if why.shape != self.unrefined.shape:
+            raise InputError(f"{len(self.unrefined)} cells are unrefined, but {why.shape} reasons are given")
+        self.reasons: np.ndarray = frozen(why)
+        self.complete: bool = len(self.unrefined) == 0
+        self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
+        self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
+        self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
+        rows = np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32)
+        self.segments: np.ndarray = frozen(rows.reshape(-1, 2))
+        self.piece: np.ndarray = frozen(np.asarray(nothing if piece is None else piece, np.int32))
+        self.span: np.ndarray = frozen(
+            np.asarray(np.empty((0, 2)) if span is None else span, np.float64).reshape(-1, 2)
+        )
+        if not len(self.segments) == len(self.piece) == len(self.span):
+            raise InputError("segments, piece and span must have one row a subsegment")

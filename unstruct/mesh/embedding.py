@@ -1,0 +1,174 @@
+"""Does a complex lie in space without folds, overlaps or crossings? Exact, for `unstruct.check`.
+
+The cells are positively oriented simplices of full dimension whose facets match. A *ridge* is a face of
+codimension two: a vertex in the plane, an edge in space. Around a ridge the cells form a fan of wedges;
+the mesh is locally one-to-one there when no half-plane lies in two wedges, and locally convex on the
+boundary when the fan's angle is at most pi. See the book, chapters 1 and 2.0.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from ..predicates.batch import orient
+from .locate import BoxTree
+from .topology import group_rows
+
+__all__ = ["RidgeFans", "crossing_facets"]
+
+CHUNK = 1 << 19
+
+
+def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Exact orientation of many simplices given by vertex numbers, (r, d + 1), a chunk at a time."""
+    parts = [orient(points[rows[i : i + CHUNK]]) for i in range(0, len(rows), CHUNK)]
+    return np.concatenate([*parts, np.empty(0, dtype=np.int8)])
+
+
+class RidgeFans:
+    """All (ridge, cell) incidences of a mesh, each with its wedge from apex ``a`` on to apex ``b``.
+
+    The order of a and b is such that (ridge, a, b), the ridge sorted, is positively oriented. A mesh of m
+    cells in d dimensions has m d (d + 1) / 2 incidences.
+    """
+
+    def __init__(self, points: np.ndarray, simplices: np.ndarray, neighbors: np.ndarray):
+        self.points = points
+        width = simplices.shape[1]
+        ridges, a, b, open_a, open_b, cells = [], [], [], [], [], []
+        for i, j in combinations(range(width), 2):
+            columns = np.array([c for c in range(width) if c not in (i, j)])
+            order = columns[np.argsort(simplices[:, columns], axis=1)]
+            odd = _odd(order, i, j)
+            first, second = np.where(odd, j, i), np.where(odd, i, j)
+            row = np.arange(len(simplices))
+            ridges.append(np.take_along_axis(simplices, order, axis=1))
+            a.append(simplices[row, first])
+            b.append(simplices[row, second])
+            # The facet through the ridge and a lies opposite b: nothing beyond it means that the fan starts.
+            open_a.append(neighbors[row, second] < 0)
+            open_b.append(neighbors[row, first] < 0)
+            cells.append(row)
+        self.ridges, self.a, self.b = np.concatenate(ridges), np.concatenate(a), np.concatenate(b)
+        self.starts, self.ends = np.concatenate(open_a), np.concatenate(open_b)
+        self.cells = np.concatenate(cells)
+        self.group, first_row = group_rows(self.ridges)
+        # Where the fan begins: its first wedge on the boundary, any wedge inside.
+        self.begin = first_row
+        self.begin[self.group[self.starts]] = np.nonzero(self.starts)[0]
+
+    def overlaps(self) -> np.ndarray:
+        """Incidences, not the first of their fan, whose wedge holds the half-plane where the fan begins."""
+        reference = self.a[self.begin][self.group]
+        row = np.nonzero((self.a != reference) & (self.b != reference))[0]
+        row = row[self._sign(row, self.a[row], reference[row]) >= 0]
+        return row[self._sign(row, reference[row], self.b[row]) > 0]
+
+    def concave(self) -> np.ndarray:
+        """Boundary ridges with an angle above pi, as the incidences that end them (overlaps apart)."""
+        row = np.nonzero(self.ends)[0]
+        begin = self.begin[self.group[row]]
+        sign = self._sign(row, self.a[begin], self.b[row])
+        # Sign 0 is an angle of pi, or of 2 pi: the fan then ends more than pi after its second apex.
+        straight = sign == 0
+        sign[straight] = self._sign(row[straight], self.b[begin[straight]], self.b[row[straight]])
+        return row[sign <= 0]
+
+    def _sign(self, row: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return orient_rows(self.points, np.column_stack([self.ridges[row], a, b]))
+
+
+def _odd(order: np.ndarray, i: int, j: int) -> np.ndarray:
+    """Whether (order..., i, j) is an odd permutation of the columns 0, 1, ..."""
+    full = np.column_stack([order, np.full((len(order), 2), [i, j])])
+    odd = np.zeros(len(full), dtype=bool)
+    for p, q in combinations(range(full.shape[1]), 2):
+        odd ^= full[:, p] > full[:, q]
+    return odd
+
+
+def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
+    """Pairs of facets (segments in the plane, triangles in space) that meet in more than a common face.
+
+    Returns
+    -------
+    ndarray of int, shape (c, 2)
+        Pairs of rows of ``facets``, the smaller first, in lexicographic order.
+    """
+    d = points.shape[1]
+    if d == 2:
+        first, second = _near_pairs(points, facets, facets)
+        hit = _segments_meet(points, facets[first], facets[second])
+        found = np.column_stack([first[hit], second[hit]])
+    else:
+        sides = np.array([(0, 1), (1, 2), (2, 0)])
+        edges = np.sort(facets[:, sides].reshape(-1, 2), axis=1)
+        edge, facet = _near_pairs(points, edges, facets)
+        hit = _edges_meet_triangles(points, edges[edge], facets[facet])
+        found = np.column_stack([edge[hit] // 3, facet[hit]])
+    found = np.sort(found, axis=1)
+    return np.unique(found[found[:, 0] != found[:, 1]], axis=0)
+
+
+def _near_pairs(points: np.ndarray, rows: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    boxes, queries = points[others], points[rows]
+    tree = BoxTree(boxes.min(axis=1), boxes.max(axis=1))
+    return tree.pairs(queries.min(axis=1), queries.max(axis=1))
+
+
+def _segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Whether segments s = pq and t = ab (closed) meet in more than a common end."""
+    p, q, a, b = s[:, 0], s[:, 1], t[:, 0], t[:, 1]
+    signs = [orient_rows(points, np.column_stack(v)) for v in ((p, q, a), (p, q, b), (a, b, p), (a, b, q))]
+    flat = (signs[0] == 0) & (signs[1] == 0)
+    meet = (signs[0] * signs[1] <= 0) & (signs[2] * signs[3] <= 0)
+    shared = (s[:, :, None] == t[:, None, :]).any(axis=2).sum(axis=1)
+    meet[(shared == 1) & ~flat] = False
+    meet[shared == 2] = False
+    for i in np.nonzero(flat & (shared < 2))[0]:  # collinear: compare along the line
+        low = max(min(_key(points[v]) for v in s[i]), min(_key(points[v]) for v in t[i]))
+        high = min(max(_key(points[v]) for v in s[i]), max(_key(points[v]) for v in t[i]))
+        meet[i] = low < high or (low == high and shared[i] == 0)
+    return meet
+
+
+def _key(point: np.ndarray) -> tuple[float, ...]:
+    return tuple(point.tolist())
+
+
+def _edges_meet_triangles(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Whether edges pq and triangles abc (closed) meet in more than a common vertex or edge."""
+    shared = (edges[:, :, None] == triangles[:, None, :]).any(axis=2)
+    (p, q), (a, b, c) = edges.T, triangles.T
+    sp, sq = (orient_rows(points, np.column_stack([a, b, c, v])) for v in (p, q))
+    sides = ((a, b), (b, c), (c, a))
+    volumes = np.array([orient_rows(points, np.column_stack([p, q, u, v])) for u, v in sides])
+    through = (volumes >= 0).all(axis=0) | (volumes <= 0).all(axis=0)
+    plane = (sp == 0) & (sq == 0)
+    meet = (sp * sq <= 0) & through & ~plane & (shared.sum(axis=1) == 0)
+    for i in np.nonzero(plane & (shared.sum(axis=1) < 2))[0]:
+        meet[i] = _meet_in_plane(points, edges[i], triangles[i])
+    return meet
+
+
+def _meet_in_plane(points: np.ndarray, edge: np.ndarray, triangle: np.ndarray) -> bool:
+    """The coplanar case, in a coordinate plane on which the triangle does not collapse."""
+    for axes in ((0, 1), (1, 2), (2, 0)):
+        plane = np.ascontiguousarray(points[:, axes][np.concatenate([edge, triangle])])
+        sign = orient(plane[2:])
+        if sign == 0:
+            continue
+        corners = np.array([2, 3, 4]) if sign > 0 else np.array([2, 4, 3])
+        names = np.concatenate([edge, triangle])
+        sides = [(corners[i], corners[(i + 1) % 3]) for i in range(3)]
+        for end in (0, 1):
+            if names[end] not in triangle and all(orient(plane[[u, v, end]]) >= 0 for u, v in sides):
+                return True
+        label = {name: i for i, name in reversed(list(enumerate(names.tolist())))}
+        local = np.array([label[name] for name in names.tolist()])
+        s = np.repeat(local[None, :2], 3, axis=0)
+        t = np.array([(local[u], local[v]) for u, v in sides])
+        return bool(_segments_meet(plane, s, t).any())
+    return True  # a flat facet with a segment in its line

@@ -1,0 +1,195 @@
+"""Markers as Gmsh's physical groups, and back.
+
+Written is version 2.2 of the format, in which each cell and each face has the number of one group. So a face
+of several markers goes to the first of them that is not "facets" or "inner": these two follow from the
+others, because facets are where the mesh ends. Groups of cells are "region 0", "region 1", ..., by the values
+of the marker "region"; without it, the names of Boolean markers that have no cell in common. Other data of
+cells are kept where nothing but one kind of cells is in the file.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote, unquote
+
+import numpy as np
+
+from .marked import marked_facets
+from .topology import group_rows
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+__all__ = ["coded", "decoded", "from_groups", "is_ours", "to_groups"]
+
+OWN = ("facets", "inner")
+FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
+
+
+def coded(name: str, *, spaces: bool = False) -> str:
+    """A name with percent codes for what files do not hold: quotes, brackets, control characters, spaces."""
+    bad = [c in '%<>&"\\' or not c.isprintable() or (c == " " and spaces) for c in name]
+    return "".join(quote(c, safe="") if b else c for c, b in zip(name, bad))
+
+
+def decoded(name: str) -> str:
+    """The name that `coded` was given."""
+    return unquote(name)
+
+
+def is_ours(other: Any) -> bool:
+    """Whether `Mesh.write` wrote the file that meshio read."""
+    return {"origin", "kept"} <= set(other.point_data)
+
+
+def to_groups(mesh: Mesh, other: Any, faces: dict[str, np.ndarray]) -> tuple[list[str], list[str]]:
+    """Put markers into the physical groups of ``other``, a meshio.Mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    other : meshio.Mesh
+        As `to_meshio` makes it: its last blocks are the faces of each marker. They are replaced.
+    faces : dict of str to array
+        The markers that name faces.
+
+    Returns
+    -------
+    cells : list of str
+        Markers of cells that are in groups.
+    lost : list of str
+        Markers of faces of which not all is in the file.
+    """
+    top = len(other.cells) - sum(len(rows) > 0 for rows in faces.values())
+    tags, names, cells = _cell_groups(mesh, other, top)
+    other.field_data = {name: np.array([i + 1, mesh.dimension]) for i, name in enumerate(names)}
+    del other.cells[top:]
+    lost = [name for name in faces if coded(name) in other.field_data]
+    count = dict.fromkeys(range(3), 0)
+    for width in sorted(FACE_NAMES):
+        some = [k for k, v in faces.items() if v.shape[1] == width and k not in lost]
+        some.sort(key=lambda name: name in OWN)
+        groups = _split({name: faces[name] for name in some})
+        for name, rows in groups.items():
+            if len(rows) < len(faces[name]) and len(rows) == 0 and name not in OWN:
+                continue  # better no name than one of nothing
+            dimension = min(width - 1, 2)
+            count[dimension] += 1
+            other.field_data[coded(name)] = np.array([count[dimension], dimension])
+            if len(rows):
+                other.cells.append(type(other.cells[0])(FACE_NAMES[width], rows))
+                tags.append(np.full(len(rows), count[dimension]))
+        again = _joined(groups, _border(mesh, width), len(mesh.points))
+        lost += [name for name in some if _keys(again[name]) != _keys(faces[name])]
+    other.cell_data = {"gmsh:physical": tags, "gmsh:geometrical": [np.maximum(tag, 1) for tag in tags]}
+    return cells, lost
+
+
+def _split(faces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Each face in the first marker that has it."""
+    if not faces:
+        return {}
+    rows = np.concatenate(list(faces.values()))
+    owner = np.repeat(np.arange(len(faces)), [len(part) for part in faces.values()])
+    _, first = group_rows(np.sort(rows, axis=1))
+    return {name: rows[first[owner[first] == i]] for i, name in enumerate(faces)}
+
+
+def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[str, np.ndarray]:
+    """The markers "facets" and "inner" with the faces of other groups, where the mesh ends and where not."""
+    result = dict(groups)
+    for name, rows in groups.items():
+        if name not in OWN and len(border) and rows.shape[1] == border.shape[1]:
+            ends = marked_facets(rows, border, n)
+            for own, part in zip(OWN, (rows[ends], rows[~ends])):
+                if own in groups:
+                    result[own] = np.concatenate([result[own], part])
+    return result
+
+
+def _border(mesh: Mesh, width: int) -> np.ndarray:
+    """Facets of so many vertices where the mesh ends."""
+    rows = np.asarray(mesh.boundary)
+    return rows[(rows >= 0).sum(axis=1) == width][:, :width]
+
+
+def _keys(rows: np.ndarray) -> set[tuple[int, ...]]:
+    return set(map(tuple, np.sort(rows, axis=1).tolist()))
+
+
+def _cell_groups(mesh: Mesh, other: Any, top: int) -> tuple[list[np.ndarray], list[str], list[str]]:
+    """A number for each cell of each block, the names of 1, 2, ..., and the markers that this holds."""
+    region = mesh.markers.get("region")
+    if region is not None and region.ndim == 1 and region.dtype.kind in "iu":
+        values = np.unique(region)
+        tags = [np.searchsorted(values, rows) + 1 for rows in other.cell_data["region"][:top]]
+        return tags, [f"region {value}" for value in values.tolist()], ["region"]
+    tags = [np.zeros(len(block.data), dtype=np.int64) for block in other.cells[:top]]
+    held: list[str] = []
+    for name, values in mesh.markers.items():
+        if values.ndim == 1 and values.dtype == bool and values.any():
+            chosen = [part == 1 for part in other.cell_data[name][:top]]
+            if not any((tag[rows] > 0).any() for tag, rows in zip(tags, chosen)):
+                held.append(name)
+                for tag, rows in zip(tags, chosen):
+                    tag[rows] = len(held)
+    return tags, [coded(name) for name in held], held
+
+
+def from_groups(mesh: Mesh, other: Any, main: list[int], dimensions: list[int]) -> dict[str, np.ndarray]:
+    """Markers of physical groups.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The cells.
+    other : meshio.Mesh
+    main : list of int
+        The blocks of ``other`` that are the cells, in order.
+    dimensions : list of int
+        The dimension of each block.
+
+    Returns
+    -------
+    dict of str to array
+        Faces by the names of their groups, or by their kind and number. Cells: "region" for groups that are
+        called "region 0", "region 1", ...; True and False for other names; "gmsh:physical" for numbers.
+    """
+    physical = other.cell_data.get("gmsh:physical")
+    names = {(int(tag), int(d)): decoded(name) for name, (tag, d) in other.field_data.items()}
+    markers = _of_cells(mesh, physical, main, names)
+    faces: dict[str, np.ndarray] = {
+        name: np.empty((0, d + 1), dtype=np.int32) for (_, d), name in names.items() if d < mesh.dimension
+    }
+    for i, block in enumerate(other.cells):
+        if i in main:
+            continue
+        rows, kind = np.asarray(block.data), block.type
+        tags = np.zeros(len(rows), dtype=int) if physical is None else np.asarray(physical[i])
+        for tag in np.unique(tags).tolist():
+            name = names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}")
+            part = rows[tags == tag]
+            known = name in faces and len(faces[name])
+            faces[name] = np.concatenate([faces[name], part]) if known else part
+    if is_ours(other):
+        for width in FACE_NAMES:
+            some = {name: rows for name, rows in faces.items() if rows.shape[1] == width}
+            faces |= _joined(some, _border(mesh, width), len(mesh.points))
+    return markers | faces
+
+
+def _of_cells(mesh: Mesh, physical: Any, main: list[int], names: dict) -> dict[str, np.ndarray]:
+    if physical is None:
+        return {}
+    tags = np.concatenate([np.asarray(physical[i]) for i in main])
+    used = np.unique(tags).tolist()
+    called = [names.get((tag, mesh.dimension), "") for tag in used]
+    numbers = [re.fullmatch(r"region (-?\d+)", name) for name in called]
+    if all(numbers):
+        values = np.array([int(number[1]) for number in numbers if number])
+        return {"region": values[np.searchsorted(used, tags)]}
+    markers = {name: tags == tag for name, tag in zip(called, used) if name}
+    if any(tag and not name for name, tag in zip(called, used)):
+        markers["gmsh:physical"] = tags
+    return markers

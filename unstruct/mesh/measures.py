@@ -1,0 +1,103 @@
+"""Measures of whole meshes: volumes of cells of any kind, and the statistics of `Mesh.summary`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.errors import MeshError
+from ..geometry import simplex
+from .cells import CELL_TYPES, simplex_dimension
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+__all__ = ["Summary", "cell_volumes", "summarize"]
+
+
+def cell_volumes(mesh: Mesh) -> np.ndarray:
+    """Length, area or volume of each cell, in the order of ``mesh.cells``; signed where k = d."""
+    parts = []
+    for name, block in mesh.cells.items():
+        if simplex_dimension(name) is not None:
+            parts.append(simplex.volume(mesh.points[block]) if len(block) else np.empty(0))
+        elif name in ("quad", "polygon"):
+            parts.append(np.array([_polygon_area(mesh.points[row]) for row in block], dtype=np.float64))
+        else:
+            parts.append(_polyhedron_volumes(mesh.points[block], CELL_TYPES[name][3]))
+    return np.concatenate(parts)
+
+
+def _polygon_area(corners: np.ndarray) -> float:
+    """Signed area in the plane (shoelace formula about the first corner), unsigned in space."""
+    rows = corners[1:] - corners[0]
+    if corners.shape[1] == 2:
+        return float((rows[:-1, 0] * rows[1:, 1] - rows[1:, 0] * rows[:-1, 1]).sum() / 2)
+    if corners.shape[1] == 3:
+        return float(np.linalg.norm(np.cross(rows[:-1], rows[1:]).sum(axis=0)) / 2)
+    raise MeshError(f"polygons have areas in the plane and in space, not in {corners.shape[1]} dimensions")
+
+
+def _polyhedron_volumes(corners: np.ndarray, facets: list[list[int]]) -> np.ndarray:
+    """Signed volumes by the divergence theorem; a facet that is not plane is a fan about its mean corner."""
+    corners = corners - corners[:, :1]
+    total = np.zeros(len(corners))
+    for facet in facets:
+        ring = corners[:, facet]
+        middle = ring.mean(axis=1)
+        following = np.roll(ring, -1, axis=1)
+        total += np.einsum("mi,mji->m", middle, np.cross(ring, following)) / 6
+    return total
+
+
+class Summary(dict):
+    """A dictionary of statistics that prints as a short text."""
+
+    def __str__(self) -> str:
+        lines = [self["title"]]
+        for name, value in self.items():
+            if isinstance(value, dict):
+                low, mean, high = (f"{value[key]:.4g}" for key in ("min", "mean", "max"))
+                lines.append(f"  {name:<14} {low:>10} {mean:>10} {high:>10}   (min, mean, max)")
+            elif name != "title":
+                lines.append(f"  {name:<14} {f'{value:.6g}' if isinstance(value, float) else value!s:>10}")
+        return "\n".join(lines)
+
+
+def _statistics(values: np.ndarray) -> dict[str, float]:
+    return {"min": float(values.min()), "mean": float(values.mean()), "max": float(values.max())}
+
+
+def summarize(mesh: Mesh) -> Summary:
+    """Counts, Euler characteristic, volume, and (for simplices) statistics of edges, angles, 2r/R.
+
+    Returns
+    -------
+    Summary
+        Keys ``title``, ``points``, ``cells``, ``edges``, ``boundary``, ``euler``, ``volume``, ``degree``,
+        and for simplicial meshes ``edge_length`` and some names of `unstruct.simplex.QUALITIES`.
+    """
+    counts = mesh.face_counts()
+    result = Summary(
+        title=repr(mesh),
+        points=len(mesh.points),
+        used=counts[0],
+        cells=mesh.size,
+        edges=len(mesh.edges),
+        boundary=len(mesh.boundary),
+        euler=mesh.euler_characteristic,
+        volume=mesh.volume,
+    )
+    if not mesh.size:
+        return result
+    result["degree"] = _statistics(np.bincount(mesh.edges.ravel())[np.unique(mesh.edges)])
+    ends = mesh.points[mesh.edges]
+    result["edge_length"] = _statistics(simplex.measure(ends))
+    if mesh.is_simplicial and mesh.dimension >= 2:
+        names = ["min_angle", "max_angle", "2r/R"]
+        if mesh.dimension == 3:
+            names += ["min_dihedral", "max_dihedral"]
+        for name in names:
+            result[name] = _statistics(mesh.quality(name))
+    return result

@@ -1,0 +1,276 @@
+"""Exact signs: on which side of a plane, inside or outside of a sphere.
+
+Stages: a floating-point filter (`filters`); where its error bound does not decide, doubles that err less or
+not at all (`close`, kernels only); at last integers (`exact`). There is no other case: no tolerance, no
+overflow, no underflow.
+
+Kernels call ``orient2, incircle, orient3, insphere`` with scaled coordinates, at most 1 in magnitude:
+then all that underflow can do to a filter is far below ``TINY``. `power_of_two` gives the factor, and
+multiplying by it is exact unless an entry becomes subnormal (`scaled` tells). The public functions take
+any finite doubles.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.errors import InputError
+from ..base.jit import inline, kernel
+from .close import close_incircle, close_insphere, close_orient2, close_orient3
+from .exact import exact_in_sphere, exact_incircle, exact_insphere, exact_orient, exact_orient2, exact_orient3
+from .filters import (
+    UNDECIDED,
+    filter_in_sphere,
+    filter_incircle,
+    filter_insphere,
+    filter_orient,
+    filter_orient2,
+    filter_orient3,
+)
+
+__all__ = ["in_sphere", "orient"]
+
+
+# --- kernels in two and three dimensions ----------------------------------------------------------
+
+
+@inline
+def orient2(ax, ay, bx, by, cx, cy):
+    """Positive where a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
+    sign = filter_orient2(ax, ay, bx, by, cx, cy)
+    if sign != UNDECIDED:
+        return sign
+    return close_orient2(ax, ay, bx, by, cx, cy)
+
+
+@inline
+def incircle(ax, ay, bx, by, cx, cy, px, py):
+    """Positive where p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
+    sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
+    if sign != UNDECIDED:
+        return sign
+    return close_incircle(ax, ay, bx, by, cx, cy, px, py)
+
+
+@inline
+def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
+    """Sign of the determinant of rows b - a, c - a, d - a; exact for |coordinates| <= 1."""
+    sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
+    if sign != UNDECIDED:
+        return sign
+    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
+
+
+@inline
+def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
+    """Positive where p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
+    sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
+    if sign != UNDECIDED:
+        return sign
+    return -close_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
+
+
+# --- many simplices -------------------------------------------------------------------------------
+
+
+@kernel
+def _batch_orient(simplices, factors, signs):
+    """Signs of many simplices: the filter sees them scaled, the exact stage as they are."""
+    for i in range(len(simplices)):
+        p, s = simplices[i], simplices[i] * factors[i]
+        if p.shape[1] == 2:
+            sign = filter_orient2(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1])
+            if sign == UNDECIDED:
+                sign = exact_orient2(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1])
+        elif p.shape[1] == 3:
+            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+            sign = filter_orient3(
+                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2]
+            )
+            if sign == UNDECIDED:
+                sign = -exact_orient3(p.copy().reshape(-1))
+        else:
+            sign = filter_orient(s)
+        signs[i] = sign
+
+
+@kernel
+def _batch_in_sphere(simplices, q, factors, signs):
+    """As `_batch_orient`; where d is neither 2 nor 3, UNDECIDED is left to the caller."""
+    for i in range(len(simplices)):
+        p, c = simplices[i], q[i]
+        s, t = p * factors[i], c * factors[i]
+        if p.shape[1] == 2:
+            sign = filter_incircle(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1], t[0], t[1])
+            if sign == UNDECIDED:
+                sign = exact_incircle(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1], c[0], c[1])
+        elif p.shape[1] == 3:
+            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+            sign = filter_insphere(
+                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2],
+                t[0], t[1], t[2],
+            )  # fmt: skip
+            if sign == UNDECIDED:
+                x = np.empty(15)
+                x[:12] = p.copy().reshape(-1)
+                x[12:] = c
+                sign = -exact_insphere(x)
+        else:
+            sign = filter_in_sphere(s, t)
+        signs[i] = sign
+
+
+# --- scaling --------------------------------------------------------------------------------------
+
+
+def power_of_two(points: ArrayLike) -> float:
+    """A power of two that brings the largest coordinate into [1/2, 1) (for very small ones, as far as
+    a double reaches); 1.0 where all are zero.
+
+    Multiplying by it is exact unless an entry becomes subnormal; see `scaled`.
+    """
+    largest = float(np.max(np.abs(points), initial=0.0))
+    if largest == 0.0:
+        return 1.0
+    return math.ldexp(1.0, min(-math.frexp(largest)[1], 1023))
+
+
+def scaled(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
+    """Scale by `power_of_two`; the second value tells whether every entry was kept exactly."""
+    factor = power_of_two(points)
+    result = points * factor
+    # a power of two may itself be subnormal (largest coordinate beyond 2**1022), and is exact all the same
+    return result, bool(np.array_equal(result / factor, points))
+
+
+def _factors(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+    """`power_of_two` for each of the arrays (m, ...)."""
+    largest = np.zeros(len(blocks))
+    columns = blocks.reshape(len(blocks), math.prod(blocks.shape[1:])).T
+    for column in columns:  # numpy is slow at many short maxima
+        np.maximum(largest, np.abs(column), out=largest)
+    return np.ldexp(1.0, np.minimum(-np.frexp(largest)[1], 1023))
+
+
+# --- public ---------------------------------------------------------------------------------------
+
+
+def orient_at(points: NDArray[np.float64], vertices: NDArray) -> int:
+    """Sign of the simplex on the given rows of scaled ``points`` (|coordinates| <= 1), any dimension."""
+    simplex = points[vertices]
+    sign = filter_orient(simplex)
+    return exact_orient(simplex) if sign == UNDECIDED else int(sign)
+
+
+def in_sphere_at(points: NDArray[np.float64], vertices: NDArray, q: NDArray[np.float64]) -> int:
+    """In-sphere sign of ``q`` and the simplex on rows of scaled ``points``, any dimension."""
+    simplex = points[vertices]
+    sign = filter_in_sphere(simplex, q)
+    return exact_in_sphere(simplex, q) if sign == UNDECIDED else int(sign)
+
+
+def orient(simplex: ArrayLike) -> NDArray[np.int8] | int:
+    """Exact orientation of simplices.
+
+    Parameters
+    ----------
+    simplex : array_like, shape (..., d + 1, d)
+        Vertices of one or many simplices of full dimension d >= 1, finite.
+
+    Returns
+    -------
+    int or ndarray of int8, shape (...)
+        1, 0 or -1: the sign of the determinant of the rows ``p_i - p_0``. In the plane, 1 is
+        counterclockwise; 0 means that the simplex is flat.
+
+    Raises
+    ------
+    InputError
+        For shapes other than (..., d + 1, d), and for coordinates that are not finite.
+
+    Notes
+    -----
+    Exact for all finite doubles: a floating-point filter (Shewchuk, *Adaptive precision floating-point
+    arithmetic and fast robust geometric predicates*, 1997) decides almost always, integer arithmetic
+    the rest. Cost O(2^d d) a simplex while the filter decides. Book: 2.0, 2.4a.
+    """
+    array = _simplices(simplex)
+    d = array.shape[-1]
+    flat = np.ascontiguousarray(array.reshape(-1, d + 1, d))
+    signs = np.empty(len(flat), np.int8)
+    _batch_orient(flat, _factors(flat), signs)
+    for i in np.flatnonzero(signs == UNDECIDED):
+        signs[i] = exact_orient(flat[i])
+    return int(signs[0]) if array.ndim == 2 else signs.reshape(array.shape[:-2])
+
+
+def in_sphere(simplex: ArrayLike, q: ArrayLike) -> NDArray[np.int8] | int:
+    """Exact position of points with respect to the circumspheres of simplices.
+
+    Parameters
+    ----------
+    simplex : array_like, shape (..., d + 1, d)
+        Vertices of one or many simplices of full dimension, finite and not flat.
+    q : array_like, shape (..., d)
+        Query points; leading axes broadcast against those of ``simplex``.
+
+    Returns
+    -------
+    int or ndarray of int8, shape (...)
+        For a positively oriented simplex 1 where q is strictly inside its circumsphere, 0 where it is
+        on it, -1 outside; for a negatively oriented one the signs are exchanged.
+
+    Raises
+    ------
+    InputError
+        For shapes that do not fit, coordinates that are not finite, and flat simplices, which have no
+        circumsphere.
+
+    Notes
+    -----
+    Exact for all finite doubles, as `orient`. Book: 2.0, 2.4a.
+    """
+    array = _simplices(simplex)
+    d = array.shape[-1]
+    query = _finite(q, "q")
+    if query.ndim == 0 or query.shape[-1] != d:
+        raise InputError(f"q has shape {query.shape}; with simplices in {d} dimensions it must be (..., {d})")
+    try:
+        shape = np.broadcast_shapes(array.shape[:-2], query.shape[:-1])
+    except ValueError:
+        raise InputError(
+            f"leading axes {array.shape[:-2]} of simplex and {query.shape[:-1]} of q do not broadcast"
+        ) from None
+    turned = np.atleast_1d(orient(array))
+    if not turned.all():
+        where = np.unravel_index(int(np.argmin(np.abs(turned))), turned.shape)
+        raise InputError(f"simplex {tuple(map(int, where))} is flat: it has no circumsphere; remove it first")
+    flat = np.broadcast_to(array, (*shape, d + 1, d)).reshape(-1, d + 1, d)
+    points = np.broadcast_to(query, (*shape, d)).reshape(-1, d)
+    flat, points = np.ascontiguousarray(flat), np.ascontiguousarray(points)
+    signs = np.empty(len(flat), np.int8)
+    _batch_in_sphere(flat, points, _factors(np.concatenate([flat, points[:, None]], axis=1)), signs)
+    for i in np.flatnonzero(signs == UNDECIDED):
+        signs[i] = exact_in_sphere(flat[i], points[i])
+    return int(signs[0]) if shape == () else signs.reshape(shape)
+
+
+def _finite(values: ArrayLike, name: str) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is not an array of real numbers: {error}") from None
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise InputError(f"{name} has a coordinate that is not finite at index {where}; remove it first")
+    return array
+
+
+def _simplices(simplex: ArrayLike) -> NDArray[np.float64]:
+    array = _finite(simplex, "simplex")
+    if array.ndim < 2 or array.shape[-2] != array.shape[-1] + 1 or array.shape[-1] < 1:
+        raise InputError(f"simplex has shape {array.shape}; it must be (..., d + 1, d) with d >= 1")
+    return array

@@ -1,0 +1,321 @@
+"""Exact stage of the predicates: every double is an integer times a power of two.
+
+A finite double is ``m * 2**e`` with an integer ``m`` of at most 53 bits. Over the smallest exponent
+among the coordinates of a simplex all of them are integers, and the sign of a determinant is
+integer arithmetic, without rounding, underflow or overflow. Two forms:
+
+* compiled, in two and three dimensions: if the differences of coordinates are small integers (lattices
+  and other exact data) then 64-bit integers do; else numbers are rows of *limbs* in base ``2**26``, low
+  limb first, of which only the top one may be negative, so that the sign of a number is that of its
+  top limb. A product of two limbs is below ``2**52``, so two thousand of them add up in 64 bits before
+  carries are taken;
+* in any dimension, Python's own integers and Bareiss' fraction-free elimination.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..base.jit import kernel
+
+BITS = 26
+BASE = 1 << BITS
+MASK = BASE - 1
+
+
+# --- limbs: number s is w[s, :n[s]]; zero has no limbs -------------------------------------------
+
+
+@kernel
+def _carry(w, n, s, length):
+    """Bring the limbs of ``s`` into range after additions: all in [0, BASE) but the top one, signed."""
+    carry = 0
+    for i in range(length):
+        value = w[s, i] + carry
+        carry = value >> BITS
+        w[s, i] = value & MASK
+    while carry != 0 and carry != -1:
+        w[s, length] = carry & MASK
+        carry >>= BITS
+        length += 1
+    if carry == 0:
+        while length > 0 and w[s, length - 1] == 0:
+            length -= 1
+    else:  # a borrow of one beyond the top: fold it into the limb below, as often as that gives -1 again
+        w[s, length - 1] -= BASE
+        while length > 1 and w[s, length - 1] == -1:
+            length -= 1
+            w[s, length - 1] -= BASE
+    n[s] = length
+
+
+@kernel
+def _add(w, n, a, b, c):
+    """Number ``c`` becomes ``a + b`` (``c`` may be ``a``)."""
+    length = max(n[a], n[b])
+    for i in range(length):
+        value = w[a, i] if i < n[a] else 0
+        w[c, i] = value + w[b, i] if i < n[b] else value
+    _carry(w, n, c, length)
+
+
+@kernel
+def _subtract(w, n, a, b, c):
+    """Number ``c`` becomes ``a - b`` (``c`` may be ``a``)."""
+    length = max(n[a], n[b])
+    for i in range(length):
+        value = w[a, i] if i < n[a] else 0
+        w[c, i] = value - w[b, i] if i < n[b] else value
+    _carry(w, n, c, length)
+
+
+@kernel
+def _multiply(w, n, a, b, c):
+    """Number ``c`` becomes ``a * b`` (``c`` is another slot)."""
+    length = n[a] + n[b]
+    for i in range(length):
+        w[c, i] = 0
+    for i in range(n[a]):
+        for j in range(n[b]):
+            w[c, i + j] += w[a, i] * w[b, j]
+    _carry(w, n, c, length)
+
+
+@kernel
+def _sign(w, n, s):
+    if n[s] == 0:
+        return 0
+    return 1 if w[s, n[s] - 1] > 0 else -1
+
+
+# --- doubles as integers --------------------------------------------------------------------------
+
+
+@kernel
+def _decompose(x, mantissa, exponent):
+    """Write ``x[i] = mantissa[i] * 2**exponent[i]``; return the least exponent and the greatest bit."""
+    least, greatest = 1 << 20, -(1 << 20)
+    for i in range(len(x)):
+        if x[i] == 0.0:
+            mantissa[i] = 0
+            exponent[i] = 0
+            continue
+        fraction, power = math.frexp(x[i])
+        m = int(fraction * 9007199254740992.0)  # 2**53
+        _, zeros = math.frexp(float(m & -m))  # the lowest set bit, so that short numbers stay short
+        zeros -= 1
+        mantissa[i] = m >> zeros
+        exponent[i] = power - 53 + zeros
+        least = min(least, exponent[i])
+        greatest = max(greatest, power)
+    if greatest < least:  # all zero
+        return 0, 0
+    return least, greatest
+
+
+@kernel
+def _load(w, n, s, mantissa, exponent, least, i, j):
+    """Number ``s`` becomes ``x[i] - x[j]`` in units of ``2**least``."""
+    length = 0
+    for k, sign in ((i, 1), (j, -1)):
+        if mantissa[k] == 0:
+            continue
+        shift = exponent[k] - least
+        first = shift // BITS
+        while length < first + 2:
+            w[s, length] = 0
+            length += 1
+        low = (mantissa[k] & MASK) << (shift % BITS)
+        high = (mantissa[k] >> BITS) << (shift % BITS)
+        w[s, first] += sign * low
+        w[s, first + 1] += sign * high
+    _carry(w, n, s, length)
+
+
+@kernel
+def _differences(x, dimension, degree, slots):
+    """Decompose the points ``x`` (flat); give the differences to the last point, small or as limbs.
+
+    Returns ``(bits, small, w, n)``: where all differences have at most ``bits <= 62`` bits they stand in
+    ``small`` as 64-bit integers, else in the first slots of ``w``; ``degree`` is that of the polynomial
+    to come, ``slots`` how many numbers it needs.
+    """
+    count = len(x) // dimension
+    mantissa = np.empty(len(x), np.int64)
+    exponent = np.empty(len(x), np.int64)
+    least, greatest = _decompose(x, mantissa, exponent)
+    span = greatest - least
+    small = np.zeros(len(x) - dimension, np.int64)
+    if span <= 61:
+        largest = 0
+        for i in range(len(small)):
+            j = len(small) + i % dimension
+            a = 0 if mantissa[i] == 0 else mantissa[i] << (exponent[i] - least)
+            b = 0 if mantissa[j] == 0 else mantissa[j] << (exponent[j] - least)
+            small[i] = a - b
+            largest = max(largest, abs(small[i]))
+        _, bits = math.frexp(float(largest))
+        limit = (0, 30, 29, 20, 14, 11)[degree]  # see the sums that the callers form
+        if bits <= limit:
+            return True, small, np.zeros((0, 0), np.int64), np.zeros(0, np.int64)
+    width = (span // BITS + 4) * degree + 4
+    w = np.empty((slots, width), np.int64)
+    n = np.zeros(slots, np.int64)
+    for i in range((count - 1) * dimension):
+        _load(w, n, i, mantissa, exponent, least, i, (count - 1) * dimension + i % dimension)
+    return False, small, w, n
+
+
+# --- determinants ---------------------------------------------------------------------------------
+# Slots beyond the differences are counted from len(s): numba would compile a helper anew for each literal.
+
+
+@kernel
+def _minor(w, n, a, b, c, d, t, out):
+    """Number ``out`` becomes ``a * d - b * c``; ``t`` is scratch."""
+    _multiply(w, n, a, d, out)
+    _multiply(w, n, b, c, t)
+    _subtract(w, n, out, t, out)
+
+
+@kernel
+def exact_orient2(ax, ay, bx, by, cx, cy):
+    """Sign of the determinant of rows a - c, b - c."""
+    fits, s, w, n = _differences(np.array([ax, ay, bx, by, cx, cy]), 2, 2, 6)
+    if fits:
+        value = s[0] * s[3] - s[1] * s[2]
+        return int(value > 0) - int(value < 0)
+    free = len(s)
+    _minor(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
+    return _sign(w, n, free + 1)
+
+
+@kernel
+def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
+    """Sign of the determinant of rows (a - p, |a - p|^2), (b - p, ...), (c - p, ...)."""
+    fits, s, w, n = _differences(np.array([ax, ay, bx, by, cx, cy, px, py]), 2, 4, 12)
+    if fits:
+        value = (
+            (s[0] * s[0] + s[1] * s[1]) * (s[2] * s[5] - s[3] * s[4])
+            + (s[2] * s[2] + s[3] * s[3]) * (s[4] * s[1] - s[5] * s[0])
+            + (s[4] * s[4] + s[5] * s[5]) * (s[0] * s[3] - s[1] * s[2])
+        )
+        return int(value > 0) - int(value < 0)
+    free = len(s)
+    lift, cross, t, total = free, free + 1, free + 2, free + 3
+    n[total] = 0
+    for k in range(3):
+        u, v = (2 * k + 2) % 6, (2 * k + 4) % 6  # the two other rows, in cyclic order
+        _multiply(w, n, 2 * k, 2 * k, lift)
+        _multiply(w, n, 2 * k + 1, 2 * k + 1, t)
+        _add(w, n, lift, t, lift)
+        _minor(w, n, u, u + 1, v, v + 1, t, cross)
+        _multiply(w, n, lift, cross, t)
+        _add(w, n, total, t, total)
+    return _sign(w, n, total)
+
+
+@kernel
+def exact_orient3(x):
+    """Sign of the determinant of rows a - d, b - d, c - d; ``x`` holds the twelve coordinates."""
+    fits, s, w, n = _differences(x, 3, 3, 13)
+    if fits:
+        value = (
+            s[0] * (s[4] * s[8] - s[5] * s[7])
+            - s[1] * (s[3] * s[8] - s[5] * s[6])
+            + s[2] * (s[3] * s[7] - s[4] * s[6])
+        )
+        return int(value > 0) - int(value < 0)
+    free = len(s)
+    cross, t, total = free, free + 1, free + 2
+    n[total] = 0
+    for k in range(3):
+        u, v = (k + 1) % 3, (k + 2) % 3
+        _minor(w, n, 3 + u, 3 + v, 6 + u, 6 + v, t, cross)
+        _multiply(w, n, k, cross, t)
+        _add(w, n, total, t, total)
+    return _sign(w, n, total)
+
+
+@kernel
+def exact_insphere(x):
+    """Sign of the determinant of rows (p_i - p, |p_i - p|^2), i = 0..3; ``x``: fifteen coordinates."""
+    fits, s, w, n = _differences(x, 3, 5, 20)
+    rows = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
+    if fits:
+        value = 0
+        for k in range(4):
+            a, b, c = 3 * rows[k][0], 3 * rows[k][1], 3 * rows[k][2]
+            minor = (
+                s[a] * (s[b + 1] * s[c + 2] - s[b + 2] * s[c + 1])
+                - s[a + 1] * (s[b] * s[c + 2] - s[b + 2] * s[c])
+                + s[a + 2] * (s[b] * s[c + 1] - s[b + 1] * s[c])
+            )
+            lift = s[3 * k] * s[3 * k] + s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2]
+            value += minor * lift if k % 2 == 1 else -minor * lift
+        return int(value > 0) - int(value < 0)
+    free = len(s)
+    cross, t, minor, lift, total = free, free + 1, free + 2, free + 3, free + 4
+    n[total] = 0
+    for k in range(4):
+        a, b, c = 3 * rows[k][0], 3 * rows[k][1], 3 * rows[k][2]
+        n[minor] = 0
+        n[lift] = 0
+        for i in range(3):
+            u, v = (i + 1) % 3, (i + 2) % 3
+            _minor(w, n, b + u, b + v, c + u, c + v, t, cross)
+            _multiply(w, n, a + i, cross, t)
+            _add(w, n, minor, t, minor)
+            _multiply(w, n, 3 * k + i, 3 * k + i, t)
+            _add(w, n, lift, t, lift)
+        _multiply(w, n, minor, lift, t)
+        if k % 2 == 1:
+            _add(w, n, total, t, total)
+        else:
+            _subtract(w, n, total, t, total)
+    return _sign(w, n, total)
+
+
+# --- any dimension, Python's integers -------------------------------------------------------------
+
+
+def integers(coordinates: np.ndarray) -> list[list[int]]:
+    """The rows of an (m, d) array of finite doubles as integers over one power of two."""
+    ratios = [[float(x).as_integer_ratio() for x in row] for row in coordinates]
+    common = max((q for row in ratios for _, q in row), default=1)  # all denominators are powers of two
+    return [[p * (common // q) for p, q in row] for row in ratios]
+
+
+def determinant_sign(matrix: list[list[int]]) -> int:
+    """Sign of an integer determinant by Bareiss' elimination, whose divisions leave no remainder."""
+    a = [row[:] for row in matrix]
+    size, sign, previous = len(a), 1, 1
+    for k in range(size - 1):
+        pivot = next((i for i in range(k, size) if a[i][k] != 0), None)
+        if pivot is None:
+            return 0
+        if pivot != k:
+            a[k], a[pivot] = a[pivot], a[k]
+            sign = -sign
+        for i in range(k + 1, size):
+            for j in range(k + 1, size):
+                a[i][j] = (a[i][j] * a[k][k] - a[i][k] * a[k][j]) // previous
+        previous = a[k][k]
+    value = a[-1][-1]
+    return sign * ((value > 0) - (value < 0))
+
+
+def exact_orient(simplex: np.ndarray) -> int:
+    """Sign of the determinant of rows p_i - p_0 in any dimension."""
+    p = integers(simplex)
+    return determinant_sign([[x - y for x, y in zip(row, p[0])] for row in p[1:]])
+
+
+def exact_in_sphere(simplex: np.ndarray, q: np.ndarray) -> int:
+    """Positive where q is strictly inside the sphere of a positively oriented simplex, any dimension."""
+    *p, centre = integers(np.vstack([simplex, np.asarray(q)[None]]))
+    rows = [[x - y for x, y in zip(row, centre)] for row in p]
+    sign = determinant_sign([[*row, sum(x * x for x in row)] for row in rows])
+    return sign if len(centre) % 2 == 0 else -sign

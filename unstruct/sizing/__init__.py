@@ -1,0 +1,61 @@
+"""Size fields: how one says which edge length is wanted where. All that belongs to them, in one place.
+
+Everywhere in the library a *size* is the wanted length of an edge. A triangle that is equilateral with
+edges of length h has the circumradius h / sqrt(3): that is the chapter's f. See the book, chapter 2.3.
+"""
+
+from .background import Background as Background
+from .background import background as background
+from .background import limit_nodes as limit_nodes
+from .boundary import FeatureSize as FeatureSize
+from .boundary import from_curvature as from_curvature
+from .boundary import from_features as from_features
+from .boundary import local_feature_size as local_feature_size
+from .field import SizeField as SizeField
+from .field import as_size as as_size
+from .field import clip as clip
+from .field import control as control
+from .field import maximum as maximum
+from .field import minimum as minimum
+from .field import product as product
+from .limit import LimitedSize as LimitedSize
+from .limit import limited as limited
+from .solution import from_error as from_error
+from .solution import from_hessian as from_hessian
+from .solution import hessian as hessian
+from .solution import mesh_size as mesh_size
+from .solution import to_vertices as to_vertices
+from .sources import lines as lines
+from .sources import points as points
+from .sources import polygons as polygons
+from .sources import sources as sources
+from .table import SizeTable as SizeTable
+
+__all__ = [
+    "Background",
+    "FeatureSize",
+    "LimitedSize",
+    "SizeField",
+    "SizeTable",
+    "as_size",
+    "background",
+    "clip",
+    "control",
+    "from_curvature",
+    "from_error",
+    "from_features",
+    "from_hessian",
+    "hessian",
+    "limit_nodes",
+    "limited",
+    "lines",
+    "local_feature_size",
+    "maximum",
+    "mesh_size",
+    "minimum",
+    "points",
+    "polygons",
+    "product",
+    "sources",
+    "to_vertices",
+]

@@ -1,0 +1,283 @@
+"""Sizes from a solution: from an estimate of its error, or from its second derivatives.
+
+See the book, chapter 2.3.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.errors import InputError, MeshError
+from ..mesh.mesh import Mesh, is_planar
+from .background import Background, background
+
+__all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
+
+Array = NDArray[np.float64]
+ENOUGH = 10  # vertices of a patch for six coefficients: a few to spare, so that noise is smoothed
+RANK = 1e-7  # relative size of a pivot below which a fit is not determined
+CHUNK = 1 << 14  # fits at a time: bounds the memory
+
+
+def _plane(mesh: Mesh) -> None:
+    if not is_planar(mesh) or mesh.size == 0:
+        raise MeshError("sizes from a solution need a mesh of triangles in the plane")
+
+
+def _numbers(values: ArrayLike, count: int, what: str) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (count,):
+        raise InputError(f"give one number a {what}, shape ({count},), not {array.shape}")
+    if not np.isfinite(array).all():
+        row = int(np.argmin(np.isfinite(array)))
+        raise InputError(f"the value of {what} {row} is {float(array[row])!r}; mend it")
+    return array
+
+
+def to_vertices(mesh: Mesh, values: ArrayLike, *, largest: bool = False) -> Array:
+    """Numbers of cells carried to the vertices.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of simplices.
+    values : array_like, shape (m,)
+        One number a cell.
+    largest : bool
+        Take the largest among the cells of a vertex instead of their mean, weighted by volume.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        NaN at vertices that no cell uses.
+    """
+    array = _numbers(values, mesh.size, "cell")
+    corners = mesh.simplices
+    if largest:
+        result = np.full(len(mesh.points), -np.inf)
+        np.maximum.at(result, corners, array[:, None])
+        return np.where(np.isfinite(result), result, np.nan)
+    weight = np.abs(mesh.volumes)
+    flat, times = corners.ravel(), corners.shape[1]
+    total = np.bincount(flat, np.repeat(weight, times), len(mesh.points))
+    summed = np.bincount(flat, np.repeat(weight * array, times), len(mesh.points))
+    return np.divide(summed, total, out=np.full(len(total), np.nan), where=total > 0)
+
+
+def mesh_size(mesh: Mesh) -> Array:
+    """The size that a mesh has: the mean length of the edges at each vertex, (n,); NaN where there are none.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    i, j = mesh.edges.T
+    length = np.linalg.norm(mesh.points[i] - mesh.points[j], axis=1)
+    n = len(mesh.points)
+    count = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
+    total = np.bincount(i, length, n) + np.bincount(j, length, n)
+    return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
+
+
+def from_error(
+    mesh: Mesh,
+    error: ArrayLike,
+    target: float,
+    *,
+    order: float = 2.0,
+    finer: float = 4.0,
+    coarser: float = 2.0,
+) -> Background:
+    """A new size from an estimate of the error at the vertices of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Triangles in the plane, on which the error was estimated.
+    error : array_like, shape (n,) or (m,)
+        An estimate (not negative) at each vertex; or for each cell: then a vertex takes the largest of
+        its cells. (Where n = m the numbers are taken as those of vertices.)
+    target : float
+        The error that is wanted everywhere.
+    order : float
+        How the error falls with the size: error ~ size**order. For linear elements 2 for the pointwise
+        interpolation error and for the energy norm over one triangle, 1 for its gradient at a point.
+    finer, coarser : float
+        The largest factors, at least 1, by which the size may shrink or grow in one step: an estimate is to
+        be trusted near the mesh that it comes from, and no further.
+
+    Returns
+    -------
+    Background
+        size * (target / error)**(1 / order), where size is the mean length of the edges at the vertex.
+
+    Raises
+    ------
+    InputError, MeshError
+        For errors that are negative or no numbers, with the vertex; for a target that is not positive.
+
+    Notes
+    -----
+    Source: equidistribution, as in Zienkiewicz and Zhu, *A simple error estimator and adaptive procedure*
+    (1987), section 5. See the book, chapter 2.3.
+    """
+    _plane(mesh)
+    for name, number, least in (("target", target, 0), ("order", order, 0)):
+        if not (np.isfinite(number) and number > least):
+            raise InputError(f"{name} must be positive, not {number!r}")
+    for name, number in (("finer", finer), ("coarser", coarser)):
+        if not (np.isfinite(number) and number >= 1):
+            raise InputError(f"{name} must be at least 1, not {number!r}")
+    array = np.asarray(error, dtype=np.float64)
+    used = np.unique(mesh.simplices)
+    if array.shape == (mesh.size,) != (len(mesh.points),):
+        array = to_vertices(mesh, array, largest=True)
+    elif array.shape != (len(mesh.points),):
+        raise InputError(
+            f"give one error a vertex ({len(mesh.points)},) or a cell ({mesh.size},), not shape {array.shape}"
+        )
+    bad = ~(array[used] >= 0) | ~np.isfinite(array[used])
+    if bad.any():
+        row = int(used[np.argmax(bad)])
+        raise InputError(f"error {float(array[row])!r} at vertex {row} is no error: it must be at least 0")
+    with np.errstate(divide="ignore"):
+        ratio = np.clip((target / array) ** (1.0 / order), 1.0 / finer, coarser)
+    return background(mesh, mesh_size(mesh) * ratio)
+
+
+def hessian(mesh: Mesh, values: ArrayLike) -> Array:
+    """Second derivatives at the vertices, recovered from values there.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Triangles in the plane.
+    values : array_like, shape (n,)
+        A function at the vertices.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, 2)
+        Symmetric. Zero at vertices that no cell uses.
+
+    Raises
+    ------
+    MeshError
+        Where the mesh holds too few vertices (six, not on one conic, are needed).
+
+    Notes
+    -----
+    At each vertex a quadratic polynomial is fitted by least squares to the vertices within two edges; within
+    three where those are fewer than ten or do not determine it, and so on. A vertex at r times the least
+    distance has the weight 1 / (1 + r^2). Exact for quadratic functions, on any mesh, and at the boundary,
+    too; else the error falls with the size of the patch, in the interior of regular meshes with its square.
+
+    Source: polynomial preserving recovery, Zhang and Naga, *A new finite element gradient recovery method*
+    (2005), read off one derivative later. See the book, chapter 2.3.
+    """
+    from scipy.sparse import csr_array, eye_array
+
+    _plane(mesh)
+    u = _numbers(values, len(mesh.points), "vertex")
+    indptr, indices = mesh.vertex_neighbor_vertices
+    n = len(u)
+    near = csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n)) + eye_array(n, format="csr")
+    result = np.zeros((n, 2, 2))
+    todo = np.unique(mesh.simplices)
+    reach = near[todo]
+    while len(todo):
+        before = reach.nnz
+        reach = reach @ near
+        count = np.diff(reach.indptr)
+        full = reach.nnz == before  # the patches are whole components now
+        ready = np.nonzero((count >= ENOUGH) | full)[0]
+        done = []
+        for i in range(0, len(ready), CHUNK):
+            rows = ready[i : i + CHUNK]
+            second, well = _fit(mesh.points, u, todo[rows], reach[rows])
+            result[todo[rows[well]]] = second[well]
+            done.append(rows[well])
+        left = np.setdiff1d(np.arange(len(todo)), np.concatenate([[], *done]).astype(int))
+        if full and len(left):
+            raise MeshError(
+                f"too few vertices around vertex {todo[left[0]]} for second derivatives; refine first"
+            )
+        todo, reach = todo[left], reach[left]
+    return result
+
+
+def _fit(points: Array, u: Array, centers: NDArray, patch: Any) -> tuple[Array, NDArray[np.bool_]]:
+    """Second derivatives (k, 2, 2) of the quadratic fits about ``centers``; and which of them are determined.
+
+    ``patch`` is a sparse matrix; the columns stored in row i are the vertices that center i looks at.
+    """
+    count = np.diff(patch.indptr)
+    column = np.arange(max(count.max(), 6))
+    present = column < count[:, None]  # short rows are padded by the center itself, with weight 0
+    other = np.repeat(centers[:, None], len(column), axis=1)
+    other[present] = patch.indices
+    away = points[other] - points[centers][:, None]
+    scale = np.abs(away).max(axis=(1, 2))
+    x, y = np.moveaxis(away / scale[:, None, None], -1, 0)
+    square = x * x + y * y
+    nearest = np.where(square > 0, square, np.inf).min(axis=1, keepdims=True)
+    weight = np.where(present, 1.0 / (1.0 + square / nearest), 0.0)
+    columns = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=-1)
+    q, r = np.linalg.qr(columns * weight[..., None])
+    pivots = np.abs(np.diagonal(r, axis1=1, axis2=2))
+    well = pivots.min(axis=1) > RANK * pivots.max(axis=1)
+    right = np.einsum("ijk,ij->ik", q[well], (weight * u[other])[well])
+    a = np.linalg.solve(r[well], right[..., None])[..., 0]
+    second = np.zeros((len(centers), 2, 2))
+    second[well] = np.moveaxis(np.array([[a[:, 3], a[:, 4]], [a[:, 4], a[:, 5]]]), -1, 0)
+    return second / scale[:, None, None] ** 2, well
+
+
+def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, upper: float) -> Background:
+    """The size at which linear interpolation misses a function by no more than a wanted error.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Triangles in the plane.
+    second : array_like, shape (n, 2, 2)
+        Second derivatives at the vertices, for example from `hessian`.
+    error : float
+        The wanted largest pointwise error.
+    lower, upper : float
+        Bounds of the size: second derivatives may vanish, or be very large.
+
+    Returns
+    -------
+    Background
+        sqrt(6 error / k), held between the bounds, where k is the largest absolute eigenvalue.
+
+    Notes
+    -----
+    On an equilateral triangle of edge h, a function with second derivatives of at most k in every direction
+    differs from its linear interpolant by at most k R**2 / 2 = k h**2 / 6, where R = h / sqrt(3) is the
+    circumradius; k |x|**2 / 2 does so at the center. Source: Waldron, *The error in linear interpolation at
+    the vertices of a simplex* (1998). See the book, chapter 2.3.
+    """
+    _plane(mesh)
+    array = np.asarray(second, dtype=np.float64)
+    if array.shape != (len(mesh.points), 2, 2):
+        raise InputError(f"second must have shape ({len(mesh.points)}, 2, 2), not {array.shape}")
+    bad = ~np.isfinite(array).all(axis=(1, 2))
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(f"the second derivatives at vertex {row} are not finite: {array[row].tolist()}")
+    if not (np.isfinite(error) and error > 0):
+        raise InputError(f"error must be positive, not {error!r}")
+    if not (0 < lower <= upper < np.inf):
+        raise InputError(f"bounds must be 0 < lower <= upper, not {lower!r}, {upper!r}")
+    steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))

@@ -1,0 +1,182 @@
+"""Sizes that grow from sources: points, lines, polygons.
+
+A source says "this size here, and further away no more than `growth` times the distance larger". The
+smallest of such sayings, min_i (h_i + growth * |x - x_i|), is the largest function that obeys all of them
+and changes by no more than ``growth`` per unit of length (McShane's extension). See the book, chapter 2.3.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_numbers, as_points
+from ..base.errors import InputError
+from ..geometry.segment_tree import SegmentTree
+from .field import SizeField
+
+__all__ = ["lines", "points", "polygons", "sources"]
+
+Array = NDArray[np.float64]
+
+
+def sources(
+    segments: ArrayLike,
+    size: ArrayLike,
+    *,
+    growth: float = 0.2,
+    far: float | None = None,
+    name: str = "sources",
+) -> SizeField:
+    """A size given on segments or at points, growing with the distance from them.
+
+    Parameters
+    ----------
+    segments : array_like, shape (s, 2, d), or points of shape (s, d)
+    size : float, or array_like of shape (s,)
+        The size on each.
+    growth : float
+        How much larger the size may be per unit of distance; at least 0.
+    far : float, optional
+        The cut-off: the size never exceeds it. Without, it grows on.
+    name : str
+        For `repr`.
+
+    Returns
+    -------
+    SizeField
+        min(far, min_i (size_i + growth * distance to source i)). It is Lipschitz with the constant
+        ``growth``, and may be less than ``size_i`` on a source that lies near to a finer one.
+
+    Raises
+    ------
+    InputError
+        For sizes that are not positive, wrong shapes, or a cut-off below the largest size.
+
+    Notes
+    -----
+    A value costs about O(log s) by a tree of boxes (`SegmentTree`).
+    """
+    array = np.asarray(segments)
+    rows = len(array) if array.ndim else 0
+    values = as_numbers(size, "size")
+    if values.ndim == 0:
+        values = np.full(rows, float(values))
+    if values.shape != (rows,):
+        raise InputError(f"give one size, or one for each of {rows} sources, not shape {values.shape}")
+    bad = ~(np.isfinite(values) & (values > 0))
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(f"size[{row}] = {float(values[row])!r} at source {row} is not positive and finite")
+    if not (np.isfinite(growth) and growth >= 0):
+        raise InputError(f"growth must be a number of at least 0, not {growth!r}")
+    cap = np.inf if far is None else float(far)
+    if not cap >= values.max(initial=0.0):
+        raise InputError(f"the cut-off far={far!r} is below the size {values.max():g} of a source")
+    tree = SegmentTree(array, values)
+    ends = array.reshape(-1, array.shape[-1])
+    if array.ndim == 3:
+        ends = np.concatenate([ends, array.mean(axis=1)])
+    return SizeField(
+        partial(_grown, tree, growth, cap),
+        landmarks=ends,
+        name=f"{len(values)} {name}, growth {growth:g}",
+        growth=growth,
+    )
+
+
+def _grown(tree: SegmentTree, growth: float, cap: float, x: Array) -> Array:
+    return tree.least(x, growth, np.full(len(x), cap))[0]
+
+
+def points(places: ArrayLike, size: ArrayLike, *, growth: float = 0.2, far: float | None = None) -> SizeField:
+    """Point sources: `sources` at places of shape (s, d).
+
+    Parameters
+    ----------
+    places : array_like, shape (s, d)
+    size : float, or array_like of shape (s,)
+    growth, far : float
+        As for `sources`.
+
+    Returns
+    -------
+    SizeField
+    """
+    return sources(as_points(places, "places"), size, growth=growth, far=far, name="points")
+
+
+def lines(path: ArrayLike, size: float, *, growth: float = 0.2, far: float | None = None) -> SizeField:
+    """A line source: `sources` along a chain of segments.
+
+    Parameters
+    ----------
+    path : array_like, shape (s + 1, d)
+        The corners of the chain.
+    size : float
+    growth, far : float
+        As for `sources`.
+
+    Returns
+    -------
+    SizeField
+    """
+    corners = as_points(path, "path")
+    if len(corners) < 2:
+        raise InputError(f"a line source needs two points or more, not {len(corners)}")
+    segments = np.stack([corners[:-1], corners[1:]], axis=1)
+    return sources(segments, size, growth=growth, far=far, name="segments")
+
+
+def polygons(
+    rings: ArrayLike | list[ArrayLike], size: float, *, growth: float = 0.2, far: float | None = None
+) -> SizeField:
+    """An area source in the plane: one size inside of polygons, growing outside.
+
+    Parameters
+    ----------
+    rings : array_like of shape (s, 2), or a list of such
+        Closed polygons; what lies in an even number of them is outside (a ring within a ring is a hole).
+    size : float
+    growth, far : float
+        As for `sources`.
+
+    Returns
+    -------
+    SizeField
+    """
+    loops = [as_points(ring, "ring") for ring in _rings(rings)]
+    for ring in loops:
+        if len(ring) < 3 or ring.shape[1] != 2:
+            raise InputError(f"a polygon needs three points or more in the plane, not shape {ring.shape}")
+    segments = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in loops])
+    border = sources(segments, size, growth=growth, far=far, name="sides of polygons")
+
+    return SizeField(
+        partial(_filled, border, segments, size), landmarks=border.landmarks, name=border.name, growth=growth
+    )
+
+
+def _filled(border: SizeField, segments: Array, size: float, x: Array) -> Array:
+    """The size inside; decided in floating point: next to the border either answer gives the same size."""
+    result = border(x)
+    result[_inside(segments, x)] = size
+    return result
+
+
+def _rings(rings: Any) -> list[Any]:
+    first = rings[0] if len(rings) else ()
+    return list(rings) if np.ndim(first) == 2 else [rings]
+
+
+def _inside(segments: Array, x: Array) -> NDArray[np.bool_]:
+    """Whether a ray to the right from each point crosses an odd number of segments."""
+    inside = np.zeros(len(x), dtype=bool)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for a, b in segments:
+            over = (a[1] <= x[:, 1]) != (b[1] <= x[:, 1])
+            inside ^= over & (x[:, 0] < a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+    return inside

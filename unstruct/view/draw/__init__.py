@@ -1,0 +1,1 @@
+"""Drawing with matplotlib, and the view in space: colors, frames, strips, plots."""

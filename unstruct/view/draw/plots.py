@@ -1,0 +1,295 @@
+"""matplotlib pictures of meshes: cells, circumcircles, Voronoi diagrams, cavities, qualities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.transforms import ScaledTranslation
+
+from ...base.errors import InputError
+from ...geometry.simplex import circumcenter, circumradius
+from . import frames as fr
+from .colors import PAPER, line_style
+from .colors import role as style_of
+from .strips import draw_items, fit, flat_axes, marks
+
+__all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
+
+FEW = 250  # cells, above which lines become thinner, down to a third
+MANY = 400  # vertices, above which markers would hide the cells
+
+
+def plot(
+    mesh: Any,
+    ax: Axes | None = None,
+    *,
+    role: str = "cell",
+    names: bool = False,
+    vertices: bool | None = None,
+    values: Any = None,
+    label: str = "",
+    **view: float,
+) -> Axes:
+    """Draw a mesh: planar cells of any number of corners, a surface, or the boundary of a solid.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In one, two or three dimensions; of tetrahedra the boundary is shown.
+    ax : matplotlib axes, optional
+        Where to draw; new ones by default.
+    role : str
+        The look of the cells.
+    names : bool
+        Write the number beside each vertex (planar meshes).
+    vertices : bool, optional
+        Draw the vertices; by default up to 400 of them.
+    values : array (cells,), optional
+        Color the cells by these, with a color bar called ``label`` (planar meshes and surfaces).
+    **view
+        ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        Above three dimensions, or when ``values`` does not have one entry a cell.
+    """
+    points = np.asarray(mesh.points, dtype=float)
+    if points.shape[1] == 3:
+        from .space import picture
+
+        return picture(mesh, ax, role=role, values=values, label=label, **view)
+    if points.shape[1] > 3 or view:
+        raise InputError(f"no picture of {points.shape[1]} dimensions with {sorted(view)}; plot a projection")
+    points = points if points.shape[1] == 2 else np.column_stack([points, np.zeros(len(points))])
+    ax = flat_axes(ax)
+    cells = planar_cells(mesh)
+    wide = [c for c in cells if len(c) > 2]
+    used = np.unique(np.concatenate([np.asarray(c) for c in cells])) if cells else np.arange(0)
+    if values is not None:
+        color_cells(ax, [points[c] for c in wide], values, label)
+    else:
+        before = len(ax.collections)
+        draw_items(ax, [fr.polygons(role, [points[c] for c in wide])])
+        thin = min(1.0, max(0.3, (FEW / max(len(wide), 1)) ** 0.5))
+        for drawn in ax.collections[before:]:
+            drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
+    draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
+    if vertices or (vertices is None and len(used) <= MANY):
+        marks(ax, points[used], "vertex", z=5, scale=1.0 if len(used) <= 60 else 0.6)
+    if names:
+        draw_items(ax, [fr.labels("vertex", points[used], used)])
+    fit(ax, points)
+    return ax
+
+
+def color_cells(ax: Axes, corners: Sequence[np.ndarray], values: Any, label: str) -> None:
+    """Fill cells by value, with a color bar."""
+    values = np.asarray(values, dtype=float)
+    if values.shape != (len(corners),):
+        raise InputError(f"{values.shape} values for {len(corners)} cells; give one a cell")
+    width = 0.5 if len(corners) < 2000 else 0.0
+    collection = PolyCollection(
+        corners, array=values, edgecolors=PAPER, linewidths=width, cmap="cividis", zorder=2
+    )
+    ax.add_collection(collection)
+    ax.figure.colorbar(collection, ax=ax, shrink=0.75, label=label, pad=0.02)
+
+
+def planar_cells(mesh: Any) -> list[np.ndarray]:
+    """All cells of a mesh as rows of vertices, whatever their types."""
+    types = getattr(mesh, "cells", None)
+    blocks = list(types.values()) if isinstance(types, Mapping) and types else [mesh.simplices]
+    return [np.asarray(row, dtype=int) for block in blocks for row in block if len(row) > 1]
+
+
+def _planar(mesh: Any, what: str) -> tuple[np.ndarray, np.ndarray]:
+    points, cells = np.asarray(mesh.points, dtype=float), np.asarray(mesh.simplices)
+    if points.shape[1] != 2 or cells.shape[1] != 3:
+        raise InputError(
+            f"{what} are drawn for triangles in the plane, not for {cells.shape[1]} vertices a cell "
+            f"in {points.shape[1]} dimensions; see view3d"
+        )
+    return points, cells
+
+
+def plot_circumcircles(
+    mesh: Any,
+    cells: Any = None,
+    ax: Axes | None = None,
+    *,
+    centers: bool = True,
+    margin: float = 0.06,
+    **options: Any,
+) -> Axes:
+    """Draw a planar triangulation with the circumcircles of some cells (by default of all).
+
+    Other options go to `plot`. The window holds the mesh and the circles that do not dwarf it.
+    """
+    points, triangles = _planar(mesh, "circumcircles")
+    chosen = triangles if cells is None else triangles[np.atleast_1d(cells)]
+    ax = plot(mesh, ax, **options)
+    middle, radius = circumcenter(points[chosen]), circumradius(points[chosen])
+    solid = np.isfinite(radius)
+    items = [fr.circles("circumcircle", middle[solid], radius[solid])]
+    shown = solid & (radius < 0.8 * np.linalg.norm(np.ptp(points, axis=0)))
+    ends = [middle[shown] + radius[shown, None] * side for side in ([-1, -1], [1, 1])]
+    fit(ax, np.vstack([points, *ends]), margin)
+    draw_items(ax, [*items, fr.dots("circumcircle", middle[solid])] if centers else items)
+    return ax
+
+
+def plot_cavity(
+    mesh: Any, cells: Any, point: Any, ax: Axes | None = None, *, circles: bool = True, **options: Any
+) -> Axes:
+    """Draw the cavity of a point: the cells ``cells`` of a planar mesh, with their circumcircles."""
+    points, triangles = _planar(mesh, "cavities")
+    chosen = triangles[np.atleast_1d(np.asarray(cells, dtype=int))]
+    ax = plot(mesh, ax, **options)
+    items = [fr.polygons("cavity", points[chosen])]
+    if circles:
+        items.append(fr.circles("circumcircle", circumcenter(points[chosen]), circumradius(points[chosen])))
+    fit(ax, np.vstack([points, np.reshape(point, (1, 2))]), 0.1)
+    draw_items(ax, [*items, fr.dots("inserted", point)])
+    return ax
+
+
+def plot_voronoi(
+    diagram: Any,
+    ax: Axes | None = None,
+    *,
+    delaunay: bool = False,
+    sites: bool = True,
+    vertices: bool = True,
+    view: Sequence[float] | None = None,
+) -> Axes:
+    """Draw a planar Voronoi diagram, its rays clipped to the window.
+
+    Parameters
+    ----------
+    diagram : Voronoi or Mesh
+        Of a mesh, its dual: circumcenters of neighbors are joined (the Voronoi diagram, where
+        the mesh is Delaunay).
+    delaunay : bool
+        Draw the pairs of sites with a common ridge (or the edges of the mesh) underneath.
+    sites, vertices : bool
+        Mark the sites and the Voronoi vertices.
+    view : (xmin, xmax, ymin, ymax), optional
+        The window, by default the sites with a margin.
+    """
+    points = np.asarray(diagram.points, dtype=float)
+    if points.shape[1] != 2:
+        raise InputError(f"a Voronoi diagram is drawn in the plane, not in {points.shape[1]} dimensions")
+    ax = flat_axes(ax)
+    fit(ax, points, 0.25)
+    if view is not None:
+        ax.set(xlim=view[:2], ylim=view[2:])
+    lines, nodes, pairs = dual_segments(diagram, reach=4 * _diagonal(ax, points))
+    items = [fr.segments("edge", points[pairs])] if delaunay else []
+    items += [fr.segments("voronoi", lines)]
+    items += [fr.dots("voronoi", nodes)] if vertices else []
+    items += [fr.dots("vertex", points)] if sites else []
+    draw_items(ax, items)
+    return ax
+
+
+def _diagonal(ax: Axes, points: np.ndarray) -> float:
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    return float(np.hypot(x1 - x0, y1 - y0) + np.ptp(points, axis=0).max())
+
+
+def dual_segments(diagram: Any, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The ridges as segments ``(r, 2, 2)``, rays cut beyond ``reach``; Voronoi vertices; pairs of sites."""
+    points = np.asarray(diagram.points, dtype=float)
+    if hasattr(diagram, "ridge_points"):
+        nodes = np.asarray(diagram.vertices, dtype=float).reshape(-1, 2)
+        pairs, ends = np.asarray(diagram.ridge_points), np.asarray([list(r) for r in diagram.ridge_vertices])
+    else:
+        nodes, pairs, ends = _dual_of_mesh(diagram)
+    middle = points[np.unique(pairs)].mean(axis=0) if len(pairs) else np.zeros(2)
+    lines = np.zeros((len(pairs), 2, 2))
+    for k, ((p, q), (a, b)) in enumerate(zip(pairs, ends)):
+        if a >= 0 and b >= 0:
+            lines[k] = nodes[a], nodes[b]
+            continue
+        along = points[q] - points[p]
+        out = np.array([along[1], -along[0]]) / np.hypot(*along)
+        center = (points[p] + points[q]) / 2
+        if np.dot(out, center - middle) < 0:  # the sites lie on one side of a hull edge: away from them
+            out = -out
+        start = nodes[max(a, b)] if max(a, b) >= 0 else center - reach * out  # collinear sites: a whole line
+        lines[k] = start, center + out * max(reach, 2 * abs(np.dot(start - center, out)))
+    return lines, nodes, pairs
+
+
+def _dual_of_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Circumcenters, edges, and for each edge the two cells beside it, −1 beyond the hull."""
+    points, cells = _planar(mesh, "duals")
+    neighbors = np.asarray(mesh.neighbors)
+    pairs, ends = [], []
+    for t, corners in enumerate(cells):
+        for k in range(3):
+            other = int(neighbors[t, k])
+            if other < t:  # each edge once: from its later cell, or from the only one
+                pairs.append([corners[(k + 1) % 3], corners[(k + 2) % 3]])
+                ends.append([t, other])
+    return (
+        circumcenter(points[cells]),
+        np.array(pairs, dtype=int).reshape(-1, 2),
+        np.array(ends).reshape(-1, 2),
+    )
+
+
+def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *, bins: int = 36) -> Axes:
+    """Histogram of a quality over the cells, for one mesh or several under names.
+
+    Parameters
+    ----------
+    meshes : Mesh or dict of str to Mesh
+        What to compare; the legend tells each least value and mean.
+    name : str
+        One of `unstruct.simplex.QUALITIES`.
+    bins : int
+        Number of bins, common to all meshes.
+    """
+    named = dict(meshes) if isinstance(meshes, Mapping) else {"": meshes}
+    values = {key: np.asarray(mesh.quality(name), dtype=float) for key, mesh in named.items()}
+    finite = {key: v[np.isfinite(v)] for key, v in values.items()}
+    if ax is None:
+        ax = plt.subplots(figsize=(5.2, 3.0))[1]
+    edges = np.histogram_bin_edges(np.concatenate(list(finite.values())), bins)
+    for number, (key, v) in enumerate(finite.items()):
+        style = ("circumcircle", "inserted", "voronoi", "layer", "front")[number % 5]
+        text = f"{key + ': ' if key else ''}least {v.min():.3g}, mean {v.mean():.3g}"
+        lost = len(values[key]) - len(v)
+        ax.stairs(
+            np.histogram(v, edges)[0] / max(len(values[key]), 1),
+            edges,
+            fill=False,
+            zorder=3,
+            label=text + (f", {lost} not finite" if lost else ""),
+            **line_style(style),
+        )
+        ax.stairs(
+            np.histogram(v, edges)[0] / max(len(values[key]), 1),
+            edges,
+            fill=True,
+            color=style_of(style).fill,
+            alpha=0.25,
+        )
+    ax.set(
+        xlabel=name.replace("_", " ") + (" (degrees)" if "angle" in name or "dihedral" in name else ""),
+        ylabel="share of cells",
+    )
+    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # inches, under the label
+    ax.legend(loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, borderaxespad=0)
+    return ax

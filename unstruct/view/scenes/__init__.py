@@ -1,0 +1,1 @@
+"""What is drawn: states and histories of algorithms, as pure functions to frames."""

@@ -1,0 +1,36 @@
+"""What a control may be set to: errors that name the values there are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from ...base.errors import InputError
+
+__all__ = ["preset_named", "within"]
+
+Value = TypeVar("Value")
+
+
+def preset_named(known: Mapping[str, Value], name: str) -> Value:
+    """The preset of this name.
+
+    Raises
+    ------
+    InputError
+        Where there is none; the names that there are are listed.
+    """
+    if name not in known:
+        raise InputError(f"no preset {name!r}; use one of {', '.join(known)}")
+    return known[name]
+
+
+def within(name: str, value: float, low: float, high: float) -> None:
+    """Refuse a value below ``low`` or above ``high``, or one that is no number.
+
+    Raises
+    ------
+    InputError
+    """
+    if not low <= value <= high:
+        raise InputError(f"{name} = {value} must lie between {low} and {high}")

@@ -1,0 +1,168 @@
+"""Two proofs of section 2.4a as pictures that answer to sliders: pure functions from numbers to frames.
+
+Both live in the pencil of circles through two points, here (-1, 0) and (1, 0): the circle with center
+(0, c) has the equation x^2 + y^2 - 2 c y = 1. Above the segment its disk grows with c, below it shrinks.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...predicates.batch import in_sphere
+from ..draw import frames as fr
+from .choices import within
+
+__all__ = ["cavity_proof_drag", "cavity_proof_state", "star_proof_drag", "star_proof_state"]
+
+LEFT, RIGHT = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
+ANGLE_B = 70.0  # of the triangle ABC, degrees
+CENTER_E, CENTER_F = 0.95, -0.55  # of the old circles on both sides of the edge AB
+
+
+def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: float = 0.3) -> fr.Frame:
+    """Figure 12.4: P in circle ABC beyond the edge AC, and the triangle ACD that might hide it.
+
+    Parameters
+    ----------
+    angle_p : float
+        The angle APC in degrees, between 1 and 179: above 110, P lies inside circle ABC.
+    angle_d : float
+        The angle ADC in degrees, between 1 and 179: up to 110, D lies outside of circle ABC or on it.
+    place : float
+        Where P lies along its arc, from 0 (near C) to 1 (near A).
+
+    Returns
+    -------
+    dict
+        A frame; its number compares the two angles, its caption tells by exact signs what follows.
+    """
+    within("angle_p", angle_p, 1, 179)
+    within("angle_d", angle_d, 1, 179)
+    within("place", place, 0, 1)
+    a, b, c = LEFT, _on_lower_arc(180.0 - ANGLE_B, 0.56), RIGHT
+    p = _on_upper_arc(angle_p, 0.1 + 0.8 * place)
+    d = _on_upper_arc(angle_d, 0.52)
+    p_in_abc = in_sphere(np.array([a, b, c]), p) > 0
+    d_in_abc = in_sphere(np.array([a, b, c]), d) > 0
+    p_in_acd = in_sphere(np.array([a, c, d]), p) > 0
+    if not p_in_abc:
+        caption = "P is not in circle ABC: the triangle ABC stays"
+    elif d_in_abc:
+        caption = "D is inside circle ABC: no Delaunay start, and " + (
+            "P happens to be in circle ACD" if p_in_acd else "ACD stays and hides P"
+        )
+    else:
+        caption = "ABC goes, D is not in its circle: " + ("ACD goes too" if p_in_acd else "IMPOSSIBLE")
+    items = [
+        fr.polygons("cavity" if p_in_abc else "cell", [[a, b, c]]),
+        fr.polygons("cavity" if p_in_acd else "cell", [[a, c, d]]),
+        _circle("circumcircle", 180.0 - ANGLE_B),
+        _circle("circumcircle", angle_d),
+        fr.segments("inserted", [[p, a], [p, c]]),
+        fr.segments("edge", [[d, a], [d, c]]),
+        fr.dots("vertex", [a, b, c]),
+        fr.dots("vertex", d, handles=["D"]),
+        fr.dots("inserted", p, handles=["P"]),
+        fr.labels("vertex", [a, b, c, d, p], "ABCDP"),
+    ]
+    number = f"∠APC − ∠ADC = {angle_p - angle_d:.0f}°"
+    return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.6, 1.9])
+
+
+def cavity_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
+    """Which values of `cavity_proof_state` put P or D, dragged to (x, y), nearest there."""
+    y = max(y, 1e-3)  # both live above the edge AC
+    angle = float(np.degrees(np.arctan2(y, x - 1.0) - np.arctan2(y, x + 1.0)))
+    angle = min(max(angle, 1.0), 179.0)
+    if handle == "D":
+        return {"angle_d": angle}
+    center = 1.0 / np.tan(np.radians(angle))
+    right = np.arctan2(-center, 1.0)
+    share = (np.arctan2(y - center, x) - right) % (2 * np.pi) / (np.pi - 2 * right)
+    return {"angle_p": angle, "place": (share - 0.1) / 0.8}
+
+
+def star_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
+    """Which direction of `star_proof_state` points from the center of circle ABP to D, dragged to (x, y)."""
+    center = CENTER_F + values["p"] * (CENTER_E - CENTER_F)
+    return {"turn": float(np.degrees(np.arctan2(y - center, x)) % 360.0)}
+
+
+def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> fr.Frame:
+    """Figure 12.5: a point D inside the circle of the new triangle ABP, on either side of AB.
+
+    Parameters
+    ----------
+    p : float
+        The circle ABP, from 0 (the circle of the outer triangle ABF: P on it) to 1 (that of ABE).
+    turn : float
+        Where D lies inside circle ABP: the direction from its center, in degrees.
+    hull : bool
+        AB is an edge of the hull: there is no triangle beyond it.
+
+    Returns
+    -------
+    dict
+        A frame; its number is the power of D in the old circle on D's side: negative, so that D
+        would have been inside it.
+    """
+    within("p", p, 0, 1)
+    center = CENTER_F + p * (CENTER_E - CENTER_F)
+    radius = np.hypot(1.0, center)
+    direction = np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
+    d = np.array([0.0, center]) + 0.88 * radius * direction
+    new = np.array([0.3, center + np.sqrt(radius**2 - 0.09)])
+    above = d[1] > 0
+    power = d @ d - 2 * (CENTER_E if above else CENTER_F) * d[1] - 1
+    e, f = _at(CENTER_E, 118.0), _at(CENTER_F, -62.0)
+    if above:
+        caption = "D on P's side: then D was inside circle ABE, which was empty"
+    elif hull:
+        caption = "D beyond a hull edge: no vertex lies there"
+    else:
+        caption = "D beyond AB: then D was inside circle ABF, which was empty"
+    items = [
+        fr.polygons("cavity", [[LEFT, RIGHT, e]]),
+        fr.polygons("accepted", [[LEFT, RIGHT, new]]),
+        fr.circles("circumcircle", [[0.0, CENTER_E]], [np.hypot(1.0, CENTER_E)]),
+        fr.circles("inserted", [[0.0, center]], [radius]),
+        fr.segments("constrained" if hull else "edge", [[LEFT, RIGHT]]),
+        fr.dots("inserted", new),
+        fr.dots("bad", d, handles=["D"]),
+        fr.labels("vertex", [LEFT, RIGHT, new, d, e], "ABPDE"),
+        fr.dots("vertex", [LEFT, RIGHT, e]),
+    ]
+    if not hull:
+        beyond = [fr.polygons("cell", [[LEFT, f, RIGHT]]), fr.dots("vertex", f), fr.labels("vertex", f, "F")]
+        items = [*beyond, fr.circles("circumcircle", [[0.0, CENTER_F]], [np.hypot(1.0, CENTER_F)]), *items]
+    missing = hull and not above
+    number = "" if missing else f"power of D in circle AB{'E' if above else 'F'} = {power:.2f}"
+    return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.9, 2.5])
+
+
+def _on_upper_arc(angle: float, share: float) -> np.ndarray:
+    """The point above that sees (-1, 0), (1, 0) under ``angle``, at a share of its arc from the right."""
+    center = 1.0 / np.tan(np.radians(angle))
+    right = np.arctan2(-center, 1.0)
+    turn = right + share * (np.pi - 2 * right)
+    return np.array([0.0, center]) + np.hypot(1.0, center) * np.array([np.cos(turn), np.sin(turn)])
+
+
+def _on_lower_arc(angle: float, share: float) -> np.ndarray:
+    """The point below that lies on the circle of those that see the segment from above under ``angle``."""
+    return _on_upper_arc(180.0 - angle, share) * np.array([1.0, -1.0])
+
+
+def _circle(role: str, angle: float) -> fr.Item:
+    """The circle of all points that see the segment from above under ``angle``."""
+    center = 1.0 / np.tan(np.radians(angle))
+    return fr.circles(role, [[0.0, center]], [np.hypot(1.0, center)])
+
+
+def _at(center: float, turn: float) -> np.ndarray:
+    """A point of the circle of the pencil with this center."""
+    return np.array([0.0, center]) + np.hypot(1.0, center) * np.array(
+        [np.cos(np.radians(turn)), np.sin(np.radians(turn))]
+    )

@@ -1,0 +1,128 @@
+"""The step-by-step player: Python computes the frames, a small anywidget draws and steps them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+from ...base.errors import InputError
+from ..draw import frames as fr
+from ..draw.colors import styles
+
+__all__ = ["Player", "player"]
+
+HERE = Path(__file__).parent
+
+
+class Player(anywidget.AnyWidget):
+    """Buttons, a slider and the arrow keys step through ``frames``; see `player`.
+
+    Attributes
+    ----------
+    frames : list of dict
+        What is drawn; see `unstruct.view.draw.frames`.
+    index : int
+        The frame shown.
+    view : list of float
+        The fixed window ``[xmin, xmax, ymin, ymax]``.
+    alt : str
+        What a reader who cannot see the picture is told.
+    variants : list of dict
+        Several histories, each ``{"name": …, "frames": …, "view": …, "start": …}``, instead of one.
+    variant : int
+        Which of them is shown.
+    dragged : dict
+        The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
+    """
+
+    _esm = HERE / "player.js"
+    _css = HERE.parent / "draw" / "player.css"
+    frames: Any = traitlets.List().tag(sync=True)
+    index = traitlets.Int(0).tag(sync=True)
+    view: Any = traitlets.List().tag(sync=True)
+    alt = traitlets.Unicode().tag(sync=True)
+    width = traitlets.Int(480).tag(sync=True)
+    height = traitlets.Int(420).tag(sync=True)
+    interval = traitlets.Int(900).tag(sync=True)
+    variants: Any = traitlets.List().tag(sync=True)
+    variant = traitlets.Int(0).tag(sync=True)
+    styles = traitlets.Dict().tag(sync=True)
+    dragged = traitlets.Dict().tag(sync=True)
+
+    def show(self, frames: Sequence[fr.Frame], index: int | None = None) -> None:
+        """Take other frames, in the same window unless they bring their own, and show one of them."""
+        with self.hold_sync():
+            if "view" in frames[0]:
+                self.view = fr.bounds(frames)
+            self.frames = compact(frames, self.view)
+            self.index = min(self.index if index is None else index, len(self.frames) - 1)
+
+    def __repr__(self) -> str:
+        return f"Player({len(self.frames)} frame{'s' * (len(self.frames) != 1)}: {self.alt})"
+
+
+def player(
+    frames: Sequence[fr.Frame],
+    *,
+    alt: str,
+    view: Sequence[float] | None = None,
+    width: int = 480,
+    height: int = 420,
+    interval: int = 900,
+) -> Player:
+    """Step through the frames of a history, in JupyterLab and on a page without a kernel.
+
+    Parameters
+    ----------
+    frames : sequence of dict
+        The history, one change a frame; see `unstruct.view.draw.frames`.
+    alt : str
+        A sentence for readers who cannot see the pictures; each frame's caption is added to it.
+    view : (xmin, xmax, ymin, ymax), optional
+        The fixed window; by default what all frames together show.
+    width, height : int
+        Largest size of the picture, in pixels.
+    interval : int
+        Milliseconds between two frames while it plays.
+
+    Returns
+    -------
+    Player
+
+    Raises
+    ------
+    InputError
+        Without frames or alternative text, or when a frame cannot be drawn; names the item.
+    """
+    if not frames:
+        raise InputError("a player needs at least one frame")
+    if not alt.strip():
+        raise InputError("say in alt what the pictures show, for readers who cannot see them")
+    for one in frames:
+        fr.check_frame(one)
+    window = fr.bounds(frames) if view is None else [float(v) for v in view]
+    return Player(
+        frames=compact(frames, window),
+        view=window,
+        alt=alt.strip(),
+        width=width,
+        height=height,
+        interval=interval,
+        styles=styles(),
+    )
+
+
+def compact(frames: Sequence[fr.Frame], view: Sequence[float]) -> list[fr.Frame]:
+    """The frames with coordinates rounded to a ten-thousandth of the window: a fifth of the bytes."""
+    size = max(view[1] - view[0], view[3] - view[2])
+    digits = 4 - math.floor(math.log10(size))
+
+    def rounded(value: Any) -> Any:
+        return [rounded(v) for v in value] if isinstance(value, list) else round(value, digits)
+
+    return [{**f, "items": [{**i, "data": rounded(i["data"])} for i in f["items"]]} for f in frames]

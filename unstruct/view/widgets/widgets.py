@@ -1,0 +1,196 @@
+"""The widgets: thin shells of sliders and drop-downs around the pure functions of `states` and `proofs`.
+
+Each returns a `Panel` of at most three controls and one player. Where a history or a fade has few
+frames, all are computed at once and stepped by the player itself, so that they work on a page
+without a kernel, too; `empty_circle` and the two proofs ask Python at every move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets
+import numpy as np
+
+from ..draw import frames as fr
+from ..scenes.proofs import cavity_proof_drag, cavity_proof_state, star_proof_drag, star_proof_state
+from ..scenes.states import (
+    CIRCLES,
+    FADES,
+    INSERTIONS,
+    SITES,
+    bowyer_watson_history,
+    empty_circle_state,
+    voronoi_dual_state,
+)
+from .player import Player, compact, player
+
+__all__ = [
+    "Panel",
+    "bowyer_watson",
+    "cavity_argument",
+    "empty_circle",
+    "new_triangle_argument",
+    "voronoi_dual",
+]
+
+WIDE = {"description_width": "110px"}
+WIDTH = "420px"
+
+
+class Panel(ipywidgets.VBox):
+    """Controls above a player.
+
+    Attributes
+    ----------
+    controls : dict
+        The controls by name.
+    player : Player
+        The picture.
+    """
+
+    def __init__(self, controls: dict[str, Any], picture: Player):
+        self.controls, self.player = controls, picture
+        super().__init__([*controls.values(), picture])
+
+    def __repr__(self) -> str:
+        names = [*self.controls, *(["preset"] if self.player.variants else [])]
+        return f"Panel({', '.join(names)}: {self.player.alt})"
+
+
+def empty_circle() -> Panel:
+    """Move a fourth point D against the circle of A, B, C: exact sign and floating-point sign.
+
+    The nasty preset shows a window of 33 by 33 neighboring doubles at the circle, where the
+    determinant in floating-point numbers has a wrong sign for more than half of them. Book: 2.0.
+    """
+    first = next(iter(CIRCLES))
+    x, y = CIRCLES[first]["start"]
+    controls = {
+        "preset": _presets(CIRCLES),
+        "x": _slider("x of D", x, -2, 2, 0.01),
+        "y": _slider("y of D", y, -2, 2, 0.01),
+    }
+    alt = "Three points A, B, C, their circle, and a fourth point D that can be moved."
+
+    def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
+        part = 1 / 8 if "origin" in CIRCLES[values["preset"]] else 1.0
+        return {"x": px * part, "y": py * part}
+
+    def start(preset: str) -> dict[str, Any]:
+        return dict(zip("xy", CIRCLES[preset]["start"]))
+
+    return _live(empty_circle_state, controls, alt, drag, start)
+
+
+def cavity_argument() -> Panel:
+    """The chapter's Fig. 12.4: whatever hides P from a cavity triangle belongs to the cavity. Book: 2.4a."""
+    controls = {
+        "angle_p": _slider("angle APC", 135, 1, 179, 1),
+        "angle_d": _slider("angle ADC", 80, 1, 179, 1),
+        "place": _slider("place of P", 0.3, 0, 1, 0.01),
+    }
+    alt = "Triangles ABC and ACD, their circles, and a point P beyond the edge AC; P and D can be moved."
+    return _live(cavity_proof_state, controls, alt, cavity_proof_drag)
+
+
+def new_triangle_argument() -> Panel:
+    """The chapter's Fig. 12.5 with both cases: D on either side of AB, AB perhaps on the hull. Book: 2.4a."""
+    controls = {
+        "p": _slider("place of P", 0.5, 0, 1, 0.01),
+        "turn": _slider("direction of D", 60, 0, 360, 1),
+        "hull": ipywidgets.Checkbox(
+            False, description="AB is on the hull", style=WIDE, layout={"width": WIDTH}
+        ),
+    }
+    alt = (
+        "A new triangle ABP, its circle, the circles of the old triangles on both sides of AB, and a point D."
+    )
+    return _live(star_proof_state, controls, alt, star_proof_drag)
+
+
+def voronoi_dual() -> Panel:
+    """Fade the Voronoi diagram into its dual; degenerate and misleading sites as presets. Book: 2.1."""
+    histories = {name: [voronoi_dual_state(k / (FADES - 1), name) for k in range(FADES)] for name in SITES}
+    return _chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
+
+
+def bowyer_watson() -> Panel:
+    """Step through insertions: locate, cavity, star; ties, and a start that is not Delaunay. Book: 2.4a."""
+    histories = {name: bowyer_watson_history(name) for name in INSERTIONS}
+    return _chosen(
+        histories, "Points inserted one by one: the triangle, the cavity with its circles, the star."
+    )
+
+
+def _presets(known: dict[str, Any]) -> Any:
+    return ipywidgets.Dropdown(options=list(known), description="preset", style=WIDE, layout={"width": WIDTH})
+
+
+def _slider(description: str, value: float, low: float, high: float, step: float) -> ipywidgets.FloatSlider:
+    return ipywidgets.FloatSlider(
+        value=value,
+        min=low,
+        max=high,
+        step=step,
+        description=description,
+        style=WIDE,
+        layout={"width": WIDTH},
+        readout_format=".0f" if step == 1 else ".2f",
+    )
+
+
+def _chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
+    """A player that holds all histories; its own drop-down chooses, so that it needs no kernel."""
+    first = next(iter(histories.values()))
+    picture = player(first, alt=alt)
+    variants = []
+    for name, frames in histories.items():
+        for one in frames:
+            fr.check_frame(one)
+        view = fr.bounds(frames)
+        variants.append({"name": name, "frames": compact(frames, view), "view": view, "start": start})
+    picture.set_trait("variants", variants)
+    picture.index = start
+    return Panel({}, picture)
+
+
+def _live(
+    state: Callable[..., fr.Frame],
+    controls: dict[str, Any],
+    alt: str,
+    drag: Callable[..., dict[str, Any]],
+    start: Callable[[str], dict[str, Any]] | None = None,
+) -> Panel:
+    """Controls whose every change asks ``state`` for a frame; ``drag`` turns a drag into their values."""
+
+    def values() -> dict[str, Any]:
+        return {name: control.value for name, control in controls.items()}
+
+    picture = player([state(**values())], alt=alt)
+    busy = [False]  # while several controls move at once, one frame is enough
+
+    def show(_: Any = None) -> None:
+        if not busy[0]:
+            picture.show([state(**values())])
+
+    def move(wanted: dict[str, Any]) -> None:
+        busy[0] = True
+        for name, value in wanted.items():
+            control = controls[name]
+            control.value = float(np.clip(value, control.min, control.max))
+        busy[0] = False
+        show()
+
+    def dragged(change: Any) -> None:
+        at = change["new"]
+        move(drag(values(), at["handle"], at["x"], at["y"]))
+
+    if start is not None:
+        controls["preset"].observe(lambda change: move(start(change["new"])), "value")
+    for name, control in controls.items():
+        if start is None or name != "preset":
+            control.observe(show, "value")
+    picture.observe(dragged, "dragged")
+    return Panel(controls, picture)
