@@ -39,7 +39,8 @@ from unstruct import (
     voronoi_segment,
 )
 from unstruct.base.jit import kernel
-from unstruct.predicates.batch import incircle, orient2, scaled
+from unstruct.predicates.batch import scaled
+from unstruct.predicates.kernels import incircle, orient2
 
 SECONDS = 20  # of the processor, for one mesh
 SAMPLE = 50  # one mesh in so many gets the full check

@@ -9,7 +9,7 @@ import pytest
 from regions import KINDS, random_region
 
 from unstruct import Arc, Domain, Mesh, check, constrained_delaunay, refine
-from unstruct.domain.plane.lunes import cells_area, enclosed_area
+from unstruct.geometry.parity import cells_area, enclosed_area
 from unstruct.mesh.topology import boundary, neighbors
 
 WIDE = [[0, 0], [4, 0], [4, 4], [0, 4], [1, 1], [2, 1], [2, 2], [1, 2], [3, 3]]

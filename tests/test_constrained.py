@@ -13,9 +13,11 @@ from unstruct import DegenerateInputError, InputError, MeshError, check, constra
 from unstruct.assess.check import Report, _spheres, boundary_is_convex
 from unstruct.connect.planar import segments as kernels
 from unstruct.connect.planar.complex import PlanarComplex
+from unstruct.connect.planar.flood import mark_regions
+from unstruct.connect.planar.inserting import insert_all
 from unstruct.domain.domain import Domain
 from unstruct.generate.boundary import constrained
-from unstruct.generate.boundary.constrained import complex_of, insert_all, mark_regions, planar_complex
+from unstruct.generate.boundary.constrained import complex_of, planar_complex
 from unstruct.plain import constrained as plain
 from unstruct.plain.predicates import orient
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import DegenerateInputError, InputError, check
+from unstruct.connect.insertion.halfedges import SEGMENTS
 from unstruct.connect.planar.cavity import (
     GHOST,
-    SEGMENTS,
     blocked_by,
     commit,
     commit_split,

@@ -10,12 +10,11 @@ from unstruct.view import check_frame
 from unstruct.view.scenes.constraints import (
     COMPONENTS,
     SEGMENTS,
-    constrained_insertion,
-    principal_component,
     principal_component_state,
     segment_history,
     segment_state,
 )
+from unstruct.view.widgets.constraint_widgets import constrained_insertion, principal_component
 
 
 @pytest.mark.parametrize("preset", SEGMENTS)

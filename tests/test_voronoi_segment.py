@@ -19,7 +19,8 @@ from regions import KINDS, random_region
 import unstruct
 from unstruct import Domain, InputError, constrained_delaunay, simplex
 from unstruct.assess.check import check
-from unstruct.connect.planar.cavity import blocked_by, end_of, find_cavity, start_of
+from unstruct.connect.insertion.halfedges import end_of, start_of
+from unstruct.connect.planar.cavity import blocked_by, find_cavity
 from unstruct.examples.running import running_region, running_size
 from unstruct.generate.boundary.constrained import planar_complex
 from unstruct.generate.rebay import queue as queue

@@ -12,10 +12,10 @@ import numpy as np
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
 from ..mesh import topology
-from ..mesh.embedding import RidgeFans, crossing_facets, orient_rows
+from ..mesh.embedding import RidgeFans, crossing_facets
 from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
 from ..mesh.marked import marked_facets
-from ..predicates.batch import in_sphere
+from ..predicates.batch import in_sphere, orient_rows
 from .region import check_domain, pinch_points
 
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.report import Report, problem
+from ..geometry.boxes import BoxTree
 from ..mesh.cells import CELL_TYPES, incident_facets
-from ..mesh.embedding import crossing_facets, orient_rows
-from ..mesh.locate import BoxTree
+from ..mesh.embedding import crossing_facets
+from ..predicates.batch import orient_rows
 
 if TYPE_CHECKING:
     from ..mesh.mesh import Mesh

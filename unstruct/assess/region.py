@@ -5,18 +5,16 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.report import Problem, Report, problem
-from ..domain.plane.lunes import cells_area, enclosed_area, even_odd, left_parity, right_parity
 from ..geometry.curves import Arc
 from ..geometry.outline_distance import distance_to_piece
-from ..mesh import topology
-from ..mesh.marked import marked_sides
+from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity, right_parity
+from ..mesh.marked import marked_sides, parts
 
 if TYPE_CHECKING:
     from ..domain.domain import Domain
@@ -340,14 +338,3 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
         *wrong,
         None if once else Problem("region", text),
     )
-
-
-def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
-    """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
-    neighbors = np.array(mesh.neighbors)
-    neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
-    label = topology.components(neighbors)[1]
-    first = np.unique(label, return_index=True)[1]
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[label]

@@ -23,8 +23,9 @@ from ..base.jit import inline, kernel
 from ..base.progress import progress_bar
 from ..mesh.marked import marked_sides
 from ..mesh.mesh import Mesh, is_planar
-from ..predicates.batch import incircle, orient2, scaled
+from ..predicates.batch import scaled
 from ..predicates.exact import exact_incircle, exact_orient2
+from ..predicates.kernels import incircle, orient2
 
 __all__ = ["replay", "swap_diagonals"]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.arguments import as_mapping
 from ..base.arrays import as_points, frozen
 from ..base.errors import InputError
 from ..geometry.curves import CurveLike
@@ -14,55 +15,9 @@ from ..geometry.curves import CurveLike
 if TYPE_CHECKING:
     from .domain import Domain
 
-__all__ = [
-    "DEFAULT_BUDGET",
-    "MOST",
-    "around",
-    "as_count",
-    "as_curves",
-    "as_domain",
-    "as_mapping",
-    "as_markers",
-    "as_ring",
-    "as_seeds",
-    "as_segments",
-    "finite",
-    "joined",
-    "positive",
-]
+__all__ = ["around", "as_curves", "as_domain", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
 
-DEFAULT_BUDGET = 10_000_000  # vertices of a mesh, if nothing else is said: some gigabytes
-MOST = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
 RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
-
-
-def finite(value: Any, name: str) -> float:
-    """A finite number, or an error that calls it by ``name``."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number, not {value!r}") from None
-    if not np.isfinite(number):
-        raise InputError(f"{name} = {number} must be finite")
-    return number
-
-
-def positive(value: Any, name: str) -> float:
-    """A positive finite number, or an error that calls it by ``name``."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number, not {value!r}") from None
-    if not (number > 0 and np.isfinite(number)):
-        raise InputError(f"{name} = {number} must be positive and finite")
-    return number
-
-
-def as_count(value: Any, name: str) -> int:
-    """A whole number that is not negative, or an error that calls it by ``name``."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InputError(f"{name} = {value!r} must be a whole number, not negative")
-    return int(value)
 
 
 def as_domain(value: Any) -> Domain:
@@ -71,13 +26,6 @@ def as_domain(value: Any) -> Domain:
 
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
-    return value
-
-
-def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:
-    """A mapping, or an error that calls it by ``name``."""
-    if not isinstance(value, Mapping):
-        raise InputError(f"{name} must be a dict, not {type(value).__name__}")
     return value
 
 

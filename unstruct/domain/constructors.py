@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
+from ..base.arguments import as_mapping
 from ..base.arrays import frozen, refrozen
-from .arguments import as_domain, as_mapping, as_segments, joined
+from .arguments import as_domain, as_segments, joined
 from .plane import shapes as shapes
 from .plane.shapes import Parts
 

@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..base.arguments import positive
 from ..base.arrays import as_numbers, as_points, frozen
 from ..base.errors import InputError
 from ..geometry.curves import Arc, CurveLike
-from .arguments import as_curves, as_markers, as_seeds, as_segments, positive
+from ..geometry.parity import enclosed_area, even_odd, left_parity
+from .arguments import as_curves, as_markers, as_seeds, as_segments
 from .constructors import Constructors
 from .plane.faults import check_ends, check_seeds, find_faults, piece_name
-from .plane.lunes import areas_beyond_chords, enclosed_area, even_odd, left_parity, lunes_hold
+from .plane.lunes import areas_beyond_chords, lunes_hold
 from .plane.repair import Repair, Repairer
 from .plane.sample import Sampled, coarse, sized
 

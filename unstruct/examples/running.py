@@ -18,8 +18,9 @@ from ..base.jit import kernel
 from ..connect.swapping import corner_facing, flip
 from ..mesh.mesh import Mesh, as_points
 from ..mesh.topology import neighbors
-from ..predicates.batch import orient, orient2, scaled
+from ..predicates.batch import orient, scaled
 from ..predicates.exact import exact_orient2
+from ..predicates.kernels import orient2
 
 __all__ = [
     "flip_at_random",

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.jit import inline, kernel
-from ..mesh.embedding import orient_rows
-from ..mesh.locate import BoxTree
+from ..predicates.batch import orient_rows
+from .boxes import BoxTree
 from .sweep import any_meeting
 
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]

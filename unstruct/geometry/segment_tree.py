@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
-from ..mesh.locate import LEAF, BoxTree
 from ..predicates.batch import power_of_two
+from .boxes import LEAF, BoxTree
 
 __all__ = ["SegmentTree", "to_box", "to_segment"]
 

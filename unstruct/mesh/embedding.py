@@ -12,19 +12,11 @@ from itertools import combinations
 
 import numpy as np
 
-from ..predicates.batch import orient
-from .locate import BoxTree
+from ..geometry.boxes import BoxTree
+from ..predicates.batch import orient, orient_rows
 from .topology import group_rows
 
 __all__ = ["RidgeFans", "crossing_facets"]
-
-CHUNK = 1 << 19
-
-
-def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Exact orientation of many simplices given by vertex numbers, (r, d + 1), a chunk at a time."""
-    parts = [orient(points[rows[i : i + CHUNK]]) for i in range(0, len(rows), CHUNK)]
-    return np.concatenate([*parts, np.empty(0, dtype=np.int8)])
 
 
 class RidgeFans:

@@ -11,113 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.errors import InputError, MeshError
-from ..base.jit import inline, kernel
+from ..geometry.boxes import BoxTree
 from ..predicates.batch import orient
 
 if TYPE_CHECKING:
     from .mesh import Mesh
 
-__all__ = ["BoxTree", "Locator"]
+__all__ = ["Locator"]
 
-LEAF = 4  # boxes in a leaf of the tree
 CHUNK = 1 << 16  # queries at a time: bounds the memory
-
-
-@inline
-def _touch(low, high, other_low, other_high):
-    """Whether two closed boxes meet."""
-    for j in range(low.shape[0]):
-        if low[j] > other_high[j] or high[j] < other_low[j]:
-            return False
-    return True
-
-
-@kernel
-def _candidates(query_low, query_high, low, high, order, box_low, box_high, start, boxes):
-    """Boxes that meet each query box; counts only, while ``boxes`` is empty.
-
-    Node i of the tree has the children 2 i and 2 i + 1; the second half of the nodes are leaves.
-    ``start[q + 1]`` receives the number of pairs of the queries up to q.
-    """
-    leaves = low.shape[0] // 2
-    stack = np.empty(128, dtype=np.int64)
-    count = 0
-    for q in range(query_low.shape[0]):
-        top = 1
-        stack[0] = 1
-        while top > 0:
-            top -= 1
-            node = stack[top]
-            if not _touch(query_low[q], query_high[q], low[node], high[node]):
-                continue
-            if node < leaves:
-                stack[top] = 2 * node
-                stack[top + 1] = 2 * node + 1
-                top += 2
-                continue
-            first = (node - leaves) * LEAF
-            for i in range(first, min(first + LEAF, order.shape[0])):
-                t = order[i]
-                if _touch(query_low[q], query_high[q], box_low[t], box_high[t]):
-                    if boxes.shape[0] > 0:
-                        boxes[count] = t
-                    count += 1
-        start[q + 1] = count
-
-
-@kernel
-def _morton(grid, bits, keys):
-    """Interleave the bits of integer coordinates: the order of a Z-shaped curve."""
-    for i in range(grid.shape[0]):
-        key = 0
-        for b in range(bits - 1, -1, -1):
-            for j in range(grid.shape[1]):
-                key = 2 * key + ((grid[i, j] >> b) & 1)
-        keys[i] = key
-
-
-def _curve_order(centers: np.ndarray) -> np.ndarray:
-    bits = max(1, 62 // centers.shape[1])
-    # Halves: the span of the largest doubles would overflow. The order need not be exact.
-    half = centers / 2 - centers.min(axis=0) / 2
-    span = max(half.max(), np.finfo(float).tiny)
-    grid = np.minimum(half / span * 2.0**bits, 2.0**bits - 1).astype(np.int64)[:, :62]
-    keys = np.empty(len(grid), dtype=np.int64)
-    _morton(grid, bits, keys)
-    return np.argsort(keys, kind="stable")
-
-
-class BoxTree:
-    """A static tree over axis-parallel closed boxes, sorted along a space-filling curve; O(m log m)."""
-
-    def __init__(self, low: np.ndarray, high: np.ndarray):
-        m, d = low.shape
-        self.box_low, self.box_high = np.ascontiguousarray(low), np.ascontiguousarray(high)
-        self.order = _curve_order(low / 2 + high / 2) if m else np.empty(0, dtype=np.int64)
-        blocks = -(-m // LEAF)
-        leaves = 1 << max(0, (blocks - 1).bit_length())
-        self.low, self.high = np.full((2 * leaves, d), np.inf), np.full((2 * leaves, d), -np.inf)
-        if blocks:
-            firsts = np.arange(0, m, LEAF)
-            self.low[leaves : leaves + blocks] = np.minimum.reduceat(self.box_low[self.order], firsts)
-            self.high[leaves : leaves + blocks] = np.maximum.reduceat(self.box_high[self.order], firsts)
-        while leaves > 1:
-            half = leaves // 2
-            left, right = slice(leaves, 2 * leaves, 2), slice(leaves + 1, 2 * leaves, 2)
-            self.low[half:leaves] = np.minimum(self.low[left], self.low[right])
-            self.high[half:leaves] = np.maximum(self.high[left], self.high[right])
-            leaves = half
-
-    def pairs(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (query, box) that meet, sorted by query."""
-        queries = (np.ascontiguousarray(low), np.ascontiguousarray(high))
-        tree = (self.low, self.high, self.order, self.box_low, self.box_high)
-        start = np.zeros(len(low) + 1, dtype=np.int64)
-        _candidates(*queries, *tree, start, np.empty(0, dtype=np.int64))
-        boxes = np.empty(start[-1], dtype=np.int64)
-        if len(boxes):
-            _candidates(*queries, *tree, start, boxes)
-        return np.repeat(np.arange(len(low)), np.diff(start)), boxes
 
 
 class Locator:

@@ -5,11 +5,20 @@ A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` wo
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from . import topology
 from .topology import group_rows
 
-__all__ = ["marked_facets", "marked_sides"]
+if TYPE_CHECKING:
+    pass
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+__all__ = ["marked_facets", "marked_sides", "parts"]
 
 
 def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -65,3 +74,14 @@ def marked_facets(facets: np.ndarray, named: np.ndarray, n: int) -> np.ndarray:
     result = np.zeros(len(facets), dtype=bool)
     result[rows] = among[group[len(named) :]]
     return result
+
+
+def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
+    """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
+    neighbors = np.array(mesh.neighbors)
+    neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
+    label = topology.components(neighbors)[1]
+    first = np.unique(label, return_index=True)[1]
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[label]

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.errors import InputError
-from ..base.jit import inline, kernel
-from .close import close_incircle, close_insphere, close_orient2, close_orient3
+from ..base.jit import kernel
 from .exact import exact_in_sphere, exact_incircle, exact_insphere, exact_orient, exact_orient2, exact_orient3
 from .filters import (
     UNDECIDED,
@@ -35,42 +34,6 @@ __all__ = ["in_sphere", "orient"]
 
 
 # --- kernels in two and three dimensions ----------------------------------------------------------
-
-
-@inline
-def orient2(ax, ay, bx, by, cx, cy):
-    """Positive where a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
-    sign = filter_orient2(ax, ay, bx, by, cx, cy)
-    if sign != UNDECIDED:
-        return sign
-    return close_orient2(ax, ay, bx, by, cx, cy)
-
-
-@inline
-def incircle(ax, ay, bx, by, cx, cy, px, py):
-    """Positive where p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
-    sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
-    if sign != UNDECIDED:
-        return sign
-    return close_incircle(ax, ay, bx, by, cx, cy, px, py)
-
-
-@inline
-def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """Sign of the determinant of rows b - a, c - a, d - a; exact for |coordinates| <= 1."""
-    sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
-    if sign != UNDECIDED:
-        return sign
-    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
-
-
-@inline
-def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
-    """Positive where p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
-    sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
-    if sign != UNDECIDED:
-        return sign
-    return -close_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
 
 
 # --- many simplices -------------------------------------------------------------------------------
@@ -274,3 +237,12 @@ def _simplices(simplex: ArrayLike) -> NDArray[np.float64]:
     if array.ndim < 2 or array.shape[-2] != array.shape[-1] + 1 or array.shape[-1] < 1:
         raise InputError(f"simplex has shape {array.shape}; it must be (..., d + 1, d) with d >= 1")
     return array
+
+
+CHUNK = 1 << 19
+
+
+def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Exact orientation of many simplices given by vertex numbers, (r, d + 1), a chunk at a time."""
+    parts = [orient(points[rows[i : i + CHUNK]]) for i in range(0, len(rows), CHUNK)]
+    return np.concatenate([*parts, np.empty(0, dtype=np.int8)])

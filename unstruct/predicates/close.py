@@ -47,7 +47,7 @@ def _short(d, tail, s):
 
 
 @inline
-def _two_product(a, b):
+def two_product(a, b):
     """a * b = high + low, exactly (Dekker)."""
     high = a * b
     c = SPLITTER * a
@@ -61,7 +61,7 @@ def _two_product(a, b):
 
 @inline
 def _times(ah, al, bh, bl):
-    high, low = _two_product(ah, bh)
+    high, low = two_product(ah, bh)
     low += ah * bl + al * bh
     total = high + low
     return total, low - (total - high)

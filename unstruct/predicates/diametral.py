@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.jit import inline, kernel
-from .exact import _add, _differences, _multiply, _sign
+from .exact import add, differences, multiply, sign
 from .filters import ORIENT2_BOUND, TINY
 
 __all__ = ["exact_in_disc", "in_disc"]
@@ -37,12 +37,12 @@ def in_disc(ax, ay, bx, by, px, py):
 @kernel
 def exact_in_disc(ax, ay, bx, by, px, py):
     """`in_disc` by integers, for any finite doubles."""
-    fits, s, w, n = _differences(np.array([ax, ay, bx, by, px, py]), 2, 2, 6)
+    fits, s, w, n = differences(np.array([ax, ay, bx, by, px, py]), 2, 2, 6)
     if fits:
         value = s[0] * s[2] + s[1] * s[3]
         return int(value < 0) - int(value > 0)
     free = len(s)
-    _multiply(w, n, free - 4, free - 2, free)
-    _multiply(w, n, free - 3, free - 1, free + 1)
-    _add(w, n, free, free + 1, free)
-    return -_sign(w, n, free)
+    multiply(w, n, free - 4, free - 2, free)
+    multiply(w, n, free - 3, free - 1, free + 1)
+    add(w, n, free, free + 1, free)
+    return -sign(w, n, free)

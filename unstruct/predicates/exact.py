@@ -52,7 +52,7 @@ def _carry(w, n, s, length):
 
 
 @kernel
-def _add(w, n, a, b, c):
+def add(w, n, a, b, c):
     """Number ``c`` becomes ``a + b`` (``c`` may be ``a``)."""
     length = max(n[a], n[b])
     for i in range(length):
@@ -72,7 +72,7 @@ def _subtract(w, n, a, b, c):
 
 
 @kernel
-def _multiply(w, n, a, b, c):
+def multiply(w, n, a, b, c):
     """Number ``c`` becomes ``a * b`` (``c`` is another slot)."""
     length = n[a] + n[b]
     for i in range(length):
@@ -84,7 +84,7 @@ def _multiply(w, n, a, b, c):
 
 
 @kernel
-def _sign(w, n, s):
+def sign(w, n, s):
     if n[s] == 0:
         return 0
     return 1 if w[s, n[s] - 1] > 0 else -1
@@ -135,7 +135,7 @@ def _load(w, n, s, mantissa, exponent, least, i, j):
 
 
 @kernel
-def _differences(x, dimension, degree, slots):
+def differences(x, dimension, degree, slots):
     """Decompose the points ``x`` (flat); give the differences to the last point, small or as limbs.
 
     Returns ``(bits, small, w, n)``: where all differences have at most ``bits <= 62`` bits they stand in
@@ -175,27 +175,27 @@ def _differences(x, dimension, degree, slots):
 @kernel
 def _minor(w, n, a, b, c, d, t, out):
     """Number ``out`` becomes ``a * d - b * c``; ``t`` is scratch."""
-    _multiply(w, n, a, d, out)
-    _multiply(w, n, b, c, t)
+    multiply(w, n, a, d, out)
+    multiply(w, n, b, c, t)
     _subtract(w, n, out, t, out)
 
 
 @kernel
 def exact_orient2(ax, ay, bx, by, cx, cy):
     """Sign of the determinant of rows a - c, b - c."""
-    fits, s, w, n = _differences(np.array([ax, ay, bx, by, cx, cy]), 2, 2, 6)
+    fits, s, w, n = differences(np.array([ax, ay, bx, by, cx, cy]), 2, 2, 6)
     if fits:
         value = s[0] * s[3] - s[1] * s[2]
         return int(value > 0) - int(value < 0)
     free = len(s)
     _minor(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
-    return _sign(w, n, free + 1)
+    return sign(w, n, free + 1)
 
 
 @kernel
 def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
     """Sign of the determinant of rows (a - p, |a - p|^2), (b - p, ...), (c - p, ...)."""
-    fits, s, w, n = _differences(np.array([ax, ay, bx, by, cx, cy, px, py]), 2, 4, 12)
+    fits, s, w, n = differences(np.array([ax, ay, bx, by, cx, cy, px, py]), 2, 4, 12)
     if fits:
         value = (
             (s[0] * s[0] + s[1] * s[1]) * (s[2] * s[5] - s[3] * s[4])
@@ -208,19 +208,19 @@ def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
     n[total] = 0
     for k in range(3):
         u, v = (2 * k + 2) % 6, (2 * k + 4) % 6  # the two other rows, in cyclic order
-        _multiply(w, n, 2 * k, 2 * k, lift)
-        _multiply(w, n, 2 * k + 1, 2 * k + 1, t)
-        _add(w, n, lift, t, lift)
+        multiply(w, n, 2 * k, 2 * k, lift)
+        multiply(w, n, 2 * k + 1, 2 * k + 1, t)
+        add(w, n, lift, t, lift)
         _minor(w, n, u, u + 1, v, v + 1, t, cross)
-        _multiply(w, n, lift, cross, t)
-        _add(w, n, total, t, total)
-    return _sign(w, n, total)
+        multiply(w, n, lift, cross, t)
+        add(w, n, total, t, total)
+    return sign(w, n, total)
 
 
 @kernel
 def exact_orient3(x):
     """Sign of the determinant of rows a - d, b - d, c - d; ``x`` holds the twelve coordinates."""
-    fits, s, w, n = _differences(x, 3, 3, 13)
+    fits, s, w, n = differences(x, 3, 3, 13)
     if fits:
         value = (
             s[0] * (s[4] * s[8] - s[5] * s[7])
@@ -234,15 +234,15 @@ def exact_orient3(x):
     for k in range(3):
         u, v = (k + 1) % 3, (k + 2) % 3
         _minor(w, n, 3 + u, 3 + v, 6 + u, 6 + v, t, cross)
-        _multiply(w, n, k, cross, t)
-        _add(w, n, total, t, total)
-    return _sign(w, n, total)
+        multiply(w, n, k, cross, t)
+        add(w, n, total, t, total)
+    return sign(w, n, total)
 
 
 @kernel
 def exact_insphere(x):
     """Sign of the determinant of rows (p_i - p, |p_i - p|^2), i = 0..3; ``x``: fifteen coordinates."""
-    fits, s, w, n = _differences(x, 3, 5, 20)
+    fits, s, w, n = differences(x, 3, 5, 20)
     rows = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
     if fits:
         value = 0
@@ -266,16 +266,16 @@ def exact_insphere(x):
         for i in range(3):
             u, v = (i + 1) % 3, (i + 2) % 3
             _minor(w, n, b + u, b + v, c + u, c + v, t, cross)
-            _multiply(w, n, a + i, cross, t)
-            _add(w, n, minor, t, minor)
-            _multiply(w, n, 3 * k + i, 3 * k + i, t)
-            _add(w, n, lift, t, lift)
-        _multiply(w, n, minor, lift, t)
+            multiply(w, n, a + i, cross, t)
+            add(w, n, minor, t, minor)
+            multiply(w, n, 3 * k + i, 3 * k + i, t)
+            add(w, n, lift, t, lift)
+        multiply(w, n, minor, lift, t)
         if k % 2 == 1:
-            _add(w, n, total, t, total)
+            add(w, n, total, t, total)
         else:
             _subtract(w, n, total, t, total)
-    return _sign(w, n, total)
+    return sign(w, n, total)
 
 
 # --- any dimension, Python's integers -------------------------------------------------------------

@@ -1,14 +1,59 @@
-"""Exact signs for vertices and cells given by number, in two and three dimensions, for kernels.
+"""Exact signs in two and three dimensions, for kernels: by coordinates, or by the numbers of vertices.
 
-Points are scaled (|coordinates| <= 1); a cell is a row of d + 1 vertices.
+Coordinates are scaled, at most 1 in magnitude; a cell is a row of d + 1 vertices.
 """
 
 from __future__ import annotations
 
-from ..base.jit import inline, kernel
-from .batch import incircle, insphere, orient2, orient3
+import numpy as np
 
-__all__ = ["conflict", "moved", "orientation"]
+from ..base.jit import inline, kernel
+from .close import close_incircle, close_insphere, close_orient2, close_orient3
+from .filters import (
+    UNDECIDED,
+    filter_incircle,
+    filter_insphere,
+    filter_orient2,
+    filter_orient3,
+)
+
+__all__ = ["conflict", "incircle", "insphere", "moved", "orient2", "orient3", "orientation"]
+
+
+@inline
+def orient2(ax, ay, bx, by, cx, cy):
+    """Positive where a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
+    sign = filter_orient2(ax, ay, bx, by, cx, cy)
+    if sign != UNDECIDED:
+        return sign
+    return close_orient2(ax, ay, bx, by, cx, cy)
+
+
+@inline
+def incircle(ax, ay, bx, by, cx, cy, px, py):
+    """Positive where p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
+    sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
+    if sign != UNDECIDED:
+        return sign
+    return close_incircle(ax, ay, bx, by, cx, cy, px, py)
+
+
+@inline
+def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
+    """Sign of the determinant of rows b - a, c - a, d - a; exact for |coordinates| <= 1."""
+    sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
+    if sign != UNDECIDED:
+        return sign
+    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
+
+
+@inline
+def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
+    """Positive where p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
+    sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
+    if sign != UNDECIDED:
+        return sign
+    return -close_insphere(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz]))
 
 
 @inline

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
+from ..geometry.boxes import LEAF
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
-from ..mesh.locate import LEAF
 from .field import SizeField, as_size
 from .sources import sources
 

@@ -22,9 +22,6 @@ from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
 from .scenes.centers import circumcenter_history as circumcenter_history
 from .scenes.centers import circumcenter_state as circumcenter_state
-from .scenes.centers import circumcenters as circumcenters
-from .scenes.constraints import constrained_insertion as constrained_insertion
-from .scenes.constraints import principal_component as principal_component
 from .scenes.constraints import principal_component_state as principal_component_state
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
@@ -45,6 +42,9 @@ from .scenes.states import voronoi_dual_state as voronoi_dual_state
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state
+from .widgets.center_widgets import circumcenters as circumcenters
+from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
+from .widgets.constraint_widgets import principal_component as principal_component
 from .widgets.player import Player as Player
 from .widgets.player import player as player
 from .widgets.rebay_widgets import rebay_cobweb as rebay_cobweb

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import kernel
-from ...predicates.batch import orient2, orient3, orient_at
+from ...predicates.batch import orient_at
+from ...predicates.kernels import orient2, orient3
 from .general import exact_integers, independent_rows
 
 

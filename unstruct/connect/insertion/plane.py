@@ -25,95 +25,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, kernel
-from ...predicates.batch import incircle, orient2, orient_at
+from ...base.jit import kernel
 from .engine import BUSY, COUNT, DONE, LAST, Compiled, grown
-
-GHOST = -1
-
-
-@inline
-def next_edge(e):
-    """The half-edge after e in its triangle, counterclockwise."""
-    return e - 2 if e % 3 == 2 else e + 1
-
-
-@inline
-def prev_edge(e):
-    """The half-edge before e in its triangle."""
-    return e + 2 if e % 3 == 0 else e - 1
-
-
-@inline
-def _side(xy, a, b, px, py):
-    return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py)
-
-
-def start2(xy, vertex, twin, state):
-    """The first triangle, on points 0, 1, 2, and its three ghosts."""
-    vertex[:3] = (0, 1, 2) if orient_at(xy, np.arange(3)) > 0 else (0, 2, 1)
-    for k in range(3):
-        ghost = 3 * (1 + k)
-        vertex[ghost] = GHOST
-        vertex[ghost + 1] = vertex[(k + 2) % 3]
-        vertex[ghost + 2] = vertex[(k + 1) % 3]
-        twin[ghost], twin[k] = k, ghost
-        before = 3 * (1 + (k + 2) % 3) + 2
-        twin[ghost + 1], twin[before] = before, ghost + 1
-    state[COUNT] = 4
-    state[LAST] = 0
-
-
-@kernel
-def locate2(xy, vertex, twin, t, px, py):
-    """Walk from triangle t to a triangle that contains p, or to a ghost that p sees strictly.
-
-    The walk crosses only edges that have p strictly beyond them; in a Delaunay triangulation it
-    cannot return to a triangle.
-    """
-    for k in range(3):
-        if vertex[3 * t + k] == GHOST:
-            t = twin[3 * t + k] // 3
-            break
-    o = np.int64(-1)
-    for k in range(3):
-        e = 3 * t + k
-        if _side(xy, vertex[next_edge(e)], vertex[prev_edge(e)], px, py) < 0:
-            o = np.int64(twin[e])
-            break
-    if o < 0:
-        return np.int64(t)
-    while True:
-        c = vertex[o]
-        if c == GHOST:
-            return o // 3
-        right, left = next_edge(o), prev_edge(o)
-        if _side(xy, vertex[left], c, px, py) < 0:
-            o = np.int64(twin[right])
-        elif _side(xy, c, vertex[right], px, py) < 0:
-            o = np.int64(twin[left])
-        else:
-            return o // 3
-
-
-@kernel
-def locate_all2(xy, vertex, twin, t, rows, found):
-    """`locate2` for one row after the other, each walk from where the last one ended."""
-    for i in range(len(rows)):
-        t = locate2(xy, vertex, twin, t, rows[i, 0], rows[i, 1])
-        found[i] = t
-
-
-@inline
-def conflict_across(xy, a, b, c, px, py):
-    """Is p in the open disc of triangle (c, b, a), entered from the cavity over the edge a -> b?"""
-    if (a | b | c) >= 0:
-        return incircle(xy[c, 0], xy[c, 1], xy[b, 0], xy[b, 1], xy[a, 0], xy[a, 1], px, py) > 0
-    if c == GHOST:  # entered from inside the hull: p beyond the hull edge, or on it
-        return _side(xy, a, b, px, py) <= 0
-    if a == GHOST:  # entered from the next ghost
-        return _side(xy, c, b, px, py) > 0
-    return _side(xy, a, c, px, py) > 0
+from .halfedges import GHOST, conflict_across, locate2, locate_all2, next_edge, prev_edge, start2
 
 
 @kernel

@@ -12,10 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import inline, kernel
-from ...predicates.batch import incircle
-from ...predicates.kernels import orientation
+from ...predicates.kernels import incircle, orientation
 from .engine import COUNT, LAST
-from .plane import GHOST, locate2, next_edge
+from .halfedges import GHOST, locate2, next_edge
 
 
 @kernel

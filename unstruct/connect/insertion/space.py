@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.jit import inline, kernel
-from ...predicates.batch import insphere, orient3, orient_at
+from ...predicates.batch import orient_at
+from ...predicates.kernels import insphere, orient3
 from .engine import BUSY, COUNT, DONE, FREE, LAST, STAMP, Compiled, grown
 
 GHOST = -1

@@ -30,46 +30,22 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...predicates.batch import orient2
-from ..insertion.engine import BUSY, COUNT, FREE, LAST
-from ..insertion.plane import GHOST, conflict_across, next_edge, prev_edge
+from ...predicates.kernels import orient2
+from ..insertion.engine import BUSY, LAST
+from ..insertion.halfedges import (
+    GHOST,
+    SEGMENTS,
+    UNUSED,
+    VERTICES,
+    conflict_across,
+    end_of,
+    new_slot,
+    next_edge,
+    prev_edge,
+    start_of,
+)
 
-VERTICES, SEGMENTS = 8, 9  # further entries of the state: vertices and subsegments in use
-UNUSED = -2  # the first vertex of a slot without a triangle; its first twin is the next such slot, or -1
 TOO_LARGE = -1  # for the number of rim edges: the search met more triangles than there are
-
-
-@inline
-def new_slot(twin, state):
-    """A slot for a triangle: a freed one, or the next at the end."""
-    slot = state[FREE]
-    if slot >= 0:
-        state[FREE] = twin[3 * slot]
-        return slot
-    slot = state[COUNT]
-    state[COUNT] = slot + 1
-    return slot
-
-
-@inline
-def free_slot(vertex, twin, region, state, slot):
-    """Give a slot back."""
-    vertex[3 * slot] = UNUSED
-    twin[3 * slot] = state[FREE]
-    region[slot] = -1
-    state[FREE] = slot
-
-
-@inline
-def start_of(vertex, e):
-    """The vertex where half-edge e begins."""
-    return vertex[next_edge(e)]
-
-
-@inline
-def end_of(vertex, e):
-    """The vertex where half-edge e ends."""
-    return vertex[prev_edge(e)]
 
 
 @lean

@@ -18,8 +18,9 @@ from ...base.jit import kernel
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import as_points
 from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
+from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.triangulation import Triangulation
-from .cavity import GHOST, SEGMENTS, VERTICES
+from .cavity import GHOST
 
 __all__ = ["PlanarComplex"]
 

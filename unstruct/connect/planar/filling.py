@@ -19,9 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...predicates.batch import incircle
-from ...predicates.kernels import orientation
-from ..insertion.plane import next_edge, prev_edge
+from ...predicates.kernels import incircle, orientation
+from ..insertion.halfedges import next_edge, prev_edge
 from .stars import legalize
 
 __all__ = ["cut_ears", "fill", "load", "swap_all"]

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import NDArray
 
+from ...base.errors import InputError
 from ...base.jit import inline, kernel
-from ...predicates.batch import orient2
-from ..insertion.plane import next_edge, prev_edge
+from ...predicates.kernels import orient2
+from ..insertion.halfedges import next_edge, prev_edge
+from .complex import PlanarComplex
 
-__all__ = ["flood", "hold_seeds"]
+if TYPE_CHECKING:
+    pass
+
+__all__ = ["flood", "hold_seeds", "mark_regions"]
 
 
 @kernel
@@ -130,3 +138,51 @@ def hold_seeds(xy, vertex, mark, count, seeds):
             if inside and found[i] != -2:
                 found[i] = -2 if on else t
     return found
+
+
+def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArray], hull: bool) -> None:
+    """Flood the inside and number its connected parts; parts with a named seed first."""
+    count = complex_.triangles
+    part, mark, piece = complex_.region[:count], complex_.mark, complex_.piece
+    stack = np.empty(3 * count + 3, dtype=np.int32)
+    least = np.empty(count, dtype=np.int32)
+    odd, parts = flood(complex_.vertex, complex_.twin, mark, piece, facets, hull, part, stack, least)
+    if odd >= 0:
+        a, b = complex_.ends[odd].tolist()
+        raise InputError(
+            f"facet {complex_.piece[odd]} (vertices {a} and {b}) has the same side of the boundary on both "
+            "sides: the facets do not close; make them rings, or inner segments"
+        )
+    if parts == 0:
+        raise InputError("the facets bound no area, so nothing is inside: check the domain")
+    if parts == 1 and not regions:
+        return
+    number = np.zeros(parts, dtype=np.int32)  # by the least vertex in each, not by where the slots are
+    if parts > 1:
+        number[np.argsort(least[:parts], kind="stable")] = np.arange(parts)
+    label = _named(complex_, regions, part, number) if regions else number
+    part[:] = np.append(label, np.int32(-1))[part]
+
+
+def _named(
+    complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """For each part the place of the name of its seed, or, in the order of ``number``, further numbers."""
+    names, count = list(regions), complex_.triangles
+    named = np.full(len(number), -1, dtype=np.int32)
+    for k, name in enumerate(names):
+        seeds = np.asarray(regions[name], dtype=np.float64).reshape(-1, 2)
+        found = hold_seeds(complex_.xy, complex_.vertex, complex_.mark, count, seeds * complex_.factor)
+        for row, slot in enumerate(found.tolist()):
+            p = part[slot] if slot >= 0 else -1
+            where = f"regions[{name!r}][{row}] = {seeds[row].tolist()}"
+            if slot == -2:
+                raise InputError(f"{where} lies on a segment: move it into one of the parts")
+            if p < 0:
+                raise InputError(f"{where} lies outside of the domain: move it inside")
+            if named[p] not in (-1, k):
+                raise InputError(f"{where} lies in one part with {names[named[p]]!r}: drop one of them")
+            named[p] = k
+    free = np.flatnonzero(named < 0)
+    named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))
+    return named

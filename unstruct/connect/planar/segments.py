@@ -27,7 +27,7 @@ import numpy as np
 
 from ...base.jit import inline, lean
 from ...predicates.kernels import orientation
-from ..insertion.plane import GHOST, next_edge, prev_edge
+from ..insertion.halfedges import GHOST, next_edge, prev_edge
 from .filling import fill, load, swap_all
 
 __all__ = [

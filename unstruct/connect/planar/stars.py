@@ -21,9 +21,8 @@ from math import sqrt
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...predicates.batch import incircle, orient2
-from ..insertion.plane import next_edge, prev_edge
-from .cavity import end_of, start_of
+from ...predicates.kernels import incircle, orient2
+from ..insertion.halfedges import end_of, next_edge, prev_edge, start_of
 
 FAIRNESS, ROUNDNESS = 0, 1  # how stars are judged: by fairness and sine, or by the least 2 r / R alone
 TWICE_ROOT3 = 2.0 * sqrt(3.0)

@@ -8,8 +8,7 @@ an edge of it (two triangles that overlap in a plane would never match).
 from __future__ import annotations
 
 from ...base.jit import inline, kernel
-from ...predicates.batch import orient2, orient3
-from ...predicates.kernels import moved
+from ...predicates.kernels import moved, orient2, orient3
 
 __all__ = ["admitted"]
 

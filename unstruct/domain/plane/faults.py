@@ -10,9 +10,9 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.jit import kernel
+from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
 from ...geometry.sweep import lexicographic
-from .lunes import even_odd
 
 if TYPE_CHECKING:
     from ..domain import Domain

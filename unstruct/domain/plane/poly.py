@@ -176,8 +176,8 @@ def _eaten_sides(walls: Domain, seeds: np.ndarray) -> np.ndarray:
 
 def _hull_parts(walls: Domain) -> tuple[Mesh, np.ndarray, np.ndarray]:
     """The convex hull in triangles, the part of each between walls, and the parts open to the outside."""
-    from ...assess.region import parts
     from ...generate.boundary.constrained import constrained_delaunay
+    from ...mesh.marked import parts
     from ...mesh.topology import oriented_facet
 
     mesh = constrained_delaunay(walls, hull=True)
@@ -232,7 +232,7 @@ def write_poly(domain: Domain, path: Path) -> None:
 
 
 def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
-    from .lunes import even_odd
+    from ...geometry.parity import even_odd
 
     return bool(even_odd(sampled.points, sampled.ends[sampled.piece < facets], x[None])[0][0])
 

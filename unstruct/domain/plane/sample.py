@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.errors import InputError
+from ...geometry.boxes import BoxTree
 from ...geometry.segment_pairs import meetings
-from ...mesh.locate import BoxTree
 from ...sizing.field import SizeField, as_size
 from .corners import crossings_at_corners
 

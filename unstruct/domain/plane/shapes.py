@@ -13,10 +13,11 @@ from typing import Any, cast
 
 import numpy as np
 
+from ...base.arguments import finite, positive
 from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
-from ..arguments import around, as_ring, finite, positive
+from ..arguments import around, as_ring
 
 __all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
 

@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import as_count
 from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
-from ...domain.arguments import as_count, as_domain
+from ...domain.arguments import as_domain
 from ...mesh.domain_mesh import Refined
 from .constrained import complex_of
 from .fans import never_ends

@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.errors import InputError, MeshError
-from ...connect.insertion.plane import GHOST
+from ...connect.insertion.halfedges import GHOST
 from ...connect.planar.complex import BUSY, COUNT, FREE, VERTICES, PlanarComplex
+from ...connect.planar.flood import mark_regions
+from ...connect.planar.inserting import insert_all
 from ...connect.planar.segments import absent, fill_corners
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import Mesh, _remaining, is_planar
 from ...mesh.topology import as_simplices, twins
 from ...predicates.batch import power_of_two, scaled
-from .constrained import insert_all, mark_regions
 
 __all__ = ["complex_of_mesh", "recover_edges", "remove_outside"]
 

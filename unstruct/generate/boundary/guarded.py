@@ -11,10 +11,10 @@ import numpy as np
 
 from ...base.jit import lean
 from ...connect.insertion.engine import LAST
-from ...connect.insertion.plane import GHOST, conflict_across, next_edge, prev_edge
-from ...connect.planar.cavity import blocked_by, commit, end_of, find_cavity, start_of, walk
-from ...predicates.batch import orient2
+from ...connect.insertion.halfedges import GHOST, conflict_across, end_of, next_edge, prev_edge, start_of
+from ...connect.planar.cavity import blocked_by, commit, find_cavity, walk
 from ...predicates.diametral import in_disc
+from ...predicates.kernels import orient2
 
 __all__ = ["BREAKS", "CROWDED", "HIDDEN", "INSERTED", "OUTSIDE", "REPEATED", "guard_all", "hit_all"]
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import lean
-from ...connect.insertion.plane import GHOST
-from ...connect.planar.cavity import blocked_by, commit_split, end_of, find_split, start_of
-from ...predicates.batch import incircle
+from ...connect.insertion.halfedges import GHOST, end_of, start_of
+from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...predicates.diametral import in_disc
+from ...predicates.kernels import incircle
 
 __all__ = ["GABRIEL", "MISSING", "pick", "split_all"]
 

@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import finite
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import LAST
 from ...connect.planar.complex import PlanarComplex
-from ...domain.arguments import as_domain, finite
+from ...domain.arguments import as_domain
 from ...geometry.simplex import circumradius
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import as_points

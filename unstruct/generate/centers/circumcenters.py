@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import as_count
 from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
-from ...domain.arguments import as_count
 from ...mesh.domain_mesh import Refined
 from ...sizing import as_size
 from ..boundary.constrained import complex_of

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...connect.insertion.plane import next_edge, prev_edge
-from ...connect.planar.cavity import GHOST, VERTICES, blocked_by, commit, end_of, find_cavity, start_of
-from ...predicates.batch import incircle, orient2
+from ...connect.insertion.halfedges import VERTICES, end_of, next_edge, prev_edge, start_of
+from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
+from ...predicates.kernels import incircle, orient2
 from .worst import NONE, enter, measures, put, record, top, unwatch
 
 DONE, FULL, SPLIT = 0, 1, 2  # why a run of steps ends

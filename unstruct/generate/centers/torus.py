@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import COUNT, grown
-from ...domain.arguments import as_count
 from ...sizing import as_size
 from .periodic import PeriodicMesh, half_edge_twins, periodic_delaunay
 from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus

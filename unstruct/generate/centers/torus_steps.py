@@ -17,8 +17,8 @@ import numpy as np
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.insertion.plane import next_edge, prev_edge
-from ...predicates.batch import incircle
+from ...connect.insertion.halfedges import next_edge, prev_edge
+from ...predicates.kernels import incircle
 from .worst import NONE, enter, measures, record, top
 
 GRID = 2.0**-50  # of the coordinates; a corner in [-2, 3) is then a double, and a quarter of it below 1

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import finite
 from ...base.errors import InputError
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
-from ...domain.arguments import finite
 from ...sizing import as_size
 from ...sizing.table import Nodes, size_at
 

@@ -8,7 +8,7 @@ cost follows the number of poor triangles and not that of all; ``moved[v]`` whic
 from __future__ import annotations
 
 from ...base.jit import lean
-from ...connect.planar.cavity import start_of
+from ...connect.insertion.halfedges import start_of
 from ...connect.planar.stars import (
     FAIRNESS,
     better,

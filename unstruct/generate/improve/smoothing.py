@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import as_count, finite
 from ...base.errors import InputError, MeshError
 from ...connect.planar.stars import opposite_half_edges
 from ...connect.swapping import constraints, first_fault, planar_coordinates
-from ...domain.arguments import as_count, finite
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import Mesh
 from ...mesh.topology import twins

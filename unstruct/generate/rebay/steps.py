@@ -25,9 +25,10 @@ import numpy as np
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.planar.cavity import SEGMENTS, VERTICES, commit_here, end_of, find_cavity_here, start_of
+from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
+from ...connect.planar.cavity import commit_here, find_cavity_here
 from ...connect.planar.stars import touched
-from ...predicates.batch import incircle, orient2
+from ...predicates.kernels import incircle, orient2
 from ...sizing.table import size_at
 from .queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import DEFAULT_BUDGET, MOST, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from ...domain.arguments import DEFAULT_BUDGET, MOST, as_count, as_domain
+from ...domain.arguments import as_domain
 from ..boundary.constrained import planar_complex
 from .run import COUNT_NAMES, Run, rule_of
 

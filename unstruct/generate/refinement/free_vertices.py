@@ -14,10 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...connect.insertion.plane import next_edge
-from ...connect.planar.cavity import free_slot, start_of
-from ...predicates.batch import incircle
-from ...predicates.kernels import orientation
+from ...connect.insertion.halfedges import free_slot, next_edge, start_of
+from ...predicates.kernels import incircle, orientation
 from .encroachment import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .limits import misses
 from .state import REMOVED, record, settle

@@ -12,9 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ...base.arguments import DEFAULT_BUDGET, MOST
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from ...domain.arguments import DEFAULT_BUDGET, MOST
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import Mesh

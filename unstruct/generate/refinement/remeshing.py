@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from ...base.arrays import frozen
 from ...base.errors import InputError, MeshError
 from ...base.jit import lean
-from ...connect.planar.cavity import SEGMENTS
+from ...connect.insertion.halfedges import SEGMENTS
 from ...connect.planar.complex import PlanarComplex
+from ...connect.planar.inserting import insert_all
 from ...mesh.domain_mesh import Refined
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
 from ...predicates.batch import orient
-from ..boundary.constrained import insert_all
 from .encroachment import STRAIGHT
 from .run import Planned
 

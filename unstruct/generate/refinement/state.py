@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.planar.cavity import SEGMENTS
+from ...connect.insertion.halfedges import SEGMENTS
 from .encroachment import encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 

@@ -23,18 +23,9 @@ import math
 import numpy as np
 
 from ...base.jit import inline, lean
-from ...connect.planar.cavity import (
-    SEGMENTS,
-    VERTICES,
-    blocked_by,
-    commit_here,
-    commit_split,
-    end_of,
-    find_cavity_here,
-    find_split,
-    start_of,
-)
-from ...predicates.batch import incircle, orient2
+from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
+from ...connect.planar.cavity import blocked_by, commit_here, commit_split, find_cavity_here, find_split
+from ...predicates.kernels import incircle, orient2
 from .encroachment import (
     FIRST,
     FREE_VERTEX,

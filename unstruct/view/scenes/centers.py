@@ -16,10 +16,9 @@ from ...generate.centers.periodic import periodic_delaunay
 from ...generate.centers.torus import periodic_circumcenters
 from ...geometry.simplex import circumcenter, circumradius, edge_lengths, quality
 from ..draw import frames as fr
-from ..widgets.widgets import Panel, _chosen
 from .choices import preset_named, within
 
-__all__ = ["CENTERS", "circumcenter_history", "circumcenter_state", "circumcenters"]
+__all__ = ["CENTERS", "circumcenter_history", "circumcenter_state"]
 
 TRIANGLE = [[0.0, 2.0], [3.0, 3.0], [1.0, 0.0]]
 CENTERS: dict[str, dict[str, Any]] = {
@@ -132,11 +131,3 @@ def _copies(corners: np.ndarray) -> np.ndarray:
     moves = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], dtype=float)
     every = (corners[None] + moves[:, None, None]).reshape(-1, 3, 2)
     return every[((every.max(axis=1) > -0.1) & (every.min(axis=1) < 1.1)).all(axis=1)]
-
-
-def circumcenters() -> Panel:
-    """Step through circumcenter insertion: no boundary, edges kept (R may rise), edges split. Book: 2.6a."""
-    histories = {name: circumcenter_history(name) for name in CENTERS}
-    return _chosen(
-        histories, "Triangulations, each with its maximal triangle, its circle, and the next point."
-    )

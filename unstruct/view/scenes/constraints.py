@@ -19,18 +19,9 @@ from ...geometry.simplex import circumcenter, circumradius
 from ...mesh.domain_mesh import Refined
 from ...mesh.mesh import Mesh
 from ..draw import frames as fr
-from ..widgets.widgets import Panel, _chosen, _live, _presets, _slider
 from .choices import preset_named, within
 
-__all__ = [
-    "COMPONENTS",
-    "SEGMENTS",
-    "constrained_insertion",
-    "principal_component",
-    "principal_component_state",
-    "segment_history",
-    "segment_state",
-]
+__all__ = ["COMPONENTS", "SEGMENTS", "principal_component_state", "segment_history", "segment_state"]
 
 # ---- a segment is put in ---------------------------------------------------------------------------
 
@@ -102,12 +93,6 @@ def segment_state(step: int, preset: str = "one segment") -> fr.Frame:
     """One frame of `segment_history`; steps beyond its ends stay at the ends."""
     frames = segment_history(preset)
     return frames[min(max(int(step), 0), len(frames) - 1)]
-
-
-def constrained_insertion() -> Panel:
-    """Step through the insertion of segments: crossed triangles, two polygons, filling. Book: 2.5."""
-    histories = {name: segment_history(name) for name in SEGMENTS}
-    return _chosen(histories, "A segment is put into a triangulation: what it crosses, what comes instead.")
 
 
 def _passage(rows: np.ndarray, before: Mesh, after: Refined, done: Sequence, pair: Any) -> list[fr.Frame]:
@@ -279,31 +264,3 @@ def _component_mesh(given: dict[str, Any]) -> tuple[Mesh, np.ndarray]:
     mesh = Mesh(points, given["cells"]).oriented() if "cells" in given else delaunay(points)
     rim = (mesh.neighbors < 0).any(axis=1)
     return mesh, np.flatnonzero(rim & given.get("fixed", False))
-
-
-def principal_component() -> Panel:
-    """Move P through a triangulation, with and without fixed triangles: Figure 12.7 alive. Book: 2.5."""
-    first = next(iter(COMPONENTS))
-    start = _start(first)
-    controls = {
-        "preset": _presets(COMPONENTS),
-        "x": _slider("x of P", start["x"], 0, 1, 0.01),
-        "y": _slider("y of P", start["y"], 0, 1, 0.01),
-    }
-    alt = (
-        "A triangulation, a point P that can be moved, the triangles whose circles hold it, fixed triangles."
-    )
-
-    def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-        points = _component_mesh(COMPONENTS[values["preset"]])[0].points
-        low, high = points.min(axis=0), points.max(axis=0)
-        return dict(zip("xy", ((np.array([px, py]) - low) / (high - low)).tolist()))
-
-    return _live(principal_component_state, controls, alt, drag, _start)
-
-
-def _start(preset: str) -> dict[str, Any]:
-    given = COMPONENTS[preset]
-    points = np.array(given["points"], dtype=float)
-    low, high = points.min(axis=0), points.max(axis=0)
-    return dict(zip("xy", ((np.array(given["start"]) - low) / (high - low)).tolist()))

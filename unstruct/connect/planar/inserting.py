@@ -1,0 +1,170 @@
+"""Segments into a planar complex: all of them, each an edge or several, exactly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...geometry.ordering import draws, radix_argsort
+from .complex import SEGMENTS, PlanarComplex
+from .segments import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
+
+if TYPE_CHECKING:
+    pass
+
+__all__ = ["insert_all"]
+
+
+PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
+
+
+CHUNK = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
+
+
+def insert_all(
+    complex_: PlanarComplex,
+    ends: NDArray[np.int32],
+    piece: NDArray[np.int32],
+    span: NDArray[np.float64],
+    *,
+    facets: int,
+    progress: bool = False,
+) -> NDArray[np.int64]:
+    """Insert subsegments into a complex that has none: exact, every one ends up as an edge or several.
+
+    Parameters
+    ----------
+    complex_ : PlanarComplex
+    ends : ndarray of int32, shape (s, 2)
+    piece : ndarray of int32, shape (s,)
+    span : ndarray, shape (s, 2)
+    facets : int
+        How many pieces are facets; messages call the others inner segments (with -1, all are edges).
+    progress : bool
+        Show a bar.
+
+    Returns
+    -------
+    ndarray of int64, shape (s,)
+        How many triangles each of them crossed when its turn came: 0 for those that were there.
+
+    Raises
+    ------
+    InputError
+        For segments that cross or overlap: both are named. The complex is then of no use.
+    """
+    count, n = complex_.triangles, complex_.size
+    corner = np.empty(n, dtype=np.int32)
+    fill_corners(complex_.vertex, 3 * count, corner)
+    missing = np.empty(len(ends), dtype=bool)
+    where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
+    status, i, other = mark_present(
+        complex_.vertex, complex_.twin, complex_.mark, corner, ends, where, missing
+    )
+    if status != DONE:
+        raise _refusal(status, int(i), int(other), ends, piece, facets)
+    rows = np.flatnonzero(missing)
+    order = rows[_order(corner[ends[rows, 0]], count)]
+    chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
+    scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    bar = progress_bar(progress, " segments", total=len(ends))
+    bar.update(len(ends) - len(order))
+    for start in range(0, len(order), CHUNK):
+        stop = min(start + CHUNK, len(order))
+        status, i, other = insert_segments(
+            complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
+            crossed, PATIENCE, *chains, scratch, stack, where, pending,
+        )  # fmt: skip
+        if status != DONE:
+            raise _refusal(status, int(i), int(other), ends, piece, facets)
+        bar.update(stop - start)
+    bar.close()
+    _enter(complex_, ends, piece, span, where, known=len(order) == 0)
+    return crossed
+
+
+def _order(slots: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """Random rounds, each eight times as large as those before, along the curve that the triangles follow.
+
+    Where many long segments cross many triangles, an order without rounds can cost a hundred times more.
+    """
+    draw = draws(len(slots), 2**32)
+    rounds = np.full(len(slots), 15, dtype=np.int64)
+    share = 3
+    while len(slots) >> share > 32:
+        rounds -= draw < 2 ** (32 - share)
+        share += 3
+    bits = int(count).bit_length() + 2
+    return radix_argsort((rounds << bits) | slots, bits + 4)
+
+
+def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> InputError:
+    def name(s: int) -> str:
+        p = int(piece[s])
+        if facets < 0:
+            kind = f"edges[{p}]"
+        else:
+            kind = f"facet {p}" if p < facets else f"inner segment {p - facets}"
+        return f"{kind} (vertices {ends[s, 0]} and {ends[s, 1]})"
+
+    if ends[i, 0] == ends[i, 1]:
+        return InputError(f"{name(i)} leads nowhere: its ends must be different vertices")
+    if status in (LEAVES, LOST):
+        return InputError(f"{name(i)} leaves the mesh: take a mesh that covers it")
+    verb = "crosses" if status == CROSSES else "overlaps"
+    return InputError(
+        f"{name(i)} {verb} {name(other)}: segments may meet at vertices only; "
+        "a Domain with resolve=True cuts them"
+    )
+
+
+def _enter(
+    complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray, where: NDArray, known: bool
+) -> None:
+    """Number the subsegments that the segments have become, in their order, and enter them.
+
+    ``known``: each is one edge, and ``where`` has its half-edge.
+    """
+    slots = 3 * complex_.triangles
+    complex_.state[SEGMENTS] = len(ends)
+    if known or carriers(complex_.vertex, complex_.mark, slots, ends, where) == 2 * len(ends):
+        complex_.ends, complex_.piece, complex_.span, complex_.where = (
+            ends.copy(),
+            piece.copy(),
+            span.copy(),
+            where,
+        )
+        return
+    half = np.flatnonzero(complex_.mark[:slots] >= 0)
+    vertex, of = complex_.vertex, complex_.mark[half]
+    start, stop = vertex[_next(half)], vertex[_prev(half)]
+    a, b = complex_.xy[ends[of, 0]], complex_.xy[ends[of, 1]]
+    axis = np.abs(b - a).argmax(axis=1)  # vertices on a segment are told apart along its longer side
+    rows = np.arange(len(half))
+    x, y = complex_.xy[start][rows, axis], complex_.xy[stop][rows, axis]
+    low, high = a[rows, axis], b[rows, axis]
+    keep = (x < y) == (low < high)
+    order = np.lexsort([np.where(low < high, x, -x)[keep], of[keep]])
+    pick = np.flatnonzero(keep)[order]
+    t = np.clip((np.stack([x, y]) - low) / (high - low), 0.0, 1.0)[:, pick]
+    segment = of[pick]
+    s0, s1 = span[segment].T
+    complex_.ends = np.column_stack([start[pick], stop[pick]]).astype(np.int32)
+    complex_.piece, complex_.where = piece[segment], half[pick].astype(np.int32)
+    complex_.span = (s0 + t * (s1 - s0)).T.copy()
+    where = complex_.where
+    complex_.mark[where] = np.arange(len(where), dtype=np.int32)
+    complex_.mark[complex_.twin[where]] = np.arange(len(where), dtype=np.int32)
+    complex_.state[SEGMENTS] = len(where)
+
+
+def _next(e: NDArray) -> NDArray:
+    return np.where(e % 3 == 2, e - 2, e + 1)
+
+
+def _prev(e: NDArray) -> NDArray:
+    return np.where(e % 3 == 0, e + 2, e - 1)
