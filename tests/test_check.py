@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import InputError, Mesh
-from unstruct.assess.check import boundary_is_convex, check
+from unstruct.assess.check import check
 from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.mesh.embedding import boundary_is_convex
 
 
 def random_points(n, d, seed=0):

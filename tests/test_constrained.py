@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
-from unstruct.assess.check import Report, _spheres, boundary_is_convex
+from unstruct.assess.check import Report, _spheres
 from unstruct.connect.planar import segments as kernels
 from unstruct.connect.planar.complex import PlanarComplex
 from unstruct.connect.planar.flood import mark_regions
@@ -18,6 +18,7 @@ from unstruct.connect.planar.inserting import insert_all
 from unstruct.domain.domain import Domain
 from unstruct.generate.boundary import constrained
 from unstruct.generate.boundary.constrained import complex_of, planar_complex
+from unstruct.mesh.embedding import boundary_is_convex
 from unstruct.plain import constrained as plain
 from unstruct.plain.predicates import orient
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.report import Problem, Report, problem
+from ..mesh.mesh import Mesh
 from ..predicates.batch import in_sphere, orient
-
-if TYPE_CHECKING:
-    from ..mesh.mesh import Mesh
 
 __all__ = ["check_brute"]
 

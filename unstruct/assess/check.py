@@ -5,24 +5,22 @@ Everything is decided by counting or by exact signs. See the book, chapters 1 an
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
+from ..domain.domain import Domain
 from ..mesh import topology
 from ..mesh.embedding import RidgeFans, crossing_facets
 from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
 from ..mesh.marked import marked_facets
+from ..mesh.mesh import Mesh
 from ..predicates.batch import in_sphere, orient_rows
+from .brute import check_brute
+from .mixed import check_mixed
 from .region import check_domain, pinch_points
 
-if TYPE_CHECKING:
-    from ..domain.domain import Domain
-    from ..mesh.mesh import Mesh
-
-__all__ = ["Problem", "Report", "boundary_is_convex", "check"]
+__all__ = ["Problem", "Report", "check"]
 
 CHUNK = 1 << 19
 SMALL = 100_000  # points times cells, up to which the brute-force tests run by default
@@ -68,8 +66,6 @@ def check(
     """
     if delaunay not in (False, True, "constrained"):
         raise InputError(f"delaunay must be False, True or 'constrained', not {delaunay!r}")
-    from ..domain.domain import Domain
-    from ..mesh.mesh import Mesh
 
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
@@ -80,7 +76,6 @@ def check(
         return report
     if not mesh.is_simplicial:
         report.skipped += ["the domain, which needs triangles"] if domain is not None else []
-        from .mixed import check_mixed
 
         check_mixed(mesh, report)
         return report
@@ -108,23 +103,10 @@ def check(
     if delaunay:
         _spheres(mesh, report, opaque=delaunay == "constrained")
     if brute and delaunay is True:
-        from .brute import check_brute
-
         check_brute(mesh, report)
     if domain is not None:
         check_domain(mesh, domain, report)
     return report
-
-
-def boundary_is_convex(mesh: Mesh) -> bool:
-    """Whether the mesh tiles the convex hull of its points, by exact signs (its adjacency is trusted)."""
-    used = len(np.unique(mesh.simplices)) + len(mesh.duplicates)
-    if mesh.size == 0 or used < len(mesh.points) or (orient_rows(mesh.points, mesh.simplices) <= 0).any():
-        return False
-    report = Report("")
-    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
-    well = fans is None or _local_overlap(fans, report)
-    return well and _hull(mesh, fans, report)
 
 
 # ---------------------------------------------------------------------- arrays and adjacency
@@ -280,7 +262,7 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
     elif d > 3:
         report.skipped.append("whether boundary facets cross (decided up to dimension 3 only)")
     vertices = np.unique(mesh.simplices if everything or d > 3 else mesh.boundary)
-    query, cells = mesh._locator.holding(mesh.points[vertices])
+    query, cells = mesh.holding(mesh.points[vertices])
     foreign = (mesh.simplices[cells] != vertices[query][:, None]).all(axis=1)
     wrong = problem("overlap", "cells that hold a vertex of others", cells[foreign], vertices[query[foreign]])
     report.note("no cell holds a foreign vertex", wrong)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..base.report import Report, problem
 from ..geometry.boxes import BoxTree
 from ..mesh.cells import CELL_TYPES, incident_facets
 from ..mesh.embedding import crossing_facets
+from ..mesh.mesh import Mesh
 from ..predicates.batch import orient_rows
-
-if TYPE_CHECKING:
-    from ..mesh.mesh import Mesh
 
 __all__ = ["check_mixed"]
 

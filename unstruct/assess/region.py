@@ -6,19 +6,16 @@ See the book, chapters 2.5 and 2.6d.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.report import Problem, Report, problem
+from ..domain.domain import Domain
 from ..geometry.curves import Arc
 from ..geometry.outline_distance import distance_to_piece
 from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity, right_parity
 from ..mesh.marked import marked_sides, parts
-
-if TYPE_CHECKING:
-    from ..domain.domain import Domain
-    from ..mesh.mesh import Mesh
+from ..mesh.mesh import Mesh
 
 __all__ = ["check_domain", "pinch_points"]
 

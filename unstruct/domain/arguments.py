@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,22 +11,11 @@ from ..base.arguments import as_mapping
 from ..base.arrays import as_points, frozen
 from ..base.errors import InputError
 from ..geometry.curves import CurveLike
+from ..geometry.outline import Outline
 
-if TYPE_CHECKING:
-    from .domain import Domain
-
-__all__ = ["around", "as_curves", "as_domain", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
+__all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
 
 RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
-
-
-def as_domain(value: Any) -> Domain:
-    """A domain, or an error that tells what was given in its place."""
-    from .domain import Domain
-
-    if not isinstance(value, Domain):
-        raise InputError(f"domain must be a Domain, not {type(value).__name__}")
-    return value
 
 
 def as_segments(rows: Any, name: str) -> np.ndarray:
@@ -118,7 +107,7 @@ def around(first: int, count: int) -> np.ndarray:
     return np.column_stack([index, np.roll(index, -1)]) + first
 
 
-def joined(domains: list[Domain]) -> dict[str, Any]:
+def joined(domains: Sequence[Outline]) -> dict[str, Any]:
     """The arguments of one domain with the pieces of several: all facets, then all inner segments."""
     facets, inner, points = [], [], []
     curves: dict[int, CurveLike] = {}
@@ -146,3 +135,11 @@ def joined(domains: list[Domain]) -> dict[str, Any]:
         "markers": markers,
         "regions": regions,
     }
+
+
+def composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
+    """``first[then]``, -1 where there is none."""
+    known = (then >= 0) & (then < len(first))
+    return frozen(
+        np.where(known, first[np.where(known, then, 0)], -1).astype(np.int32) if len(first) else then
+    )

@@ -5,44 +5,53 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from math import fsum
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..base.arguments import positive
-from ..base.arrays import as_numbers, as_points, frozen
+from ..base.arguments import as_mapping, positive
+from ..base.arrays import as_numbers, as_points, frozen, refrozen
 from ..base.errors import InputError
-from ..geometry.curves import Arc, CurveLike
-from ..geometry.parity import enclosed_area, even_odd, left_parity
-from .arguments import as_curves, as_markers, as_seeds, as_segments
-from .constructors import Constructors
-from .plane.faults import check_ends, check_seeds, find_faults, piece_name
-from .plane.lunes import areas_beyond_chords, lunes_hold
+from ..geometry.curves import CurveLike
+from ..geometry.outline import Outline
+from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
+from .plane import faults, inside, poly, sample, shapes
 from .plane.repair import Repair, Repairer
-from .plane.sample import Sampled, coarse, sized
+from .plane.sample import Sampled
 
-__all__ = ["Cuts", "Domain"]
-
-
-class Cuts(NamedTuple):
-    """What a compiled kernel needs to find points on pieces.
-
-    Attributes
-    ----------
-    kind : (p,) int8
-        0 straight, 1 arc, 2 other: ask `Domain.at`.
-    arc : (p, 5) float64
-        For arcs center x, center y, radius, start and sweep, as in `Arc`; else 0.
-    """
-
-    kind: np.ndarray
-    arc: np.ndarray
+__all__ = ["Domain", "as_domain"]
 
 
-class Domain(Constructors):
+class Side(NamedTuple):
+    """What a `Domain` asks of its dimension: one set of functions, chosen once."""
+
+    find_faults: Callable[[Outline], list[faults.Fault]]
+    check_ends: Callable[[Outline], None]
+    check_seeds: Callable[[Outline, Sampled], None]
+    coarse: Callable[[Outline], Sampled]
+    sized: Callable[[Outline, Any, float], Sampled]
+    contains: Callable[[Outline, Sampled, np.ndarray], np.ndarray]
+    area: Callable[[Outline, Sampled], float]
+    bounds: Callable[[Outline, Sampled], np.ndarray]
+
+
+PLANE = Side(
+    faults.find_faults,
+    faults.check_ends,
+    inside.check_seeds,
+    sample.coarse,
+    sample.sized,
+    inside.contains,
+    inside.area,
+    inside.bounds,
+)
+SIDES = {2: PLANE}
+
+
+class Domain(Outline):
     """A planar region: what is to be meshed.
 
     *Pieces* are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1. Each is straight
@@ -109,97 +118,33 @@ class Domain(Constructors):
         resolve: bool = False,
     ):
         coordinates = as_points(points)
-        if coordinates.shape[1] != 2:
+        if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
-        self.points: np.ndarray = frozen(coordinates.copy())  # what was validated must not change
-        self.facets: np.ndarray = as_segments(facets, "facets")
-        self.inner: np.ndarray = as_segments(() if inner is None else inner, "inner")
-        many = len(self.facets) + len(self.inner)
-        self.curves: dict[int, CurveLike] = as_curves(curves or {}, many)
-        self.markers: dict[str, np.ndarray] = as_markers(markers or {}, many)
-        self.regions: dict[str, np.ndarray] = as_seeds(regions or {})
+        self._side = SIDES[coordinates.shape[1]]
+        rows, others = as_segments(facets, "facets"), as_segments(() if inner is None else inner, "inner")
+        many = len(rows) + len(others)
+        super().__init__(
+            frozen(coordinates.copy()),  # what was validated must not change
+            rows,
+            others,
+            as_curves(curves or {}, many),
+            as_markers(markers or {}, many),
+            as_seeds(regions or {}),
+        )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
         self.origin: np.ndarray = frozen(np.arange(len(self.points), dtype=np.int32))
         self.piece_origin: np.ndarray = frozen(np.arange(many, dtype=np.int32))
         if resolve:
             self._resolve()
-        faults = find_faults(self)
+        faults = self._side.find_faults(self)
         if faults:
             rest = len(faults) - 1
             more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
             raise InputError(faults[0].text + more)
-        check_ends(self)
+        self._side.check_ends(self)
         _ = self._coarse
-        check_seeds(self)
-
-    # ------------------------------------------------------------------ pieces
-
-    @property
-    def pieces(self) -> np.ndarray:
-        """Facets, then inner segments: (f + g, 2) int32."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> np.ndarray:
-        return frozen(np.concatenate([self.facets, self.inner]))
-
-    @cached_property
-    def loose(self) -> np.ndarray:
-        """Vertices that no piece uses: (k,) int32."""
-        used = np.zeros(len(self.points), dtype=bool)
-        used[self.pieces.ravel()] = True
-        return frozen(np.nonzero(~used)[0].astype(np.int32))
-
-    def name(self, piece: int) -> str:
-        """How messages call a piece: "facet 3", "inner segment 0"."""
-        return piece_name(piece, len(self.facets))
-
-    def at(self, piece: int, t: Any) -> np.ndarray:
-        """Points of one piece by parameter.
-
-        Parameters
-        ----------
-        piece : int
-        t : array_like, shape (k,)
-            Parameters from 0, the first vertex of the piece, to 1, its second.
-
-        Returns
-        -------
-        (k, 2) float64
-            Points of the true curve; the stored vertices at 0 and 1.
-        """
-        t = np.atleast_1d(as_numbers(t, "t"))
-        if not 0 <= piece < len(self.pieces):
-            raise InputError(f"piece {piece} outside 0..{len(self.pieces) - 1}")
-        if not ((t >= 0) & (t <= 1)).all():
-            raise InputError(f"parameter {t[~((t >= 0) & (t <= 1))][0]} must lie in [0, 1]")
-        return self.points_at(np.full(len(t), piece), t)
-
-    def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Points of many pieces by parameter: piece (k,), t (k,) to (k, 2); nothing is checked."""
-        a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
-        x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
-        if self.curves:
-            for number, rows in self._curved_rows(piece):
-                x[rows] = self.curves[number].point(t[rows])
-            x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
-        return x
-
-    def _curved_rows(self, piece: np.ndarray) -> list[tuple[int, np.ndarray]]:
-        rows = np.nonzero(np.isin(piece, list(self.curves)))[0]
-        rows = rows[np.argsort(piece[rows], kind="stable")]
-        heads = np.nonzero(np.diff(piece[rows], prepend=-1))[0]
-        return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
-
-    def cuts(self) -> Cuts:
-        """Kind and arc of every piece as plain arrays, for kernels."""
-        kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
-        for piece, curve in self.curves.items():
-            kind[piece] = 1 if isinstance(curve, Arc) else 2
-            if isinstance(curve, Arc):
-                arc[piece] = *curve.center, curve.radius, curve.start, curve.sweep
-        return Cuts(kind, arc)
+        self._side.check_seeds(self, self._coarse)
 
     # ------------------------------------------------------------------ subsegments
 
@@ -228,11 +173,11 @@ class Domain(Constructors):
         """
         if size is None:
             return self._coarse
-        return sized(self, size, positive(step, "step"))
+        return self._side.sized(self, size, positive(step, "step"))
 
     @cached_property
     def _coarse(self) -> Sampled:
-        return coarse(self)
+        return self._side.coarse(self)
 
     # ------------------------------------------------------------------ inside and outside
 
@@ -253,37 +198,171 @@ class Domain(Constructors):
         if queries.ndim == 0 or queries.shape[-1] != 2:
             raise InputError(f"x must have shape (..., 2), not {queries.shape}")
         rows = as_points(queries.reshape(-1, 2), "x")
-        sampled = self._coarse
-        facets = sampled.piece < len(self.facets)
-        bent = facets & np.isin(sampled.piece, list(self.curves))
-        odd, on = even_odd(sampled.points, sampled.ends[facets], rows)
-        if bent.any():
-            odd ^= lunes_hold(self, sampled, np.nonzero(bent)[0], rows)
-            on = even_odd(sampled.points, sampled.ends[facets & ~bent], rows)[1]
-        return (odd | on).reshape(queries.shape[:-1])
+        return self._side.contains(self, self._coarse, rows).reshape(queries.shape[:-1])
 
     @cached_property
     def area(self) -> float:
         """The area inside: for straight facets correctly rounded; curves add to rounding error only."""
-        sampled = self._coarse
-        rows = np.nonzero(sampled.piece < len(self.facets))[0]
-        ends = sampled.ends[rows]
-        left = left_parity(sampled.points, ends)
-        straight = enclosed_area(sampled.points, np.where(left[:, None], ends, ends[:, ::-1]))
-        if not self.curves:
-            return straight
-        return fsum([straight, *areas_beyond_chords(self, sampled, rows, left)])
+        return self._side.area(self, self._coarse)
 
     @cached_property
     def bounds(self) -> np.ndarray:
         """((x least, y least), (x greatest, y greatest)) of the points and of curves (closely)."""
-        sampled = self._coarse
-        points = [sampled.points]
-        if self.curves:
-            piece = np.repeat(list(self.curves), 257)
-            points.append(self.points_at(piece, np.tile(np.linspace(0, 1, 257), len(self.curves))))
-        every = np.concatenate(points)
-        return np.stack([every.min(axis=0), every.max(axis=0)])
+        return self._side.bounds(self, self._coarse)
+
+    # ------------------------------------------------------------------ making and files
+
+    @classmethod
+    def _of(cls, parts: shapes.Parts, options: Mapping[str, Any]) -> Self:
+        """A domain of ready-made parts and the caller's options; curves, markers, regions, inner joined."""
+        options = dict(options)
+        for name in {"curves", "markers", "regions"} & set(parts):
+            options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
+        if options.get("inner") is not None and parts.get("inner") is not None:
+            both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
+            options["inner"] = np.concatenate(both)
+        make: Any = cls
+        return make(**{**parts, **options})
+
+    @classmethod
+    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
+        """A polygon with holes.
+
+        Parameters
+        ----------
+        outer : array_like, shape (k, 2)
+            Corners in order, either way round; a last corner equal to the first is left out.
+        holes : sequence of array_like, optional
+            Rings; by the even-odd rule a ring within a hole is an island.
+        **options
+            As for `Domain`; piece numbers run along the rings.
+        """
+        return cls._of(shapes.rings(outer, holes), options)
+
+    @classmethod
+    def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
+        """The same with smooth closed curves through the corners: periodic cubic splines by chord length."""
+        return cls._of(shapes.smooth_rings(outer, holes), options)
+
+    @classmethod
+    def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Self:
+        """A rectangle by two corners; pieces bottom, right, top, left, which are also its markers."""
+        return cls._of(shapes.rectangle(lower, upper), options)
+
+    @classmethod
+    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Any) -> Self:
+        """A disc, bounded by four arcs."""
+        return cls._of(shapes.disc(center, radius), options)
+
+    @classmethod
+    def naca(
+        cls,
+        digits: str,
+        *,
+        chord: float = 1.0,
+        nose: Any = (0.0, 0.0),
+        attack: float = 0.0,
+        closed: bool = True,
+        **options: Any,
+    ) -> Self:
+        """A NACA four-digit airfoil section, as true curves.
+
+        Parameters
+        ----------
+        digits : str
+            Camber in percent of the chord, its place in tenths, thickness in percent: "0012", "2412".
+        chord : float
+        nose : (2,) array_like
+            Where the leading edge lies.
+        attack : float
+            Angle of attack in degrees: the tail is turned down by it.
+        closed : bool
+            Whether the trailing edge is sharp (last coefficient 0.1036 instead of 0.1015).
+        **options
+            As for `Domain`. Markers are "upper", "lower", and "trailing edge" where that is open.
+
+        Notes
+        -----
+        E. N. Jacobs, K. E. Ward, R. M. Pinkerton, *The characteristics of 78 related airfoil sections*, NACA
+        report 460 (1933).
+        """
+        return cls._of(shapes.airfoil(digits, chord, nose, attack, closed), options)
+
+    @classmethod
+    def letters(cls, text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Any) -> Self:
+        """The outlines of a text as matplotlib sets it, with the font's own Bezier curves; needs matplotlib.
+
+        Parameters
+        ----------
+        text : str
+        size : float
+            The size of the font; the line starts at the origin.
+        font : str
+            A family that matplotlib knows; DejaVu Sans comes with it.
+        """
+        return cls._of(shapes.letters(text, size, font), options)
+
+    @classmethod
+    def from_geojson(cls, geometry: Any, **options: Any) -> Self:
+        """Rings of a GeoJSON mapping, or of anything with ``__geo_interface__`` such as shapely's geometry.
+
+        Parameters
+        ----------
+        geometry : mapping or object
+            Rings of polygons become facets (even-odd: the order of rings does not matter), lines inner
+            segments, points loose vertices; equal coordinates one vertex. Polygons that share a side need
+            ``resolve=True``: the side cancels then.
+        """
+        return cls._of(shapes.outlines(geometry), options)
+
+    @classmethod
+    def read(cls, path: str | Path, **options: Any) -> Self:
+        """Read Triangle's ``.poly`` (with its ``.node`` where it has no vertices itself).
+
+        Parameters
+        ----------
+        path : str or Path
+        **options
+            As for `Domain`.
+
+        Returns
+        -------
+        Domain
+            What Triangle would mesh: the outside is eaten away from beyond as far as segments do not stop it,
+            and so are holes from their seeds. Segments between inside and outside are facets, the others
+            inner. Boundary markers other than 0 become markers named by their number, regional attributes
+            regions named by their value; `max_areas` keeps the area bounds of regions by these names.
+            `origin`, `piece_origin` and `repairs` refer to the vertices and segments of the file, counted
+            from 0 (-1 for pieces that ``options`` add).
+        """
+        found = poly.read_poly(Path(path), make=cls, resolve=bool(options.get("resolve")))
+        domain = cls._of(found.parts, options)
+        domain.max_areas.update(found.areas)
+        domain.repairs[:0] = found.walls.repairs
+        domain.origin = composed(found.walls.origin, domain.origin)
+        domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
+        return domain
+
+    def write(self, path: str | Path) -> None:
+        """Write Triangle's ``.poly``: curves as their coarse chords, holes by seeds.
+
+        Markers and regions are numbers there: names that are none get free ones, which a comment at the
+        head of the file explains. A piece has one marker: the last of those that name it.
+        """
+        poly.write_poly(self, self._coarse, self.max_areas, Path(path))
+
+    def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
+        """All pieces together: by the even-odd rule, what lies inside becomes a hole.
+
+        Parameters
+        ----------
+        *others : Domain
+            Their markers and regions of equal name are joined with those here.
+        resolve : bool
+            As for `Domain`.
+        """
+        make: Any = type(self)
+        return make(**joined([self, *map(as_domain, others)]), resolve=resolve)
 
     # ------------------------------------------------------------------ validation
 
@@ -303,8 +382,18 @@ class Domain(Constructors):
         }
         self.repairs = mended.repairs
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(refrozen(state))
+
     def __repr__(self) -> str:
         curves = f", {len(self.curves)} curved" if self.curves else ""
         inner = f", {len(self.inner)} inner" if len(self.inner) else ""
         loose = f", {len(self.loose)} loose" if len(self.loose) else ""
         return f"<Domain: {len(self.points)} points, {len(self.facets)} facets{inner}{loose}{curves}>"
+
+
+def as_domain(value: Any) -> Domain:
+    """A domain, or an error that tells what was given in its place."""
+    if not isinstance(value, Domain):
+        raise InputError(f"domain must be a Domain, not {type(value).__name__}")
+    return value

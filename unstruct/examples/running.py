@@ -13,10 +13,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arrays import as_points
 from ..base.errors import DegenerateInputError, InputError
 from ..base.jit import kernel
 from ..connect.swapping import corner_facing, flip
-from ..mesh.mesh import Mesh, as_points
+from ..mesh.mesh import Mesh
 from ..mesh.topology import neighbors
 from ..predicates.batch import orient, scaled
 from ..predicates.exact import exact_orient2

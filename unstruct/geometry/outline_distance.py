@@ -1,23 +1,19 @@
-"""How far points are from the true pieces of a domain, and where on them. See the book, chapter 2.6d."""
+"""How far points are from the true pieces of a outline, and where on them. See the book, chapter 2.6d."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .curves import Arc
-
-if TYPE_CHECKING:
-    from ..domain.domain import Domain
+from .outline import Outline
 
 __all__ = ["distance_to_piece"]
 
 
-def distance_to_piece(domain: Domain, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def distance_to_piece(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distances of points (k, 2) to a true piece and the parameters of the nearest points on it."""
-    a, b = domain.points[domain.pieces[piece]]
-    curve = domain.curves.get(piece)
+    a, b = outline.points[outline.pieces[piece]]
+    curve = outline.curves.get(piece)
     if curve is None:
         d = b - a
         longest = np.abs(d).max()
@@ -31,26 +27,26 @@ def distance_to_piece(domain: Domain, piece: int, x: np.ndarray) -> tuple[np.nda
         full = 2 * np.pi / abs(curve.sweep)
         t = np.where(t > (1 + full) / 2, t - full, t)  # the gap of the circle belongs half to either end
         return np.abs(np.hypot(away[:, 0], away[:, 1]) - curve.radius), t
-    return _distance_to_curve(domain, piece, x)
+    return _distance_to_curve(outline, piece, x)
 
 
-def _distance_to_curve(domain: Domain, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _distance_to_curve(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Nearest of many samples, a search by thirds about it, then to the foot of the perpendicular."""
     from scipy.spatial import cKDTree
 
     samples = np.linspace(0, 1, 2049)
-    nearest = cKDTree(domain.at(piece, samples)).query(x)[1]
+    nearest = cKDTree(outline.at(piece, samples)).query(x)[1]
     low, high = samples[np.maximum(nearest - 1, 0)], samples[np.minimum(nearest + 1, 2048)]
     for _ in range(40):
         left, right = low + (high - low) / 3, high - (high - low) / 3
-        at_left = ((domain.at(piece, left) - x) ** 2).sum(axis=1)
-        at_right = ((domain.at(piece, right) - x) ** 2).sum(axis=1)
+        at_left = ((outline.at(piece, left) - x) ** 2).sum(axis=1)
+        at_right = ((outline.at(piece, right) - x) ** 2).sum(axis=1)
         low, high = np.where(at_left > at_right, left, low), np.where(at_left > at_right, high, right)
     t = (low + high) / 2
     # Squares hide the last half of the digits; the step along the tangent does not.
     before, after = np.maximum(t - 1e-4, 0), np.minimum(t + 1e-4, 1)
-    tangent = (domain.at(piece, after) - domain.at(piece, before)) / (after - before)[:, None]
+    tangent = (outline.at(piece, after) - outline.at(piece, before)) / (after - before)[:, None]
     for _ in range(8):
-        along = ((domain.at(piece, t) - x) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
+        along = ((outline.at(piece, t) - x) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
         t = np.clip(t - along, 0, 1)
-    return np.linalg.norm(domain.at(piece, t) - x, axis=1), t
+    return np.linalg.norm(outline.at(piece, t) - x, axis=1), t

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from .cells import CELL_TYPES
-
-if TYPE_CHECKING:
-    from .mesh import Mesh
+from .complex import CellComplex
 
 __all__ = ["html"]
 
 SIZE, MARGIN, MOST = 200, 6, 400  # pixels, pixels, cells drawn
 
 
-def html(mesh: Mesh) -> str:
+def html(mesh: CellComplex) -> str:
     """An HTML card: a picture of at most a few hundred cells, and the counts."""
     rows = [("points", len(mesh.points)), *((name, len(block)) for name, block in mesh.cells.items())]
     rows += [("edges", len(mesh.edges)), ("dimensions", mesh.points.shape[1])]
@@ -31,7 +27,7 @@ def html(mesh: Mesh) -> str:
     )
 
 
-def _picture(mesh: Mesh) -> str:
+def _picture(mesh: CellComplex) -> str:
     segments, shown = _segments(mesh)
     label = f"Mesh of {mesh.size} cells" + ("" if shown == mesh.size else f", {shown} of them drawn")
     lines = " ".join(f"M{a:g} {b:g}L{c:g} {d:g}" for (a, b), (c, d) in segments.tolist())
@@ -42,7 +38,7 @@ def _picture(mesh: Mesh) -> str:
     )
 
 
-def _segments(mesh: Mesh) -> tuple[np.ndarray, int]:
+def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
     cells = [row for block in mesh.cells.values() for row in block]
     pairs: set[tuple[int, int]] = set()
@@ -63,7 +59,7 @@ def _segments(mesh: Mesh) -> tuple[np.ndarray, int]:
     return np.round(pixels, 1), len(cells)
 
 
-def _edges_of(row: list[int], mesh: Mesh) -> list[tuple[int, int]]:
+def _edges_of(row: list[int], mesh: CellComplex) -> list[tuple[int, int]]:
     for name, block in mesh.cells.items():
         if name in CELL_TYPES and block.shape[1] == len(row):
             return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]

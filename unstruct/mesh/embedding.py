@@ -14,9 +14,11 @@ import numpy as np
 
 from ..geometry.boxes import BoxTree
 from ..predicates.batch import orient, orient_rows
+from . import topology
+from .complex import CellComplex
 from .topology import group_rows
 
-__all__ = ["RidgeFans", "crossing_facets"]
+__all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets"]
 
 
 class RidgeFans:
@@ -164,3 +166,16 @@ def _meet_in_plane(points: np.ndarray, edge: np.ndarray, triangle: np.ndarray) -
         t = np.array([(local[u], local[v]) for u, v in sides])
         return bool(_segments_meet(plane, s, t).any())
     return True  # a flat facet with a segment in its line
+
+
+def boundary_is_convex(mesh: CellComplex) -> bool:
+    """Whether the cells tile the convex hull of the points, by exact signs (their adjacency is trusted)."""
+    used = len(np.unique(mesh.simplices)) + len(mesh.duplicates)
+    if mesh.size == 0 or used < len(mesh.points) or (orient_rows(mesh.points, mesh.simplices) <= 0).any():
+        return False
+    if topology.components(mesh.neighbors)[0] != 1:
+        return False
+    if mesh.dimension == 1:
+        return True
+    fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors)
+    return len(fans.overlaps()) == 0 and len(fans.concave()) == 0

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, MeshError
 from .cells import cell_dimension
+from .complex import CellComplex
 from .gmsh import FACE_NAMES, coded, decoded, from_groups, is_ours, to_groups
 from .topology import group_rows
-
-if TYPE_CHECKING:
-    from .mesh import Mesh
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
@@ -27,7 +25,7 @@ WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at point
 GMSH = {".msh"}  # meshio would take the suffix for Ansys; it writes other entities than groups in 2.2 only
 
 
-def to_meshio(mesh: Mesh) -> Any:
+def to_meshio(mesh: CellComplex) -> Any:
     """The mesh as a `meshio.Mesh`.
 
     Returns
@@ -85,7 +83,7 @@ def to_meshio(mesh: Mesh) -> Any:
     )
 
 
-def write(mesh: Mesh, path: str | Path) -> None:
+def write(mesh: CellComplex, path: str | Path) -> None:
     """Write a file; see `Mesh.write`.
 
     Raises
@@ -120,14 +118,14 @@ def write(mesh: Mesh, path: str | Path) -> None:
     return None
 
 
-def _named_faces(mesh: Mesh) -> dict[str, np.ndarray]:
+def _named_faces(mesh: CellComplex) -> dict[str, np.ndarray]:
     """Markers of faces, empty ones too; not those of whole cells, which would be read as more of them."""
     lower = {width: min(width - 1, 2) < mesh.dimension for width in FACE_NAMES}
     faces = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2}
     return {name: rows for name, rows in faces.items() if lower.get(rows.shape[1], False)}
 
 
-def _drop(mesh: Mesh, why: str, names: Any) -> None:
+def _drop(mesh: CellComplex, why: str, names: Any) -> None:
     lost = [repr(name) for name in names]
     if len(mesh.duplicates) and names is mesh.markers:
         lost.append("duplicates")
@@ -135,7 +133,7 @@ def _drop(mesh: Mesh, why: str, names: Any) -> None:
         warnings.warn(f"not written: {', '.join(lost)}; {why}", stacklevel=5)
 
 
-def _for_gmsh(mesh: Mesh, other: Any) -> None:
+def _for_gmsh(mesh: CellComplex, other: Any) -> None:
     """Regions and named faces become physical groups; data must be real numbers, of one block of cells."""
     faces = _named_faces(mesh)
     data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES)}
@@ -149,14 +147,12 @@ def _for_gmsh(mesh: Mesh, other: Any) -> None:
     other.cell_data |= {coded(name): [v.astype(float) for v in data[name]] for name in rest}
 
 
-def read(path: str | Path) -> Mesh:
-    """Read a file; see `Mesh.read`.
+def read(path: str | Path) -> dict[str, Any]:
+    """Read a file: the arguments of a `Mesh`; see `Mesh.read`.
 
     The cells of the highest dimension are the mesh; lower ones become markers. A third coordinate that is
     zero throughout is dropped when the cells are plane.
     """
-    from .mesh import Mesh
-
     path = Path(path)
     if path.suffix in (".node", ".ele"):
         return _read_node_ele(path)
@@ -184,11 +180,17 @@ def read(path: str | Path) -> Mesh:
     kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
     copies = np.nonzero(kept != np.arange(n))[0]
     duplicates = np.column_stack([copies, kept[copies]])
-    bare = Mesh(points, cells=cells)
+    bare = CellComplex(points, cells=cells)
     markers = _markers(other, order, dimensions, top)
     if not any(name.startswith(FACES) for name in other.cell_data):
         markers |= from_groups(bare, other, order, dimensions)
-    return Mesh(points, cells=bare.cells, origin=origin, duplicates=duplicates, markers=markers)
+    return {
+        "points": points,
+        "cells": bare.cells,
+        "origin": origin,
+        "duplicates": duplicates,
+        "markers": markers,
+    }
 
 
 def _by_type(blocks: list[Any]) -> dict[str, Any]:
@@ -234,7 +236,7 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
 # ---------------------------------------------------------------------- Triangle and TetGen
 
 
-def _write_node_ele(mesh: Mesh, path: Path) -> None:
+def _write_node_ele(mesh: CellComplex, path: Path) -> None:
     """`path`.node and `path`.ele, numbered from 0, with 17 significant digits: doubles survive."""
     simplices = mesh.simplices
     _drop(mesh, ".node and .ele hold points and cells only", mesh.markers)
@@ -247,10 +249,8 @@ def _write_node_ele(mesh: Mesh, path: Path) -> None:
     path.with_suffix(".ele").write_text("\n".join(lines) + "\n")
 
 
-def _read_node_ele(path: Path) -> Mesh:
+def _read_node_ele(path: Path) -> dict[str, Any]:
     """Numbered from 0 or 1, as the first vertex says; attributes and boundary marks become markers."""
-    from .mesh import Mesh
-
     header, rows = _table(path.with_suffix(".node"))
     d, attributes, marks = header[1], header[2], header[3] if len(header) > 3 else 0
     base = int(rows[0, 0]) if len(rows) else 0
@@ -264,7 +264,7 @@ def _read_node_ele(path: Path) -> Mesh:
         values = rows[:, 1 + d + attributes].astype(np.int64)
         for value in np.unique(values[values != 0]).tolist():
             markers[f"vertices {value}"] = np.nonzero(values == value)[0][:, None]
-    return Mesh(points, corners, markers=markers)
+    return {"points": points, "simplices": corners, "markers": markers}
 
 
 def _table(path: Path) -> tuple[list[int], np.ndarray]:
@@ -284,7 +284,7 @@ def _table(path: Path) -> tuple[list[int], np.ndarray]:
 # ---------------------------------------------------------------------- scikit-fem
 
 
-def to_skfem(mesh: Mesh) -> Any:
+def to_skfem(mesh: CellComplex) -> Any:
     """The mesh as a scikit-fem mesh; named facets become boundaries, cell markers subdomains.
 
     A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2".
@@ -325,7 +325,7 @@ def to_skfem(mesh: Mesh) -> Any:
     return result.with_subdomains(subdomains) if subdomains else result
 
 
-def _skfem_facets(mesh: Mesh, theirs: Any, number: np.ndarray) -> dict[str, np.ndarray]:
+def _skfem_facets(mesh: CellComplex, theirs: Any, number: np.ndarray) -> dict[str, np.ndarray]:
     """The numbers that scikit-fem gives to the facets of each marker."""
     named = {
         name: number[rows]

@@ -10,16 +10,14 @@ cells are kept where nothing but one kind of cells is in the file.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote, unquote
 
 import numpy as np
 
+from .complex import CellComplex
 from .marked import marked_facets
 from .topology import group_rows
-
-if TYPE_CHECKING:
-    from .mesh import Mesh
 
 __all__ = ["coded", "decoded", "from_groups", "is_ours", "to_groups"]
 
@@ -43,7 +41,7 @@ def is_ours(other: Any) -> bool:
     return {"origin", "kept"} <= set(other.point_data)
 
 
-def to_groups(mesh: Mesh, other: Any, faces: dict[str, np.ndarray]) -> tuple[list[str], list[str]]:
+def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tuple[list[str], list[str]]:
     """Put markers into the physical groups of ``other``, a meshio.Mesh.
 
     Parameters
@@ -108,7 +106,7 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
     return result
 
 
-def _border(mesh: Mesh, width: int) -> np.ndarray:
+def _border(mesh: CellComplex, width: int) -> np.ndarray:
     """Facets of so many vertices where the mesh ends."""
     rows = np.asarray(mesh.boundary)
     return rows[(rows >= 0).sum(axis=1) == width][:, :width]
@@ -118,7 +116,7 @@ def _keys(rows: np.ndarray) -> set[tuple[int, ...]]:
     return set(map(tuple, np.sort(rows, axis=1).tolist()))
 
 
-def _cell_groups(mesh: Mesh, other: Any, top: int) -> tuple[list[np.ndarray], list[str], list[str]]:
+def _cell_groups(mesh: CellComplex, other: Any, top: int) -> tuple[list[np.ndarray], list[str], list[str]]:
     """A number for each cell of each block, the names of 1, 2, ..., and the markers that this holds."""
     region = mesh.markers.get("region")
     if region is not None and region.ndim == 1 and region.dtype.kind in "iu":
@@ -137,7 +135,9 @@ def _cell_groups(mesh: Mesh, other: Any, top: int) -> tuple[list[np.ndarray], li
     return tags, [coded(name) for name in held], held
 
 
-def from_groups(mesh: Mesh, other: Any, main: list[int], dimensions: list[int]) -> dict[str, np.ndarray]:
+def from_groups(
+    mesh: CellComplex, other: Any, main: list[int], dimensions: list[int]
+) -> dict[str, np.ndarray]:
     """Markers of physical groups.
 
     Parameters
@@ -179,7 +179,7 @@ def from_groups(mesh: Mesh, other: Any, main: list[int], dimensions: list[int]) 
     return markers | faces
 
 
-def _of_cells(mesh: Mesh, physical: Any, main: list[int], names: dict) -> dict[str, np.ndarray]:
+def _of_cells(mesh: CellComplex, physical: Any, main: list[int], names: dict) -> dict[str, np.ndarray]:
     if physical is None:
         return {}
     tags = np.concatenate([np.asarray(physical[i]) for i in main])

@@ -6,16 +6,14 @@ stops at holes and notches. The tree needs no adjacency at all. See the book, ch
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, MeshError
 from ..geometry.boxes import BoxTree
 from ..predicates.batch import orient
-
-if TYPE_CHECKING:
-    from .mesh import Mesh
+from .complex import CellComplex
 
 __all__ = ["Locator"]
 
@@ -25,7 +23,7 @@ CHUNK = 1 << 16  # queries at a time: bounds the memory
 class Locator:
     """The tree of a mesh's cells; `find` is what `Mesh.find_simplex` calls."""
 
-    def __init__(self, mesh: Mesh):
+    def __init__(self, mesh: CellComplex):
         d = mesh.points.shape[1]
         if mesh.dimension != d:
             raise MeshError(f"cells of dimension {mesh.dimension} do not fill {d} dimensions")

@@ -6,19 +6,14 @@ A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` wo
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import topology
+from .complex import CellComplex
 from .topology import group_rows
 
-if TYPE_CHECKING:
-    pass
-if TYPE_CHECKING:
-    from .mesh import Mesh
-
-__all__ = ["marked_facets", "marked_sides", "parts"]
+__all__ = ["marked_facets", "marked_sides", "parts", "remaining"]
 
 
 def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -76,7 +71,7 @@ def marked_facets(facets: np.ndarray, named: np.ndarray, n: int) -> np.ndarray:
     return result
 
 
-def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
+def parts(mesh: CellComplex, edges: Iterable) -> np.ndarray:
     """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
     neighbors = np.array(mesh.neighbors)
     neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
@@ -85,3 +80,16 @@ def parts(mesh: Mesh, edges: Iterable) -> np.ndarray:
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
     return rank[label]
+
+
+def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
+    """Those rows of vertices (-1: gone) that are still faces of some cell."""
+    faces = faces[(faces >= 0).all(axis=1)]
+    width = faces.shape[1]
+    if len(faces) == 0 or width > simplices.shape[1]:
+        return faces[:0]
+    present = (
+        topology.faces(simplices, width - 1) if width < simplices.shape[1] else np.sort(simplices, axis=1)
+    )
+    group, _ = topology.group_rows(np.concatenate([present, np.sort(faces, axis=1)]))
+    return faces[np.isin(group[len(present) :], group[: len(present)])]

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from math import fsum
 
 import numpy as np
 
 from ..base.errors import MeshError
 from ..geometry import simplex
 from .cells import CELL_TYPES, simplex_dimension
-
-if TYPE_CHECKING:
-    from .mesh import Mesh
+from .complex import CellComplex
 
 __all__ = ["Summary", "cell_volumes", "summarize"]
 
 
-def cell_volumes(mesh: Mesh) -> np.ndarray:
+def cell_volumes(mesh: CellComplex) -> np.ndarray:
     """Length, area or volume of each cell, in the order of ``mesh.cells``; signed where k = d."""
     parts = []
     for name, block in mesh.cells.items():
@@ -69,7 +67,7 @@ def _statistics(values: np.ndarray) -> dict[str, float]:
     return {"min": float(values.min()), "mean": float(values.mean()), "max": float(values.max())}
 
 
-def summarize(mesh: Mesh) -> Summary:
+def summarize(mesh: CellComplex) -> Summary:
     """Counts, Euler characteristic, volume, and (for simplices) statistics of edges, angles, 2r/R.
 
     Returns
@@ -87,7 +85,7 @@ def summarize(mesh: Mesh) -> Summary:
         edges=len(mesh.edges),
         boundary=len(mesh.boundary),
         euler=mesh.euler_characteristic,
-        volume=mesh.volume,
+        volume=fsum(cell_volumes(mesh)),
     )
     if not mesh.size:
         return result
@@ -99,5 +97,5 @@ def summarize(mesh: Mesh) -> Summary:
         if mesh.dimension == 3:
             names += ["min_dihedral", "max_dihedral"]
         for name in names:
-            result[name] = _statistics(mesh.quality(name))
+            result[name] = _statistics(simplex.quality(name, mesh.corners))
     return result

@@ -6,7 +6,7 @@ See the book, chapter 2.3.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +15,10 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..geometry.boxes import LEAF
+from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
 from .sources import sources
-
-if TYPE_CHECKING:
-    from ..domain.domain import Domain
 
 __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size"]
 
@@ -39,7 +37,7 @@ class Chain(NamedTuple):
     total: float  # and at its end
 
 
-def _chain(domain: Domain, piece: int, fine: float = FINE) -> Chain:
+def _chain(domain: Outline, piece: int, fine: float = FINE) -> Chain:
     """The curve of a piece in steps fine enough for its turns."""
     t = np.linspace(0.0, 1.0, 17)
     for _ in range(ROUNDS):
@@ -195,7 +193,7 @@ class FeatureSize:
     domain : Domain
     """
 
-    def __init__(self, domain: Domain):
+    def __init__(self, domain: Outline):
         vertices = np.unique(np.concatenate([domain.pieces.ravel(), domain.loose])).astype(np.int64)
         straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
         chains = [_chain(domain, piece) for piece in domain.curves]
@@ -228,7 +226,7 @@ class FeatureSize:
         return result / tree.factor
 
 
-def local_feature_size(domain: Domain, x: ArrayLike) -> Array:
+def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
     """How far apart the features of a region are near a point: Ruppert's local feature size.
 
     Parameters
@@ -260,7 +258,7 @@ def local_feature_size(domain: Domain, x: ArrayLike) -> Array:
     return FeatureSize(domain)(x)
 
 
-def from_features(domain: Domain, fraction: float = 0.5, *, far: float | None = None) -> SizeField:
+def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None = None) -> SizeField:
     """A size that is a fraction of the local feature size: narrow parts of a region get small cells.
 
     Parameters
@@ -302,7 +300,7 @@ def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:
 
 
 def from_curvature(
-    domain: Domain, per_turn: float = 24.0, *, far: float, lower: float | None = None, growth: float = 0.2
+    domain: Outline, per_turn: float = 24.0, *, far: float, lower: float | None = None, growth: float = 0.2
 ) -> SizeField:
     """A size that resolves curved boundaries: a wanted number of edges a full turn.
 

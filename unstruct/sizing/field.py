@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
 from ..base.errors import InputError
+from ..geometry.simplex import circumcenter, circumradius
 from .table import SizeTable, build
 
 __all__ = ["SizeField", "as_size", "clip", "control", "maximum", "minimum", "product"]
@@ -325,7 +326,6 @@ def control(mesh: Any, size: Any) -> Array:
     -----
     Source: the chapter's generalized choice of the insertion triangle. See the book, chapters 2.3 and 2.6b.
     """
-    from ..geometry.simplex import circumcenter, circumradius
 
     corners = mesh.corners
     if corners.shape[1:] != (3, 2):

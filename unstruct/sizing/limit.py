@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import distinct
 from ..base.errors import InputError
+from ..connect.insertion.delaunay import delaunay
 from ..geometry.segment_tree import SegmentTree
 from ..mesh.mesh import Mesh
 from .background import Background
@@ -63,8 +64,6 @@ class LimitedSize(SizeField):
         self._lower, self._upper = places.min(axis=0), places.max(axis=0)
         self._seen: Background | None = None
         if (self._lower < self._upper).all():
-            from ..connect.insertion.delaunay import delaunay
-
             self._seen = Background(delaunay(places), values)
             pairs = _steep_edges(self._seen.mesh, values, growth)
         else:  # a box without an inside: a chain

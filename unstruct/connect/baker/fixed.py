@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import as_points
 from ...base.errors import InputError
-from ...mesh.mesh import Mesh, as_points
+from ...mesh.mesh import Mesh
 from ...predicates.batch import in_sphere, orient
 
 __all__ = ["Cavities", "as_cells", "boundary_facets", "cavities", "held_by", "hidden_facets"]
@@ -187,7 +188,7 @@ def held_by(mesh: Mesh, points: ArrayLike, cells: Any) -> NDArray[np.int32]:
     rows = as_points(points)
     chosen = np.zeros(mesh.size, dtype=bool)
     chosen[as_cells(mesh, cells)] = True
-    query, owner = mesh._locator.holding(rows)
+    query, owner = mesh.holding(rows)
     found = np.full(len(rows), -1, dtype=np.int32)
     inside = chosen[owner]
     found[query[inside]] = owner[inside]

@@ -25,8 +25,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import as_points
 from ...base.errors import InputError, MeshError
-from ...mesh.mesh import Mesh, _remaining, as_points
+from ...mesh.marked import remaining
+from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, power_of_two
 from . import generalized_cavity as kernels
 from .fixed import as_cells
@@ -195,7 +197,7 @@ class Baker:
             origin=np.concatenate([old.origin, np.full(self._count - len(old.points), -1, np.int32)]),
             duplicates=np.concatenate([old.duplicates, *self._twins]),
             markers={
-                name: values[self._source[live]] if values.ndim == 1 else _remaining(values, simplices)
+                name: values[self._source[live]] if values.ndim == 1 else remaining(values, simplices)
                 for name, values in old.markers.items()
             },
         )

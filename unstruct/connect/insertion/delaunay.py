@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from ...base.arrays import as_points
 from ...base.errors import InputError
-from ...mesh.mesh import Mesh, as_points
+from ...mesh.mesh import Mesh
 from .triangulation import Triangulation
 
 __all__ = ["Triangulation", "delaunay"]

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from .engine import BUSY, COUNT, DONE, LAST, Compiled, grown
 from .halfedges import GHOST, conflict_across, locate2, locate_all2, next_edge, prev_edge, start2
+from .removal import remove2
 
 
 @kernel
@@ -148,7 +149,5 @@ class Planar(Compiled):
 
     def remove(self, rank: int) -> bool:
         """Remove a vertex; False, and nothing changed, where the rest would be collinear."""
-        from .removal import remove2
-
         scratch = np.empty((4, 2 * self.size + 4), dtype=np.int64)
         return bool(remove2(self.rows, self.vertex, self.across, self.state, rank, *scratch))

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import as_points
 from ...base.errors import DegenerateInputError, InputError, MeshError
 from ...base.progress import progress_bar
 from ...geometry.ordering import brio, hilbert_order
 from ...mesh.cells import counted, simplex_type
-from ...mesh.mesh import Mesh, as_points
+from ...mesh.mesh import Mesh
 from ...predicates.batch import in_sphere, orient, power_of_two
 from .engine import Compiled, gather, grown
 from .first import first_simplex

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import Refined
-from ...mesh.mesh import as_points
 from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.triangulation import Triangulation

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,9 +10,6 @@ from ...base.jit import inline, kernel
 from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["flood", "hold_seeds", "mark_regions"]
 

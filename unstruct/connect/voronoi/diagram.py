@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.mesh import Mesh
 from ...predicates.batch import power_of_two
@@ -22,6 +23,8 @@ __all__ = ["Relaxation", "Voronoi", "voronoi"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+_plot_voronoi = door("unstruct.view:plot_voronoi")
 
 
 def voronoi(points: ArrayLike) -> Voronoi:
@@ -363,9 +366,7 @@ class Voronoi:
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw a planar diagram; see `unstruct.view.plot_voronoi` for the options."""
-        from ...view import plot_voronoi
-
-        return plot_voronoi(self, ax, **options)
+        return _plot_voronoi(self, ax, **options)
 
     def __repr__(self) -> str:
         n, d = self.points.shape

@@ -24,9 +24,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arrays import as_points
 from ...base.errors import InputError, MeshError
 from ...geometry.kd_tree import Tree
-from ...mesh.mesh import Mesh, as_points
+from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, scaled
 from . import faces as kernels
 from .general import wrap_general

@@ -7,14 +7,10 @@ vertex that no sample of the arc falls between. See the book, chapter 2.6d.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...geometry.curves import Arc
-
-if TYPE_CHECKING:
-    from ..domain import Domain
+from ...geometry.outline import Outline
 
 __all__ = ["crossings_at_corners"]
 
@@ -22,12 +18,12 @@ SAME = 2.0**-36  # in units of the largest coordinate: nearer to a common vertex
 FLAT = 2.0**-46  # the same: what two pieces enclose between the vertex and the point is deeper than rounding
 
 
-def crossings_at_corners(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of pieces with a common vertex, one of them an arc at least, that meet once more on both.
 
     Parameters
     ----------
-    domain : Domain
+    outline : Outline
         Its arcs must start and end at their vertices. Curves other than arcs are left out.
 
     Returns
@@ -42,20 +38,20 @@ def crossings_at_corners(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
     O(k^2) for k such pieces at one vertex. Pieces that touch in their common vertex, arcs of one circle, and
     pieces that lie within rounding of each other up to the second point are not told.
     """
-    pairs, at = _pairs(domain)
+    pairs, at = _pairs(outline)
     if len(pairs) == 0:
         return np.empty((0, 2), dtype=np.int64), np.empty((0, 2))
-    difference = np.hypot(*(_bends(domain, pairs[:, 0], at) - _bends(domain, pairs[:, 1], at)).T)
-    place = _mirrored(domain, pairs, at)
-    vertex, scale = domain.points[at], np.abs(domain.points).max()
+    difference = np.hypot(*(_bends(outline, pairs[:, 0], at) - _bends(outline, pairs[:, 1], at)).T)
+    place = _mirrored(outline, pairs, at)
+    vertex, scale = outline.points[at], np.abs(outline.points).max()
     away = np.hypot(*(place - vertex).T)
     told = np.isfinite(place).all(axis=1) & (away > SAME * scale)
     told &= away * away * difference > 8 * FLAT * scale
     for column in (0, 1):
-        told &= _on_piece(domain, pairs[:, column], place, SAME * scale)
-        for end in domain.pieces[pairs[:, column]].T:  # the other end of both is no second meeting
-            shared = (domain.pieces[pairs[:, 1 - column]] == end[:, None]).any(axis=1)
-            told &= ~(shared & (np.hypot(*(place - domain.points[end]).T) <= _blur(away, difference, scale)))
+        told &= _on_piece(outline, pairs[:, column], place, SAME * scale)
+        for end in outline.pieces[pairs[:, column]].T:  # the other end of both is no second meeting
+            shared = (outline.pieces[pairs[:, 1 - column]] == end[:, None]).any(axis=1)
+            told &= ~(shared & (np.hypot(*(place - outline.points[end]).T) <= _blur(away, difference, scale)))
     pairs, place = pairs[told], place[told]
     first = np.unique(pairs, axis=0, return_index=True)[1]
     return pairs[first], place[first]
@@ -66,16 +62,16 @@ def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
     return np.maximum(SAME * scale, 2 * FLAT * scale / np.maximum(away * difference, 1e-300))
 
 
-def _pairs(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of pieces with a common vertex, an arc among them and no other curve; the vertex of each."""
-    arcs = [i for i, curve in domain.curves.items() if isinstance(curve, Arc)]
-    is_arc, other = (np.zeros(len(domain.pieces), dtype=bool) for _ in range(2))
+    arcs = [i for i, curve in outline.curves.items() if isinstance(curve, Arc)]
+    is_arc, other = (np.zeros(len(outline.pieces), dtype=bool) for _ in range(2))
     is_arc[arcs] = True
-    other[[i for i in domain.curves if not is_arc[i]]] = True
-    touched = np.zeros(len(domain.points), dtype=bool)
-    touched[domain.pieces[arcs].ravel()] = True
-    piece, column = np.nonzero(touched[domain.pieces] & ~other[:, None])
-    vertex = domain.pieces[piece, column]
+    other[[i for i in outline.curves if not is_arc[i]]] = True
+    touched = np.zeros(len(outline.points), dtype=bool)
+    touched[outline.pieces[arcs].ravel()] = True
+    piece, column = np.nonzero(touched[outline.pieces] & ~other[:, None])
+    vertex = outline.pieces[piece, column]
     order = np.lexsort((piece, vertex))
     piece, vertex = piece[order], vertex[order]
     heads = np.nonzero(np.diff(vertex, prepend=-1))[0]
@@ -88,21 +84,21 @@ def _pairs(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(blocks), np.concatenate(at)
 
 
-def _bends(domain: Domain, piece: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _bends(outline: Outline, piece: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Vectors of curvature at a vertex, towards the center; zero for straight pieces."""
-    kind, arc = domain.cuts()
-    to_center = arc[piece, :2] - domain.points[at]
+    kind, arc = outline.cuts()
+    to_center = arc[piece, :2] - outline.points[at]
     radius = np.where(kind[piece] == 1, arc[piece, 2], np.inf)
     return to_center / (radius * radius)[:, None]
 
 
-def _mirrored(domain: Domain, pairs: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _mirrored(outline: Outline, pairs: np.ndarray, at: np.ndarray) -> np.ndarray:
     """The vertex mirrored in the line of centers, or in the perpendicular to the straight one."""
-    kind, arc = domain.cuts()
-    vertex = domain.points[at]
+    kind, arc = outline.cuts()
+    vertex = outline.points[at]
     center = [arc[pairs[:, k], :2] for k in (0, 1)]
     straight = [kind[pairs[:, k]] == 0 for k in (0, 1)]
-    a, b = domain.points[domain.pieces[np.where(straight[0], pairs[:, 0], pairs[:, 1])]].transpose(1, 0, 2)
+    a, b = outline.points[outline.pieces[np.where(straight[0], pairs[:, 0], pairs[:, 1])]].transpose(1, 0, 2)
     line = (straight[0] | straight[1])[:, None]
     base = np.where(straight[0][:, None], center[1], center[0])
     along = np.where(line, b - a, center[1] - center[0])  # of the line; or the line of centers
@@ -112,10 +108,10 @@ def _mirrored(domain: Domain, pairs: np.ndarray, at: np.ndarray) -> np.ndarray:
         return vertex + 2 * ((base - vertex) * unit).sum(axis=1)[:, None] * unit
 
 
-def _on_piece(domain: Domain, piece: np.ndarray, x: np.ndarray, slack: float) -> np.ndarray:
+def _on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) -> np.ndarray:
     """Whether points of the line or circle of a piece lie on the piece itself, its ends included."""
-    kind, arc = domain.cuts()
-    a, b = domain.points[domain.pieces[piece]].transpose(1, 0, 2)
+    kind, arc = outline.cuts()
+    a, b = outline.points[outline.pieces[piece]].transpose(1, 0, 2)
     length = np.hypot(*(b - a).T)
     along = ((x - a) * (b - a)).sum(axis=1) / np.where(length > 0, length, 1.0)
     on_line = (along >= -slack) & (along <= length + slack)

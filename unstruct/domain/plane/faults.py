@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...base.jit import kernel
-from ...geometry.parity import even_odd
+from ...geometry.outline import Outline
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
 from ...geometry.sweep import lexicographic
 
-if TYPE_CHECKING:
-    from ..domain import Domain
-
-__all__ = ["Fault", "check_ends", "check_seeds", "find_faults", "first_copies"]
+__all__ = ["Fault", "check_ends", "find_faults", "first_copies"]
 
 ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads bits: 2^64 by the golden ratio
 
@@ -83,11 +79,6 @@ def _any_repeated(segments, head, after, seen):
     return False
 
 
-def piece_name(piece: int, facets: int) -> str:
-    """How messages call a piece."""
-    return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"
-
-
 def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
     """Where the lines of two crossing segments meet: rational arithmetic, rounded once."""
     (px, py), (qx, qy), (ax, ay), (bx, by) = (
@@ -101,13 +92,13 @@ def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[fl
 # ---------------------------------------------------------------------- all faults of a domain
 
 
-def find_faults(domain: Domain) -> list[Fault]:
+def find_faults(outline: Outline) -> list[Fault]:
     """Every fault of the straight structure, in stages: later ones are looked for if there are none before.
 
     Curved pieces are left to the sampling, but for their vertices.
     """
     for stage in (_indices, _duplicates, _zero_length, _repeated, _crossings, _open_vertices):
-        faults = stage(domain)
+        faults = stage(outline)
         if faults:
             return faults
     return []
@@ -121,15 +112,15 @@ def _at(place: tuple[float, float]) -> str:
     return f"at ({place[0]:.17g}, {place[1]:.17g})"
 
 
-def _indices(domain: Domain) -> list[Fault]:
-    n, pieces = len(domain.points), domain.pieces
+def _indices(outline: Outline) -> list[Fault]:
+    n, pieces = len(outline.points), outline.pieces
     if pieces.size == 0 or 0 <= pieces.min() <= pieces.max() < n:
         return []
     bad = np.nonzero(((pieces < 0) | (pieces >= n)).any(axis=1))[0]
     return [
         Fault(
             "index out of range",
-            f"{domain.name(i)} = {domain.pieces[i].tolist()} refers to points outside 0..{n - 1}; mend the "
+            f"{outline.name(i)} = {outline.pieces[i].tolist()} refers to points outside 0..{n - 1}; mend the "
             "index, or let resolve=True drop the segment",
             (float("nan"), float("nan")),
             (i,),
@@ -138,11 +129,11 @@ def _indices(domain: Domain) -> list[Fault]:
     ]
 
 
-def _duplicates(domain: Domain) -> list[Fault]:
-    first = first_copies(domain.points)
+def _duplicates(outline: Outline) -> list[Fault]:
+    first = first_copies(outline.points)
     result = []
     for copy in np.nonzero(first != np.arange(len(first)))[0].tolist():
-        kept, place = int(first[copy]), _place(domain.points[copy])
+        kept, place = int(first[copy]), _place(outline.points[copy])
         text = (
             f"points {kept} and {copy} are equal, {_at(place)}; use one of them, or resolve=True merges them"
         )
@@ -150,42 +141,45 @@ def _duplicates(domain: Domain) -> list[Fault]:
     return result
 
 
-def _zero_length(domain: Domain) -> list[Fault]:
+def _zero_length(outline: Outline) -> list[Fault]:
     result = []
-    for i in np.nonzero(domain.pieces[:, 0] == domain.pieces[:, 1])[0].tolist():
-        v = int(domain.pieces[i, 0])
-        place = _place(domain.points[v])
-        remedy = "put a second vertex on the curve" if i in domain.curves else "drop it, or resolve=True does"
-        text = f"{domain.name(i)} = [{v}, {v}] has zero length, {_at(place)}; {remedy}"
+    for i in np.nonzero(outline.pieces[:, 0] == outline.pieces[:, 1])[0].tolist():
+        v = int(outline.pieces[i, 0])
+        place = _place(outline.points[v])
+        remedy = (
+            "put a second vertex on the curve" if i in outline.curves else "drop it, or resolve=True does"
+        )
+        text = f"{outline.name(i)} = [{v}, {v}] has zero length, {_at(place)}; {remedy}"
         result.append(Fault("zero length", text, place, (i,), (v,)))
     return result
 
 
-def _straight(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+def _straight(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """The straight pieces, and their vertices."""
-    rows = np.arange(len(domain.pieces))
-    if not domain.curves:
-        return rows, domain.pieces
-    rows = np.setdiff1d(rows, list(domain.curves), assume_unique=True)
-    return rows, domain.pieces[rows]
+    rows = np.arange(len(outline.pieces))
+    if not outline.curves:
+        return rows, outline.pieces
+    rows = np.setdiff1d(rows, list(outline.curves), assume_unique=True)
+    return rows, outline.pieces[rows]
 
 
-def _repeated(domain: Domain) -> list[Fault]:
-    rows, segments = _straight(domain)
-    head, seen = np.full((2, len(domain.points)), -1, dtype=np.int32)
+def _repeated(outline: Outline) -> list[Fault]:
+    rows, segments = _straight(outline)
+    head, seen = np.full((2, len(outline.points)), -1, dtype=np.int32)
     if not _any_repeated(segments, head, np.empty(len(rows), dtype=np.int32), seen):
         return []
     a, b = segments.astype(np.int64).T
-    key = np.minimum(a, b) * len(domain.points) + np.maximum(a, b)
+    key = np.minimum(a, b) * len(outline.points) + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
     same = key[order[1:]] == key[order[:-1]]
     result = []
     for one, two in zip(rows[order[:-1][same]].tolist(), rows[order[1:][same]].tolist()):
-        a, b = domain.points[domain.pieces[one]]
+        a, b = outline.points[outline.pieces[one]]
         place = _place(a / 2 + b / 2)
         text = (
-            f"{domain.name(one)} and {domain.name(two)} join the same points {domain.pieces[one].tolist()}, "
-            f"{_at(place)}; drop one, or resolve=True (two equal facets then cancel: even-odd)"
+            f"{outline.name(one)} and {outline.name(two)} join the same points "
+            f"{outline.pieces[one].tolist()}, {_at(place)}; drop one, or resolve=True (two equal facets then "
+            "cancel: even-odd)"
         )
         result.append(Fault("repeated segment", text, place, (one, two)))
     return result
@@ -198,42 +192,44 @@ def overlap_place(s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
     return _place(ends[order[1]] / 2 + ends[order[2]] / 2)
 
 
-def _crossings(domain: Domain) -> list[Fault]:
-    rows, segments = _straight(domain)
-    pairs, kinds = meetings(domain.points, segments)
-    if len(pairs) == 0 and len(domain.loose) == 0:
+def _crossings(outline: Outline) -> list[Fault]:
+    rows, segments = _straight(outline)
+    pairs, kinds = meetings(outline.points, segments)
+    if len(pairs) == 0 and len(outline.loose) == 0:
         return []
     result = []
     for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
         one, two = int(rows[i]), int(rows[j])
-        names = f"{domain.name(one)} = {segments[i].tolist()} and {domain.name(two)} = {segments[j].tolist()}"
+        names = (
+            f"{outline.name(one)} = {segments[i].tolist()} and {outline.name(two)} = {segments[j].tolist()}"
+        )
         if kind == CROSSING:
-            place = crossing_place(domain.points, segments[i], segments[j])
+            place = crossing_place(outline.points, segments[i], segments[j])
             text = f"{names} cross {_at(place)}; put a vertex there, or resolve=True splits both"
             result.append(Fault("crossing", text, place, (one, two)))
         elif kind == OVERLAPPING:
-            place = overlap_place(domain.points[segments[i]], domain.points[segments[j]])
+            place = overlap_place(outline.points[segments[i]], outline.points[segments[j]])
             text = f"{names} overlap near ({place[0]:.6g}, {place[1]:.6g}); shorten one, or resolve=True does"
             result.append(Fault("overlap", text, place, (one, two)))
-    suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), domain.loose]))
-    touched = np.unique(pairs) if len(domain.loose) == 0 else np.arange(len(rows))
-    for v, i in vertices_on_segments(domain.points, suspects, segments[touched]).tolist():
+    suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), outline.loose]))
+    touched = np.unique(pairs) if len(outline.loose) == 0 else np.arange(len(rows))
+    for v, i in vertices_on_segments(outline.points, suspects, segments[touched]).tolist():
         piece = int(rows[touched[i]])
-        place = _place(domain.points[v])
+        place = _place(outline.points[v])
         text = (
-            f"point {v} lies on {domain.name(piece)} = {domain.pieces[piece].tolist()}, {_at(place)}; "
+            f"point {v} lies on {outline.name(piece)} = {outline.pieces[piece].tolist()}, {_at(place)}; "
             "split the segment there, or resolve=True does"
         )
         result.append(Fault("vertex on a segment", text, place, (piece,), (v,)))
     return result
 
 
-def _open_vertices(domain: Domain) -> list[Fault]:
-    degree = np.bincount(domain.facets.ravel(), minlength=len(domain.points))
+def _open_vertices(outline: Outline) -> list[Fault]:
+    degree = np.bincount(outline.facets.ravel(), minlength=len(outline.points))
     result = []
     for v in np.nonzero(degree % 2)[0].tolist():
-        touching = tuple(np.nonzero((domain.facets == v).any(axis=1))[0].tolist())
-        place = _place(domain.points[v])
+        touching = tuple(np.nonzero((outline.facets == v).any(axis=1))[0].tolist())
+        place = _place(outline.points[v])
         text = (
             f"the boundary is open: {degree[v]} facet{'s meet' if degree[v] > 1 else ' ends'} at point {v}, "
             f"{_at(place)} (facets {', '.join(map(str, touching))}); an even number must meet. Close the "
@@ -243,34 +239,19 @@ def _open_vertices(domain: Domain) -> list[Fault]:
     return result
 
 
-# ---------------------------------------------------------------------- curves and seeds
+# ---------------------------------------------------------------------- curves
 
 
-def check_ends(domain: Domain) -> None:
+def check_ends(outline: Outline) -> None:
     """Raise where a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
-    for piece, curve in domain.curves.items():
+    for piece, curve in outline.curves.items():
         ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
         if ends.shape != (3, 2) or not np.isfinite(ends).all():
-            raise InputError(f"the curve of {domain.name(piece)} must give finite points of shape (k, 2)")
-        slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(domain.points).max())
-        for end, vertex, x in zip(("starts", "ends"), domain.pieces[piece], ends[[0, 2]]):
-            if not (np.abs(x - domain.points[vertex]) <= slack).all():
+            raise InputError(f"the curve of {outline.name(piece)} must give finite points of shape (k, 2)")
+        slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(outline.points).max())
+        for end, vertex, x in zip(("starts", "ends"), outline.pieces[piece], ends[[0, 2]]):
+            if not (np.abs(x - outline.points[vertex]) <= slack).all():
                 raise InputError(
-                    f"the curve of {domain.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
-                    f"{domain.points[vertex].tolist()}; give that vertex the curve's end"
+                    f"the curve of {outline.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
+                    f"{outline.points[vertex].tolist()}; give that vertex the curve's end"
                 )
-
-
-def check_seeds(domain: Domain) -> None:
-    """Raise where a seed of a region lies on a piece or outside."""
-    sampled = domain.sampled()
-    straight = ~np.isin(sampled.piece, list(domain.curves))
-    for name, seeds in domain.regions.items():
-        on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]
-        wrong = on | ~domain.contains(seeds) if len(domain.facets) else on
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            where = "on a piece" if on[row] else "outside the region (even-odd)"
-            raise InputError(
-                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
-            )

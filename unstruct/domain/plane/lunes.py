@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from math import fsum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...geometry.boxes import BoxTree
 from ...geometry.curves import Arc, CurveLike
+from ...geometry.outline import Outline
 from ...predicates.batch import orient
 from .sample import Sampled, fine_chains
-
-if TYPE_CHECKING:
-    from ..domain import Domain
 
 __all__ = ["areas_beyond_chords", "lune_area", "lunes_hold"]
 
@@ -23,7 +20,7 @@ DEPTH = 48  # halvings of a curve, after which a point is on it up to rounding
 # ---------------------------------------------------------------------- curves
 
 
-def lunes_hold(domain: Domain, sampled: Sampled, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
+def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Whether points lie in an odd number of the regions between the chords ``rows`` and their curves.
 
     The region between chord and curve is a triangle with the middle of the curve, and the two smaller
@@ -32,7 +29,7 @@ def lunes_hold(domain: Domain, sampled: Sampled, rows: np.ndarray, x: np.ndarray
     odd = np.zeros(len(x), dtype=bool)
     piece, span = sampled.piece[rows], sampled.span[rows]
     first, last = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
-    chains = fine_chains(domain, sampled, rows)
+    chains = fine_chains(outline, sampled, rows)
     low, high = chains.min(axis=1), chains.max(axis=1)
     reach = 0.25 * (high - low).max(axis=1, keepdims=True)
     query, row = BoxTree(low - reach, high + reach).pairs(x, x)
@@ -41,7 +38,7 @@ def lunes_hold(domain: Domain, sampled: Sampled, rows: np.ndarray, x: np.ndarray
         if len(query) == 0:
             break
         t = span.mean(axis=1)
-        middle = domain.points_at(piece, t)
+        middle = outline.points_at(piece, t)
         corners = np.stack([first, middle, last], axis=1)
         np.logical_xor.at(odd, query, _in_triangles(corners, x[query]))
         away = np.linalg.norm(middle - (first + last) / 2, axis=1)
@@ -69,17 +66,19 @@ def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
     return crossings % 2 == 1
 
 
-def areas_beyond_chords(domain: Domain, sampled: Sampled, rows: np.ndarray, left: np.ndarray) -> list[float]:
+def areas_beyond_chords(
+    outline: Outline, sampled: Sampled, rows: np.ndarray, left: np.ndarray
+) -> list[float]:
     """For each curved facet the area between its chords and the curve, positive where it adds to the inside.
 
     ``rows`` are the subsegments of facets, ``left`` whether each has the inside on its left.
     """
     parts = []
-    for piece, curve in domain.curves.items():
+    for piece, curve in outline.curves.items():
         mine = np.nonzero(sampled.piece[rows] == piece)[0]
         if len(mine) == 0:
             continue
-        a, b = domain.points[domain.pieces[piece]]
+        a, b = outline.points[outline.pieces[piece]]
         (x, y), (u, v) = (sampled.points[sampled.ends[rows[mine], k]].T - a[:, None] for k in (0, 1))
         chords = fsum(0.5 * (x * v - y * u))
         parts.append((lune_area(curve, a, b) - chords) * (1 if left[mine[0]] else -1))

@@ -7,19 +7,24 @@ if it stands between what is eaten and what is left, and an inner segment otherw
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import count
 from pathlib import Path
 from re import fullmatch
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...base.errors import InputError
-
-if TYPE_CHECKING:
-    from ...mesh.mesh import Mesh
-    from ..domain import Domain
+from ...connect.planar.complex import PlanarComplex
+from ...connect.planar.flood import mark_regions
+from ...connect.planar.inserting import insert_all
+from ...geometry.outline import Outline
+from ...geometry.parity import even_odd
+from ...mesh.marked import parts
+from ...mesh.mesh import Mesh
+from ...mesh.topology import oriented_facet
+from .sample import Sampled
 
 __all__ = ["read_poly", "write_poly"]
 
@@ -103,12 +108,12 @@ class Poly(NamedTuple):
 
     parts: dict[str, Any]
     areas: dict[str, float]
-    walls: Domain
+    walls: Any
     piece_origin: np.ndarray
 
 
-def read_poly(path: Path, *, resolve: bool) -> Poly:
-    """Read a file; with ``resolve`` its vertices and segments are repaired first."""
+def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
+    """Read a file; its walls are checked, with ``resolve`` repaired, by ``make`` (`Domain`)."""
     rows = _Rows(path)
     points, first = _vertices(path, rows)
     many, *flags = rows.count("the number of segments")
@@ -128,9 +133,7 @@ def read_poly(path: Path, *, resolve: bool) -> Poly:
         regions.setdefault(name, []).append([x, y])
         if bound and bound[0] > 0:
             areas[name] = min(areas.get(name, np.inf), bound[0])
-    from ..domain import Domain
-
-    walls = Domain(points, (), inner=segments, markers=markers, resolve=resolve)
+    walls = make(points, (), inner=segments, markers=markers, resolve=resolve)
     facets = _eaten_sides(walls, seeds)
     order = np.concatenate([np.nonzero(facets)[0], np.nonzero(~facets)[0]])
     place = np.empty(len(order), dtype=np.int64)
@@ -155,14 +158,12 @@ def _seeds(rows: _Rows, what: str, path: Path) -> Iterator[list[float]]:
         yield [_number(w, what, path) for w in rows.next(3, what)[1:3]]
 
 
-def _eaten_sides(walls: Domain, seeds: np.ndarray) -> np.ndarray:
+def _eaten_sides(walls: Outline, seeds: np.ndarray) -> np.ndarray:
     """Which segments have what is eaten on one side, and what is left on the other."""
-    mesh, part, beyond = _hull_parts(walls)
+    mesh, part, beyond = _hull_parts(walls.points, walls.inner)
     cells = mesh.find_simplex(seeds) if len(seeds) else np.empty(0, dtype=np.int64)
     eaten = np.isin(part, np.concatenate([part[cells[cells >= 0]], beyond]))
     cells, corner = np.nonzero(np.ones_like(mesh.neighbors, dtype=bool))
-    from ...mesh.topology import oriented_facet
-
     sides = np.sort(oriented_facet(mesh.simplices, cells, corner), axis=1)
     other = mesh.neighbors[cells, corner]
     differs = eaten[cells] != np.where(other < 0, True, eaten[other])
@@ -174,13 +175,14 @@ def _eaten_sides(walls: Domain, seeds: np.ndarray) -> np.ndarray:
     return np.isin(low * n + high, between)
 
 
-def _hull_parts(walls: Domain) -> tuple[Mesh, np.ndarray, np.ndarray]:
+def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray, np.ndarray]:
     """The convex hull in triangles, the part of each between walls, and the parts open to the outside."""
-    from ...generate.boundary.constrained import constrained_delaunay
-    from ...mesh.marked import parts
-    from ...mesh.topology import oriented_facet
-
-    mesh = constrained_delaunay(walls, hull=True)
+    complex_ = PlanarComplex(points)
+    many = len(walls)
+    span = np.tile([0.0, 1.0], (many, 1))
+    insert_all(complex_, walls, np.arange(many, dtype=np.int32), span, facets=0)
+    mark_regions(complex_, 0, {}, True)
+    mesh = complex_.mesh(facets=0, origin=np.arange(len(points), dtype=np.int32), markers={}, points=points)
     marked = np.concatenate([mesh.markers["facets"], mesh.markers["inner"]])
     part = parts(mesh, marked)
     cells, corner = np.nonzero(mesh.neighbors < 0)
@@ -194,13 +196,10 @@ def _hull_parts(walls: Domain) -> tuple[Mesh, np.ndarray, np.ndarray]:
 # ---------------------------------------------------------------------- writing
 
 
-def write_poly(domain: Domain, path: Path) -> None:
+def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], path: Path) -> None:
     """Vertices, segments, a seed for each hole, regions; every number in full precision."""
-    from ..domain import Domain
-
     if path.suffix != ".poly":
         raise InputError(f"a region is written as .poly, not {path.suffix!r}")
-    sampled = domain.sampled()
     marks = _numbers(domain.markers, _is_marker)
     mark = np.full(len(domain.pieces), "0", dtype=object)
     for name, pieces in domain.markers.items():
@@ -215,8 +214,7 @@ def write_poly(domain: Domain, path: Path) -> None:
         f"{i} {a} {b} {mark[piece]}"
         for i, ((a, b), piece) in enumerate(zip(sampled.ends.tolist(), sampled.piece))
     ]
-    walls = Domain(sampled.points, (), inner=sampled.ends)
-    mesh, part, beyond = _hull_parts(walls)
+    mesh, part, beyond = _hull_parts(sampled.points, sampled.ends)
     holes = []
     for p in np.setdiff1d(part, beyond):
         cells = np.nonzero(part == p)[0]
@@ -227,13 +225,11 @@ def write_poly(domain: Domain, path: Path) -> None:
     seeds = [(name, x) for name in domain.regions for x in domain.regions[name].tolist()]
     lines += [str(len(seeds))]
     for row, (name, (x, y)) in enumerate(seeds):
-        lines.append(f"{row} {x!r} {y!r} {values[name]} {domain.max_areas.get(name, -1.0)!r}")
+        lines.append(f"{row} {x!r} {y!r} {values[name]} {areas.get(name, -1.0)!r}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
-    from ...geometry.parity import even_odd
-
     return bool(even_odd(sampled.points, sampled.ends[sampled.piece < facets], x[None])[0][0])
 
 

@@ -9,18 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
+from ...geometry.outline import Outline
 from ...geometry.segment_pairs import meetings
 from ...sizing.field import SizeField, as_size
 from .corners import crossings_at_corners
-
-if TYPE_CHECKING:
-    from ..domain import Domain
 
 __all__ = ["Sampled"]
 
@@ -43,7 +41,7 @@ class Sampled:
     Attributes
     ----------
     points : (n, 2) float64
-        First the points of the domain, then those that cut its pieces.
+        First the points of the outline, then those that cut its pieces.
     origin : (n,) int32
         The domain vertex that each point is; -1 for the others.
     ends : (s, 2) int32
@@ -64,18 +62,18 @@ class Sampled:
 # ---------------------------------------------------------------------- cutting
 
 
-def assemble(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> Sampled:
+def assemble(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> Sampled:
     """Subsegments for parameter intervals that fill each piece from 0 to 1, sorted by piece and t0."""
-    n = len(domain.points)
+    n = len(outline.points)
     inside = t1 < 1.0
     count = int(inside.sum())
     fresh = n + np.cumsum(inside) - 1
-    pieces = domain.pieces
+    pieces = outline.pieces
     last = np.where(inside, fresh, pieces[piece, 1])
     first = np.where(t0 > 0.0, np.concatenate([[-1], last[:-1]]), pieces[piece, 0])
     points = np.empty((n + count, 2))
-    points[:n] = domain.points
-    points[n:] = domain.points_at(piece[inside], t1[inside])
+    points[:n] = outline.points
+    points[n:] = outline.points_at(piece[inside], t1[inside])
     origin = np.full(n + count, -1, dtype=np.int32)
     origin[:n] = np.arange(n)
     ends = np.column_stack([first, last]).astype(np.int32)
@@ -97,10 +95,10 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 # ---------------------------------------------------------------------- safety
 
 
-def fine_chains(domain: Domain, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
+def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
     """Points (r, FINE + 1, 2) along the stretches of curve over the subsegments ``rows``."""
     t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
-    chains = domain.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
+    chains = outline.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
     chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
     return chains
 
@@ -113,14 +111,14 @@ def turning(chains: np.ndarray) -> np.ndarray:
     return np.abs(np.arctan2(cross, dot)).sum(axis=1)
 
 
-def conflicts(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Pairs of subsegments (c, 2) of which one or both must be cut for the chords to be safe.
 
     ``rows`` are the curved ones, ``chains`` their `fine_chains`.
     """
     pairs = [meetings(sampled.points, sampled.ends)[0]]
     if len(rows):
-        pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(domain, sampled, rows, chains)]
+        pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(outline, sampled, rows, chains)]
     return np.concatenate(pairs)
 
 
@@ -138,9 +136,9 @@ def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
 
-def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
+def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
-    at = np.concatenate([sampled.points, *domain.regions.values()])
+    at = np.concatenate([sampled.points, *outline.regions.values()])
     query, hit = BoxTree(chains.min(axis=1), chains.max(axis=1)).pairs(at, at)
     own = (sampled.ends[rows[hit]] == query[:, None]).any(axis=1)
     query, hit = query[~own], hit[~own]
@@ -155,29 +153,29 @@ def _vertices_between(domain: Domain, sampled: Sampled, rows: np.ndarray, chains
     return np.column_stack([cut, cut])
 
 
-def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
+def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
     """Cut on until the chords are safe, and none stands for more than this turn of its curve.
 
     Straight pieces that rounding lets touch others become whole.
     """
-    bent = np.zeros(len(domain.pieces), dtype=bool)
-    bent[list(domain.curves)] = True
+    bent = np.zeros(len(outline.pieces), dtype=bool)
+    bent[list(outline.curves)] = True
     for _ in range(ROUNDS):
-        sampled = assemble(domain, piece, t0, t1)
+        sampled = assemble(outline, piece, t0, t1)
         curved = bent[sampled.piece]
         rows = np.nonzero(curved)[0]
         cut = np.zeros(len(curved), dtype=bool)
-        chains = fine_chains(domain, sampled, rows)
+        chains = fine_chains(outline, sampled, rows)
         if turn < np.inf:
             cut[rows[turning(chains) > turn * (1 + 1e-9)]] = True
         if not cut.any():
-            pairs = conflicts(domain, sampled, rows, chains)
+            pairs = conflicts(outline, sampled, rows, chains)
             if len(pairs) == 0:
                 return sampled
             cut[pairs.ravel()] = True
             straight = np.isin(sampled.piece, sampled.piece[cut & ~curved]) & ~curved
             cut &= curved
-            if cut.sum() > MANY + SHARE * len(domain.curves):
+            if cut.sum() > MANY + SHARE * len(outline.curves):
                 break
             if not cut.any():
                 if not ((sampled.span[straight] != [0.0, 1.0]).any()):
@@ -190,22 +188,22 @@ def safe(domain: Domain, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn
         if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
             break
         piece, t0, t1 = halve(sampled, cut)
-    raise InputError(_meeting_text(domain, sampled, conflicts(domain, sampled, rows, chains)))
+    raise InputError(_meeting_text(outline, sampled, conflicts(outline, sampled, rows, chains)))
 
 
-def _meeting_text(domain: Domain, sampled: Sampled, pairs: np.ndarray) -> str:
+def _meeting_text(outline: Outline, sampled: Sampled, pairs: np.ndarray) -> str:
     if len(pairs) == 0:
-        row = int(np.argmax(turning(fine_chains(domain, sampled, np.arange(len(sampled.ends))))))
+        row = int(np.argmax(turning(fine_chains(outline, sampled, np.arange(len(sampled.ends))))))
         x, y = sampled.points[sampled.ends[row, 0]]
-        name = domain.name(int(sampled.piece[row]))
+        name = outline.name(int(sampled.piece[row]))
         return f"{name} turns without end near ({x:.6g}, {y:.6g}): a curve must be smooth; put a vertex there"
     first, second = pairs[0]
     x, y = sampled.points[sampled.ends[first]].mean(axis=0)
-    return _told(domain, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
+    return _told(outline, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
 
 
-def _told(domain: Domain, first: int, second: int, x: float, y: float) -> str:
-    one, two = domain.name(first), domain.name(second)
+def _told(outline: Outline, first: int, second: int, x: float, y: float) -> str:
+    one, two = outline.name(first), outline.name(second)
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
     return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
 
@@ -213,75 +211,75 @@ def _told(domain: Domain, first: int, second: int, x: float, y: float) -> str:
 # ---------------------------------------------------------------------- sizes
 
 
-def _refuse_repeated(domain: Domain) -> None:
+def _refuse_repeated(outline: Outline) -> None:
     """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
     with_ends: dict[tuple[int, int], list[int]] = {}
-    for piece in domain.curves:
-        a, b = domain.pieces[piece].tolist()
+    for piece in outline.curves:
+        a, b = outline.pieces[piece].tolist()
         with_ends.setdefault((min(a, b), max(a, b)), []).append(piece)
     for (a, b), pieces in with_ends.items():
         for one, two in combinations(pieces, 2):
-            turned = domain.pieces[one, 0] != domain.pieces[two, 0]
-            x, y = domain.at(one, SAMPLES), domain.at(two, SAMPLES)[:: -1 if turned else 1]
+            turned = outline.pieces[one, 0] != outline.pieces[two, 0]
+            x, y = outline.at(one, SAMPLES), outline.at(two, SAMPLES)[:: -1 if turned else 1]
             if np.abs(x - y).max() <= SAME * np.abs(x).max():
-                names = f"{domain.name(one)} and {domain.name(two)}"
+                names = f"{outline.name(one)} and {outline.name(two)}"
                 raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
 
 
-def coarse(domain: Domain) -> Sampled:
+def coarse(outline: Outline) -> Sampled:
     """Straight pieces whole, curves as coarsely as is safe."""
-    _refuse_repeated(domain)
-    whole = np.arange(len(domain.pieces))
-    if not domain.curves:  # validated as they stand
-        number, span = np.arange(len(domain.points), dtype=np.int32), np.empty((len(whole), 2))
+    _refuse_repeated(outline)
+    whole = np.arange(len(outline.pieces))
+    if not outline.curves:  # validated as they stand
+        number, span = np.arange(len(outline.points), dtype=np.int32), np.empty((len(whole), 2))
         span[:, 0], span[:, 1] = 0.0, 1.0
-        return Sampled(domain.points, number, domain.pieces, whole.astype(np.int32), span)
-    pairs, places = crossings_at_corners(domain)
+        return Sampled(outline.points, number, outline.pieces, whole.astype(np.int32), span)
+    pairs, places = crossings_at_corners(outline)
     if len(pairs):
-        raise InputError(_told(domain, *pairs[0].tolist(), *places[0].tolist()))
-    return safe(domain, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
+        raise InputError(_told(outline, *pairs[0].tolist(), *places[0].tolist()))
+    return safe(outline, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
 
 
-def sized(domain: Domain, size: Any, step: float) -> Sampled:
+def sized(outline: Outline, size: Any, step: float) -> Sampled:
     """Equal steps of the integral of ds / size along each piece, a whole count on each."""
     size = as_size(size)
-    piece, t, total = _table(domain, size)
-    start = np.searchsorted(piece, np.arange(len(domain.pieces)))
+    piece, t, total = _table(outline, size)
+    start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
     amount = np.append(begin[1:], total[-1]) - begin if len(start) else np.empty(0)
     if amount.sum() / step > MOST:
-        raise InputError(_too_small(domain, int(np.argmax(amount)), 0.5))
+        raise InputError(_too_small(outline, int(np.argmax(amount)), 0.5))
     count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
     owner = np.repeat(np.arange(len(count)), count)
     j = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-    even = np.ones(len(domain.pieces), dtype=bool)
+    even = np.ones(len(outline.pieces), dtype=bool)
     if size.constant is None:
         even[:] = False
     else:
-        even[list(domain.curves)] = False
+        even[list(outline.curves)] = False
     share = j / count[owner]
     wanted = begin[owner] + share * amount[owner]
     t0 = np.where(even[owner], share, np.interp(wanted, total, piece + t) - owner)
     t0 = np.where(j == 0, 0.0, t0)
     last = np.append(owner[1:] != owner[:-1], True)
     t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
-    return safe(domain, owner, t0, t1, np.inf)
+    return safe(outline, owner, t0, t1, np.inf)
 
 
-def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _table(outline: Outline, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples (piece, t) in order with the integral of ds / size up to each, over all pieces.
 
     Intervals are halved until their halves are nearly alike and agree with the whole, or far below a step.
     """
-    many = len(domain.pieces)
-    parts = np.where(np.isin(np.arange(many), list(domain.curves)), 16, 1)
+    many = len(outline.pieces)
+    parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
     piece = np.repeat(np.arange(many), parts)
     j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     t0, t1 = j / parts[piece], (j + 1) / parts[piece]
     done: list[tuple[np.ndarray, ...]] = []
     while len(piece):
         t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
-        x = domain.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
+        x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
         h = size(x[1::2].reshape(-1, 2)).reshape(2, -1)
         h1 = size(x[2])
         dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
@@ -297,7 +295,7 @@ def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.
             np.stack([np.stack([t0, t[2]])[:, ~well].T.ravel(), np.stack([t[2], t1])[:, ~well].T.ravel()]),
         )
         if len(piece) > max(STRETCH, SHARE * many):
-            raise InputError(_too_small(domain, int(piece[0]), float(t0[0])))
+            raise InputError(_too_small(outline, int(piece[0]), float(t0[0])))
     piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
     order = np.lexsort((t0, piece))
     piece, t1, amount = piece[order], t1[order], amount[order]
@@ -311,6 +309,6 @@ def _table(domain: Domain, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.
     )
 
 
-def _too_small(domain: Domain, piece: int, t: float) -> str:
-    x, y = domain.at(piece, t)[0]
-    return f"the size is too small or too rough along {domain.name(piece)} near ({x:.6g}, {y:.6g}); raise it"
+def _too_small(outline: Outline, piece: int, t: float) -> str:
+    x, y = outline.at(piece, t)[0]
+    return f"the size is too small or too rough along {outline.name(piece)} near ({x:.6g}, {y:.6g}); raise it"

@@ -15,7 +15,7 @@ Book: 2.4b.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,11 @@ from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
-from ...domain.arguments import as_domain
+from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import Refined
 from .constrained import complex_of
 from .fans import never_ends
 from .midpoints import GABRIEL, MISSING, pick, split_all
-
-if TYPE_CHECKING:
-    from ...domain.domain import Domain
 
 __all__ = ["Conforming", "conform", "conforming_delaunay"]
 

@@ -9,17 +9,14 @@ then flood the inside from the ghosts beyond the hull. See the book, 2.5.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base.errors import InputError
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
-from ...domain.arguments import as_domain
+from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import Refined
-
-if TYPE_CHECKING:
-    from ...domain.domain import Domain, Sampled
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 

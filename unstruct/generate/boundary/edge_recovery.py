@@ -20,7 +20,8 @@ from ...connect.planar.inserting import insert_all
 from ...connect.planar.segments import absent, fill_corners
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import Refined
-from ...mesh.mesh import Mesh, _remaining, is_planar
+from ...mesh.marked import remaining
+from ...mesh.mesh import Mesh, is_planar
 from ...mesh.topology import as_simplices, twins
 from ...predicates.batch import power_of_two, scaled
 
@@ -75,7 +76,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> Refined:
     neighbors[neighbors >= m] = -1
     changed = crossed.any()
     markers = {
-        name: values if values.ndim == 1 else _remaining(values, simplices)
+        name: values if values.ndim == 1 else remaining(values, simplices)
         for name, values in mesh.markers.items()
         if not (changed and values.ndim == 1)
     }

@@ -12,27 +12,24 @@ from all vertices leave the edge alone. Book: 2.4b.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import finite
+from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import LAST
 from ...connect.planar.complex import PlanarComplex
-from ...domain.arguments import as_domain
+from ...domain.domain import Domain, as_domain
 from ...geometry.simplex import circumradius
 from ...mesh.domain_mesh import Refined
-from ...mesh.mesh import as_points
 from ...sizing import as_size
 from .conforming import conform
 from .constrained import complex_of
 from .guarded import BREAKS, CROWDED, HIDDEN, INSERTED, OUTSIDE, REPEATED, guard_all, hit_all
-
-if TYPE_CHECKING:
-    from ...domain.domain import Domain
 
 __all__ = ["Guarded", "Skeleton", "insert_without_breaking", "skeleton_points"]
 

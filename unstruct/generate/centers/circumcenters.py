@@ -6,7 +6,7 @@ boundary is in the way, is a choice here. See the book, 2.6a and 2.6b; for guara
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,14 +18,12 @@ from ...base.progress import progress_bar
 from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
+from ...domain.domain import Domain
 from ...mesh.domain_mesh import Refined
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from .steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
 from .worst import NONE, Contest, Rule, make_rule, measures, put
-
-if TYPE_CHECKING:
-    from ...domain.domain import Domain
 
 __all__ = ["circumcenter_insertion"]
 
@@ -130,7 +128,6 @@ def circumcenter_insertion(
 
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
     """The domain; for points also their numbers in the input, and how many repeat others."""
-    from ...domain.domain import Domain
 
     if isinstance(given, Domain):
         return given, None, 0

@@ -6,12 +6,13 @@ Nothing here looks at good triangles more than once: what it costs follows the n
 from __future__ import annotations
 
 from math import asin, degrees, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import legalize_moved, opposite_half_edges
+from ...domain.domain import Domain
 from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
@@ -19,10 +20,6 @@ from ..refinement.limits import make_limits
 from ..refinement.run import Planned
 from ..refinement.run import Run as Refinement
 from ..refinement.state import FINISHED, MORE, REFUSED
-
-if TYPE_CHECKING:
-    from ...connect.planar.complex import PlanarComplex
-    from ...domain.domain import Domain
 
 __all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
 

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
+from ...connect.planar.complex import PlanarComplex
+from ...domain.domain import Domain
+from ...mesh.domain_mesh import Refined
 from ...sizing import as_size
 from . import steps as k
 from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
-
-if TYPE_CHECKING:
-    from ...connect.planar.complex import PlanarComplex
-    from ...domain.domain import Domain
-    from ...mesh.domain_mesh import Refined
 
 COUNT_NAMES = (
     "points", "capped", "clamped", "behind", "deleted", "cocircular", "circumcenters", "splits", "moved",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,10 @@ from numpy.typing import NDArray
 from ...base.arguments import DEFAULT_BUDGET, MOST, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from ...domain.arguments import as_domain
+from ...domain.domain import Domain, as_domain
+from ...mesh.domain_mesh import Refined
 from ..boundary.constrained import planar_complex
 from .run import COUNT_NAMES, Run, rule_of
-
-if TYPE_CHECKING:
-    from ...domain.domain import Domain
-    from ...mesh.domain_mesh import Refined
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
 

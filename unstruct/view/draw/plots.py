@@ -16,6 +16,7 @@ from ...geometry.simplex import circumcenter, circumradius
 from . import frames as fr
 from .colors import PAPER, line_style
 from .colors import role as style_of
+from .space import picture
 from .strips import draw_items, fit, flat_axes, marks
 
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
@@ -65,8 +66,6 @@ def plot(
     """
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] == 3:
-        from .space import picture
-
         return picture(mesh, ax, role=role, values=values, label=label, **view)
     if points.shape[1] > 3 or view:
         raise InputError(f"no picture of {points.shape[1]} dimensions with {sorted(view)}; plot a projection")

@@ -217,7 +217,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
         A frame; its number counts the edges of the component and those that P does not see: none, always.
     """
     given = preset_named(COMPONENTS, preset)
-    mesh, fixed = _component_mesh(given)
+    mesh, fixed = component_mesh(given)
     within("x", x, 0, 1)
     within("y", y, 0, 1)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
@@ -259,7 +259,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     return fr.frame(text, *items, *point, number=number, view=view)
 
 
-def _component_mesh(given: dict[str, Any]) -> tuple[Mesh, np.ndarray]:
+def component_mesh(given: dict[str, Any]) -> tuple[Mesh, np.ndarray]:
     points = np.array(given["points"], dtype=float)
     mesh = Mesh(points, given["cells"]).oriented() if "cells" in given else delaunay(points)
     rim = (mesh.neighbors < 0).any(axis=1)

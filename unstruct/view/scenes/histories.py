@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...connect.baker.modernized import Baker
 from ...connect.insertion.delaunay import Triangulation
 from ...connect.swapping import replay
 from ...geometry.simplex import circumcenter, circumradius, quality
-from ...mesh.mesh import Mesh, as_points
+from ...mesh.mesh import Mesh
 from ...predicates.batch import in_sphere
 from ..draw import frames as fr
 

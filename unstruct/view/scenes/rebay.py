@@ -10,18 +10,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import inf, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.simplex import angles, circumcenter, circumradius
+from ...plain import rebay_step as rs
+from ...plain.rebay_step import Step
 from ...predicates.batch import in_sphere
 from ..draw import frames as fr
 from .choices import preset_named, within
-
-if TYPE_CHECKING:
-    from ...plain.rebay_step import Step
 
 __all__ = [
     "COBWEBS",
@@ -64,7 +63,6 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
         A frame; its caption tells by exact signs what happens to the edge AB, its number compares d with q
         and gives the angle at X.
     """
-    from ...plain import rebay_step as rs  # only pictures lean on the plain versions, and only when drawn
 
     given = preset_named(SEGMENTS, preset)
     within("f", f, *SIZE)
@@ -197,7 +195,6 @@ def cobweb_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict
 
 def _next(deviation: float, growth: float) -> float:
     """epsilon of the next edges from that of an edge."""
-    from ...plain import rebay_step as rs
 
     ratio = deviation + IDEAL
     return rs.epsilon(rs.next_ratio(1 / ratio, growth), 1.0)
@@ -271,7 +268,6 @@ def chain_frame(start: float = 0.55, growth: float = 1.0, count: int = 10) -> fr
     dict
         A frame; its number gives the angle at the new point of the first and of the last triangle.
     """
-    from ...plain import rebay_step as rs
 
     if count < 1:
         raise InputError(f"a chain of {count} triangles; ask for at least one")

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...geometry.simplex import circumcenter, circumradius
+from ...plain.rebay import Insertion
 from ..draw import frames as fr
-
-if TYPE_CHECKING:
-    from ...plain.rebay import Insertion
 
 __all__ = ["rebay_frames"]
 

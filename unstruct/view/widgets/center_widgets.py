@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..scenes.centers import CENTERS, circumcenter_history
-from .widgets import Panel, _chosen
+from .widgets import Panel, chosen
 
 __all__ = ["circumcenters"]
 
@@ -11,6 +11,6 @@ __all__ = ["circumcenters"]
 def circumcenters() -> Panel:
     """Step through circumcenter insertion: no boundary, edges kept (R may rise), edges split. Book: 2.6a."""
     histories = {name: circumcenter_history(name) for name in CENTERS}
-    return _chosen(
+    return chosen(
         histories, "Triangulations, each with its maximal triangle, its circle, and the next point."
     )

@@ -9,11 +9,11 @@ import numpy as np
 from ..scenes.constraints import (
     COMPONENTS,
     SEGMENTS,
-    _component_mesh,
+    component_mesh,
     principal_component_state,
     segment_history,
 )
-from .widgets import Panel, _chosen, _live, _presets, _slider
+from .widgets import Panel, chosen, live, presets, slider
 
 __all__ = ["constrained_insertion", "principal_component"]
 
@@ -21,7 +21,7 @@ __all__ = ["constrained_insertion", "principal_component"]
 def constrained_insertion() -> Panel:
     """Step through the insertion of segments: crossed triangles, two polygons, filling. Book: 2.5."""
     histories = {name: segment_history(name) for name in SEGMENTS}
-    return _chosen(histories, "A segment is put into a triangulation: what it crosses, what comes instead.")
+    return chosen(histories, "A segment is put into a triangulation: what it crosses, what comes instead.")
 
 
 def principal_component() -> Panel:
@@ -29,20 +29,20 @@ def principal_component() -> Panel:
     first = next(iter(COMPONENTS))
     start = _start(first)
     controls = {
-        "preset": _presets(COMPONENTS),
-        "x": _slider("x of P", start["x"], 0, 1, 0.01),
-        "y": _slider("y of P", start["y"], 0, 1, 0.01),
+        "preset": presets(COMPONENTS),
+        "x": slider("x of P", start["x"], 0, 1, 0.01),
+        "y": slider("y of P", start["y"], 0, 1, 0.01),
     }
     alt = (
         "A triangulation, a point P that can be moved, the triangles whose circles hold it, fixed triangles."
     )
 
     def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-        points = _component_mesh(COMPONENTS[values["preset"]])[0].points
+        points = component_mesh(COMPONENTS[values["preset"]])[0].points
         low, high = points.min(axis=0), points.max(axis=0)
         return dict(zip("xy", ((np.array([px, py]) - low) / (high - low)).tolist()))
 
-    return _live(principal_component_state, controls, alt, drag, _start)
+    return live(principal_component_state, controls, alt, drag, _start)
 
 
 def _start(preset: str) -> dict[str, Any]:

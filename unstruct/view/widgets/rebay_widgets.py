@@ -18,7 +18,7 @@ from ..scenes.rebay import (
     voronoi_segment_drag,
     voronoi_segment_state,
 )
-from .widgets import Panel, _live, _presets, _slider
+from .widgets import Panel, live, presets, slider
 
 __all__ = ["rebay_cobweb", "rebay_step"]
 
@@ -27,9 +27,9 @@ def rebay_step() -> Panel:
     """The chapter's Fig. 12.8: drag F or X, or move f and q, and see where the new point goes. Book: 2.6c."""
     first = SEGMENTS[next(iter(SEGMENTS))]
     controls = {
-        "preset": _presets(SEGMENTS),
-        "f": _slider("wanted radius f", first["f"], *SIZE, 0.01),
-        "q": _slider("q, from M to F", first["q"], *REACH, 0.01),
+        "preset": presets(SEGMENTS),
+        "f": slider("wanted radius f", first["f"], *SIZE, 0.01),
+        "q": slider("q, from M to F", first["q"], *REACH, 0.01),
     }
     alt = (
         "An accepted triangle ABC, the triangle ADB below it, their circles and centers, and the new point X."
@@ -38,7 +38,7 @@ def rebay_step() -> Panel:
     def start(preset: str) -> dict[str, Any]:
         return {name: SEGMENTS[preset][name] for name in ("f", "q")}
 
-    return _live(voronoi_segment_state, controls, alt, voronoi_segment_drag, start)
+    return live(voronoi_segment_state, controls, alt, voronoi_segment_drag, start)
 
 
 def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
@@ -56,13 +56,13 @@ def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
     """
     growth, first = COBWEBS[next(iter(COBWEBS))]
     controls = {
-        "preset": _presets(COBWEBS),
-        "growth": _slider("f times", growth, *GROWTH, 0.01),
-        "start": _slider("first p / f", first, *START, 0.01),
+        "preset": presets(COBWEBS),
+        "growth": slider("f times", growth, *GROWTH, 0.01),
+        "start": slider("first p / f", first, *START, 0.01),
     }
     alt = "The curve from one deviation to the next, the diagonal, and the cobweb of a chain of edges."
 
     def start(preset: str) -> dict[str, Any]:
         return dict(zip(("growth", "start"), COBWEBS[preset]))
 
-    return _live(partial(cobweb_state, measured=measured), controls, alt, cobweb_drag, start)
+    return live(partial(cobweb_state, measured=measured), controls, alt, cobweb_drag, start)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..scenes.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag, diagonal_choice_state, swap_history
-from .widgets import Panel, _chosen, _live, _presets, _slider
+from .widgets import Panel, chosen, live, presets, slider
 
 __all__ = ["diagonal_choice", "diagonal_swaps"]
 
@@ -15,19 +15,19 @@ def diagonal_choice() -> Panel:
     first = next(iter(QUADRILATERALS))
     x, y = QUADRILATERALS[first]["start"]
     controls = {
-        "preset": _presets(QUADRILATERALS),
-        "x": _slider("x of D", x, -2, 2, 0.01),
-        "y": _slider("y of D", y, -2, 2, 0.01),
+        "preset": presets(QUADRILATERALS),
+        "x": slider("x of D", x, -2, 2, 0.01),
+        "y": slider("y of D", y, -2, 2, 0.01),
     }
     alt = "A quadrilateral A, B, C, D, once with each diagonal, and its angles; D can be moved."
 
     def start(preset: str) -> dict[str, Any]:
         return dict(zip("xy", QUADRILATERALS[preset]["start"]))
 
-    return _live(diagonal_choice_state, controls, alt, diagonal_choice_drag, start)
+    return live(diagonal_choice_state, controls, alt, diagonal_choice_drag, start)
 
 
 def diagonal_swaps() -> Panel:
     """Step through swaps: the triangulation, and all its angles, sorted, which rise. Book: 2.4b."""
     histories = {name: swap_history(name) for name in RUNS}
-    return _chosen(histories, "A triangulation whose diagonals are swapped, and its sorted angles as bars.")
+    return chosen(histories, "A triangulation whose diagonals are swapped, and its sorted angles as bars.")

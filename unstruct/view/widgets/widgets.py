@@ -68,9 +68,9 @@ def empty_circle() -> Panel:
     first = next(iter(CIRCLES))
     x, y = CIRCLES[first]["start"]
     controls = {
-        "preset": _presets(CIRCLES),
-        "x": _slider("x of D", x, -2, 2, 0.01),
-        "y": _slider("y of D", y, -2, 2, 0.01),
+        "preset": presets(CIRCLES),
+        "x": slider("x of D", x, -2, 2, 0.01),
+        "y": slider("y of D", y, -2, 2, 0.01),
     }
     alt = "Three points A, B, C, their circle, and a fourth point D that can be moved."
 
@@ -81,25 +81,25 @@ def empty_circle() -> Panel:
     def start(preset: str) -> dict[str, Any]:
         return dict(zip("xy", CIRCLES[preset]["start"]))
 
-    return _live(empty_circle_state, controls, alt, drag, start)
+    return live(empty_circle_state, controls, alt, drag, start)
 
 
 def cavity_argument() -> Panel:
     """The chapter's Fig. 12.4: whatever hides P from a cavity triangle belongs to the cavity. Book: 2.4a."""
     controls = {
-        "angle_p": _slider("angle APC", 135, 1, 179, 1),
-        "angle_d": _slider("angle ADC", 80, 1, 179, 1),
-        "place": _slider("place of P", 0.3, 0, 1, 0.01),
+        "angle_p": slider("angle APC", 135, 1, 179, 1),
+        "angle_d": slider("angle ADC", 80, 1, 179, 1),
+        "place": slider("place of P", 0.3, 0, 1, 0.01),
     }
     alt = "Triangles ABC and ACD, their circles, and a point P beyond the edge AC; P and D can be moved."
-    return _live(cavity_proof_state, controls, alt, cavity_proof_drag)
+    return live(cavity_proof_state, controls, alt, cavity_proof_drag)
 
 
 def new_triangle_argument() -> Panel:
     """The chapter's Fig. 12.5 with both cases: D on either side of AB, AB perhaps on the hull. Book: 2.4a."""
     controls = {
-        "p": _slider("place of P", 0.5, 0, 1, 0.01),
-        "turn": _slider("direction of D", 60, 0, 360, 1),
+        "p": slider("place of P", 0.5, 0, 1, 0.01),
+        "turn": slider("direction of D", 60, 0, 360, 1),
         "hull": ipywidgets.Checkbox(
             False, description="AB is on the hull", style=WIDE, layout={"width": WIDTH}
         ),
@@ -107,28 +107,28 @@ def new_triangle_argument() -> Panel:
     alt = (
         "A new triangle ABP, its circle, the circles of the old triangles on both sides of AB, and a point D."
     )
-    return _live(star_proof_state, controls, alt, star_proof_drag)
+    return live(star_proof_state, controls, alt, star_proof_drag)
 
 
 def voronoi_dual() -> Panel:
     """Fade the Voronoi diagram into its dual; degenerate and misleading sites as presets. Book: 2.1."""
     histories = {name: [voronoi_dual_state(k / (FADES - 1), name) for k in range(FADES)] for name in SITES}
-    return _chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
+    return chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
 
 
 def bowyer_watson() -> Panel:
     """Step through insertions: locate, cavity, star; ties, and a start that is not Delaunay. Book: 2.4a."""
     histories = {name: bowyer_watson_history(name) for name in INSERTIONS}
-    return _chosen(
+    return chosen(
         histories, "Points inserted one by one: the triangle, the cavity with its circles, the star."
     )
 
 
-def _presets(known: dict[str, Any]) -> Any:
+def presets(known: dict[str, Any]) -> Any:
     return ipywidgets.Dropdown(options=list(known), description="preset", style=WIDE, layout={"width": WIDTH})
 
 
-def _slider(description: str, value: float, low: float, high: float, step: float) -> ipywidgets.FloatSlider:
+def slider(description: str, value: float, low: float, high: float, step: float) -> ipywidgets.FloatSlider:
     return ipywidgets.FloatSlider(
         value=value,
         min=low,
@@ -141,7 +141,7 @@ def _slider(description: str, value: float, low: float, high: float, step: float
     )
 
 
-def _chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
+def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
     """A player that holds all histories; its own drop-down chooses, so that it needs no kernel."""
     first = next(iter(histories.values()))
     picture = player(first, alt=alt)
@@ -156,7 +156,7 @@ def _chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> P
     return Panel({}, picture)
 
 
-def _live(
+def live(
     state: Callable[..., fr.Frame],
     controls: dict[str, Any],
     alt: str,

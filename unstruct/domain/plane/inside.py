@@ -1,0 +1,61 @@
+"""Inside or outside of a planar outline, curves included; the area and the box that it encloses."""
+
+from __future__ import annotations
+
+from math import fsum
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...geometry.outline import Outline
+from ...geometry.parity import enclosed_area, even_odd, left_parity
+from .lunes import areas_beyond_chords, lunes_hold
+from .sample import Sampled
+
+__all__ = ["area", "bounds", "check_seeds", "contains"]
+
+
+def contains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
+    """Whether points (k, 2) lie inside, by the even-odd rule: see `Domain.contains`."""
+    facets = sampled.piece < len(outline.facets)
+    bent = facets & np.isin(sampled.piece, list(outline.curves))
+    odd, on = even_odd(sampled.points, sampled.ends[facets], rows)
+    if bent.any():
+        odd ^= lunes_hold(outline, sampled, np.nonzero(bent)[0], rows)
+        on = even_odd(sampled.points, sampled.ends[facets & ~bent], rows)[1]
+    return odd | on
+
+
+def area(outline: Outline, sampled: Sampled) -> float:
+    """The area inside: see `Domain.area`."""
+    rows = np.nonzero(sampled.piece < len(outline.facets))[0]
+    ends = sampled.ends[rows]
+    left = left_parity(sampled.points, ends)
+    straight = enclosed_area(sampled.points, np.where(left[:, None], ends, ends[:, ::-1]))
+    if not outline.curves:
+        return straight
+    return fsum([straight, *areas_beyond_chords(outline, sampled, rows, left)])
+
+
+def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
+    """The corners of a box round the points and, closely, the curves: see `Domain.bounds`."""
+    points = [sampled.points]
+    if outline.curves:
+        piece = np.repeat(list(outline.curves), 257)
+        points.append(outline.points_at(piece, np.tile(np.linspace(0, 1, 257), len(outline.curves))))
+    every = np.concatenate(points)
+    return np.stack([every.min(axis=0), every.max(axis=0)])
+
+
+def check_seeds(outline: Outline, sampled: Sampled) -> None:
+    """Raise where a seed of a region lies on a piece or outside."""
+    straight = ~np.isin(sampled.piece, list(outline.curves))
+    for name, seeds in outline.regions.items():
+        on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]
+        wrong = on | ~contains(outline, sampled, seeds) if len(outline.facets) else on
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            where = "on a piece" if on[row] else "outside the region (even-odd)"
+            raise InputError(
+                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
+            )

@@ -1,0 +1,140 @@
+"""Outline: what bounds a region in the plane, as arrays and curves. The record under `Domain`.
+
+It checks nothing. See the book, chapters 2.5 and 2.6d.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..base.arrays import as_numbers, frozen
+from ..base.errors import InputError
+from .curves import Arc, CurveLike
+
+__all__ = ["Cuts", "Outline", "piece_name"]
+
+
+class Cuts(NamedTuple):
+    """What a compiled kernel needs to find points on pieces.
+
+    Attributes
+    ----------
+    kind : (p,) int8
+        0 straight, 1 arc, 2 other: ask `Outline.at`.
+    arc : (p, 5) float64
+        For arcs center x, center y, radius, start and sweep, as in `Arc`; else 0.
+    """
+
+    kind: np.ndarray
+    arc: np.ndarray
+
+
+class Outline:
+    """Vertices and pieces, straight or curved, with names; what helpers of a `Domain` read.
+
+    Pieces are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+    facets : ndarray of int32, shape (f, 2)
+        Pieces that bound the region, even-odd.
+    inner : ndarray of int32, shape (g, 2)
+        Pieces that do not.
+    curves : dict of int to curve
+        Piece -> the curve from its first vertex to its second; the others are straight.
+    markers : dict of str to ndarray of int
+        Name -> pieces.
+    regions : dict of str to ndarray, shape (r, 2)
+        Name -> seeds.
+
+    Notes
+    -----
+    Nothing is checked here: `Domain` does, before anybody else sees an outline.
+    """
+
+    def __init__(
+        self,
+        points: np.ndarray,
+        facets: np.ndarray,
+        inner: np.ndarray,
+        curves: dict[int, CurveLike],
+        markers: dict[str, np.ndarray],
+        regions: dict[str, np.ndarray],
+    ):
+        self.points, self.facets, self.inner = points, facets, inner
+        self.curves, self.markers, self.regions = curves, markers, regions
+
+    @property
+    def pieces(self) -> np.ndarray:
+        """Facets, then inner segments: (f + g, 2) int32."""
+        return self._pieces
+
+    @cached_property
+    def _pieces(self) -> np.ndarray:
+        return frozen(np.concatenate([self.facets, self.inner]))
+
+    @cached_property
+    def loose(self) -> np.ndarray:
+        """Vertices that no piece uses: (k,) int32."""
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.pieces.ravel()] = True
+        return frozen(np.nonzero(~used)[0].astype(np.int32))
+
+    def name(self, piece: int) -> str:
+        """How messages call a piece: "facet 3", "inner segment 0"."""
+        return piece_name(piece, len(self.facets))
+
+    def at(self, piece: int, t: Any) -> np.ndarray:
+        """Points of one piece by parameter.
+
+        Parameters
+        ----------
+        piece : int
+        t : array_like, shape (k,)
+            Parameters from 0, the first vertex of the piece, to 1, its second.
+
+        Returns
+        -------
+        (k, 2) float64
+            Points of the true curve; the stored vertices at 0 and 1.
+        """
+        t = np.atleast_1d(as_numbers(t, "t"))
+        if not 0 <= piece < len(self.pieces):
+            raise InputError(f"piece {piece} outside 0..{len(self.pieces) - 1}")
+        if not ((t >= 0) & (t <= 1)).all():
+            raise InputError(f"parameter {t[~((t >= 0) & (t <= 1))][0]} must lie in [0, 1]")
+        return self.points_at(np.full(len(t), piece), t)
+
+    def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Points of many pieces by parameter: piece (k,), t (k,) to (k, 2); nothing is checked."""
+        a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
+        x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
+        if self.curves:
+            for number, rows in self._curved_rows(piece):
+                x[rows] = self.curves[number].point(t[rows])
+            x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
+        return x
+
+    def _curved_rows(self, piece: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        rows = np.nonzero(np.isin(piece, list(self.curves)))[0]
+        rows = rows[np.argsort(piece[rows], kind="stable")]
+        heads = np.nonzero(np.diff(piece[rows], prepend=-1))[0]
+        return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
+
+    def cuts(self) -> Cuts:
+        """Kind and arc of every piece as plain arrays, for kernels."""
+        kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
+        for piece, curve in self.curves.items():
+            kind[piece] = 1 if isinstance(curve, Arc) else 2
+            if isinstance(curve, Arc):
+                arc[piece] = *curve.center, curve.radius, curve.start, curve.sweep
+        return Cuts(kind, arc)
+
+
+def piece_name(piece: int, facets: int) -> str:
+    """How messages call a piece."""
+    return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"

@@ -1,0 +1,181 @@
+"""CellComplex: points and cells as flat arrays, their adjacency and counts, computed when asked for.
+
+The record under `Mesh`: what measures, searches and files need to know. See the book, chapter 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..base.arrays import as_points, distinct, frozen, refrozen
+from ..base.errors import InputError, MeshError
+from . import topology
+from .cells import (
+    as_cells,
+    cell_dimension,
+    counted,
+    incident_edges,
+    incident_facets,
+    simplex_dimension,
+    simplex_type,
+)
+
+__all__ = ["CellComplex"]
+
+
+class CellComplex:
+    """Points, cells, and the account of where they came from, without any measure: see `Mesh`."""
+
+    def __init__(
+        self,
+        points: Any,
+        simplices: Any = None,
+        *,
+        neighbors: Any = None,
+        origin: Any = None,
+        duplicates: Any = None,
+        markers: Mapping[str, Any] | None = None,
+        cells: Mapping[str, Any] | None = None,
+    ):
+        self.points: np.ndarray = frozen(as_points(points))
+        n, d = self.points.shape
+        if (simplices is None) == (cells is None):
+            raise InputError("give either simplices or cells")
+        if simplices is not None:
+            rows = topology.as_simplices(simplices, vertices=n)
+            self.cells: dict[str, Any] = {simplex_type(rows.shape[1] - 1): frozen(rows)}
+        else:
+            self.cells = as_cells(cells or {}, n)
+        self.dimension: int = cell_dimension(next(iter(self.cells)))
+        if self.dimension > d:
+            raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
+        if neighbors is not None:
+            self.__dict__["neighbors"] = self._integers(neighbors, "neighbors", self.simplices.shape)
+        self.origin: np.ndarray = self._integers(
+            np.arange(n, dtype=np.int32) if origin is None else origin, "origin", (n,)
+        )
+        self.duplicates: np.ndarray = self._integers(
+            np.empty((0, 2), dtype=np.int32) if duplicates is None else duplicates, "duplicates", (None, 2)
+        )
+        if self.duplicates.size and not 0 <= self.duplicates.min() <= self.duplicates.max() < n:
+            raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
+        self.markers: dict[str, np.ndarray] = {
+            name: self._marker(name, values) for name, values in (markers or {}).items()
+        }
+
+    @staticmethod
+    def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
+        array = np.asarray(values)
+        if array.ndim != len(shape) or any(s is not None and s != a for s, a in zip(shape, array.shape)):
+            raise InputError(f"{name} must have shape {shape}, not {array.shape}")
+        if array.size and array.dtype.kind not in "iu":
+            raise InputError(f"{name} must be integers, not {array.dtype}")
+        return frozen(np.ascontiguousarray(array, dtype=np.int32))
+
+    def _marker(self, name: str, values: Any) -> np.ndarray:
+        array = np.asarray(values)
+        if array.ndim == 1 and len(array) == self.size:
+            return frozen(array)
+        if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
+            raise InputError(
+                f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
+                f"vertices, not {array.dtype} of shape {array.shape}"
+            )
+        if array.size and not 0 <= array.min() <= array.max() < len(self.points):
+            row = int(np.argmax(((array < 0) | (array >= len(self.points))).any(axis=1)))
+            raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
+        return frozen(array.astype(np.int32))
+
+    # ------------------------------------------------------------------ cells and adjacency
+
+    @property
+    def size(self) -> int:
+        """The number of cells."""
+        return sum(len(block) for block in self.cells.values())
+
+    @property
+    def is_simplicial(self) -> bool:
+        """Whether all cells are simplices of one kind, so that `simplices` and `neighbors` exist."""
+        return len(self.cells) == 1 and simplex_dimension(next(iter(self.cells))) is not None
+
+    @property
+    def simplices(self) -> np.ndarray:
+        """The cells, int32 of shape (m, k + 1); `MeshError` where cells are of other or several kinds."""
+        if not self.is_simplicial:
+            raise MeshError(f"this mesh holds cells of kind {', '.join(self.cells)}: use .cells")
+        return next(iter(self.cells.values()))
+
+    @cached_property
+    def neighbors(self) -> np.ndarray:
+        """``neighbors[t, i]``: the cell across the facet opposite vertex i of cell t, -1 for none."""
+        return frozen(topology.neighbors(self.simplices))
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Edges (i, j), i < j, in lexicographic order: int32, shape (e, 2)."""
+        return frozen(topology.edges(self.simplices) if self.is_simplicial else incident_edges(self.cells))
+
+    @cached_property
+    def facets(self) -> np.ndarray:
+        """Faces of codimension one, rows sorted, lexicographic: int32, shape (f, k)."""
+        if self.is_simplicial:
+            return frozen(topology.facets(self.simplices))
+        rows, _, group = incident_facets(self.cells)
+        rows = np.sort(rows[np.unique(group, return_index=True)[1]], axis=1)
+        return frozen(rows[np.lexsort(rows.T[::-1])])
+
+    @cached_property
+    def boundary(self) -> np.ndarray:
+        """Facets with one cell, outward for positively oriented cells (2D: the mesh on the left).
+
+        Rows of kinds with facets of several sizes are padded by -1.
+        """
+        if self.is_simplicial:
+            return frozen(topology.boundary(self.simplices, self.neighbors))
+        rows, _, group = incident_facets(self.cells)
+        return frozen(rows[np.bincount(group)[group] == 1])
+
+    @cached_property
+    def vertex_neighbor_vertices(self) -> tuple[np.ndarray, np.ndarray]:
+        """(indptr, indices): vertex v is joined to ``indices[indptr[v]:indptr[v + 1]]``, increasing."""
+        if self.is_simplicial:
+            return topology.vertex_neighbors(self.simplices, len(self.points))
+        return topology.vertex_neighbors(self.edges, len(self.points))
+
+    @cached_property
+    def stars(self) -> tuple[np.ndarray, np.ndarray]:
+        """(indptr, cells): vertex v belongs to the cells ``cells[indptr[v]:indptr[v + 1]]``, increasing."""
+        return topology.stars(self.simplices, len(self.points))
+
+    def face_counts(self) -> tuple[int, ...]:
+        """(f_0, ..., f_k): used vertices, edges, ..., cells."""
+        if self.is_simplicial:
+            return topology.face_counts(self.simplices)
+        used = len(distinct(self.edges))
+        middle = [len(self.edges)] if self.dimension == 2 else [len(self.edges), len(self.facets)]
+        return (used, *middle, self.size)
+
+    @property
+    def euler_characteristic(self) -> int:
+        """f_0 - f_1 + f_2 - ...; 1 for a ball, 0 for an annulus, 2 for a sphere."""
+        return sum((-1) ** j * f for j, f in enumerate(self.face_counts()))
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Coordinates of the cells' corners, shape (m, k + 1, d), as `unstruct.simplex` takes them."""
+        return self.points[self.simplices]
+
+    def __len__(self) -> int:
+        return self.size
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(refrozen(state))
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(counted(len(block), name) for name, block in self.cells.items())
+        extra = f", {len(self.duplicates)} duplicates" if len(self.duplicates) else ""
+        return f"<Mesh: {len(self.points)} points, {kinds} in {self.points.shape[1]}D{extra}>"
