@@ -32,15 +32,14 @@ from unstruct import (
     circumcenter_insertion,
     conforming_delaunay,
     constrained_delaunay,
-    insert_without_breaking,
     refine,
     simplex,
-    skeleton_points,
     voronoi_segment,
 )
 from unstruct.base.jit import kernel
 from unstruct.predicates.batch import scaled
 from unstruct.predicates.kernels import incircle, orient2
+from unstruct.studies import insert_without_breaking, skeleton_points
 
 SECONDS = 20  # of the processor, for one mesh
 SAMPLE = 50  # one mesh in so many gets the full check

@@ -12,8 +12,9 @@ from collections import Counter
 import numpy as np
 
 import unstruct
-from unstruct import Baker, Mesh
+from unstruct import Mesh
 from unstruct.examples.running import flip_at_random
+from unstruct.studies import Baker
 
 
 def scrambled(n: int, rng: np.random.Generator, d: int = 3) -> Mesh:

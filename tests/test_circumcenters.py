@@ -376,7 +376,7 @@ import json, numpy as np, unstruct
 points = np.random.default_rng(1).random((12, 2))
 mesh = unstruct.circumcenter_insertion(points, 0.3, history=True)
 start = [(i / 4, (j + 0.3 * (i % 2)) / 4) for i in range(4) for j in range(4)]
-torus = unstruct.periodic_circumcenters(start, budget=6)
+torus = unstruct.studies.periodic_circumcenters(start, budget=6)
 print(json.dumps([mesh.points.tolist(), mesh.simplices.tolist(), torus.simplices.tolist()]))
 """
 

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import Baker, InputError, Mesh, MeshError, check, delaunay, insert
+from unstruct import InputError, Mesh, MeshError, check, delaunay, insert
 from unstruct.connect.baker.fixed import as_cells, boundary_facets, cavities, held_by, hidden_facets
 from unstruct.examples.running import random_triangulation
 from unstruct.plain import modernized as plain
+from unstruct.studies import Baker
 
 STRIP_POINTS = np.array([(0, 1), (0, 2), (1, 0), (1, 2), (2, 0)], float)
 STRIP = Mesh(STRIP_POINTS, [(0, 1, 2), (1, 2, 3), (2, 3, 4)]).oriented()

@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from reductions import count_reductions, scrambled
 
 import unstruct
-from unstruct import Baker, InputError, Mesh, MeshError, check, delaunay, gift_wrap, insert
+from unstruct import InputError, Mesh, MeshError, check, delaunay, gift_wrap, insert
 from unstruct.examples.running import flip_at_random, random_triangulation, two_triangulations
 from unstruct.mesh.topology import neighbors
 from unstruct.plain import modernized as plain
 from unstruct.predicates.batch import orient
+from unstruct.studies import Baker
 
 # A facet of the principal component that the point does not see: in space six vertices are enough.
 HIDDEN_FACET_POINTS = [(0, 0, 1), (0, 1, 0), (3, 2, 1), (3, 2, 2), (1, 3, 3), (1, 2, 2)]

@@ -14,7 +14,7 @@ from unstruct import InputError, Mesh, MeshError, check, delaunay, simplex, stat
 from unstruct.connect.planar import stars as stars2
 from unstruct.examples.running import sweep_triangulation
 from unstruct.generate.improve.smoothing import METHODS, smooth
-from unstruct.mesh.domain_mesh import Refined
+from unstruct.mesh.domain_mesh import DomainMesh
 from unstruct.mesh.topology import twins
 from unstruct.plain.smoothing import laplacian_round
 
@@ -93,7 +93,7 @@ def test_vertices_of_a_domain_stay_unless_told_otherwise() -> None:
     mesh = cloud(200)
     origin = np.full(200, -1)
     origin[50:] = np.arange(150)
-    domain = Refined(mesh.points, mesh.simplices, origin=origin, unrefined=[0], reasons=["why"])
+    domain = DomainMesh(mesh.points, mesh.simplices, origin=origin, unrefined=[0], reasons=["why"])
     new = smooth(domain, swap=False)
     np.testing.assert_array_equal(new.points[50:], mesh.points[50:])
     assert not new.complete and new.reasons.tolist() == ["why"]

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import InputError, periodic_circumcenters, simplex
+from unstruct import InputError, simplex
 from unstruct.generate.centers.periodic import PeriodicMesh, periodic_delaunay
 from unstruct.plain import circumcenters as plain
+from unstruct.studies import periodic_circumcenters
 
 LATTICE = np.array([(i / 5, j / 5) for i in range(5) for j in range(5)])
 SHEARED = np.array([(i / 4, (j + 0.5 * (i % 2)) / 4) for i in range(4) for j in range(4)])

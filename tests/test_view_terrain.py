@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from unstruct import InputError, greedy_terrain, view
+from unstruct import InputError, view
+from unstruct.studies import greedy_terrain
 
 
 @pytest.fixture(autouse=True)

@@ -1,7 +1,26 @@
-"""Unstructured mesh generation, exact and fast: the library under the book."""
+"""Unstructured mesh generation, exact and fast: the library under the book.
 
+Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`, `swap_diagonals`.
+
+Regions: `Domain` with `Arc`, `Bezier`, `Curve`; `constrained_delaunay`, `conforming_delaunay`, `refine`,
+`circumcenter_insertion`, `voronoi_segment`, `smooth`.
+
+Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`.
+
+Namespaces: `sizing` (wanted lengths), `predicates` (exact signs), `simplex` and `topology` (single cells and
+bare arrays), `examples`, `view` (pictures; needs matplotlib), `plain` (each algorithm once more, to be read),
+`studies` (what one studies rather than uses).
+"""
+
+from importlib import import_module as _import
+from typing import Any as _Any
+from warnings import warn as _warn
+
+from . import errors as errors
 from . import predicates as predicates
+from . import simplex as simplex
 from . import sizing as sizing
+from . import topology as topology
 from .assess.check import check as check
 from .assess.statistics import compare as compare
 from .assess.statistics import statistics as statistics
@@ -9,29 +28,116 @@ from .base.errors import DegenerateInputError as DegenerateInputError
 from .base.errors import InputError as InputError
 from .base.errors import MeshError as MeshError
 from .base.errors import UnstructError as UnstructError
-from .connect.baker.modernized import Baker as Baker
+from .base.report import Report as Report
 from .connect.baker.modernized import insert as insert
 from .connect.insertion.delaunay import Triangulation as Triangulation
 from .connect.insertion.delaunay import delaunay as delaunay
 from .connect.swapping import swap_diagonals as swap_diagonals
-from .connect.terrain import Terrain as Terrain
-from .connect.terrain import greedy_terrain as greedy_terrain
 from .connect.voronoi.diagram import Voronoi as Voronoi
 from .connect.voronoi.diagram import voronoi as voronoi
 from .connect.wrapping.gift_wrapping import gift_wrap as gift_wrap
 from .domain.domain import Domain as Domain
 from .generate.boundary.conforming import conforming_delaunay as conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
-from .generate.boundary.edge_recovery import recover_edges as recover_edges
-from .generate.boundary.edge_recovery import remove_outside as remove_outside
-from .generate.boundary.protection import insert_without_breaking as insert_without_breaking
-from .generate.boundary.protection import skeleton_points as skeleton_points
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
-from .generate.centers.torus import periodic_circumcenters as periodic_circumcenters
 from .generate.improve.smoothing import smooth as smooth
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
 from .geometry.curves import Curve as Curve
+from .mesh.domain_mesh import DomainMesh as DomainMesh
 from .mesh.mesh import Mesh as Mesh
+
+__all__ = [
+    "Arc",
+    "Bezier",
+    "Curve",
+    "DegenerateInputError",
+    "Domain",
+    "DomainMesh",
+    "InputError",
+    "Mesh",
+    "MeshError",
+    "Report",
+    "Triangulation",
+    "UnstructError",
+    "Voronoi",
+    "check",
+    "circumcenter_insertion",
+    "compare",
+    "conforming_delaunay",
+    "constrained_delaunay",
+    "delaunay",
+    "examples",
+    "gift_wrap",
+    "insert",
+    "plain",
+    "predicates",
+    "refine",
+    "simplex",
+    "sizing",
+    "smooth",
+    "statistics",
+    "studies",
+    "swap_diagonals",
+    "topology",
+    "voronoi",
+    "voronoi_segment",
+]
+
+# Imported when they are asked for. `view` is not in `__all__`: it needs matplotlib, the library does not.
+_LATER = ("examples", "plain", "studies", "view")
+
+# Where names of earlier versions are now.
+_MOVED = {
+    **dict.fromkeys(["Baker", "Terrain", "greedy_terrain", "insert_without_breaking"], "studies"),
+    **dict.fromkeys(
+        ["periodic_circumcenters", "recover_edges", "remove_outside", "skeleton_points"], "studies"
+    ),
+    **dict.fromkeys(["arrays", "jit", "progress", "report"], "base"),
+    **dict.fromkeys(["close", "exact", "filters"], "predicates"),
+    **dict.fromkeys(["curves", "edge_vectors", "ordering", "segment_pairs", "sweep"], "geometry"),
+    **dict.fromkeys(["card", "cells", "embedding", "files", "locate", "manifold", "measures"], "mesh"),
+    **dict.fromkeys(["point_sets", "structured"], "examples"),
+    "check_brute": "assess.brute",
+    "check_cells": "assess.mixed",
+    "check_domain": "assess.region",
+    "curve_distance": "geometry.outline_distance",
+    "distance": "geometry.segment_tree",
+    "domain_corners": "domain.plane.corners",
+    "domain_faults": "domain.plane.faults",
+    "domain_files": "domain.plane.poly",
+    "domain_input": "domain.arguments",
+    "domain_inside": "domain.plane.inside",
+    "domain_repair": "domain.plane.repair",
+    "domain_sample": "domain.plane.sample",
+    "domain_shapes": "domain.plane.shapes",
+    "example_regions": "examples.regions",
+    "gmsh_files": "mesh.gmsh",
+    "marked_edges": "mesh.marked",
+    "signs": "predicates.kernels",
+    "size_background": "sizing.background_mesh",
+    "size_sources": "sizing.source_sizes",
+    **{f"size_{kind}": f"sizing.{kind}" for kind in ("boundary", "field", "limit", "solution", "table")},
+}
+
+
+def __getattr__(name: str) -> _Any:
+    if name in _LATER:
+        return _import(f"{__name__}.{name}")
+    if name not in _MOVED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    place = _MOVED[name]
+    if place.rpartition(".")[2] == name or "." in place:
+        here, found = place, _import(f"{__name__}.{place}")
+    else:
+        here = f"{place}.{name}"
+        room = _import(f"{__name__}.{place}")
+        found = getattr(room, name, None) or _import(f"{__name__}.{here}")
+    _warn(f"unstruct.{name} is now unstruct.{here}", DeprecationWarning, stacklevel=2)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "errors", "view"])

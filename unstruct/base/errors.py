@@ -1,5 +1,7 @@
 """Typed errors. Each message says what is wrong, where, and what to do about it."""
 
+__all__ = ["DegenerateInputError", "InputError", "MeshError", "UnstructError"]
+
 
 class UnstructError(ValueError):
     """Base of every error that bad input can cause."""

@@ -1,4 +1,4 @@
-"""Refined: the mesh of a domain, with the account of what was reached and what was not."""
+"""DomainMesh: the mesh of a domain, with the account of what was reached and what was not."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ..base.arrays import frozen
 from ..base.errors import InputError
 from .mesh import Mesh
 
-__all__ = ["Refined"]
+__all__ = ["DomainMesh"]
 
 
-class Refined(Mesh):
+class DomainMesh(Mesh):
     """A mesh of a domain, as the meshing methods return it.
 
     Parameters

@@ -4,9 +4,9 @@ Everywhere in the library a *size* is the wanted length of an edge. A triangle t
 edges of length h has the circumradius h / sqrt(3): that is the chapter's f. See the book, chapter 2.3.
 """
 
-from .background import Background as Background
-from .background import background as background
-from .background import limit_nodes as limit_nodes
+from .background_mesh import Background as Background
+from .background_mesh import background as background
+from .background_mesh import limit_nodes as limit_nodes
 from .boundary import FeatureSize as FeatureSize
 from .boundary import from_curvature as from_curvature
 from .boundary import from_features as from_features
@@ -25,10 +25,10 @@ from .solution import from_hessian as from_hessian
 from .solution import hessian as hessian
 from .solution import mesh_size as mesh_size
 from .solution import to_vertices as to_vertices
-from .sources import lines as lines
-from .sources import points as points
-from .sources import polygons as polygons
-from .sources import sources as sources
+from .source_sizes import lines as lines
+from .source_sizes import points as points
+from .source_sizes import polygons as polygons
+from .source_sizes import sources as sources
 from .table import SizeTable as SizeTable
 
 __all__ = [

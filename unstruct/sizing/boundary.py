@@ -18,7 +18,7 @@ from ..geometry.boxes import LEAF
 from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
-from .sources import sources
+from .source_sizes import sources
 
 __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size"]
 

@@ -18,7 +18,7 @@ from ..base.errors import InputError
 from ..connect.insertion.delaunay import delaunay
 from ..geometry.segment_tree import SegmentTree
 from ..mesh.mesh import Mesh
-from .background import Background
+from .background_mesh import Background
 from .field import SizeField, as_size
 from .table import build
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.errors import InputError, MeshError
 from ..mesh.mesh import Mesh, is_planar
-from .background import Background, background
+from .background_mesh import Background, background
 
 __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
 

@@ -4,9 +4,12 @@
 same frames on paper and step by step, `view3d` turns, and the widgets answer to sliders.
 """
 
+from .draw import frames as frames
 from .draw.colors import ROLES as ROLES
+from .draw.colors import line_style as line_style
 from .draw.colors import setup as setup
 from .draw.frames import check_frame as check_frame
+from .draw.plots import color_cells as color_cells
 from .draw.plots import plot as plot
 from .draw.plots import plot_cavity as plot_cavity
 from .draw.plots import plot_circumcircles as plot_circumcircles
@@ -20,6 +23,8 @@ from .draw.space import view3d as view3d
 from .draw.strips import draw as draw
 from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
+from .scenes import states as states
+from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
 from .scenes.centers import circumcenter_state as circumcenter_state
 from .scenes.constraints import principal_component_state as principal_component_state

@@ -22,7 +22,6 @@ __all__ = [
     "new_slot",
     "next_edge",
     "prev_edge",
-    "start2",
     "start_of",
 ]
 

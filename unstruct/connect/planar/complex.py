@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.triangulation import Triangulation
@@ -199,8 +199,8 @@ class PlanarComplex:
         regions: bool = True,
         points: NDArray[np.float64] | None = None,
         **rest: Any,
-    ) -> Refined:
-        """The triangles of the domain as a `Refined` mesh.
+    ) -> DomainMesh:
+        """The triangles of the domain as a `DomainMesh` mesh.
 
         Parameters
         ----------
@@ -217,11 +217,11 @@ class PlanarComplex:
             Coordinates to store for the first n vertices (by default those that the kernels used, unscaled,
             which are the same).
         **rest
-            Handed on to `Refined`; ``unrefined`` holds slots here, and cells there.
+            Handed on to `DomainMesh`; ``unrefined`` holds slots here, and cells there.
 
         Returns
         -------
-        Refined
+        DomainMesh
             Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" hold the
             subsegments of each kind that bound a triangle.
         """
@@ -246,7 +246,7 @@ class PlanarComplex:
             named["region"] = self.region[np.flatnonzero(number >= 0)]
         if rest.get("unrefined") is not None:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
-        return Refined(
+        return DomainMesh(
             rows,
             simplices,
             neighbors=neighbors,

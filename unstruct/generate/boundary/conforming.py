@@ -26,7 +26,7 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, as_domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from .constrained import complex_of
 from .fans import never_ends
 from .midpoints import GABRIEL, MISSING, pick, split_all
@@ -42,12 +42,12 @@ TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would 
 SHARP = np.cos(np.pi / 3)  # pieces at a larger angle than 60 degrees cannot cut each other for ever
 
 
-class Conforming(Refined):
+class Conforming(DomainMesh):
     """A boundary-conforming Delaunay mesh, with the account of how it came about.
 
     Parameters
     ----------
-    mesh : Refined
+    mesh : DomainMesh
         What was reached; the other parameters become the attributes below.
 
     Attributes
@@ -71,7 +71,7 @@ class Conforming(Refined):
 
     def __init__(
         self,
-        mesh: Refined,
+        mesh: DomainMesh,
         *,
         missing: NDArray[np.int32],
         why: NDArray[np.str_],
@@ -116,7 +116,7 @@ def conforming_delaunay(
     Returns
     -------
     Conforming
-        A `Refined` mesh. Not ``complete`` where a budget, a length of 2^-40 of the extent, or a neighbor too
+        A `DomainMesh`. Not ``complete`` where a budget, a length of 2^-40 of the extent, or a neighbor too
         close to be avoided stopped a split: then ``missing`` and ``why`` tell where, ``unrefined`` holds the
         cells beside, and the mesh is the constrained Delaunay triangulation.
 

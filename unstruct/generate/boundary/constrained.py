@@ -16,12 +16,12 @@ from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
 from ...domain.domain import Domain, Sampled, as_domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 
 
-def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool = False) -> Refined:
+def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool = False) -> DomainMesh:
     """The constrained Delaunay triangulation of a planar domain: no point is added to straight segments.
 
     Parameters
@@ -35,7 +35,7 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
 
     Returns
     -------
-    Refined
+    DomainMesh
         Without ``hull`` vertices in holes or beyond the boundary are not in the mesh; ``origin`` tells which
         vertex of the domain each one is. Markers "facets" and "inner", those of the domain, and "region":
         cells in a part with a named seed have the place of the name in ``domain.regions``, those of the

@@ -19,7 +19,7 @@ from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
 from ...connect.planar.segments import absent, fill_corners
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.marked import remaining
 from ...mesh.mesh import Mesh, is_planar
 from ...mesh.topology import as_simplices, twins
@@ -28,7 +28,7 @@ from ...predicates.batch import power_of_two, scaled
 __all__ = ["complex_of_mesh", "recover_edges", "remove_outside"]
 
 
-def recover_edges(mesh: Mesh, edges: ArrayLike) -> Refined:
+def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
     """Put edges into a planar triangulation, Delaunay or not, without new points.
 
     Parameters
@@ -40,7 +40,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> Refined:
 
     Returns
     -------
-    Refined
+    DomainMesh
         The same points; ``segments`` are the parts of the edges (a vertex that lies on one splits it) and
         ``piece`` the row each belongs to, also as marker "recovered". ``counts``: "missing", the edges that
         were not there, "crossed", the triangles that had to go, "split", the edges with vertices on them.
@@ -80,7 +80,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> Refined:
         for name, values in mesh.markers.items()
         if not (changed and values.ndim == 1)
     }
-    return Refined(
+    return DomainMesh(
         mesh.points,
         simplices,
         neighbors=neighbors,
@@ -99,7 +99,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> Refined:
     )
 
 
-def remove_outside(mesh: Mesh, domain: Domain) -> Refined:
+def remove_outside(mesh: Mesh, domain: Domain) -> DomainMesh:
     """Delete the triangles outside of a domain from a mesh that holds its boundary.
 
     Parameters
@@ -111,7 +111,7 @@ def remove_outside(mesh: Mesh, domain: Domain) -> Refined:
 
     Returns
     -------
-    Refined
+    DomainMesh
         Inside by the even-odd rule, by flooding from beyond the boundary: no point is tested, so nothing is
         rounded. Markers and regions as in `unstruct.constrained_delaunay`; ``counts``: "removed cells",
         "removed vertices".

@@ -25,7 +25,7 @@ from ...connect.insertion.engine import LAST
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, as_domain
 from ...geometry.simplex import circumradius
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from .conforming import conform
 from .constrained import complex_of
@@ -43,7 +43,7 @@ class Guarded:
 
     Attributes
     ----------
-    mesh : Refined
+    mesh : DomainMesh
         The Delaunay mesh of the domain with the points that went in. ``unrefined`` are the *starved* cells: a
         point was meant for them and could not go in (and, where a size was given, they are too large).
     vertex : (k,) int32
@@ -58,7 +58,7 @@ class Guarded:
         The largest circumradius of a starved cell; 0 if there is none.
     """
 
-    mesh: Refined
+    mesh: DomainMesh
     vertex: NDArray[np.int32]
     rejected: NDArray[np.int32]
     why: NDArray[np.str_]
@@ -202,7 +202,7 @@ class Skeleton:
 
     Attributes
     ----------
-    mesh : Refined
+    mesh : DomainMesh
         The Delaunay mesh of the domain with the skeleton. If ``complete``, the open diametral disks of its
         ``segments`` are empty.
     points : (k, 2) float64
@@ -221,7 +221,7 @@ class Skeleton:
         Whether all diametral disks could be emptied by midpoints before.
     """
 
-    mesh: Refined
+    mesh: DomainMesh
     points: NDArray[np.float64]
     vertex: NDArray[np.int32]
     segment: NDArray[np.int32]

@@ -19,7 +19,7 @@ from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from .steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
@@ -44,7 +44,7 @@ def circumcenter_insertion(
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
-) -> Refined:
+) -> DomainMesh:
     """Put points at circumcenters, always of the worst triangle, until no triangle is bad.
 
     Parameters
@@ -76,7 +76,7 @@ def circumcenter_insertion(
 
     Returns
     -------
-    Refined
+    DomainMesh
         ``points`` are the first ones, then the inserted ones in order: the (constrained) Delaunay
         triangulation of a prefix of them is a state. Bad triangles that are left are ``unrefined``, with
         ``reasons``; ``counts`` has "circumcenters", "splits", "encroachments" (circumcenters that were put

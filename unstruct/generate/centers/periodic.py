@@ -40,7 +40,7 @@ class PeriodicMesh:
     neighbors : ndarray of int, shape (m, 3)
         The triangle opposite each vertex.
     unrefined, reasons, counts, steps
-        As for `Refined`.
+        As for `DomainMesh`.
     """
 
     def __init__(

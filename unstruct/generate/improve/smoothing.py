@@ -14,7 +14,7 @@ from ...base.arguments import as_count, finite
 from ...base.errors import InputError, MeshError
 from ...connect.planar.stars import opposite_half_edges
 from ...connect.swapping import constraints, first_fault, planar_coordinates
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...mesh.topology import twins
 from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, SEARCH, WORSE, smooth_round
@@ -36,7 +36,7 @@ def smooth(
     below: float | None = None,
     fixed: ArrayLike | None = None,
     progress: bool = False,
-) -> Refined:
+) -> DomainMesh:
     """Move the inner vertices of a planar triangle mesh so that its triangles become rounder.
 
     Parameters
@@ -57,13 +57,13 @@ def smooth(
     below : float, optional
         Look only at vertices with a triangle whose 2 r / R is less than this.
     fixed : array_like of int, optional
-        Vertices that stay. By default, in a mesh of a domain (`Refined`), those of the domain.
+        Vertices that stay. By default, in a mesh of a domain (`DomainMesh`), those of the domain.
     progress : bool
         Show the rounds.
 
     Returns
     -------
-    Refined
+    DomainMesh
         The same vertices and markers, new places, and with ``swap`` new triangles. ``counts`` has how many
         moves were "moved", refused as "invalid" (a triangle would turn over: exact) or as "worse", how many
         visits were "examined", and the "swaps" and "rounds".
@@ -134,7 +134,7 @@ def _staying(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
         if rows.ndim == 2 and rows.shape[1] == 1:
             stays[rows[:, 0]] = True
     if fixed is None:
-        return stays | (mesh.origin >= 0) if isinstance(mesh, Refined) else stays
+        return stays | (mesh.origin >= 0) if isinstance(mesh, DomainMesh) else stays
     rows = np.asarray(fixed).ravel()
     if rows.size and (rows.dtype.kind not in "iu" or rows.min() < 0 or rows.max() >= len(stays)):
         raise InputError(f"fixed must be numbers of vertices, 0..{len(stays) - 1}")
@@ -153,10 +153,10 @@ def _rounds(rounds: int, progress: bool) -> Any:
 
 def _result(
     mesh: Mesh, points: NDArray, simplices: NDArray, markers: dict[str, NDArray], counts: dict[str, int]
-) -> Refined:
-    """The same vertices with the account of a `Refined`; what was unrefined and is still there stays so."""
+) -> DomainMesh:
+    """The same vertices with the account of a `DomainMesh`; unrefined cells that are still there stay so."""
     rest: dict[str, Any] = {}
-    if isinstance(mesh, Refined):
+    if isinstance(mesh, DomainMesh):
         rest = {"segments": mesh.segments, "piece": mesh.piece, "span": mesh.span}
         old = np.sort(mesh.simplices[mesh.unrefined], axis=1)
         number = {tuple(row): k for k, row in enumerate(old.tolist())}
@@ -165,7 +165,7 @@ def _result(
         rest["unrefined"] = [t for t, _ in same]
         rest["reasons"] = [mesh.reasons[k] for _, k in same]
         counts = mesh.counts | counts
-    return Refined(
+    return DomainMesh(
         points,
         simplices,
         origin=mesh.origin,

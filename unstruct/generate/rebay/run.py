@@ -11,7 +11,7 @@ from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from . import steps as k
 from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
@@ -235,7 +235,7 @@ class Run:
         slots = np.flatnonzero((self.complex.region[: self.complex.triangles] >= 0) & (status >= ASIDE))
         return slots.tolist(), ["budget" if self.spent else "too large: no room for a point"] * len(slots)
 
-    def result(self, finished: dict[str, Any] | None = None) -> Refined:
+    def result(self, finished: dict[str, Any] | None = None) -> DomainMesh:
         """The mesh and its account, that of the finishing pass included."""
         c = self.complex
         used = np.zeros(c.size, dtype=bool)

@@ -11,7 +11,7 @@ from ...base.arguments import DEFAULT_BUDGET, MOST, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ..boundary.constrained import planar_complex
 from .run import COUNT_NAMES, Run, rule_of
 
@@ -34,7 +34,7 @@ def voronoi_segment(
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
-) -> Refined:
+) -> DomainMesh:
     """Mesh a planar domain by Rebay's insertion along Voronoi segments.
 
     Parameters
@@ -59,7 +59,7 @@ def voronoi_segment(
         Of triangles with about the same R / f (half an octave of its square), the one that has waited
         longest, or the newest.
     budget : int, optional
-        At most so many new points besides those that cut the boundary; 10^7 by default. `Refined.complete`
+        At most so many new points besides those that cut the boundary; 10^7 by default. `DomainMesh.complete`
         tells whether they were enough.
     history : bool
         Keep a record of each step in ``steps``.
@@ -68,7 +68,7 @@ def voronoi_segment(
 
     Returns
     -------
-    Refined
+    DomainMesh
         ``counts``, by name. Of the points put in: "points"; those "capped", with d = q because the circle
         through A, B and F is smaller than f; "clamped", because q < p; "behind", F lying on the other side of
         AB; "deleted": X in the circle of the accepted triangle, so that AB goes; "cocircular": X exactly on
@@ -126,12 +126,12 @@ def voronoi_segment(
     return run.result(run.finish(budget) if finish and not run.spent else None)
 
 
-def epsilon_chains(mesh: Refined) -> list[NDArray[np.float64]]:
+def epsilon_chains(mesh: DomainMesh) -> list[NDArray[np.float64]]:
     """The deviations epsilon_n = f / p - 2 / sqrt(3) along chains of parent edges (12.6).
 
     Parameters
     ----------
-    mesh : Refined
+    mesh : DomainMesh
         Made by `voronoi_segment` with ``history=True``.
 
     Returns

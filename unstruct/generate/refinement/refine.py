@@ -16,7 +16,7 @@ from ...base.arguments import DEFAULT_BUDGET, MOST
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
@@ -42,7 +42,7 @@ def refine(
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
-) -> Refined:
+) -> DomainMesh:
     """Mesh a planar domain with triangles that are neither too flat nor too large.
 
     Parameters
@@ -74,7 +74,7 @@ def refine(
 
     Returns
     -------
-    Refined
+    DomainMesh
         ``complete`` where all limits hold; else ``unrefined`` has the cells that miss one and ``reasons``
         says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision: ...",
         "too near: ...", "curve: ...". ``counts`` tells what happened. With ``history`` the arrays of

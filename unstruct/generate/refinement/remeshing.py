@@ -13,7 +13,7 @@ from ...base.jit import lean
 from ...connect.insertion.halfedges import SEGMENTS
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.inserting import insert_all
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
 from ...predicates.batch import orient
@@ -243,7 +243,7 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
         raise MeshError(f"cells of the mesh overlap: their area is {cells}, that of the region {area}")
 
 
-def carry(mesh: Mesh, planned: Planned, result: Refined) -> None:
+def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
     """Give the refined mesh the markers of cells and vertices that the first one had."""
     group = result.markers.pop("region")
     values = planned.rest["values"]

@@ -28,7 +28,7 @@ def plot_terrain(
     Parameters
     ----------
     terrain : Terrain
-        See `unstruct.greedy_terrain`. Row 0 of its grid is drawn on top.
+        See `unstruct.studies.greedy_terrain`. Row 0 of its grid is drawn on top.
     ax : matplotlib axes, optional
         Where to draw; new ones by default.
     edges : bool

@@ -16,7 +16,7 @@ from ...connect.baker.fixed import boundary_facets, cavities, hidden_facets
 from ...connect.insertion.delaunay import delaunay
 from ...generate.boundary.edge_recovery import recover_edges
 from ...geometry.simplex import circumcenter, circumradius
-from ...mesh.domain_mesh import Refined
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ..draw import frames as fr
 from .choices import preset_named, within
@@ -95,7 +95,7 @@ def segment_state(step: int, preset: str = "one segment") -> fr.Frame:
     return frames[min(max(int(step), 0), len(frames) - 1)]
 
 
-def _passage(rows: np.ndarray, before: Mesh, after: Refined, done: Sequence, pair: Any) -> list[fr.Frame]:
+def _passage(rows: np.ndarray, before: Mesh, after: DomainMesh, done: Sequence, pair: Any) -> list[fr.Frame]:
     """The frames of one segment: what was there, what goes, what comes."""
     old, new = _set(before), _set(after)
     a, b = pair

@@ -1,0 +1,49 @@
+"""What one studies rather than uses: methods and looks inside that the book's chapters need. No code here.
+
+Baker's insertion beside fixed cells, recovery of edges, insertion that breaks nothing, points along the
+skeleton of a boundary, the torus, greedy terrain, and how `swap_diagonals` and `voronoi_segment` got there.
+"""
+
+from .assess.statistics import angle_histogram as angle_histogram
+from .connect.baker.fixed import boundary_facets as boundary_facets
+from .connect.baker.fixed import cavities as cavities
+from .connect.baker.fixed import held_by as held_by
+from .connect.baker.fixed import hidden_facets as hidden_facets
+from .connect.baker.modernized import Baker as Baker
+from .connect.swapping import replay as replay
+from .connect.terrain import Terrain as Terrain
+from .connect.terrain import greedy_terrain as greedy_terrain
+from .connect.terrain import grid_surface as grid_surface
+from .generate.boundary.edge_recovery import recover_edges as recover_edges
+from .generate.boundary.edge_recovery import remove_outside as remove_outside
+from .generate.boundary.protection import insert_without_breaking as insert_without_breaking
+from .generate.boundary.protection import skeleton_points as skeleton_points
+from .generate.centers.periodic import periodic_delaunay as periodic_delaunay
+from .generate.centers.torus import periodic_circumcenters as periodic_circumcenters
+from .generate.centers.worst import judge as judge
+from .generate.rebay.voronoi_segment import CASES as CASES
+from .generate.rebay.voronoi_segment import epsilon_chains as epsilon_chains
+from .geometry.segment_tree import SegmentTree as SegmentTree
+
+__all__ = [
+    "CASES",
+    "Baker",
+    "SegmentTree",
+    "Terrain",
+    "angle_histogram",
+    "boundary_facets",
+    "cavities",
+    "epsilon_chains",
+    "greedy_terrain",
+    "grid_surface",
+    "held_by",
+    "hidden_facets",
+    "insert_without_breaking",
+    "judge",
+    "periodic_circumcenters",
+    "periodic_delaunay",
+    "recover_edges",
+    "remove_outside",
+    "replay",
+    "skeleton_points",
+]
