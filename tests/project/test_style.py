@@ -284,23 +284,42 @@ def test_words_that_do_not_belong_here() -> None:
 
 
 def test_no_test_is_left_out() -> None:
-    files = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py")}
-    tests = {name: text for name, text in files.items() if name.startswith("test_")}
-    for name, text in tests.items():
-        assert re.search(r"^(def|class) [tT]est", text, flags=re.M), f"{name} holds no test"
-    for name in set(files) - set(tests) - {"__init__.py", "conftest.py"}:
-        assert not re.search(r"^def test_", files[name], flags=re.M), f"{name} is not collected"
-        stem = name.removesuffix(".py")
-        assert any(re.search(rf"\bimport.*\b{stem}\b|from (tests\.)?{stem}\b", t) for t in tests.values()), (
-            f"{name} is unused"
-        )
+    files = {path: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py")}
+    tests = {path: text for path, text in files.items() if path.name.startswith("test_")}
+    for path, text in tests.items():
+        assert re.search(r"^(def|class) [tT]est", text, flags=re.M), f"{relative(path)} holds no test"
+    for path in set(files) - set(tests):
+        assert not re.search(r"^def test_", files[path], flags=re.M), f"{relative(path)} is not collected"
+        if path.name != "conftest.py":
+            uses = rf"\bimport.*\b{path.stem}\b|from (tests\.)?{path.stem}\b"
+            assert any(re.search(uses, text) for text in tests.values()), f"{relative(path)} is unused"
+
+
+def test_tests_mirror_the_rooms() -> None:
+    """Each place of the house has tests of its own, named after its files: test_<file>[_more].py."""
+    rooms = {
+        path.relative_to(ROOT / "tests").as_posix() for path in (ROOT / "tests").rglob("*") if path.is_dir()
+    }
+    places = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*") if (p / "__init__.py").is_file()}
+    apart = {"helpers", "project"}
+    stray = {room for room in rooms if not room.endswith("__pycache__")} - places - apart
+    assert not stray, f"no rooms of these names: {stray}"
+    for place in sorted(places):
+        stems = {path.stem for path in (PACKAGE / place).glob("*.py")} - {"__init__"}
+        tests = sorted((ROOT / "tests" / place).glob("test_*.py"))
+        assert tests or not stems, f"tests/{place} holds no test"
+        for test in tests:
+            rest = test.stem.removeprefix("test_")
+            assert any(rest == stem or rest.startswith(f"{stem}_") for stem in stems), (
+                f"{relative(test)} is named after no file of unstruct/{place}"
+            )
 
 
 def test_no_module_is_beyond_the_tests() -> None:
     """Each is imported by a test, or by a module that is."""
     parts = {path: path.relative_to(ROOT).with_suffix("").parts for path in MODULES}
     dotted = {path: ".".join(part for part in names if part != "__init__") for path, names in parts.items()}
-    tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").glob("test_*.py"))
+    tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
     reached, fresh = set(), [PACKAGE / "__init__.py"]
     for path, name in dotted.items():
         parent, _, stem = name.rpartition(".")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
+from predicate_oracle import KINDS, STAGES, coordinates, oracle_in_sphere, oracle_orient, stage
 
-from tests.predicate_oracle import KINDS, STAGES, coordinates, oracle_in_sphere, oracle_orient, stage
 from unstruct.base.errors import InputError
 from unstruct.predicates import exact, filters
 from unstruct.predicates.batch import in_sphere, in_sphere_at, orient, orient_at, power_of_two, scaled

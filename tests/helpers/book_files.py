@@ -11,7 +11,7 @@ from typing import Any
 
 import nbformat
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 BOOK = ROOT / "book"
 CLAIM = re.compile(r"C\d+(\.\d+)*-\d+")
 
