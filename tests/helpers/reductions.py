@@ -1,7 +1,8 @@
 """How often Baker's insertion needs a reduction in non-Delaunay meshes.
 
-``python tests/helpers/reductions.py 10000``. Meshes: the Delaunay triangulation of 40 to 160 random points, thoroughly flipped at random (2-3, 3-2). Each
-takes a batch of random points, one after another. Every mesh is checked at the end.
+``python tests/helpers/reductions.py 10000``. Meshes: the Delaunay triangulation of 40 to 160 random points,
+thoroughly flipped at random (2-3, 3-2). Each takes a batch of random points, one after another. Every mesh is
+checked at the end.
 """
 
 from __future__ import annotations
