@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from alone import run
 
 import unstruct.base.jit
 
@@ -23,18 +24,6 @@ meshes = [unstruct.delaunay(points), unstruct.delaunay(space)]
 signs = [int(orient(points[[0, 1, 5]])), int(in_sphere(points[[0, 3, 1]], points[4]))]
 print(json.dumps([unstruct.base.jit.numba is None, [m.simplices.tolist() for m in meshes], signs]))
 """
-
-
-def run(code: str, folder: Path | None = None, **environment: str) -> str:
-    result = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=folder,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout
 
 
 @pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")

@@ -7,6 +7,7 @@ pictures: so what is stored is checked here.
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import sys
 import tomllib
@@ -15,6 +16,8 @@ from pathlib import Path
 
 import pytest
 from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks, tags
+
+import unstruct
 
 ALL = [pytest.param(path, id=path.stem) for path in notebooks()]
 COMPARISONS = {"2.6d-regions-and-methods"}  # they teach no method, but take those of other chapters to work
@@ -173,3 +176,31 @@ def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
             modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             assert {m.split(".")[0] for m in modules} <= allowed, f"{cell.id} imports {modules}"
+
+
+NAMESPACES = {"predicates", "simplex", "topology", "sizing", "view", "plain", "examples", "studies"}
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_the_book_imports_the_face_alone(path: Path) -> None:
+    """`unstruct`, its namespaces, the single algorithms in `plain`: no inner file, so that files can move."""
+    for cell in code_cells(path):
+        for node in ast.walk(ast.parse(without_magics(cell.source))):
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+            elif isinstance(node, ast.Attribute):
+                names = [text] if re.fullmatch(r"[\w.]+", text := ast.unparse(node)) else []
+            else:
+                continue
+            for name in names:
+                if name == "unstruct" or not name.startswith("unstruct."):
+                    continue
+                first, *rest = name.split(".")[1:]
+                assert first in dir(unstruct), f"{cell.id}: {name} is not on the face"
+                if first in NAMESPACES - {"plain"} and rest:
+                    space = getattr(unstruct, first)
+                    assert rest[0] in getattr(space, "__all__", dir(space)), f"{cell.id}: {name}"
+                    shown = not inspect.ismodule(getattr(space, rest[0])) or rest[0] in ("frames", "states")
+                    assert shown, f"{cell.id}: {name} is an inner file"

@@ -10,11 +10,15 @@ from .regions import running_domain as running_domain
 from .regions import wing_with_flap as wing_with_flap
 from .regions import word as word
 from .running import flip_at_random as flip_at_random
+from .running import inside_polygon as inside_polygon
+from .running import island_shore as island_shore
+from .running import lake_shore as lake_shore
 from .running import random_triangulation as random_triangulation
 from .running import running_points as running_points
 from .running import running_region as running_region
 from .running import running_size as running_size
 from .running import sweep_triangulation as sweep_triangulation
+from .running import two_triangulations as two_triangulations
 from .structured import graded_line as graded_line
 from .structured import ring_grid as ring_grid
 from .structured import tensor_grid as tensor_grid
@@ -25,6 +29,9 @@ __all__ = [
     "coastline_size",
     "flip_at_random",
     "graded_line",
+    "inside_polygon",
+    "island_shore",
+    "lake_shore",
     "letter_outlines",
     "mapped_grid",
     "plate",
@@ -36,6 +43,7 @@ __all__ = [
     "running_size",
     "sweep_triangulation",
     "tensor_grid",
+    "two_triangulations",
     "wing_with_flap",
     "word",
 ]

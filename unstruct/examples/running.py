@@ -25,11 +25,15 @@ from ..predicates.kernels import orient2
 
 __all__ = [
     "flip_at_random",
+    "inside_polygon",
+    "island_shore",
+    "lake_shore",
     "random_triangulation",
     "running_points",
     "running_region",
     "running_size",
     "sweep_triangulation",
+    "two_triangulations",
 ]
 
 Array = NDArray[np.float64]

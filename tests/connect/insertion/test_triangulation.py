@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_insertion import brute_force, complex_of, grid_points
+from oracles import brute_force, complex_of, grid_points
 
 from unstruct import DegenerateInputError, InputError, MeshError, Triangulation, check, delaunay
 from unstruct.predicates.batch import in_sphere, orient

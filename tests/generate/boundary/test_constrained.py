@@ -8,29 +8,18 @@ from fixtures import lattice2
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
+from segments import bare, cells_of, coastline, noncrossing, square
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
 from unstruct.assess.check import Report, _spheres
 from unstruct.connect.planar import segments as kernels
-from unstruct.connect.planar.complex import PlanarComplex
 from unstruct.connect.planar.flood import mark_regions
-from unstruct.connect.planar.inserting import insert_all
 from unstruct.domain.domain import Domain
 from unstruct.generate.boundary import constrained
 from unstruct.generate.boundary.constrained import complex_of, planar_complex
 from unstruct.mesh.embedding import boundary_is_convex
 from unstruct.plain import constrained as plain
 from unstruct.plain.predicates import orient
-
-
-def bare(points, segments, *, facets=0):
-    """Insert segments into the complex of the points, without a Domain: vertices may lie on them."""
-    complex_ = PlanarComplex(np.asarray(points, dtype=float))
-    ends = np.array(segments, dtype=np.int32).reshape(-1, 2)
-    piece = np.arange(len(ends), dtype=np.int32)
-    insert_all(complex_, ends, piece, np.tile([0.0, 1.0], (len(ends), 1)), facets=facets)
-    mark_regions(complex_, facets, {}, facets == 0)
-    return complex_
 
 
 def hull_mesh(points, segments):
@@ -40,22 +29,6 @@ def hull_mesh(points, segments):
 def well(mesh, **options):
     report = check(mesh, delaunay="constrained", **options)
     assert report, str(report)
-
-
-def noncrossing(points, pairs):
-    """Those pairs, in turn, that cross and overlap none of the earlier ones."""
-    chosen = []
-    for pair in pairs:
-        try:
-            bare(points, [*chosen, pair])
-        except InputError:
-            continue
-        chosen.append(pair)
-    return chosen
-
-
-def cells_of(simplices):
-    return {tuple(np.roll(row, -int(np.argmin(row))).tolist()) for row in np.asarray(simplices)}
 
 
 def same_up_to_ties(points, cells, others, fixed):
@@ -220,10 +193,6 @@ def test_the_order_of_segments_matters_in_ties_only():
 
 
 # ---------------------------------------------------------------------- domains
-
-
-def square(low, high):
-    return [(low, low), (high, low), (high, high), (low, high)]
 
 
 def test_nested_holes_and_islands():
@@ -392,19 +361,6 @@ def test_scale_does_not_matter(factor):
 
 
 # ---------------------------------------------------------------------- large, slow, without numba
-
-
-def coastline(n, seed=0):
-    """A ring with structure at every scale, round the origin."""
-    rng = np.random.default_rng(seed)
-    frequency = np.maximum(np.fft.rfftfreq(n, 1 / n), 1)
-    wave = (rng.normal(size=len(frequency)) + 1j * rng.normal(size=len(frequency))) * frequency**-1.3
-    wave[0] = 0
-    radius = np.fft.irfft(wave, n)
-    angle = np.linspace(0, 2 * np.pi, n, endpoint=False)
-    return (1 + 0.35 * radius / np.abs(radius).max())[:, None] * np.column_stack(
-        [np.cos(angle), np.sin(angle)]
-    )
 
 
 def test_a_long_coast():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_constrained import cells_of, coastline, noncrossing, square
+from segments import cells_of, coastline, noncrossing, square
 
 from unstruct import (
     Domain,

@@ -4,9 +4,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from fans import TEN, fan_domain, random_polygon
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from test_recovery import TEN, fan_domain, random_polygon
 
 from unstruct.assess.check import check
 from unstruct.base.errors import InputError

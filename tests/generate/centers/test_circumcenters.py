@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from alone import run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS
-from test_jit import run
 
 import unstruct
 from unstruct import Domain, circumcenter_insertion, delaunay, simplex

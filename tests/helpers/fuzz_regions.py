@@ -1,5 +1,6 @@
-"""Mesh very many small random regions and judge every mesh: ``python -m tests.fuzz_regions COUNT --seed S``.
+"""Mesh very many small random regions and judge every mesh.
 
+``python tests/helpers/fuzz_regions.py COUNT --seed S`` runs it.
 Region i of seed S is `regions.random_region` of the pair (S, i), so that ``--first i --count 1`` repeats it.
 Each mesh is judged by a compiled check (adjacency, orientation and empty circles by exact signs, area, every
 limit that the mesh claims to keep), and now and then, and wherever that finds a fault, by `unstruct.check`.
@@ -15,13 +16,9 @@ import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parent / "helpers"))
-
 from regions import KINDS
 
 from unstruct import (
@@ -285,7 +282,7 @@ def one(seed: int, i: int, names: list[str]) -> tuple[str, list[str], list[str]]
 
 def main(arguments: list[str] | None = None) -> int:
     """Parse the command line, mesh, print the totals; 1 where anything was at fault."""
-    parser = argparse.ArgumentParser(prog="python -m tests.fuzz_regions", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python tests/helpers/fuzz_regions.py", description=__doc__)
     parser.add_argument("count", type=int, nargs="?", default=1000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--first", type=int, default=0, help="number of the first region")
