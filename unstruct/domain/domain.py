@@ -19,7 +19,8 @@ from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
 from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
 from .plane import faults, inside, poly, sample, shapes
-from .plane.repair import Repair, Repairer
+from .plane.repair import Repair
+from .plane.repaired import Repaired, repaired
 from .plane.sample import Sampled
 
 __all__ = ["Domain", "as_domain"]
@@ -28,6 +29,7 @@ __all__ = ["Domain", "as_domain"]
 class Side(NamedTuple):
     """What a `Domain` asks of its dimension: one set of functions, chosen once."""
 
+    repaired: Callable[[Outline], Repaired]
     find_faults: Callable[[Outline], list[faults.Fault]]
     check_ends: Callable[[Outline], None]
     check_seeds: Callable[[Outline, Sampled], None]
@@ -39,6 +41,7 @@ class Side(NamedTuple):
 
 
 PLANE = Side(
+    repaired,
     faults.find_faults,
     faults.check_ends,
     inside.check_seeds,
@@ -120,7 +123,6 @@ class Domain(Outline):
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
-        self._side = SIDES[coordinates.shape[1]]
         rows, others = as_segments(facets, "facets"), as_segments(() if inner is None else inner, "inner")
         many = len(rows) + len(others)
         super().__init__(
@@ -137,14 +139,22 @@ class Domain(Outline):
         self.piece_origin: np.ndarray = frozen(np.arange(many, dtype=np.int32))
         if resolve:
             self._resolve()
-        faults = self._side.find_faults(self)
-        if faults:
-            rest = len(faults) - 1
+        found = self._side.find_faults(self)
+        if found:
+            rest = len(found) - 1
             more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
-            raise InputError(faults[0].text + more)
+            raise InputError(found[0].text + more)
         self._side.check_ends(self)
-        _ = self._coarse
         self._side.check_seeds(self, self._coarse)
+
+    @property
+    def dimension(self) -> int:
+        """The number of coordinates: 2."""
+        return self.points.shape[1]
+
+    @property
+    def _side(self) -> Side:
+        return SIDES[self.dimension]
 
     # ------------------------------------------------------------------ subsegments
 
@@ -195,9 +205,10 @@ class Domain(Outline):
             up to rounding, may fall on either side.
         """
         queries = as_numbers(x, "x")
-        if queries.ndim == 0 or queries.shape[-1] != 2:
-            raise InputError(f"x must have shape (..., 2), not {queries.shape}")
-        rows = as_points(queries.reshape(-1, 2), "x")
+        d = self.dimension
+        if queries.ndim == 0 or queries.shape[-1] != d:
+            raise InputError(f"x must have shape (..., {d}), not {queries.shape}")
+        rows = as_points(queries.reshape(-1, d), "x")
         return self._side.contains(self, self._coarse, rows).reshape(queries.shape[:-1])
 
     @cached_property
@@ -367,20 +378,10 @@ class Domain(Outline):
     # ------------------------------------------------------------------ validation
 
     def _resolve(self) -> None:
-        mended = Repairer(self.points, self.facets, self.inner, self.curves, self.markers)
-        mended.run()
-        pieces = [p for p in mended.pieces if p.facet] + [p for p in mended.pieces if not p.facet]
-        many = sum(p.facet for p in pieces)
-        rows = np.array([(p.a, p.b) for p in pieces], dtype=np.int32).reshape(-1, 2)
-        self.points, self.origin = frozen(mended.points), frozen(mended.origin.astype(np.int32))
-        self.facets, self.inner = frozen(rows[:many]), frozen(rows[many:])
-        self.piece_origin = frozen(np.array([p.origin for p in pieces], dtype=np.int32))
-        self.curves = {i: p.curve for i, p in enumerate(pieces) if p.curve is not None}
-        self.markers = {
-            name: frozen(np.array([i for i, p in enumerate(pieces) if name in p.names], dtype=np.int32))
-            for name in self.markers
-        }
-        self.repairs = mended.repairs
+        mended = self._side.repaired(self)
+        self.points, self.origin, self.repairs = mended.points, mended.origin, mended.repairs
+        self.facets, self.inner, self.piece_origin = mended.facets, mended.inner, mended.piece_origin
+        self.curves, self.markers = mended.curves, mended.markers
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(refrozen(state))
