@@ -102,7 +102,7 @@ def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> Non
 
 LEAN_FIRST = """
 from unstruct.base.jit import lean
-from unstruct.predicates import incircle
+from unstruct.predicates.kernels import incircle
 
 @lean
 def on_circle(x):

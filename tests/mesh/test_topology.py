@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from unstruct import InputError, MeshError, topology
+from unstruct import InputError, MeshError
+from unstruct.mesh import topology
 
 
 def random_complex(n, d, seed):

@@ -12,10 +12,10 @@ from segments import bare, cells_of, coastline, noncrossing, square
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
 from unstruct.assess.check import Report, _spheres
+from unstruct.connect.planar import inserting
 from unstruct.connect.planar import segments as kernels
 from unstruct.connect.planar.flood import mark_regions
 from unstruct.domain.domain import Domain
-from unstruct.generate.boundary import constrained
 from unstruct.generate.boundary.constrained import complex_of, planar_complex
 from unstruct.mesh.embedding import boundary_is_convex
 from unstruct.plain import constrained as plain
@@ -422,11 +422,11 @@ def test_cutting_ears_and_swapping_gives_the_same(seed, kind):
     pairs = [(0, 1)] + [tuple(rng.choice(n, 2, replace=False).tolist()) for _ in range(15)]
     segments = noncrossing(points, pairs)
     one = hull_mesh(points, segments)
-    usual, constrained.PATIENCE = constrained.PATIENCE, 0
+    usual, inserting.PATIENCE = inserting.PATIENCE, 0
     try:
         other = hull_mesh(points, segments)
     finally:
-        constrained.PATIENCE = usual
+        inserting.PATIENCE = usual
     well(other)
     np.testing.assert_array_equal(one.segments, other.segments)
     assert same_up_to_ties(points.tolist(), cells_of(one.simplices), cells_of(other.simplices), one.segments)
@@ -435,12 +435,12 @@ def test_cutting_ears_and_swapping_gives_the_same(seed, kind):
 def test_a_dangling_edge_among_ears(monkeypatch):
     points, segments = dangling()
     expected = cells_of(hull_mesh(points, segments).simplices)
-    monkeypatch.setattr(constrained, "PATIENCE", 0)
+    monkeypatch.setattr(inserting, "PATIENCE", 0)
     assert cells_of(hull_mesh(points, segments).simplices) == expected
 
 
 def test_progress_and_chunks(monkeypatch, capsys):
-    monkeypatch.setattr(constrained, "CHUNK", 7)
+    monkeypatch.setattr(inserting, "CHUNK", 7)
     domain = Domain.polygon(coastline(50))
     assert cells_of(constrained_delaunay(domain, progress=True).simplices)
     assert "segments" in capsys.readouterr().err
@@ -450,7 +450,7 @@ def test_without_numba(monkeypatch):
     points, segments = dangling()
     expected = cells_of(hull_mesh(points, segments).simplices)
     for name in ("insert_segments", "fill_corners"):
-        monkeypatch.setattr(constrained, name, getattr(kernels, name).py_func, raising=True)
+        monkeypatch.setattr(inserting, name, getattr(kernels, name).py_func, raising=True)
     assert cells_of(hull_mesh(points, segments).simplices) == expected
 
 
