@@ -21,6 +21,7 @@ from .draw.space import mesh_items3 as mesh_items3
 from .draw.space import picture as picture
 from .draw.space import view3d as view3d
 from .draw.strips import draw as draw
+from .draw.strips import draw_items as draw_items
 from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
 from .scenes import states as states
@@ -36,6 +37,8 @@ from .scenes.histories import gift_wrap_frames as gift_wrap_frames
 from .scenes.histories import insertion_frames as insertion_frames
 from .scenes.proofs import cavity_proof_state as cavity_proof_state
 from .scenes.proofs import star_proof_state as star_proof_state
+from .scenes.rebay import COBWEBS as COBWEBS
+from .scenes.rebay import VORONOI_SEGMENTS as VORONOI_SEGMENTS
 from .scenes.rebay import chain_frame as chain_frame
 from .scenes.rebay import cobweb_state as cobweb_state
 from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
@@ -44,6 +47,7 @@ from .scenes.states import bowyer_watson_history as bowyer_watson_history
 from .scenes.states import bowyer_watson_state as bowyer_watson_state
 from .scenes.states import empty_circle_state as empty_circle_state
 from .scenes.states import voronoi_dual_state as voronoi_dual_state
+from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state

@@ -26,7 +26,7 @@ def points(frame, role):
 # ---- one step ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("preset", rb.SEGMENTS)
+@pytest.mark.parametrize("preset", rb.VORONOI_SEGMENTS)
 def test_the_step_over_its_whole_range(preset):
     for f, q in product(np.linspace(*rb.SIZE, 12), np.linspace(*rb.REACH, 14)):
         frame = rb.voronoi_segment_state(f, q, preset)
@@ -58,7 +58,7 @@ def test_the_step_over_its_whole_range(preset):
     ],
 )
 def test_the_presets_show_what_they_promise(preset, caption, number):
-    given_ = rb.SEGMENTS[preset]
+    given_ = rb.VORONOI_SEGMENTS[preset]
     frame = rb.voronoi_segment_state(given_["f"], given_["q"], preset)
     assert caption in frame["caption"] and number in frame["number"]
 

@@ -24,7 +24,7 @@ from .choices import preset_named, within
 
 __all__ = [
     "COBWEBS",
-    "SEGMENTS",
+    "VORONOI_SEGMENTS",
     "chain_frame",
     "cobweb_drag",
     "cobweb_state",
@@ -35,7 +35,7 @@ __all__ = [
 # ---- one step: figure 12.8 -----------------------------------------------------------------------
 
 A, B = np.array([-1.0, 0.0]), np.array([1.0, 0.0])  # so p = 1
-SEGMENTS: dict[str, dict[str, Any]] = {
+VORONOI_SEGMENTS: dict[str, dict[str, Any]] = {
     "a short edge: p < f": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.1, "q": 1.8},
     "a long edge: p > f": {"c": (0.1, 1.6), "turn": 0.8, "f": 0.8, "q": 1.8},
     "the cap is active": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.6, "q": 1.5},
@@ -55,7 +55,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
     q : float
         The distance of F from M, between 0.1 and 2.
     preset : str
-        A key of `SEGMENTS`: it puts C, and D on its circle.
+        A key of `VORONOI_SEGMENTS`: it puts C, and D on its circle.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
         and gives the angle at X.
     """
 
-    given = preset_named(SEGMENTS, preset)
+    given = preset_named(VORONOI_SEGMENTS, preset)
     within("f", f, *SIZE)
     within("q", q, *REACH)
     c, d = np.array(given["c"]), _on_circle(q, given["turn"])

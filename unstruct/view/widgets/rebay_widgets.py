@@ -10,9 +10,9 @@ from ..scenes.rebay import (
     COBWEBS,
     GROWTH,
     REACH,
-    SEGMENTS,
     SIZE,
     START,
+    VORONOI_SEGMENTS,
     cobweb_drag,
     cobweb_state,
     voronoi_segment_drag,
@@ -25,9 +25,9 @@ __all__ = ["rebay_cobweb", "rebay_step"]
 
 def rebay_step() -> Panel:
     """The chapter's Fig. 12.8: drag F or X, or move f and q, and see where the new point goes. Book: 2.6c."""
-    first = SEGMENTS[next(iter(SEGMENTS))]
+    first = VORONOI_SEGMENTS[next(iter(VORONOI_SEGMENTS))]
     controls = {
-        "preset": presets(SEGMENTS),
+        "preset": presets(VORONOI_SEGMENTS),
         "f": slider("wanted radius f", first["f"], *SIZE, 0.01),
         "q": slider("q, from M to F", first["q"], *REACH, 0.01),
     }
@@ -36,7 +36,7 @@ def rebay_step() -> Panel:
     )
 
     def start(preset: str) -> dict[str, Any]:
-        return {name: SEGMENTS[preset][name] for name in ("f", "q")}
+        return {name: VORONOI_SEGMENTS[preset][name] for name in ("f", "q")}
 
     return live(voronoi_segment_state, controls, alt, voronoi_segment_drag, start)
 
