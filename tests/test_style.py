@@ -21,7 +21,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # A module imports, at its top, only from its own floor or from floors below.
 FLOORS = {
     **dict.fromkeys(["errors", "jit", "progress"], 0),
-    **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "exact", "filters"], 1),
+    **dict.fromkeys(["arrays", "edge_vectors", "close", "curves", "elementary", "exact", "filters"], 1),
     **dict.fromkeys(["simplex", "topology", "ordering", "report"], 1),
     **dict.fromkeys(["cells", "marked_edges", "predicates"], 2),
     **dict.fromkeys(["mesh", "measures", "card", "files", "locate", "embedding", "manifold"], 3),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .curves import Arc
+from .elementary import turns
 
 if TYPE_CHECKING:
     from .domain import Domain
@@ -120,7 +121,7 @@ def _on_piece(domain: Domain, piece: np.ndarray, x: np.ndarray, slack: float) ->
     along = ((x - a) * (b - a)).sum(axis=1) / np.where(length > 0, length, 1.0)
     on_line = (along >= -slack) & (along <= length + slack)
     cx, cy, radius, start, sweep = arc[piece].T
-    turned = np.sign(sweep) * (np.arctan2(x[:, 1] - cy, x[:, 0] - cx) - start)
+    turned = np.sign(sweep) * (turns(x[:, 1] - cy, x[:, 0] - cx) - start)
     room = slack / np.where(radius > 0, radius, 1.0)
     on_arc = np.mod(turned + room, 2 * np.pi) <= np.abs(sweep) + 2 * room
     return np.where(kind[piece] == 1, on_arc, on_line)

@@ -10,6 +10,7 @@ import numpy as np
 from .close import _two_product
 from .curves import Arc, CurveLike
 from .domain_sample import Sampled, fine_chains
+from .elementary import sine
 from .embedding import orient_rows
 from .jit import kernel
 from .locate import BoxTree
@@ -287,7 +288,7 @@ def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray) -> float:
     Closed form for an arc; otherwise polygons on the curve, of up to 2^15 sides, extrapolated (Romberg).
     """
     if isinstance(curve, Arc):
-        return 0.5 * curve.radius**2 * (curve.sweep - np.sin(curve.sweep))
+        return 0.5 * curve.radius**2 * (curve.sweep - sine(curve.sweep))
     areas: list[list[float]] = []
     for level in range(4, 16):
         chain = curve.point(np.linspace(0, 1, 2**level + 1))

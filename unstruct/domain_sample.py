@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .domain_corners import crossings_at_corners
+from .elementary import turns
 from .errors import InputError
 from .locate import BoxTree
 from .segment_pairs import meetings
@@ -110,7 +111,7 @@ def turning(chains: np.ndarray) -> np.ndarray:
     d = np.diff(chains, axis=1)
     cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
     dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
-    return np.abs(np.arctan2(cross, dot)).sum(axis=1)
+    return np.abs(turns(cross, dot)).sum(axis=1)
 
 
 def conflicts(domain: Domain, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:

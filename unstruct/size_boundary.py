@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .arrays import as_points
 from .distance import SegmentTree, to_box, to_segment
+from .elementary import turns
 from .errors import InputError
 from .jit import inline, kernel
 from .locate import LEAF
@@ -59,7 +60,7 @@ def _joints(points: Array) -> Array:
     """How far a chain of points turns at each of its inner points, in radians, never negative."""
     d = np.diff(points, axis=0)
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
-    return np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1)))
+    return np.abs(turns(cross, (d[:-1] * d[1:]).sum(axis=1)))
 
 
 @inline
