@@ -198,7 +198,7 @@ def test_large_lattices(size):
     assert abs(mesh.volume - np.prod(points.max(axis=0))) < 1e-6
 
 
-@pytest.mark.parametrize(("n", "d", "most"), [(400_000, 2, 100_000), (40_000, 3, 10_000), (300, 4, 20)])
+@pytest.mark.parametrize(("n", "d", "most"), [(300_000, 2, 100_000), (25_000, 3, 10_000), (300, 4, 20)])
 def test_an_interrupt_is_heard_after_a_chunk(monkeypatch, n, d, most):
     points = uniform(n, d, seed=1)
     steps = interrupt(monkeypatch, lambda: delaunay(points, progress=True), "points")
