@@ -123,6 +123,7 @@ def delaunay() -> Arrays:
         yield from of(unstruct.delaunay(points(n, d)))
     for counts in ((20, 30), (6, 7, 8), (3, 3, 3, 3)):
         yield from of(unstruct.delaunay(lattice(*counts)))
+        yield from of(unstruct.delaunay(lattice(*counts) / 3))  # rounded: nearly ties
 
 
 @case
@@ -131,6 +132,7 @@ def gift_wrapping() -> Arrays:
         yield from of(unstruct.gift_wrap(points(n, d, 1)))
     for counts in ((5, 6), (3, 3, 3), (2, 2, 2, 2)):
         yield from of(unstruct.gift_wrap(lattice(*counts)))
+        yield from of(unstruct.gift_wrap(lattice(*counts) / 3))  # rounded: nearly ties
 
 
 @case

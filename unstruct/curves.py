@@ -108,7 +108,8 @@ class Curve:
     Parameters
     ----------
     function : callable, (k,) -> (k, 2)
-        Points for an array of parameters; must give the same points whenever it is asked.
+        Points for an array of parameters; must give the same points whenever it is asked. (The last bits of
+        numpy's sines and exponentials depend on the processor, and a mesh along such a curve with them.)
     t0, t1 : float
         Its parameters at the first and at the last end; t0 > t1 runs backwards.
 
