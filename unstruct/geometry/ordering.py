@@ -116,7 +116,7 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
     if n < 2 or d == 0:
         return np.arange(n, dtype=np.int64)
     d = min(d, MAX_TABLE_DIMENSION)
-    levels = min(KEY_BITS // d, int(np.ceil(np.log2(n) / d)) + 8, 30)
+    levels = min(KEY_BITS // d, -(-(n - 1).bit_length() // d) + 8, 30)
     levels += levels % 2 if d == 2 else 0  # the plane goes by two levels at a time
     # the Hilbert keys only steer speed, so rounding is harmless here; halves keep the extent finite
     low = np.empty(d)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
+from ..base.elementary import turns
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..geometry.boxes import LEAF
@@ -57,7 +58,7 @@ def _joints(points: Array) -> Array:
     """How far a chain of points turns at each of its inner points, in radians, never negative."""
     d = np.diff(points, axis=0)
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
-    return np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1)))
+    return np.abs(turns(cross, (d[:-1] * d[1:]).sum(axis=1)))
 
 
 @inline

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import _thread
 import os
 import subprocess
 import sys
-import threading
-import time
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interrupts import interrupt
 from regions import KINDS, random_region
 
 import unstruct
@@ -442,15 +440,10 @@ def test_progress(capsys: pytest.CaptureFixture[str]) -> None:
     assert "points" in capsys.readouterr().err
 
 
-def test_interrupt() -> None:
+def test_interrupt(monkeypatch: pytest.MonkeyPatch) -> None:
     domain = Domain.rectangle()
-    voronoi_segment(domain, 0.1)
-    timer = threading.Timer(0.3, _thread.interrupt_main)
-    start = time.perf_counter()
-    with pytest.raises(KeyboardInterrupt):
-        timer.start()
-        voronoi_segment(domain, 0.0004)  # over ten million triangles
-    assert time.perf_counter() - start < 3.0
+    steps = interrupt(monkeypatch, lambda: voronoi_segment(domain, 0.002, progress=True), "points")
+    assert max(steps) <= 50_000 < 1 / 0.002**2
     assert check(voronoi_segment(domain, 0.1), domain=domain)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.elementary import turns
 from ...geometry.curves import Arc
 from ...geometry.outline import Outline
 
@@ -116,7 +117,7 @@ def _on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) 
     along = ((x - a) * (b - a)).sum(axis=1) / np.where(length > 0, length, 1.0)
     on_line = (along >= -slack) & (along <= length + slack)
     cx, cy, radius, start, sweep = arc[piece].T
-    turned = np.sign(sweep) * (np.arctan2(x[:, 1] - cy, x[:, 0] - cx) - start)
+    turned = np.sign(sweep) * (turns(x[:, 1] - cy, x[:, 0] - cx) - start)
     room = slack / np.where(radius > 0, radius, 1.0)
     on_arc = np.mod(turned + room, 2 * np.pi) <= np.abs(sweep) + 2 * room
     return np.where(kind[piece] == 1, on_arc, on_line)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.elementary import turns
 from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
@@ -108,7 +109,7 @@ def turning(chains: np.ndarray) -> np.ndarray:
     d = np.diff(chains, axis=1)
     cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
     dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
-    return np.abs(np.arctan2(cross, dot)).sum(axis=1)
+    return np.abs(turns(cross, dot)).sum(axis=1)
 
 
 def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:

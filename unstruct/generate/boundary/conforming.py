@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import as_count
 from ...base.arrays import frozen
+from ...base.elementary import turns
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
@@ -39,7 +40,9 @@ DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells
 CHUNK = 100_000  # splits a kernel call: a fraction of a second
 SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
 TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would touch or cross another piece"
-SHARP = np.cos(np.pi / 3)  # pieces at a larger angle than 60 degrees cannot cut each other for ever
+SHARP = (
+    0.5000000000000001  # the cosine, rounded up: pieces at 60 degrees or more cannot cut each other for ever
+)
 
 
 class Conforming(DomainMesh):
@@ -313,7 +316,7 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     head = np.concatenate([ends[:, 1], ends[:, 0]])
     head, tail = head[tail < n], tail[tail < n]
     d = c.xy[head] - c.xy[tail]
-    angle = np.arctan2(d[:, 1], d[:, 0])
+    angle = turns(d[:, 1], d[:, 0])
     order = np.lexsort([angle, tail])
     head, tail, d = head[order], tail[order], d[order]
     begin = np.flatnonzero(np.diff(tail, prepend=-1))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import finite
+from ...base.elementary import arcsine
 from ...base.errors import InputError
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
@@ -119,7 +120,7 @@ def judge(rule, ax, ay, bx, by, cx, cy):
     elif kind == 2:
         value = big / short
     elif kind == 3:
-        value = -math.degrees(math.asin(min(1.0, 0.5 * short / big)))
+        value = -math.degrees(arcsine(min(1.0, 0.5 * short / big)))
     elif kind == 4:
         value = big / small
     else:
@@ -141,7 +142,7 @@ def watch_triangle(watch, slot, ax, ay, bx, by, cx, cy):
     put(watch[1], slot, -short)
     put(watch[2], slot, long)
     put(watch[3], slot, big / small if small > 0.0 else np.inf)
-    put(watch[4], slot, -math.degrees(math.asin(min(1.0, 0.5 * short / big))))
+    put(watch[4], slot, -math.degrees(arcsine(min(1.0, 0.5 * short / big))))
 
 
 @inline

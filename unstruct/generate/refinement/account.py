@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import turns
 from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
 from .encroachment import across_small_angle
@@ -85,7 +86,7 @@ def account(
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
     u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
-    turn = np.abs(np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
+    turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
     missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(("angle", "area", "size"))}
     return slot.astype(np.int32), reasons.astype(str), missed

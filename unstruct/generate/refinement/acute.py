@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import turns
 from ...connect.planar.complex import PlanarComplex
 from .encroachment import FIRST, SECOND
 
@@ -36,7 +37,7 @@ def apexes(complex_: PlanarComplex, curved: NDArray[np.bool_]) -> NDArray[np.uin
     start, stop = (complex_.vertex[half // 3 * 3 + (half + k) % 3] for k in (1, 2))
     number = np.repeat(np.arange(s), 2)
     vector = complex_.xy[stop] - complex_.xy[start]
-    angle = np.arctan2(vector[:, 1], vector[:, 0])
+    angle = turns(vector[:, 1], vector[:, 0])
     order = np.lexsort((angle, start))
     again = _next_around(start[order])
     wedge = np.mod(angle[order][again] - angle[order], 2 * np.pi)

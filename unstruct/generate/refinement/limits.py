@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import sine
 from ...base.errors import InputError
 from ...base.jit import inline
 from ...sizing import as_size
@@ -105,8 +106,9 @@ def make_limits(
             made[id(one)] = rows, rows + len(nodes.child)
             rows += len(nodes.child)
         first[r], last[r] = made[id(one)]
+    least = sine(math.radians(min_angle))
     return Limits(
-        math.sin(math.radians(min_angle)) ** 2, lens, np.array(areas), radius2, first, last,
+        least * least, lens, np.array(areas), radius2, first, last,
         np.concatenate(child), np.concatenate(values), box * factor,
     )  # fmt: skip
 

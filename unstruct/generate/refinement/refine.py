@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...base.arguments import DEFAULT_BUDGET, MOST
+from ...base.elementary import cosine, sine
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
@@ -147,13 +148,13 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
         raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
-    lens = (
-        0.0 if method == "ruppert" else math.cos(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0))) ** 2
-    )
+    seen = cosine(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0)))
+    lens = 0.0 if method == "ruppert" else seen * seen
     offset = 0.0
     if method == "off-centers" and angle > 0.0:
         # the apex over the shortest edge that makes the angle, a little lower so that rounding does no harm
-        offset = 0.475 / math.tan(math.radians(angle) / 2.0)
+        half = math.radians(angle) / 2.0
+        offset = 0.475 * cosine(half) / sine(half)
     return angle, lens, offset
 
 
