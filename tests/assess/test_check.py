@@ -69,7 +69,7 @@ def test_delaunay_meshes_are_well(d, make):
     mesh = delaunay(make({1: 20, 2: 40, 3: 27, 4: 16}[d], d))
     report = check(mesh, delaunay=True, brute=True)
     assert report, report
-    assert bool(report) is True and report.problems == [] and str(report).startswith("well: <Mesh")
+    assert bool(report) is True and report.problems == [] and str(report).startswith("valid: <Mesh")
     assert check(mesh, brute=True) and boundary_is_convex(mesh)
     assert any("rational numbers" in name for name in report.passed) == (d > 1)
 
@@ -400,7 +400,7 @@ def test_solids():
 def test_the_report_reads_well():
     points, cells = mapped_grid(20, 1.6)
     text = str(check(Mesh(points, cells)))
-    assert text.startswith("NOT WELL: <Mesh: 400 points") and "in all)" in text
+    assert text.startswith("not valid: <Mesh: 400 points") and "in all)" in text
     assert "skipped" in text and repr(check(Mesh(points, cells))) == text
 
 

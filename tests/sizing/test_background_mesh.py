@@ -104,7 +104,7 @@ def test_bad_values_are_named(bad: float) -> None:
 
 
 def test_bad_meshes() -> None:
-    with pytest.raises(InputError, match=r"one size a vertex, shape \(4,\)"):
+    with pytest.raises(InputError, match=r"one size per vertex, shape \(4,\)"):
         background(SQUARE, [1, 1, 1])
     with pytest.raises(InputError, match="values must be real numbers"):
         background(SQUARE, ["a", "b", "c", "d"])

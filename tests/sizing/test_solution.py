@@ -117,16 +117,22 @@ def test_to_vertices() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: from_error(SQUARE, [0, 0, -1e-9, 0], 1), "-1e-09 at vertex 2 is no error"),
-        (lambda: from_error(SQUARE, [0, math.nan, 0, 0], 1), "nan at vertex 1 is no error"),
-        (lambda: from_error(SQUARE, [0, 0, 0], 1), r"vertex \(4,\) or a cell \(2,\)"),
+        (
+            lambda: from_error(SQUARE, [0, 0, -1e-9, 0], 1),
+            "-1e-09 at vertex 2; it must be finite and at least 0",
+        ),
+        (
+            lambda: from_error(SQUARE, [0, math.nan, 0, 0], 1),
+            "nan at vertex 1; it must be finite and at least 0",
+        ),
+        (lambda: from_error(SQUARE, [0, 0, 0], 1), r"vertex \(4,\) or per cell \(2,\)"),
         (lambda: from_error(SQUARE, np.ones(4), 0), "target"),
         (lambda: from_error(SQUARE, np.ones(4), 1, order=-1), "order"),
         (lambda: from_error(SQUARE, np.ones(4), 1, finer=0.5), "finer"),
         (lambda: from_error(SQUARE, np.ones(4), 1, coarser=math.inf), "coarser"),
         (lambda: hessian(SQUARE, [0, 0, math.inf, 0]), "vertex 2 is inf"),
-        (lambda: hessian(SQUARE, [0, 0]), "one number a vertex"),
-        (lambda: to_vertices(SQUARE, [0, 0, 0]), "one number a cell"),
+        (lambda: hessian(SQUARE, [0, 0]), "one number per vertex"),
+        (lambda: to_vertices(SQUARE, [0, 0, 0]), "one number per cell"),
         (lambda: from_hessian(SQUARE, np.zeros((4, 2)), 1, lower=1, upper=2), r"shape \(4, 2, 2\)"),
         (lambda: from_hessian(SQUARE, np.full((4, 2, 2), np.nan), 1, lower=1, upper=2), "at vertex 0"),
         (lambda: from_hessian(SQUARE, np.zeros((4, 2, 2)), -1, lower=1, upper=2), "error must be positive"),

@@ -76,8 +76,8 @@ def test_a_table_sees_every_source() -> None:
         (lambda: points([[0, 0]], 0.1, growth=-0.1), "growth"),
         (lambda: points(np.empty((0, 2)), 0.1), "s >= 1"),
         (lambda: points([[0, math.inf]], 0.1), "not finite"),
-        (lambda: lines([[0, 0]], 0.1), "two points or more"),
-        (lambda: polygons([[0, 0], [1, 1]], 0.1), "three points or more"),
+        (lambda: lines([[0, 0]], 0.1), "at least two points"),
+        (lambda: polygons([[0, 0], [1, 1]], 0.1), "at least three points"),
     ],
 )
 def test_bad_sources(make: object, words: str) -> None:

@@ -1,1 +1,1 @@
-"""What every room stands on: errors, checked arguments and arrays, compiled kernels, progress, reports."""
+"""What every other package uses: errors, checked arguments and arrays, kernels, progress bars, reports."""

@@ -1,28 +1,25 @@
-"""Single arguments: a number, a count, a mapping, checked, or an error that calls them by name."""
+"""Checks of single arguments (a number, a count, a mapping); the error messages name the argument."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .errors import InputError
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["DEFAULT_BUDGET", "MOST", "as_count", "as_mapping", "finite", "positive"]
 
 
-DEFAULT_BUDGET = 10_000_000  # vertices of a mesh, if nothing else is said: some gigabytes
+DEFAULT_BUDGET = 10_000_000  # the largest number of vertices unless the caller gives one; some gigabytes
 
 
-MOST = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
+MOST = 2**31 // 6 - 4  # the largest number of vertices of a planar mesh whose half-edges have 32-bit numbers
 
 
 def finite(value: Any, name: str) -> float:
-    """A finite number, or an error that calls it by ``name``."""
+    """Return ``value`` as a finite float; otherwise raise an error that names it ``name``."""
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -33,7 +30,7 @@ def finite(value: Any, name: str) -> float:
 
 
 def positive(value: Any, name: str) -> float:
-    """A positive finite number, or an error that calls it by ``name``."""
+    """Return ``value`` as a positive finite float; otherwise raise an error that names it ``name``."""
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -44,14 +41,14 @@ def positive(value: Any, name: str) -> float:
 
 
 def as_count(value: Any, name: str) -> int:
-    """A whole number that is not negative, or an error that calls it by ``name``."""
+    """Return ``value`` as an int that is not negative; otherwise raise an error that names it ``name``."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InputError(f"{name} = {value!r} must be a whole number, not negative")
+        raise InputError(f"{name} = {value!r} must be a whole number that is not negative")
     return int(value)
 
 
 def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:
-    """A mapping, or an error that calls it by ``name``."""
+    """Return ``value`` if it is a mapping; otherwise raise an error that names it ``name``."""
     if not isinstance(value, Mapping):
         raise InputError(f"{name} must be a dict, not {type(value).__name__}")
     return value

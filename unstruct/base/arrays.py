@@ -1,4 +1,4 @@
-"""Arrays as they come in: checked, of the right type, read-only."""
+"""Arrays given by callers: checked, converted to the right type, made read-only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["as_numbers", "as_points", "distinct", "frozen", "refrozen"]
 
 
 def as_points(points: Any, name: str = "points") -> np.ndarray:
-    """Return ``points`` as a finite float64 array of shape (n, d), or say which row is wrong.
+    """Return ``points`` as a finite float64 array of shape (n, d), or name the first row that is wrong.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
         raise InputError(f"{name} must be real numbers, not {array.dtype}")
     result = np.ascontiguousarray(array, dtype=np.float64)
     finite = np.isfinite(result)
-    if not finite.all():  # rows only now: reductions over short rows are slow
+    if not finite.all():  # look for the row only now, because reductions over short rows are slow
         row = int(np.argmin(finite.all(axis=1)))
         raise InputError(f"{name}[{row}] = {result[row].tolist()} is not finite; drop or mend it")
     if array.dtype.kind in "iu" and result.size and np.abs(result).max() >= 2.0**53:
@@ -40,13 +40,14 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
         if rounded.any():
             row = int(np.argmax(rounded))
             raise InputError(
-                f"{name}[{row}] = {array[row].tolist()} is no double; subtract an offset or scale first"
+                f"{name}[{row}] = {array[row].tolist()} cannot be stored exactly in double precision; "
+                "subtract an offset or scale first"
             )
     return result
 
 
 def as_numbers(values: Any, name: str) -> np.ndarray:
-    """A float64 array of any shape, or an error that calls it by ``name``."""
+    """Return ``values`` as a float64 array of any shape; otherwise raise an error that names it ``name``."""
     try:
         return np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -54,7 +55,7 @@ def as_numbers(values: Any, name: str) -> np.ndarray:
 
 
 def distinct(values: Any) -> np.ndarray:
-    """All different entries, sorted; `numpy.unique` hashes integers, which took 20 to 100 times as long."""
+    """The sorted distinct entries. (`numpy.unique` hashes integers, which took 20 to 100 times as long.)"""
     row = np.sort(values, axis=None)
     if len(row) == 0:
         return row
@@ -65,14 +66,14 @@ def distinct(values: Any) -> np.ndarray:
 
 
 def frozen(array: np.ndarray) -> np.ndarray:
-    """A read-only view: the caller's own array stays as it is."""
+    """A read-only view of ``array``; the array itself stays writable."""
     view = array.view()
     view.flags.writeable = False
     return view
 
 
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:
-    """The attributes of a pickled object: its arrays, which a pickle gives back writable, are read-only."""
+    """The attributes of an unpickled object, its arrays read-only again: pickle restores them writable."""
     return {
         name: refrozen(value)
         if isinstance(value, dict)

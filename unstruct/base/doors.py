@@ -1,7 +1,8 @@
-"""Doors: named imports upward, made only when somebody goes through.
+"""Doors: functions of a higher layer, named in a lower one and imported only when they are called.
 
-A mesh can draw itself, but drawing stands far above meshes. A door names the function above without importing
-it; the import happens at the first call. There are few doors, and a test opens each of them.
+A mesh can draw itself, but the drawing package is built on the mesh package. A door names the function of the
+higher layer without importing it; the import happens at the first call. There are few doors, and a test
+opens each of them.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ def door(target: str) -> Callable[..., Any]:
     Parameters
     ----------
     target : str
-        Module and name as entry points spell them: "unstruct.view:plot".
+        Module and name, written as in entry points: "unstruct.view:plot".
 
     Returns
     -------
     function
-        Hands on all its arguments and what comes back. ``target`` is kept as an attribute.
+        It passes all its arguments on and returns the result. ``target`` is kept as an attribute.
     """
     module, _, name = target.partition(":")
 

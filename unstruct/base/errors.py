@@ -17,7 +17,7 @@ class DegenerateInputError(UnstructError):
     Attributes
     ----------
     dimension : int
-        The dimension of the affine hull that was found (0: all points equal, 1: collinear, ...).
+        The dimension of the affine hull of the points (0: all points are equal, 1: they are collinear, ...).
     """
 
     def __init__(self, message: str, dimension: int):
@@ -26,4 +26,4 @@ class DegenerateInputError(UnstructError):
 
 
 class MeshError(UnstructError):
-    """A mesh, or a change asked of it, is not valid; the message names cells and vertices."""
+    """A mesh, or a requested change of it, is not valid; the message names cells and vertices."""

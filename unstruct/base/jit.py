@@ -1,8 +1,8 @@
-"""How kernels are compiled: numba, lazily, cached on disk; plain Python where numba is missing.
+"""How kernels are compiled: by numba, at the first call, cached on disk; without numba they are plain Python.
 
-numba's own cache looks at one file only, so that after an edit of ``predicates.py`` a kernel in
-another file would silently run old machine code. Here the stamp of a kernel covers its own file and
-the files of all the kernels that it can call.
+numba's own cache checks one file only. After an edit of ``predicates.py``, a kernel in another file would
+silently run old machine code. Here the stamp of a kernel covers its own file and the files of all the
+kernels that it can call.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ except ImportError:  # the kernels then run as plain Python
 __all__ = ["inline", "kernel", "lean"]
 
 if numba is not None and not getattr(numba.config, "DISABLE_JIT", False):
-    # numba learns its own functions before the first compiled call: now, and not within somebody's first call
+    # numba registers its own functions before the first compiled call. Doing it here keeps that time out of
+    # the caller's first call.
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
 
@@ -32,18 +33,18 @@ def kernel(function: Callable) -> Any:
     """Compile a module-level function on first call, and cache the machine code on disk."""
     if numba is None:
         return function
-    # said outright: numba lets an option that is not set be inherited from whoever calls it first, and then
-    # the whole exact stage would be copied into every place where an inlined predicate stands, or could make
-    # no arrays where a `lean` function asked for it first
+    # Both options are set explicitly because numba lets an option that is not set be inherited from the first
+    # caller. The whole exact stage would then be copied to every place where a predicate is inlined, and it
+    # could not create arrays if a `lean` function called it first.
     options: dict[str, Any] = {"cache": True, "forceinline": False, "_nrt": True}
     return _stamped(numba.njit(**options)(function))
 
 
 def lean(function: Callable) -> Any:
-    """As `kernel`, for functions that make no arrays and are called often: no references are counted.
+    """Like `kernel`, without reference counting; for functions that create no arrays and are called often.
 
-    numba counts a reference to each array at each call, atomically, unless its optimizer sees that this is in
-    vain; in kernels that call each other once a point this took two thirds of the time.
+    numba counts the references to each array at each call, atomically, unless its optimizer sees that this is
+    not needed. In kernels that call each other once per point, the counting took two thirds of the time.
     """
     if numba is None:
         return function
@@ -58,7 +59,7 @@ def inline(function: Callable) -> Any:
 
 
 def _stamped(dispatcher: Any) -> Any:
-    """Let the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
+    """Make the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
     index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if index is not None:  # None with NUMBA_DISABLE_JIT
         index._source_stamp = tuple(sorted(_file_stamp(f) for f in _source_files(dispatcher, set())))
@@ -67,7 +68,7 @@ def _stamped(dispatcher: Any) -> Any:
 
 
 def _entries(load: Callable[[], dict]) -> dict:
-    """The entries of a cache on disk, none where it names a class that this version no longer has."""
+    """The entries of a cache on disk; none if it names a class that this version no longer has."""
     try:
         return load()
     except (AttributeError, ImportError, UnpicklingError):

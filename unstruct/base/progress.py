@@ -1,4 +1,4 @@
-"""Bars for long work, where they are wanted."""
+"""Progress bars for long computations, shown only if the caller wants them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ __all__ = ["progress_bar"]
 
 
 class _Silent:
-    """What takes the place of a bar that nobody wants."""
+    """The silent replacement for a progress bar."""
 
     def update(self, count: int = 1) -> None:
-        """Nothing is shown."""
+        """Show nothing."""
 
     def close(self) -> None:
-        """Nothing was open."""
+        """Do nothing, because no bar is open."""
 
     def __enter__(self) -> _Silent:
         return self
@@ -24,20 +24,20 @@ class _Silent:
 
 
 def progress_bar(wanted: bool, unit: str, **options: Any) -> Any:
-    """A bar of tqdm, or a silent stand-in; tqdm is imported only where a bar is wanted.
+    """A tqdm progress bar, or a silent replacement; tqdm is imported only if a bar is wanted.
 
     Parameters
     ----------
     wanted : bool
     unit : str
-        What is counted; a bar shows it right behind the number.
+        What is counted; a bar shows it directly after the number.
     **options
-        As of tqdm: ``total``, ``initial``, ``desc``.
+        Options of tqdm: ``total``, ``initial``, ``desc``.
 
     Returns
     -------
-    tqdm, or an object with its ``update`` and ``close``
-        Also a context manager, which closes it.
+    tqdm, or an object with its methods ``update`` and ``close``
+        It is also a context manager, which closes the bar.
     """
     if not wanted:
         return _Silent()

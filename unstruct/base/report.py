@@ -1,4 +1,4 @@
-"""What the validator answers: a report that is true when all is well and names the culprits when not."""
+"""The answer of `check`: a report that is true if the mesh is valid and that lists all problems if not."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Problem:
 
 @dataclass
 class Report:
-    """What `check` found. True when all is well; ``problems`` names the culprits when not."""
+    """What `check` found: true if there is no problem; otherwise ``problems`` names cells and vertices."""
 
     title: str
     problems: list[Problem] = field(default_factory=list)
@@ -39,7 +39,7 @@ class Report:
         return not self.problems
 
     def __str__(self) -> str:
-        lines = [f"{'well' if self else 'NOT WELL'}: {self.title}"]
+        lines = [f"{'valid' if self else 'not valid'}: {self.title}"]
         lines += [f"  problem  {each}" for each in self.problems]
         lines += [f"  checked  {name}" for name in self.passed]
         lines += [f"  skipped  {name}" for name in self.skipped]
@@ -48,7 +48,7 @@ class Report:
     __repr__ = __str__
 
     def note(self, name: str, *problems: Problem | None) -> bool:
-        """Record a test by its name, or the problems it found; tell whether there were none."""
+        """Record a test by its name, or the problems that it found; return whether there were none."""
         found = [each for each in problems if each is not None]
         self.problems += found
         if not found:
@@ -62,7 +62,7 @@ def _few(numbers: tuple[int, ...]) -> str:
 
 
 def problem(kind: str, text: str, cells: Iterable = (), vertices: Iterable = ()) -> Problem | None:
-    """A problem with these culprits; None when there are none."""
+    """A problem with these cells and vertices; None if there are none."""
     cells, vertices = (
         tuple(np.unique(np.asarray(list(v), dtype=np.int64)).tolist()) for v in (cells, vertices)
     )

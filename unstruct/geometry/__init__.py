@@ -1,1 +1,1 @@
-"""Shapes without a mesh: simplices, curves, segments and boxes, orders along a curve."""
+"""Geometry that needs no mesh: simplices, curves, segments, boxes, and orders along a space-filling curve."""

@@ -1,15 +1,10 @@
-"""A static tree over axis-parallel boxes: which of them meet a box or hold a point. See chapter 1."""
+"""A static tree over axis-parallel boxes: which of them meet a box or contain a point. See chapter 1."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.jit import inline, kernel
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["BoxTree"]
 
@@ -28,10 +23,10 @@ def _touch(low, high, other_low, other_high):
 
 @kernel
 def _candidates(query_low, query_high, low, high, order, box_low, box_high, start, boxes):
-    """Boxes that meet each query box; counts only, while ``boxes`` is empty.
+    """The boxes that meet each query box. If ``boxes`` is empty, they are only counted.
 
     Node i of the tree has the children 2 i and 2 i + 1; the second half of the nodes are leaves.
-    ``start[q + 1]`` receives the number of pairs of the queries up to q.
+    ``start[q + 1]`` receives the number of pairs of the queries 0 to q.
     """
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
@@ -61,7 +56,7 @@ def _candidates(query_low, query_high, low, high, order, box_low, box_high, star
 
 @kernel
 def _morton(grid, bits, keys):
-    """Interleave the bits of integer coordinates: the order of a Z-shaped curve."""
+    """Interleave the bits of integer coordinates, which gives the order along a Z-shaped curve."""
     for i in range(grid.shape[0]):
         key = 0
         for b in range(bits - 1, -1, -1):
@@ -72,7 +67,7 @@ def _morton(grid, bits, keys):
 
 def _curve_order(centers: np.ndarray) -> np.ndarray:
     bits = max(1, 62 // centers.shape[1])
-    # Halves: the span of the largest doubles would overflow. The order need not be exact.
+    # Halves are used because the span of the largest doubles would overflow. The order need not be exact.
     half = centers / 2 - centers.min(axis=0) / 2
     span = max(half.max(), np.finfo(float).tiny)
     grid = np.minimum(half / span * 2.0**bits, 2.0**bits - 1).astype(np.int64)[:, :62]
@@ -103,7 +98,7 @@ class BoxTree:
             leaves = half
 
     def pairs(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (query, box) that meet, sorted by query."""
+        """All pairs of a query box and a box of the tree that meet, sorted by query."""
         queries = (np.ascontiguousarray(low), np.ascontiguousarray(high))
         tree = (self.low, self.high, self.order, self.box_low, self.box_high)
         start = np.zeros(len(low) + 1, dtype=np.int64)

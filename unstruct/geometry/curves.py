@@ -1,8 +1,8 @@
-"""Curved pieces of a boundary: points by parameter, so that a split lies on the true curve.
+"""Curved pieces of a boundary: points by parameter, so that a piece is split at a point of the true curve.
 
-A curve is any object with ``point(t)``, parameters t in [0, 1] as an array (k,) to points (k, 2). It should
-be smooth and injective in the open interval; where it is not, put a vertex there and give two curves.
-See the book, chapter 2.6d.
+A curve is any object with a method ``point(t)``. It takes parameters t in [0, 1] as an array (k,) and returns
+points (k, 2). The curve should be smooth and injective in the open interval; where it is not, put a vertex
+there and give two curves. See the book, chapter 2.6d.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @runtime_checkable
 class CurveLike(Protocol):
-    """Anything that gives points by parameter."""
+    """Any object that gives the points of a curve by parameter."""
 
     def point(self, t: Array) -> Array:
         """Points (k, 2) for parameters (k,) in [0, 1]."""
@@ -60,13 +60,13 @@ class Arc:
     start : float
         Angle of the first point, in radians.
     sweep : float
-        Angle from the first point on to the last, in radians: positive is counterclockwise; at most a
-        full turn.
+        Angle from the first point to the last, in radians, at most a full turn; positive is counterclockwise.
 
     Raises
     ------
     InputError
-        For a radius that is not positive, a sweep that is zero or beyond a full turn, and non-numbers.
+        For a radius that is not positive, a sweep that is zero or more than a full turn, and for values that
+        are not numbers.
     """
 
     def __init__(self, center: ArrayLike, radius: float, start: float, sweep: float):
@@ -76,16 +76,16 @@ class Arc:
         if not self.radius > 0:
             raise InputError(f"radius = {self.radius} must be positive")
         if not 0 < abs(self.sweep) <= 2 * math.pi * (1 + 1e-15):
-            raise InputError(f"sweep = {self.sweep} must not be 0 nor beyond a full turn (2 pi)")
+            raise InputError(f"sweep = {self.sweep} must not be 0 or more than a full turn (2 pi)")
 
     @classmethod
     def through(cls, first: ArrayLike, middle: ArrayLike, last: ArrayLike) -> Arc:
-        """The arc from ``first`` over ``middle`` to ``last``: three points that are not collinear."""
+        """The arc from ``first`` through ``middle`` to ``last``; the three points must not be collinear."""
         (ax, ay), (bx, by), (cx, cy) = _pair(first, "first"), _pair(middle, "middle"), _pair(last, "last")
         ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
         double = 2 * (ux * vy - uy * vx)
         if double == 0:
-            raise InputError("first, middle and last lie on a line: leave the piece straight")
+            raise InputError("first, middle and last lie on a line; leave the piece straight")
         u2, v2 = ux * ux + uy * uy, vx * vx + vy * vy
         x, y = (vy * u2 - uy * v2) / double, (ux * v2 - vx * u2) / double
         start = angle_of(-y, -x)
@@ -93,7 +93,7 @@ class Arc:
         return cls((ax + x, ay + y), math.hypot(x, y), start, sweep if double > 0 else sweep - 2 * math.pi)
 
     def point(self, t: Array) -> Array:
-        """Points (k, 2) for parameters (k,): equal steps of t are equal steps of arc."""
+        """Points (k, 2) for parameters (k,); equal steps of t give equal lengths of arc."""
         angle = self.start + np.asarray(t, dtype=float) * self.sweep
         x, y = self.center
         return np.stack([x + self.radius * cosines(angle), y + self.radius * sines(angle)], axis=-1)
@@ -108,15 +108,15 @@ class Curve:
     Parameters
     ----------
     function : callable, (k,) -> (k, 2)
-        Points for an array of parameters; must give the same points whenever it is asked. (The last bits of
-        numpy's sines and exponentials depend on the processor, and a mesh along such a curve with them.)
+        Gives points for an array of parameters. It must return the same points at every call. (The last bits of
+        numpy's sines and exponentials depend on the processor, and so does a mesh along such a curve.)
     t0, t1 : float
-        Its parameters at the first and at the last end; t0 > t1 runs backwards.
+        The parameters of the function at the first and at the last end; t0 > t1 reverses the direction.
 
     Raises
     ------
     InputError
-        For t0 = t1; on evaluation, where the function returns another shape or points that are not finite.
+        For t0 = t1; on evaluation, if the function returns another shape or points that are not finite.
     """
 
     def __init__(self, function: Callable[[Array], ArrayLike], t0: float = 0.0, t1: float = 1.0):
@@ -124,7 +124,7 @@ class Curve:
             raise InputError(f"function must be callable, not {type(function).__name__}")
         self.function, self.t0, self.t1 = function, _number(t0, "t0"), _number(t1, "t1")
         if self.t0 == self.t1:
-            raise InputError(f"t0 = t1 = {self.t0}: the curve is a single point")
+            raise InputError(f"t0 = t1 = {self.t0}: the curve is a single point; t0 and t1 must differ")
 
     def point(self, t: Array) -> Array:
         """Points (k, 2) for parameters (k,) in [0, 1]."""
@@ -146,18 +146,20 @@ class Curve:
 
 
 class Bezier:
-    """A Bezier curve of any degree, as font outlines use it.
+    """A Bezier curve of any degree, as used in font outlines.
 
     Parameters
     ----------
     controls : (degree + 1, 2) array_like
-        Control points; the first and the last are the ends. At least two.
+        At least two control points; the first and the last are the ends.
     """
 
     def __init__(self, controls: ArrayLike):
         self.controls = as_numbers(controls, "controls")
         if self.controls.ndim != 2 or self.controls.shape[1] != 2 or len(self.controls) < 2:
-            raise InputError(f"controls must have shape (degree + 1, 2), not {self.controls.shape}")
+            raise InputError(
+                f"controls must have shape (degree + 1, 2) with degree >= 1, not {self.controls.shape}"
+            )
         if not np.isfinite(self.controls).all():
             raise InputError("controls must be finite")
 

@@ -1,4 +1,4 @@
-"""Simplices as edge vectors from one corner, scaled so that nothing overflows: for `unstruct.simplex`."""
+"""Simplices as edge vectors from one corner, scaled so that nothing overflows. Used by `unstruct.simplex`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = [
 
 
 def quiet(function: Callable) -> Callable:
-    """Divisions by zero mean something here (flat simplices): no warnings."""
+    """Suppress the warnings of ``function``: a division by zero has a meaning here (a flat simplex)."""
 
     @wraps(function)
     def silent(*args, **kwargs):
@@ -33,7 +33,7 @@ def quiet(function: Callable) -> Callable:
 
 
 def as_corners(simplices: np.ndarray) -> np.ndarray:
-    """The corners as a float array of shape (..., k + 1, d), or an error that tells the right shape."""
+    """The corners as a float array of shape (..., k + 1, d), or an error that gives the right shape."""
     points = np.asarray(simplices, dtype=np.float64)
     if points.ndim < 2 or not 2 <= points.shape[-2] <= points.shape[-1] + 1:
         raise InputError(
@@ -44,14 +44,14 @@ def as_corners(simplices: np.ndarray) -> np.ndarray:
 
 
 def exponents(values: np.ndarray) -> np.ndarray:
-    """e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite."""
+    """The e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite values."""
     return np.frexp(np.abs(values).max(axis=(-2, -1)))[1]
 
 
 def local_edges(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edge vectors (..., k, d) from corner 0, scaled to at most 1, and the exponents taken out."""
+    """Edge vectors (..., k, d) from corner 0, scaled to at most 1, and the exponents of the scaling."""
     points = as_corners(simplices)
-    half = np.ldexp(points, -1)  # differences of the largest doubles would overflow
+    half = np.ldexp(points, -1)  # because differences of the largest doubles would overflow
     rows = half[..., 1:, :] - half[..., :1, :]
     exponent = exponents(rows)
     return np.ldexp(rows, -exponent[..., None, None]), exponent + 1
@@ -64,7 +64,7 @@ def _gram_content(rows: np.ndarray) -> np.ndarray:
 
 
 def determinant(rows: np.ndarray) -> np.ndarray:
-    """det of (..., k, k), written out for k <= 3."""
+    """Determinants of matrices (..., k, k), written out for k <= 3."""
     k = rows.shape[-1]
     if k == 1:
         return rows[..., 0, 0]
@@ -96,9 +96,9 @@ def content(rows: np.ndarray) -> np.ndarray:
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The angle between vectors of any dimension, accurate near 0 and pi as well (Kahan).
+    """The angle between vectors of any dimension, accurate also near 0 and pi (Kahan).
 
-    With both made unit vectors: 2 atan2(|a - b|, |a + b|).
+    For unit vectors a and b it is 2 atan2(|a - b|, |a + b|).
     """
     la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
     a, b = a / la, b / lb

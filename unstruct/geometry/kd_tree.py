@@ -1,4 +1,4 @@
-"""A k-d tree as flat arrays, for searches that shrink their ball as they go.
+"""A k-d tree as flat arrays, for searches in a ball that shrinks during the search.
 
 Node i has the children 2 i + 1 and 2 i + 2 and covers the points ``start[i]`` to ``start[i] + size[i] - 1``
 of the order; a leaf holds at most ``LEAF`` points.
@@ -30,10 +30,10 @@ class Tree:
 
     @classmethod
     def of(cls, points: NDArray[np.float64]) -> Tree:
-        """Build by medians along the widest side of each box: O(n log^2 n)."""
+        """Build the tree by medians along the widest side of each box, in O(n log^2 n)."""
         n, d = points.shape
         nodes = 1
-        while n > LEAF * (nodes + 1) // 2:  # nodes = 2^(j + 1) - 1: 2^j leaves
+        while n > LEAF * (nodes + 1) // 2:  # a tree of 2^(j + 1) - 1 nodes has 2^j leaves
             nodes = 2 * nodes + 1
         order = np.arange(n)
         start, size = np.zeros(nodes, dtype=np.int64), np.zeros(nodes, dtype=np.int64)

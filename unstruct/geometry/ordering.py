@@ -1,12 +1,12 @@
 """The order in which points are inserted: Hilbert keys, and BRIO rounds.
 
-An incremental Delaunay construction walks from the last cell to the next point, so that it is fast
-when consecutive points are close: we sort along a Hilbert curve. A purely spatial order has bad
-worst cases, so a biased randomized insertion order (BRIO) first inserts a small random sample, then
-a larger one, then the rest, each of them sorted along the curve.
+An incremental Delaunay construction walks from the last cell to the next point. It is fast if consecutive
+points are close, so points are sorted along a Hilbert curve. A purely spatial order has bad worst cases.
+A biased randomized insertion order (BRIO) therefore inserts first a small random sample, then a larger one,
+then the rest, each of them sorted along the curve.
 
-The curve is a finite automaton in any dimension (Hamilton's formulation): in every state a table
-says which of the ``2**d`` subcells comes when, and in which state the curve runs through it.
+The curve is a finite automaton in any dimension (Hamilton's formulation). In every state a table gives the
+position of each of the ``2**d`` subcells along the curve, and the state in which the curve runs through it.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from ..base.jit import inline, kernel
 
 __all__ = ["brio", "draws", "hilbert_order"]
 
-MAX_TABLE_DIMENSION = 8  # the table has d * 4**d entries; above, a few leading coordinates give the key
-KEY_BITS = 60  # signed 64-bit keys, with room for the number of the round
-KEPT = 1 << 14  # random numbers that are drawn once
-DIGIT = 11  # bits per pass of the radix sort: a histogram of 2048 counters stays in the first-level cache
+MAX_TABLE_DIMENSION = 8  # the table has d * 4**d entries; in higher dimensions 8 coordinates give the key
+KEY_BITS = 60  # keys are signed 64-bit integers, which leaves room for the number of the round
+KEPT = 1 << 14  # how many random numbers are drawn only once
+DIGIT = 11  # bits per pass of the radix sort; a histogram of 2048 counters stays in the first-level cache
 
 
 def hilbert_order(points: ArrayLike) -> NDArray[np.int64]:
@@ -32,18 +32,18 @@ def hilbert_order(points: ArrayLike) -> NDArray[np.int64]:
     Parameters
     ----------
     points : array_like, shape (n, d)
-        Finite coordinates; all axes share one scale.
+        Finite coordinates; all axes have the same scale.
 
     Returns
     -------
     ndarray of int64, shape (n,)
-        A permutation; points that fall into one cell of the finest grid keep their input order.
+        A permutation; points in the same cell of the finest grid keep their input order.
 
     Notes
     -----
-    O(n) for a fixed number of key bits (radix sort). The grid has about 250 cells per mean spacing
-    and axis, as far as 60 bits allow. Source: C. Hamilton, *Compact Hilbert indices*, Dalhousie
-    University CS-2006-07. Book: section 12.2.2.
+    O(n) for a fixed number of key bits (radix sort). Along each axis the grid has about 250 cells per mean
+    spacing of the points, unless 60 bits are too few for that. Source: C. Hamilton, *Compact Hilbert
+    indices*, Dalhousie University CS-2006-07. Book: section 12.2.2.
     """
     points = _as_table(points)
     rounds = np.zeros(len(points), dtype=np.uint8)
@@ -60,11 +60,11 @@ def brio(
     points : array_like, shape (n, d)
         Finite coordinates.
     rng : numpy Generator, int or None
-        Source of the random rounds; None means a fixed seed (the same input gives the same order).
+        Source of the random rounds; None means a fixed seed, so that the same input gives the same order.
     ratio : int
         Each round is about ``ratio`` times as large as all rounds before it.
     rounds : int
-        Number of rounds; 1 is the plain Hilbert order.
+        Number of rounds; 1 gives the plain Hilbert order.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def brio(
 
 
 def draws(n: int, below: int) -> NDArray[np.uint32]:
-    """Random numbers 0, 1, ..., ``below`` - 1 of a fixed seed, always the same."""
+    """``n`` random numbers from 0, 1, ..., ``below`` - 1, always the same because the seed is fixed."""
     if n <= KEPT:
         return _first_draws(below)[:n]
     return np.random.default_rng(0).integers(0, below, n, dtype=np.uint32)
@@ -98,7 +98,7 @@ def draws(n: int, below: int) -> NDArray[np.uint32]:
 
 @cache
 def _first_draws(below: int) -> NDArray[np.uint32]:
-    """What small inputs need is drawn once: it would take a tenth of their time."""
+    """The random numbers for small inputs, drawn once because drawing would take a tenth of their time."""
     first = np.random.default_rng(0).integers(0, below, KEPT, dtype=np.uint32)
     first.flags.writeable = False
     return first
@@ -117,8 +117,8 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
         return np.arange(n, dtype=np.int64)
     d = min(d, MAX_TABLE_DIMENSION)
     levels = min(KEY_BITS // d, -(-(n - 1).bit_length() // d) + 8, 30)
-    levels += levels % 2 if d == 2 else 0  # the plane goes by two levels at a time
-    # the Hilbert keys only steer speed, so rounding is harmless here; halves keep the extent finite
+    levels += levels % 2 if d == 2 else 0  # in the plane, two levels are read at a time
+    # Rounding does no harm here, because the keys influence only the speed. Halving keeps the extent finite.
     low = np.empty(d)
     extent = half_extent(points, d, low)
     shrink = 1.0
@@ -133,7 +133,7 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
 
 @cache
 def _tables(d: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The automaton: rank of a subcell within its cell, and the state in it (times ``2**d``).
+    """The automaton: the rank of each subcell within its cell, and the state in it (times ``2**d``).
 
     A state is (e, a): the corner e where the curve enters a cell, and the axis a along which it leaves.
     """
@@ -164,7 +164,7 @@ def _tables(d: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _two_levels(ranks: NDArray[np.int64], turns: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
-    """The automaton of the plane reading two bits of x and two of y: bits x0, x1, y0, y1 of the index."""
+    """The automaton of the plane that reads two bits of x and of y; the index has bits x0, x1, y0, y1."""
     bits = np.arange(16)
     high, low = ((bits >> 1) & 1) + 2 * (bits >> 3), (bits & 1) + 2 * ((bits >> 2) & 1)
     state = np.arange(len(ranks))[:, None]
@@ -179,7 +179,7 @@ def _cell(x, low, shrink, factor):
 
 @kernel
 def half_extent(points, d, low):
-    """Half the largest side of the box of the first d coordinates; ``low`` gets half its lowest corner."""
+    """Half the largest side of the box of the first d coordinates; half its lowest corner goes to ``low``."""
     extent = 0.0
     for k in range(d):
         least = most = points[0, k]
@@ -192,7 +192,7 @@ def half_extent(points, d, low):
 
 @kernel
 def hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys):
-    """Write the key of every point: its round, then its place on the curve."""
+    """Write the key of every point: the number of its round, followed by its place on the curve."""
     cell = np.empty(d, dtype=np.int64)
     for i in range(points.shape[0]):
         state = 0
@@ -218,7 +218,7 @@ def hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, k
 
 @kernel
 def radix_argsort(keys, bits):
-    """Stable order of non-negative keys below ``2**bits``: one counting pass per digit, low to high."""
+    """Stable order of non-negative keys below ``2**bits``, by one counting pass per digit, lowest first."""
     n = keys.shape[0]
     order = np.arange(n)
     spare_keys = np.empty_like(keys)

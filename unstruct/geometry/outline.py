@@ -1,6 +1,6 @@
-"""Outline: what bounds a region in the plane, as arrays and curves. The record under `Domain`.
+"""Outline: what bounds a region in the plane, as arrays and curves. `Domain` stores its boundary in one.
 
-It checks nothing. See the book, chapters 2.5 and 2.6d.
+Nothing is checked here. See the book, chapters 2.5 and 2.6d.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ __all__ = ["Cuts", "Outline", "piece_name"]
 
 
 class Cuts(NamedTuple):
-    """What a compiled kernel needs to find points on pieces.
+    """The arrays from which a compiled kernel computes points on pieces.
 
     Attributes
     ----------
     kind : (p,) int8
-        0 straight, 1 arc, 2 other: ask `Outline.at`.
+        0 for a straight piece, 1 for an arc, 2 for any other curve, whose points `Outline.at` gives.
     arc : (p, 5) float64
-        For arcs center x, center y, radius, start and sweep, as in `Arc`; else 0.
+        For arcs: center x, center y, radius, start and sweep, as in `Arc`; for other pieces 0.
     """
 
     kind: np.ndarray
@@ -33,19 +33,19 @@ class Cuts(NamedTuple):
 
 
 class Outline:
-    """Vertices and pieces, straight or curved, with names; what helpers of a `Domain` read.
+    """Vertices and pieces, straight or curved, with names; the functions that work on a `Domain` read it.
 
-    Pieces are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1.
+    Pieces are numbered consecutively: facets 0 to f - 1, then inner segments f to f + g - 1.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
     facets : ndarray of int32, shape (f, 2)
-        Pieces that bound the region, even-odd.
+        Pieces that bound the region, by the even-odd rule.
     inner : ndarray of int32, shape (g, 2)
-        Pieces that do not.
+        Pieces that do not bound the region.
     curves : dict of int to curve
-        Piece -> the curve from its first vertex to its second; the others are straight.
+        Piece -> the curve from its first vertex to its second; all other pieces are straight.
     markers : dict of str to ndarray of int
         Name -> pieces.
     regions : dict of str to ndarray, shape (r, 2)
@@ -53,7 +53,7 @@ class Outline:
 
     Notes
     -----
-    Nothing is checked here: `Domain` does, before anybody else sees an outline.
+    Nothing is checked here. `Domain` checks its arguments before it makes an outline available.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class Outline:
         return frozen(np.nonzero(~used)[0].astype(np.int32))
 
     def name(self, piece: int) -> str:
-        """How messages call a piece: "facet 3", "inner segment 0"."""
+        """The name of a piece in messages: "facet 3", "inner segment 0"."""
         return piece_name(piece, len(self.facets))
 
     def at(self, piece: int, t: Any) -> np.ndarray:
@@ -100,17 +100,17 @@ class Outline:
         Returns
         -------
         (k, 2) float64
-            Points of the true curve; the stored vertices at 0 and 1.
+            Points of the true curve; at 0 and 1 the stored vertices.
         """
         t = np.atleast_1d(as_numbers(t, "t"))
         if not 0 <= piece < len(self.pieces):
-            raise InputError(f"piece {piece} outside 0..{len(self.pieces) - 1}")
+            raise InputError(f"piece = {piece} must lie in 0..{len(self.pieces) - 1}")
         if not ((t >= 0) & (t <= 1)).all():
-            raise InputError(f"parameter {t[~((t >= 0) & (t <= 1))][0]} must lie in [0, 1]")
+            raise InputError(f"t = {t[~((t >= 0) & (t <= 1))][0]} must lie in [0, 1]")
         return self.points_at(np.full(len(t), piece), t)
 
     def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Points of many pieces by parameter: piece (k,), t (k,) to (k, 2); nothing is checked."""
+        """Points (k, 2) of many pieces (k,) by parameters (k,); nothing is checked."""
         a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
         x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
         if self.curves:
@@ -126,7 +126,7 @@ class Outline:
         return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
 
     def cuts(self) -> Cuts:
-        """Kind and arc of every piece as plain arrays, for kernels."""
+        """The kind and the arc of every piece as plain arrays, for kernels."""
         kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
         for piece, curve in self.curves.items():
             kind[piece] = 1 if isinstance(curve, Arc) else 2
@@ -136,5 +136,5 @@ class Outline:
 
 
 def piece_name(piece: int, facets: int) -> str:
-    """How messages call a piece."""
+    """The name of a piece in messages."""
     return f"facet {piece}" if piece < facets else f"inner segment {piece - facets}"

@@ -1,4 +1,4 @@
-"""How far points are from the true pieces of a outline, and where on them. See the book, chapter 2.6d."""
+"""Distances of points to the true pieces of an outline, and the nearest points on them. See chapter 2.6d."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def distance_to_piece(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.n
     if curve is None:
         d = b - a
         longest = np.abs(d).max()
-        u = d / longest  # no overflow for large coordinates
+        u = d / longest  # so that large coordinates do not overflow
         t = np.clip(((x - a) / longest @ u) / (u @ u), 0, 1)
         return np.abs(((x - a) / longest) @ [u[1], -u[0]]) / np.sqrt(u @ u) * longest, t
     if isinstance(curve, Arc):
@@ -25,13 +25,14 @@ def distance_to_piece(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.n
         turn = np.arctan2(away[:, 1], away[:, 0]) - curve.start
         t = np.mod(turn if curve.sweep > 0 else -turn, 2 * np.pi) / abs(curve.sweep)
         full = 2 * np.pi / abs(curve.sweep)
-        t = np.where(t > (1 + full) / 2, t - full, t)  # the gap of the circle belongs half to either end
+        # Half of the rest of the circle belongs to each end of the arc.
+        t = np.where(t > (1 + full) / 2, t - full, t)
         return np.abs(np.hypot(away[:, 0], away[:, 1]) - curve.radius), t
     return _distance_to_curve(outline, piece, x)
 
 
 def _distance_to_curve(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Nearest of many samples, a search by thirds about it, then to the foot of the perpendicular."""
+    """Take the nearest of many samples, search by thirds around it, then refine by tangent steps."""
     from scipy.spatial import cKDTree
 
     samples = np.linspace(0, 1, 2049)
@@ -43,7 +44,7 @@ def _distance_to_curve(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.
         at_right = ((outline.at(piece, right) - x) ** 2).sum(axis=1)
         low, high = np.where(at_left > at_right, left, low), np.where(at_left > at_right, high, right)
     t = (low + high) / 2
-    # Squares hide the last half of the digits; the step along the tangent does not.
+    # Comparing squares finds only half of the digits of t; steps along the tangent find the rest.
     before, after = np.maximum(t - 1e-4, 0), np.minimum(t + 1e-4, 1)
     tangent = (outline.at(piece, after) - outline.at(piece, before)) / (after - before)[:, None]
     for _ in range(8):

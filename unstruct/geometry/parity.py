@@ -1,9 +1,8 @@
-"""Inside or outside by the even-odd rule, and the area that segments enclose: exact."""
+"""Inside or outside by the even-odd rule, exactly, and the area that segments enclose, correctly rounded."""
 
 from __future__ import annotations
 
 from math import fsum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,13 +11,10 @@ from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
 from .boxes import BoxTree
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "right_parity"]
 
 
-CHUNK = 1 << 14  # points at a time
+CHUNK = 1 << 14  # how many points are processed at a time
 
 
 def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -28,13 +24,13 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
     ----------
     points : (n, 2) float64
     segments : (s, 2) int
-        An even number at each vertex.
+        Each vertex must have an even number of segments.
     x : (k, 2) float64
 
     Returns
     -------
     odd, on : (k,) bool
-        ``odd`` follows half-open rules for points on segments (``on``): exact everywhere.
+        Both are exact. For points on segments (``on``), ``odd`` counts each segment as half-open.
     """
     odd, on = np.zeros(len(x), dtype=bool), np.zeros(len(x), dtype=bool)
     ends = points[segments]
@@ -63,9 +59,9 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
 def left_parity(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """Whether the left side of each segment is inside, for segments that do not cross; exact.
 
-    Along a chain of segments through vertices that only two of them share, the answer is the same; so one
-    ray for each chain does: from the lower end of its first segment, just right of it. Of two vertices at
-    the same height the one on the right counts as higher, so that no segment is level.
+    The answer is the same along a chain of segments, whose inner vertices belong to only two segments each.
+    So one ray per chain suffices. It starts at the lower end of the chain's first segment, just to the right
+    of it. Of two vertices at the same height, the right one counts as higher, so that no segment is level.
     """
     if len(segments) == 0:
         return np.zeros(0, dtype=bool)
@@ -79,8 +75,8 @@ def left_parity(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 def right_parity(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Whether an odd number of segments lies to the right of each of ``rows``; exact.
 
-    Seen upward, at the lower end of each row and just right of it. The rows may be segments themselves, or
-    other pairs of vertices that cross none of them.
+    They are counted at the lower end of each row, just to the right of it when looking upward. The rows may
+    be segments themselves, or other pairs of vertices whose connections cross no segment.
     """
     if len(segments) == 0:
         return np.zeros(len(rows), dtype=bool)
@@ -97,7 +93,8 @@ def right_parity(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> 
     same = c == f
     over = (same | _below(points, np.column_stack([c, f]))) & _below(points, np.column_stack([f, d]))
     query, f, c, d, same = query[over], f[over], c[over], d[over], same[over]
-    # To the right at the height of the foot, or leaving the foot itself on the right of the row.
+    # A segment counts if it lies to the right at the height of the foot, or leaves the foot to the right of
+    # the row.
     corners = np.column_stack([f, np.where(same, d, c), np.where(same, top[query], d)])
     right = orient_rows(points, corners) > 0
     return np.bincount(query[right], minlength=len(rows)) % 2 == 1
@@ -109,7 +106,7 @@ def _below(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _mates(segments: np.ndarray) -> np.ndarray:
-    """For end 2 s + e of segment s: the other end at its vertex if there are exactly two, else -1."""
+    """For end 2 s + e of segment s: the other end at its vertex if exactly two ends meet there, else -1."""
     vertex = segments.ravel()
     order = np.argsort(vertex, kind="stable")
     first = np.concatenate([[0], np.nonzero(np.diff(vertex[order]))[0] + 1, [len(vertex)]])
@@ -121,7 +118,7 @@ def _mates(segments: np.ndarray) -> np.ndarray:
 
 @kernel
 def _chains(mates, chain, against):
-    """The chain of each segment, numbered by first segments, and whether it runs against that one."""
+    """The chain of each segment, and whether the segment runs against the first segment of its chain."""
     chain[:] = -1
     count = 0
     for start in range(len(chain)):
@@ -132,7 +129,7 @@ def _chains(mates, chain, against):
             previous, turned = leave, False
             end = mates[previous]
             while end >= 0 and chain[end // 2] < 0:
-                if end % 2 == previous % 2:  # head to head or tail to tail
+                if end % 2 == previous % 2:  # the segments meet head to head or tail to tail
                     turned = not turned
                 chain[end // 2] = count
                 against[end // 2] = turned
@@ -142,11 +139,11 @@ def _chains(mates, chain, against):
 
 
 def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
-    """Area enclosed by directed closed chains, inside on their left; correctly rounded.
+    """Area enclosed by closed chains that have the inside on their left; correctly rounded.
 
-    The cross products are split into exact sums of doubles (Dekker) and summed without error. Coordinates
-    are scaled by a power of two first; only what underflows beyond 2^-1074 of the square of the largest
-    coordinate is lost.
+    The cross products are split into exact sums of doubles (Dekker) and added without error. Coordinates are
+    scaled by a power of two first. Only terms that underflow, below 2^-1074 times the square of the largest
+    coordinate, are lost.
     """
     factor = power_of_two(points)
     xa, ya = (points[segments[:, 0]] * factor).T
@@ -156,16 +153,16 @@ def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
 
 
 def cells_area(points: np.ndarray, triangles: np.ndarray) -> float:
-    """The sum of the areas of counterclockwise triangles: correctly rounded, as `enclosed_area`."""
+    """The sum of the areas of counterclockwise triangles, correctly rounded like `enclosed_area`."""
     factor = power_of_two(points)
-    partials = np.zeros(64)  # doubles that do not overlap: 40 span the whole range of exponents
+    partials = np.zeros(64)  # 40 doubles that do not overlap span the whole range of exponents
     count = _twice_area(points * factor, triangles, partials)
     return fsum(partials[:count].tolist()) / 2 / factor / factor
 
 
 @kernel
 def _twice_area(xy, triangles, partials):
-    """Add up the cross products of all sides without error, as `math.fsum` does; how many partial sums."""
+    """Add the cross products of all sides without error, like `math.fsum`; return how many partial sums."""
     count = 0
     terms = np.empty(4)
     for t in range(triangles.shape[0]):
@@ -191,7 +188,7 @@ def _twice_area(xy, triangles, partials):
 
 
 def _products(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """a b = high + low, exactly (Dekker), for moderate exponents."""
+    """Split a b into high + low, exactly (Dekker), for moderate exponents."""
     high = a * b
     ah, al = _split(a)
     bh, bl = _split(b)

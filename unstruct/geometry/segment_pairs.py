@@ -1,6 +1,6 @@
-"""Which segments of many meet? Candidates by a grid or a tree in compiled code, then exact signs.
+"""Pairs of segments that meet: candidates from a grid or a tree in compiled code, decided by exact signs.
 
-Used to validate regions, see the book, chapter 2.6d.
+Used to validate regions; see the book, chapter 2.6d.
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from .sweep import any_meeting
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
 
 CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
-# Cells that a segment of mean length spans, looks at others for each segment up to which a table of such
-# cells is used, and the crowd from which on it is not tried: wide cells for chains, narrow ones for segments
-# side by side; after a sweep, with patience.
+# Tables of cells that are tried in turn. The first number of each is how many cells a segment of mean length
+# spans. The second is how many comparisons per segment are allowed before the table is given up. The third is
+# the crowd (see `_Grid`) from which on the table is not tried. Wide cells suit chains of segments, and narrow
+# cells suit segments side by side. LAST is the table that is tried after a sweep, with many comparisons.
 TABLES, LAST = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
-SLACK = 1e-15  # relative: above the rounding errors of the few operations below
+SLACK = 1e-15  # a relative bound above the rounding errors of the few operations below
 
 
 @inline
 def _beside(ax, ay, bx, by, ux, uy, vx, vy):
-    """Whether u and v lie strictly on one side of the line ab; if in doubt, no."""
+    """Whether u and v certainly lie strictly on one side of the line ab; False in doubtful cases."""
     dx, dy = bx - ax, by - ay
     ux, uy, vx, vy = ux - bx, uy - by, vx - bx, vy - by
     u, v = dx * uy - dy * ux, dx * vy - dy * vx
@@ -34,9 +35,9 @@ def _beside(ax, ay, bx, by, ux, uy, vx, vy):
 
 @inline
 def _turns(ax, ay, bx, by, ux, uy):
-    """Whether segments from a to b and from a to u clearly have no more in common than a.
+    """Whether the segments from a to b and from a to u certainly have only a in common.
 
-    They overlap only where b, a, u are on a line, and b and u on the same side of a.
+    They overlap only if b, a, u are on a line with b and u on the same side of a.
     """
     dx, dy, ux, uy = bx - ax, by - ay, ux - ax, uy - ay
     if dx * ux + dy * uy < -SLACK * (abs(dx * ux) + abs(dy * uy)) - 1e-290:
@@ -46,14 +47,14 @@ def _turns(ax, ay, bx, by, ux, uy):
 
 @inline
 def _may_meet(ends, segments, s, t):
-    """False only where floating point proves that two segments meet in a common end at most."""
+    """False only if floating point proves that the two segments meet at most in a common end."""
     px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
     ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
     if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
         return False
     if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
         return False
-    if px == ax and py == ay:  # one vertex, or two at one place
+    if px == ax and py == ay:  # the same vertex, or two vertices at the same place
         return (
             segments[s, 0] != segments[t, 0] or (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
         )
@@ -73,7 +74,7 @@ def _may_meet(ends, segments, s, t):
 
 @inline
 def _cell_range(ends, s, x0, y0, scale, ny, row, rows):
-    """Columns that segment s may touch in a row of the grid (row < 0: its range of rows)."""
+    """The range of columns that segment s may touch in a row of the grid; its range of rows if row < 0."""
     ax, ay = (ends[s, 0] - x0) * scale, (ends[s, 1] - y0) * scale
     bx, by = (ends[s, 2] - x0) * scale, (ends[s, 3] - y0) * scale
     if row < 0:
@@ -88,7 +89,7 @@ def _cell_range(ends, s, x0, y0, scale, ny, row, rows):
 
 @kernel
 def _gather(points, segments, ends):
-    """Write the coordinates of all ends, a segment a row; their box, widths and heights added up."""
+    """Write the coordinates of both ends of each segment; return their box and the sum of |dx| + |dy|."""
     x0 = y0 = np.inf
     x1 = y1 = -np.inf
     total = 0.0
@@ -103,11 +104,11 @@ def _gather(points, segments, ends):
 
 @kernel
 def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
-    """Candidates in common cells of a grid, of which a hash table holds those that are touched.
+    """Candidates that share a cell of a grid; a hash table contains the cells that segments touch.
 
-    The number of pairs, of which those that fit are written; -1 where there are too many entries, or more
-    than so many looks at one. An entry has the row and the column of its cell, a segment, and the entry
-    before it in the same slot. ``seen[t]`` is the last segment that t was compared with.
+    Returns the number of pairs, of which as many as fit are written; or -1 if there are too many entries or
+    more than ``looks`` comparisons. An entry has the row and the column of its cell, a segment, and the
+    previous entry in the same slot. ``seen[t]`` is the last segment that t was compared with.
     """
     used, count = 0, 0
     mask = head.shape[0] - 1
@@ -138,14 +139,14 @@ def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, p
     return count
 
 
-# ---------------------------------------------------------------------- a tree, where lengths are uneven
+# ---------------------------------------------------------------------- a tree, for uneven lengths
 
 
 @inline
 def _apart(ax, ay, bx, by, low, high):
-    """Whether a box lies strictly on one side of the line ab; if in doubt, no."""
+    """Whether a box certainly lies strictly on one side of the line ab; False in doubtful cases."""
     dx, dy = bx - ax, by - ay
-    # The corners farthest to the left and to the right of the direction.
+    # Use the corners that are farthest to the left and to the right of the direction.
     left = dx * ((high[1] if dx > 0 else low[1]) - ay) - dy * ((low[0] if dy > 0 else high[0]) - ax)
     right = dx * ((low[1] if dx > 0 else high[1]) - ay) - dy * ((high[0] if dy > 0 else low[0]) - ax)
     wide, tall = abs(low[0] - ax) + abs(high[0] - ax), abs(low[1] - ay) + abs(high[1] - ay)
@@ -155,7 +156,7 @@ def _apart(ax, ay, bx, by, low, high):
 
 @kernel
 def _tree_pairs(ends, segments, low, high, order, pairs):
-    """Candidates by the tree of `BoxTree`, four boxes to a leaf; their number."""
+    """Write the candidates that the tree of a `BoxTree` (four boxes per leaf) gives; return their number."""
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     count = 0
@@ -189,9 +190,9 @@ def _tree_pairs(ends, segments, low, high, order, pairs):
 
 
 def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Pairs s < t, unique, among them all that meet in more than a common end.
+    """Distinct pairs s < t that include all pairs that meet in more than a common end.
 
-    Most input is clean: where cells hold too much, a sweep is to tell whether there is anything to list.
+    In most inputs no segments meet. If cells are crowded, a sweep first finds out whether any pair meets.
     """
     if len(segments) < 2:
         return np.empty((0, 2), dtype=np.int64)
@@ -209,7 +210,7 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 class _Grid:
     """Square cells over the box of some segments.
 
-    ``crowd``: how many segments would share a cell of their mean length if they were strewn evenly.
+    ``crowd`` is how many segments would share a cell of their mean length if they were distributed evenly.
     """
 
     def __init__(self, points: np.ndarray, segments: np.ndarray):
@@ -220,9 +221,9 @@ class _Grid:
         self.crowd: float = self.extent * (self.extent / area)
 
     def pairs(self, cells: float, looks: int) -> np.ndarray | None:
-        """Candidates, where a segment of mean length spans so many cells; None if that is too much work.
+        """Candidates, with a cell size such that a segment of mean length spans ``cells`` cells.
 
-        ``looks``: at most so many for each segment.
+        None if this takes more than ``looks`` comparisons per segment, or too many cells.
         """
         s, longer = len(self.ends), max(self.wide, self.tall)
         if not 1e-140 < longer < 1e140:
@@ -247,7 +248,7 @@ class _Grid:
 
 
 def _tree_candidates(ends: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """The same by a tree, which suits any lengths."""
+    """Candidates from a tree, which is suitable for any lengths."""
     tree = BoxTree(np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:]))
     pairs = np.empty((2 * len(ends) + 16, 2), dtype=np.int64)
     count = _tree_pairs(ends, segments, tree.low, tree.high, tree.order, pairs)
@@ -270,21 +271,22 @@ def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.n
     Parameters
     ----------
     points : (n, 2) float64
-        Equal ones that segments have for ends are different vertices: there the segments meet.
+        Equal points are different vertices, so segments that end at equal points meet there.
     segments : (s, 2) int
-        None of zero length.
+        No segment may have zero length.
 
     Returns
     -------
     pairs : (c, 2) int64
         Rows of ``segments``, the smaller first, in lexicographic order.
     kind : (c,) int8
-        1 crossing inside both, 2 an end of one inside the other, 3 overlapping along a line (or equal).
+        1 if they cross inside both, 2 if an end of one is inside the other, 3 if they overlap along a line or
+        are equal.
 
     Notes
     -----
-    A grid where segments are of similar length; elsewhere first a sweep, O(s log s), which tells whether any
-    meet. Below a microsecond a segment where none do.
+    A grid is used if segments have similar lengths. Otherwise a sweep in O(s log s) first finds out whether
+    any segments meet. If none do, the time is below a microsecond per segment.
     """
     pairs = _candidates(points, np.ascontiguousarray(segments))
     if len(pairs) == 0:
@@ -310,7 +312,7 @@ def meetings(points: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _before(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Lexicographic p < q; along a common line this is the order on it."""
+    """Whether p < q lexicographically; for points on a line this is their order along it."""
     return (p[..., 0] < q[..., 0]) | ((p[..., 0] == q[..., 0]) & (p[..., 1] < q[..., 1]))
 
 

@@ -1,7 +1,7 @@
-"""Distances to points and segments, and the smallest of "a value there plus a growth times the distance".
+"""Distances to points and segments, and minima of "a value there plus a growth times the distance".
 
-One tree of bounding boxes serves both: with values 0 and growth 1 it gives distances. A value may change
-linearly along its segment. See the book, chapter 2.3.
+One tree of bounding boxes is used for both: with values 0 and growth 1 it gives distances. A value may
+change linearly along its segment. See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -51,11 +51,12 @@ def to_segment(x, q, segments, i):
 
 @inline
 def _from_segment(x, q, segments, weights, i, growth):
-    """The least of weight + growth * distance to x[q] over the places of segment i.
+    """The minimum of weight + growth * distance to x[q] over the points of segment i.
 
-    With the weight rising by r along a length of l, it is taken where the way from the segment to x[q] has
-    turned from the perpendicular, against the rise, by an angle of sine r / (growth l); at the lower end if
-    there is no such angle, at the next end if that place is beyond it.
+    Let the weight rise by r along the length l of the segment. The minimum is taken at the point whose
+    connection to x[q] is turned from the perpendicular, against the rise, by an angle of sine r / (growth l).
+    If there is no such angle, it is taken at the end with the lower weight; if the point lies beyond an end,
+    at that end.
     """
     rise = weights[i, 1] - weights[i, 0]
     if rise == 0.0:
@@ -85,10 +86,10 @@ def _from_segment(x, q, segments, weights, i, growth):
 
 @kernel
 def _search(x, low, high, least, order, segments, weights, growth, best, which):
-    """Lower best[q] to the least of weight + growth * distance(x[q], segment i); which[q] is that i.
+    """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
 
-    A box is left out when even its least weight at its nearest point would not do better. Neighbors are
-    often asked for one after the other: so the last answer is tried first.
+    A box is skipped if its minimum weight at its nearest point would not be lower. Queries that follow each
+    other are often close, so the answer of the previous query is tried first.
     """
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
@@ -128,10 +129,10 @@ class SegmentTree:
     Parameters
     ----------
     segments : array_like, shape (s, 2, d) or (s, d)
-        Two ends each; or points.
+        Segments by their two ends, or points.
     weights : array_like, shape (s,) or (s, 2), optional
-        A value at each segment, or one at each of its ends with linear change between them, for `least`; 0
-        by default.
+        For `least`: a value for each segment, or a value at each of its ends with linear change between
+        them; 0 by default.
 
     Raises
     ------
@@ -158,7 +159,7 @@ class SegmentTree:
         self._lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
-        """The least of weight + growth * distance over all segments.
+        """The minimum of weight + growth * distance over all segments.
 
         Parameters
         ----------
@@ -166,19 +167,19 @@ class SegmentTree:
         growth : float
             At least 0.
         start : array_like, shape (k,), optional
-            Values that are to be beaten.
+            Upper bounds: only lower values are searched.
 
         Returns
         -------
         values : ndarray, shape (k,)
         which : ndarray of int, shape (k,)
-            The segment that gave each, -1 where ``start`` was not beaten.
+            The segment that gave each value; -1 where no value is lower than ``start``.
         """
         points = as_points(x, "x")
         if points.shape[1] != self.segments.shape[2]:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         if not (np.isfinite(growth) and growth >= 0):
-            raise InputError(f"growth must be a number of at least 0, not {growth!r}")
+            raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
         which = np.full(len(points), -1, dtype=np.int64)
         scaled = np.ascontiguousarray(points * self.factor)
@@ -200,12 +201,12 @@ class SegmentTree:
 
     def _nearest(self, x: ArrayLike) -> tuple[Array, Integers]:
         if self.weights.any():
-            raise InputError("this tree has weights: ask it for `least`")
+            raise InputError("this tree has weights; call `least` instead")
         return self.least(x, 1.0)
 
 
 def _minima(values: Array, leaves: int) -> Array:
-    """The least value below each node of the tree, whose leaves hold `LEAF` values each, in order."""
+    """The minimum value below each node of the tree, whose leaves have `LEAF` values each, in order."""
     result = np.full(2 * leaves, np.inf)
     firsts = np.arange(0, len(values), LEAF)
     result[leaves : leaves + len(firsts)] = np.minimum.reduceat(values, firsts)

@@ -1,13 +1,13 @@
-"""Measures of simplices, vectorised: size, circumsphere, angles, quality.
+"""Measures of simplices, vectorized: size, circumsphere, angles, quality.
 
 Every function takes an array of shape (..., k + 1, d): the k + 1 corners of simplices of dimension k in
 d >= k coordinates, with any leading axes. All are plain floating-point measures, for statistics and
 pictures; nothing here decides topology (see `unstruct.predicates` for that).
 
-Each simplex is first moved to its own corner and scaled by its own power of two, so that neither tiny
-nor huge ones overflow or lose figures. Flat simplices raise nothing and warn of nothing: their volume
-is 0, their circumradius ``inf`` (circumcenter ``nan``), their inradius 0, their R/r, 2r/R, ... take the
-limits given with each function. See the book, chapter 1.
+The coordinates of each simplex are first taken relative to one of its corners and scaled by a power of two,
+so that tiny and huge simplices neither overflow nor lose digits. Flat simplices cause no errors and no
+warnings: their volume is 0, their circumradius ``inf`` (circumcenter ``nan``), their inradius 0, and their
+R/r, 2r/R, ... take the limits given with each function. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ __all__ = [
 
 @quiet
 def volume(simplices: np.ndarray) -> np.ndarray:
-    """Signed length, area, volume, ...: positive for positively oriented cells.
+    """Signed length, area, volume, ..., positive for positively oriented cells.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def volume(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (...)
-        det(p_1 - p_0, ..., p_d - p_0) / d! where k = d; the unsigned `measure` where k < d. Rounded:
-        the sign near zero is not a decision (that is `unstruct.predicates.orient`).
+        det(p_1 - p_0, ..., p_d - p_0) / d! if k = d; the unsigned `measure` if k < d. It is rounded, so
+        its sign near zero may be wrong; `unstruct.predicates.orient` gives the exact sign.
     """
     rows, exponent = local_edges(simplices)
     k, d = rows.shape[-2:]
@@ -76,7 +76,7 @@ def measure(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (...)
-        sqrt(det(E E^T)) / k! for the edge vectors E, by determinant, cross product or QR.
+        sqrt(det(E E^T)) / k! for the edge vectors E, computed by a determinant, a cross product or QR.
     """
     rows, exponent = local_edges(simplices)
     k = rows.shape[-2]
@@ -106,10 +106,10 @@ def edge_lengths(simplices: np.ndarray) -> np.ndarray:
 
 
 def _center(rows: np.ndarray) -> np.ndarray:
-    """The circumcenter seen from corner 0, in units of the scaled rows; inf/nan where flat.
+    """The circumcenter relative to corner 0, in units of the scaled rows; inf or nan for flat simplices.
 
-    The center c of the sphere through 0 and the rows a_i lies in their span and has
-    a_i . c = |a_i|^2 / 2. The system is solved with Q R = rows^T, where R^T y = |a|^2 / 2, c = Q y.
+    The center c of the sphere through 0 and the rows a_i lies in their span and satisfies
+    a_i . c = |a_i|^2 / 2. With Q R = rows^T, the solution is c = Q y, where R^T y = |a|^2 / 2.
     """
     k, d = rows.shape[-2:]
     square = (rows**2).sum(axis=-1)
@@ -133,7 +133,7 @@ def _center(rows: np.ndarray) -> np.ndarray:
         return top / (2 * content(rows) ** 2)[..., None]
     q, r = np.linalg.qr(np.swapaxes(rows, -1, -2))
     y = np.empty(square.shape)
-    for i in range(k):  # forward substitution: a flat simplex divides by zero, and is inf or nan after
+    for i in range(k):  # forward substitution, which divides by zero for flat simplices and gives inf or nan
         y[..., i] = (square[..., i] / 2 - (r[..., :i, i] * y[..., :i]).sum(axis=-1)) / r[..., i, i]
     return (q * y[..., None, :]).sum(axis=-1)
 
@@ -149,8 +149,8 @@ def circumcenter(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (..., d)
-        ``nan`` for flat simplices, which have none. (Where k < d and d > 3, rounding may hide flatness: the
-        center is then far away instead.)
+        ``nan`` for flat simplices, which have none. (If k < d and d > 3, rounding may hide that a simplex is
+        flat; its computed center is then far away.)
     """
     points = as_corners(simplices)
     rows, exponent = local_edges(points)
@@ -160,7 +160,7 @@ def circumcenter(simplices: np.ndarray) -> np.ndarray:
 
 
 def _radius(rows: np.ndarray) -> np.ndarray:
-    """Circumradius in scaled units. Triangles: abc / 4A, which holds figures where the center is far."""
+    """Circumradius in scaled units; for triangles abc / 4A, which is accurate even if the center is far."""
     k = rows.shape[-2]
     if k == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
@@ -199,7 +199,7 @@ def _facet_contents(rows: np.ndarray) -> np.ndarray:
 
 
 def _inner(rows: np.ndarray) -> np.ndarray:
-    """Inradius in scaled units: k V / sum of facets; 0 where V = 0."""
+    """Inradius in scaled units: k V / (sum of the facets' measures); 0 if V = 0."""
     size = content(rows)
     return np.where(size == 0, 0.0, size / _facet_contents(rows).sum(axis=-1))
 
@@ -232,8 +232,8 @@ def angles(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (..., k + 1) for triangles: the angle at each corner;
-        shape (..., C(k + 1, 3), 3) for k >= 3: per face, in the order of `itertools.combinations`.
-        0 and pi are reached by flat triangles; ``nan`` where two corners coincide.
+        shape (..., C(k + 1, 3), 3) for k >= 3: by face, in the order of `itertools.combinations`.
+        Flat triangles have angles of 0 and pi; ``nan`` where two corners coincide.
     """
     points = as_corners(simplices)
     if points.shape[-2] < 3:
@@ -255,7 +255,7 @@ def angles(simplices: np.ndarray) -> np.ndarray:
 
 @quiet
 def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
-    """Angles between facets, in radians, one for each pair of facets.
+    """Angles between facets (dihedral angles), in radians, one for each pair of facets.
 
     Parameters
     ----------
@@ -265,14 +265,15 @@ def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
     -------
     ndarray, shape (..., k (k + 1) / 2)
         For each pair (i, j) of corners in the order of `itertools.combinations`, the angle between the
-        facets opposite i and j, measured inside. For tetrahedra pair (i, j) thus names the edge that
-        does *not* hold i and j. For triangles it is the angle at the third corner. ``nan`` where a
-        facet is flat.
+        facets opposite i and j, measured inside. For tetrahedra, the pair (i, j) thus belongs to the edge
+        that does *not* contain i and j. For triangles it is the angle at the third corner. ``nan`` where
+        a facet is flat.
 
     Notes
     -----
-    With n_i the component of an edge vector orthogonal to the ridge, the angle at a ridge is that between
-    the two altitudes on it: no normals are needed, so it works in any dimension k <= d.
+    A ridge is the intersection of two facets. The angle at a ridge is the angle between the two altitudes on
+    it, the components of edge vectors orthogonal to the ridge. No normals are needed, so this works for any
+    k <= d.
     """
     points = as_corners(simplices)
     corners = points.shape[-2]
@@ -285,7 +286,7 @@ def dihedral_angles(simplices: np.ndarray) -> np.ndarray:
         a, b = rows[..., -2, :], rows[..., -1, :]
         if len(ridge) > 1:
             q = np.linalg.qr(np.swapaxes(rows[..., :-2, :], -1, -2))[0]
-            for _ in range(2):  # twice is enough: removes what rounding left along the ridge
+            for _ in range(2):  # the second pass removes what rounding left along the ridge
                 a, b = (v - (q * (v[..., None, :] @ q)).sum(axis=-1) for v in (a, b))
         result.append(angle_between(a, b))
     return np.stack(result, axis=-1)
@@ -307,7 +308,7 @@ def solid_angles(simplices: np.ndarray) -> np.ndarray:
     Notes
     -----
     tan(omega / 2) = |det(a, b, c)| / (abc + (a.b) c + (b.c) a + (c.a) b), the formula of Van Oosterom and
-    Strackee (IEEE Trans. Biomed. Eng. 30, 1983), by atan2.
+    Strackee (IEEE Trans. Biomed. Eng. 30, 1983), evaluated with atan2.
     """
     points = as_corners(simplices)
     if points.shape[-2:] != (4, 3):
@@ -324,7 +325,7 @@ def solid_angles(simplices: np.ndarray) -> np.ndarray:
 
 @quiet
 def _radius_ratio(simplices: np.ndarray) -> np.ndarray:
-    """R / r, the chapter's mu: k for the regular simplex (2 for triangles), ``inf`` when flat."""
+    """R / r, the chapter's mu: k for the regular simplex (2 for triangles), ``inf`` for flat simplices."""
     rows, _ = local_edges(simplices)
     ratio = _radius(rows) / _inner(rows)
     return np.where(np.isnan(ratio) & np.isfinite(rows).all(axis=(-2, -1)), np.inf, ratio)
@@ -332,19 +333,19 @@ def _radius_ratio(simplices: np.ndarray) -> np.ndarray:
 
 @quiet
 def _normalized_ratio(simplices: np.ndarray) -> np.ndarray:
-    """k r / R: 1 for the regular simplex, 0 when flat (2r/R for triangles, 3r/R for tetrahedra)."""
+    """k r / R (2r/R for triangles, 3r/R for tetrahedra): 1 for the regular simplex, 0 for flat simplices."""
     return (np.shape(simplices)[-2] - 1) / _radius_ratio(simplices)
 
 
 @quiet
 def _radius_edge(simplices: np.ndarray) -> np.ndarray:
-    """R over the shortest edge: 1/sqrt(3) for the equilateral triangle, ``inf`` when flat."""
+    """R over the shortest edge: 1/sqrt(3) for the equilateral triangle, ``inf`` for flat simplices."""
     return circumradius(simplices) / edge_lengths(simplices).min(axis=-1)
 
 
 @quiet
 def _aspect(simplices: np.ndarray) -> np.ndarray:
-    """Longest edge over inradius, divided by the regular simplex's: 1 at best, ``inf`` when flat."""
+    """Longest edge over inradius, relative to the regular simplex: 1 at best, ``inf`` for flat simplices."""
     k = np.shape(simplices)[-2] - 1
     regular = np.sqrt(2 * k * (k + 1))
     ratio = edge_lengths(simplices).max(axis=-1) / inradius(simplices) / regular
@@ -391,10 +392,10 @@ def quality(name: str, simplices: np.ndarray) -> np.ndarray:
     Raises
     ------
     InputError
-        For a name that `QUALITIES` does not hold, or an array of the wrong shape.
+        For a name that is not in `QUALITIES`, or an array of the wrong shape.
     """
     if name not in QUALITIES:
         raise InputError(
-            f"no quality measure is called {name!r}; there are {', '.join(map(repr, QUALITIES))}"
+            f"no quality measure is called {name!r}; use one of {', '.join(map(repr, QUALITIES))}"
         )
     return QUALITIES[name](simplices)

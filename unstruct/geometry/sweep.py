@@ -1,7 +1,7 @@
-"""Does any pair of segments meet? A line sweeps over the plane and keeps the segments that it cuts in order.
+"""Whether any two segments meet: a line sweeps over the plane, and the segments that it cuts are kept sorted.
 
-M. I. Shamos, D. Hoey, *Geometric intersection problems*, FOCS 1976, 208-215; with exact signs, and with
-vertices that several segments share. Used to validate regions; see the book, chapter 2.6d.
+The method is that of M. I. Shamos, D. Hoey, *Geometric intersection problems*, FOCS 1976, 208-215, here with
+exact signs, and several segments may share a vertex. Used to validate regions; see the book, chapter 2.6d.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BLOCK = 128  # segments in a block of the ordered list
 
 
 def lexicographic(points: np.ndarray) -> np.ndarray:
-    """Points by x, those of equal x by y, those of equal y by number."""
+    """The order of points by x, for equal x by y, and for equal points by number."""
     order = np.argsort(points[:, 0], kind="stable")
     x = points[order, 0]
     same = x[1:] == x[:-1]
@@ -31,9 +31,9 @@ def lexicographic(points: np.ndarray) -> np.ndarray:
 
 @kernel
 def _meet(xy, left, right, s, t):
-    """Whether two segments that the line cuts next to each other meet, but for a common end.
+    """Whether two neighboring segments on the sweep line meet in more than a common end.
 
-    One has an end off the line of the other, so that with a common end they cannot overlap.
+    One has an end off the line of the other, so that two segments with a common end cannot overlap.
     """
     p, q, a, b = left[s], right[s], left[t], right[t]
     if p == a or q == b or p == b or q == a:
@@ -45,7 +45,7 @@ def _meet(xy, left, right, s, t):
 
 @kernel
 def _find(xy, left, right, blocks, count, directory, many, v):
-    """Place (block, offset) of the lowest segment that is not below vertex v; (many, 0) for none."""
+    """The place (block, offset) of the lowest segment that is not below vertex v; (many, 0) if none is."""
     low, high = 0, many  # the last block whose first segment is below v
     while low < high:
         middle = (low + high) // 2
@@ -72,7 +72,7 @@ def _find(xy, left, right, blocks, count, directory, many, v):
 
 @kernel
 def _remove(blocks, count, directory, many, i, j):
-    """Take out the segment at place (i, j); the number of blocks left."""
+    """Remove the segment at place (i, j); return the number of remaining blocks."""
     block = directory[i]
     count[block] -= 1
     for k in range(j, count[block]):
@@ -81,14 +81,14 @@ def _remove(blocks, count, directory, many, i, j):
         return many
     for k in range(i, many - 1):
         directory[k] = directory[k + 1]
-    directory[many - 1] = block  # free, next to be used
+    directory[many - 1] = block  # this block is free and will be used next
     return many - 1
 
 
 @kernel
 def _insert(blocks, count, directory, many, i, j, s):
-    """Put segment s before place (i, j); its place and the number of blocks."""
-    if j == 0 and i > 0:  # behind the block before
+    """Insert segment s before place (i, j); return its place and the number of blocks."""
+    if j == 0 and i > 0:  # append it to the previous block
         i -= 1
         j = count[directory[i]]
     if many == 0:
@@ -120,7 +120,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
     many = 0
     for v in order:
         i, j = _find(xy, left, right, blocks, count, directory, many, v)
-        while i < many:  # segments through v: they must end there
+        while i < many:  # remove the segments through v; if one of them does not end there, segments meet
             s = blocks[directory[i], j]
             if orientation(xy, left[s], right[s], v) != 0:
                 break
@@ -143,7 +143,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
             if below >= 0 and above >= 0 and _meet(xy, left, right, below, above):
                 return True
             continue
-        for k in range(fresh):  # from the lowest to the highest
+        for k in range(fresh):  # sort the segments that start at v from the lowest to the highest
             s = start[begin[v] + k]
             m = k
             while m > 0:
@@ -173,14 +173,14 @@ def any_meeting(points: np.ndarray, segments: np.ndarray) -> bool | None:
     Parameters
     ----------
     points : (n, 2) float64
-        Equal ones that segments have for ends are different vertices: there the segments meet.
+        Equal points are different vertices, so segments that end at equal points meet there.
     segments : (s, 2) int
-        None of zero length.
+        No segment may have zero length.
 
     Returns
     -------
     bool or None
-        None where the exponents are too wide for one scale, so that it was not decided.
+        None if this was not decided, because the coordinates cannot be scaled by one factor exactly.
     """
     xy, exact = scaled(points)
     if not exact:

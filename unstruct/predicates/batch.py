@@ -1,13 +1,13 @@
 """Exact signs: on which side of a plane, inside or outside of a sphere.
 
-Stages: a floating-point filter (`filters`); where its error bound does not decide, doubles that err less or
-not at all (`close`, kernels only); at last integers (`exact`). There is no other case: no tolerance, no
-overflow, no underflow.
+There are three stages. A floating-point filter (`filters`) decides first. Where its error bound leaves the
+sign open, kernels compute with doubles that have smaller errors or none (`close`). Integers (`exact`)
+decide the rest. There is no tolerance, and neither overflow nor underflow can change a sign.
 
-Kernels call ``orient2, incircle, orient3, insphere`` with scaled coordinates, at most 1 in magnitude:
-then all that underflow can do to a filter is far below ``TINY``. `power_of_two` gives the factor, and
-multiplying by it is exact unless an entry becomes subnormal (`scaled` tells). The public functions take
-any finite doubles.
+Kernels call ``orient2, incircle, orient3, insphere`` (see `kernels`) with scaled coordinates, at most 1 in
+magnitude: the effect of underflow on a filter is then far below ``TINY``. `power_of_two` gives the factor.
+Multiplying by it is exact unless an entry becomes subnormal, and `scaled` reports this. The public functions
+take any finite doubles.
 """
 
 from __future__ import annotations
@@ -33,15 +33,12 @@ from .filters import (
 __all__ = ["in_sphere", "orient"]
 
 
-# --- kernels in two and three dimensions ----------------------------------------------------------
-
-
 # --- many simplices -------------------------------------------------------------------------------
 
 
 @kernel
 def _batch_orient(simplices, factors, signs):
-    """Signs of many simplices: the filter sees them scaled, the exact stage as they are."""
+    """Signs of many simplices: the filter takes them scaled, the exact stage takes them unscaled."""
     for i in range(len(simplices)):
         p, s = simplices[i], simplices[i] * factors[i]
         if p.shape[1] == 2:
@@ -62,7 +59,7 @@ def _batch_orient(simplices, factors, signs):
 
 @kernel
 def _batch_in_sphere(simplices, q, factors, signs):
-    """As `_batch_orient`; where d is neither 2 nor 3, UNDECIDED is left to the caller."""
+    """Like `_batch_orient`; if d is neither 2 nor 3, the caller decides the signs left UNDECIDED."""
     for i in range(len(simplices)):
         p, c = simplices[i], q[i]
         s, t = p * factors[i], c * factors[i]
@@ -90,10 +87,10 @@ def _batch_in_sphere(simplices, q, factors, signs):
 
 
 def power_of_two(points: ArrayLike) -> float:
-    """A power of two that brings the largest coordinate into [1/2, 1) (for very small ones, as far as
-    a double reaches); 1.0 where all are zero.
+    """A power of two that brings the largest coordinate into [1/2, 1); 1.0 if all coordinates are zero.
 
-    Multiplying by it is exact unless an entry becomes subnormal; see `scaled`.
+    For very small coordinates it is the largest power of two that a double can hold. Multiplying by it is
+    exact unless an entry becomes subnormal; see `scaled`.
     """
     largest = float(np.max(np.abs(points), initial=0.0))
     if largest == 0.0:
@@ -105,15 +102,15 @@ def scaled(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
     """Scale by `power_of_two`; the second value tells whether every entry was kept exactly."""
     factor = power_of_two(points)
     result = points * factor
-    # a power of two may itself be subnormal (largest coordinate beyond 2**1022), and is exact all the same
+    # If the largest coordinate is 2**1022 or more, the factor itself is subnormal; it is exact nevertheless.
     return result, bool(np.array_equal(result / factor, points))
 
 
 def _factors(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`power_of_two` for each of the arrays (m, ...)."""
+    """`power_of_two` of each of the m arrays in ``blocks``, shape (m, ...)."""
     largest = np.zeros(len(blocks))
     columns = blocks.reshape(len(blocks), math.prod(blocks.shape[1:])).T
-    for column in columns:  # numpy is slow at many short maxima
+    for column in columns:  # numpy is slow at many maxima of short rows
         np.maximum(largest, np.abs(column), out=largest)
     return np.ldexp(1.0, np.minimum(-np.frexp(largest)[1], 1023))
 
@@ -157,8 +154,8 @@ def orient(simplex: ArrayLike) -> NDArray[np.int8] | int:
     Notes
     -----
     Exact for all finite doubles: a floating-point filter (Shewchuk, *Adaptive precision floating-point
-    arithmetic and fast robust geometric predicates*, 1997) decides almost always, integer arithmetic
-    the rest. Cost O(2^d d) a simplex while the filter decides. Book: 2.0, 2.4a.
+    arithmetic and fast robust geometric predicates*, 1997) decides almost always, and integer arithmetic
+    decides the rest. The cost is O(2^d d) per simplex where the filter decides. Book: 2.0, 2.4a.
     """
     array = _simplices(simplex)
     d = array.shape[-1]
@@ -183,8 +180,8 @@ def in_sphere(simplex: ArrayLike, q: ArrayLike) -> NDArray[np.int8] | int:
     Returns
     -------
     int or ndarray of int8, shape (...)
-        For a positively oriented simplex 1 where q is strictly inside its circumsphere, 0 where it is
-        on it, -1 outside; for a negatively oriented one the signs are exchanged.
+        For a positively oriented simplex: 1 if q is strictly inside its circumsphere, 0 if q is on it, and -1
+        if q is outside. For a negatively oriented simplex the signs are exchanged.
 
     Raises
     ------
@@ -194,7 +191,7 @@ def in_sphere(simplex: ArrayLike, q: ArrayLike) -> NDArray[np.int8] | int:
 
     Notes
     -----
-    Exact for all finite doubles, as `orient`. Book: 2.0, 2.4a.
+    Exact for all finite doubles, like `orient`. Book: 2.0, 2.4a.
     """
     array = _simplices(simplex)
     d = array.shape[-1]
@@ -243,6 +240,6 @@ CHUNK = 1 << 19
 
 
 def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Exact orientation of many simplices given by vertex numbers, (r, d + 1), a chunk at a time."""
+    """Exact orientation of many simplices given by vertex numbers, shape (r, d + 1), in chunks."""
     parts = [orient(points[rows[i : i + CHUNK]]) for i in range(0, len(rows), CHUNK)]
     return np.concatenate([*parts, np.empty(0, dtype=np.int8)])

@@ -1,14 +1,15 @@
-"""Close calls: what the floating-point filter leaves open, decided without integers where that can be proved.
+"""Close cases: signs that the filter leaves open, decided in floating point where this is provably exact.
 
-Two stages before `unstruct.predicates.exact`, for scaled coordinates, at most 1 in magnitude:
+There are two stages before `unstruct.predicates.exact`. Coordinates are scaled, at most 1 in magnitude.
 
-* *short* differences. On lattices and other rounded data the coordinate differences are exact and
+* *Short* differences. On lattices and other rounded data the coordinate differences are exact, and they are
   multiples, by integers of few bits, of one power of two. Then plain floating point makes no error at
   all, and the sign is exact, ties included.
-* double-double arithmetic: numbers as sums of two doubles, differences exact. With u = 2^-53, a product
-  errs by at most 7 u^2 and a sum by 3 u^2 (M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous error
-  bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44, 2017), which adds up to 33 u^2 of
-  the permanent for `close_incircle` and 52 u^2 for `close_insphere`; the bounds below hold twice as much.
+* Double-double arithmetic: numbers are sums of two doubles, and differences are exact. With u = 2^-53, a
+  product errs by at most 7 u^2 and a sum by 3 u^2 (M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous
+  error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44, 2017). This adds up to
+  33 u^2 of the permanent for `close_incircle` and 52 u^2 for `close_insphere`; the bounds used below are
+  64 u^2 and 128 u^2.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from .filters import TINY
 SPLITTER = 2.0**27 + 1.0
 INCIRCLE_CLOSE = 2.0**-100
 INSPHERE_CLOSE = 2.0**-99
-# For differences d up to M, adding s = 1.5 * 2^k M and taking it away leaves d unchanged only if d is a
-# multiple of a power of two above 2^(k - 53) M. Over it, differences are integers below 2^(53 - k): below
-# 2^23, 2^14, 2^11, 2^8 for k = 30, 39, 42, 45; the determinants and all that leads to them stay below 2^53.
+# A difference d with |d| <= M is short if adding s = 1.5 * 2^k M and subtracting it again leaves d unchanged.
+# Then d is a multiple of a power of two above 2^(k - 53) M. In units of that power, the differences are
+# integers below 2^(53 - k): below 2^23, 2^14, 2^11, 2^8 for k = 30, 39, 42, 45. The determinants and all
+# their intermediate results stay below 2^53.
 SHORT_ORIENT2, SHORT_ORIENT3 = 1.5 * 2.0**30, 1.5 * 2.0**39
 SHORT_INCIRCLE, SHORT_INSPHERE = 1.5 * 2.0**42, 1.5 * 2.0**45
-LEAST = 2.0**-160  # below, products of five differences could underflow
+LEAST = 2.0**-160  # products of five differences below this could underflow
 
 
 @inline
@@ -92,7 +94,7 @@ def _cross(ah, al, bh, bl, ch, cl, dh, dl):
 
 @kernel
 def close_orient2(ax, ay, bx, by, cx, cy):
-    """`orient2` where the filter leaves it open."""
+    """`orient2` for points whose sign the filter leaves open."""
     px, t0 = _two_difference(ax, cx)
     py, t1 = _two_difference(ay, cy)
     qx, t2 = _two_difference(bx, cx)
@@ -106,7 +108,7 @@ def close_orient2(ax, ay, bx, by, cx, cy):
 
 @kernel
 def close_incircle(ax, ay, bx, by, cx, cy, px, py):
-    """`incircle` where the filter leaves it open."""
+    """`incircle` for points whose sign the filter leaves open."""
     ax_, axt = _two_difference(ax, px)
     ay_, ayt = _two_difference(ay, py)
     bx_, bxt = _two_difference(bx, px)
@@ -152,7 +154,7 @@ def _lifted(xh, xl, yh, yl, ch, cl):
 
 @kernel
 def close_orient3(x):
-    """Sign of the determinant of rows a - d, b - d, c - d where the filter leaves it open."""
+    """Sign of the determinant of rows a - d, b - d, c - d, if the filter leaves it open."""
     e = x[:9].copy()
     most, short = 0.0, True
     for i in range(9):
@@ -189,7 +191,7 @@ def _minor(e, t, a, b, c):
 
 @kernel
 def close_insphere(x):
-    """Sign of the determinant of rows (p_i - p, |p_i - p|^2) where the filter leaves it open."""
+    """Sign of the determinant of rows (p_i - p, |p_i - p|^2), if the filter leaves it open."""
     e, t = x[:12].copy(), x[:12].copy()
     most, short = 0.0, True
     for i in range(12):

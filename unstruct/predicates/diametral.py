@@ -1,9 +1,9 @@
 """The circle with a segment as its diameter: which points are inside, exactly.
 
-A point sees a segment under more than a right angle exactly where it lies inside that circle: a sign of
-the dot product of its directions to the two ends. A segment whose open disk holds no vertex is an edge of
-a Delaunay triangulation of them (K. R. Gabriel and R. R. Sokal, Systematic Zoology 18, 1969, 259-278).
-Book: 2.4b.
+A point sees a segment under more than a right angle exactly when it lies inside that circle. The sign of
+the dot product of its directions to the two ends decides this. A segment between two vertices whose open
+disk contains no vertex is an edge of a Delaunay triangulation of the vertices (K. R. Gabriel and
+R. R. Sokal, Systematic Zoology 18, 1969, 259-278). Book: 2.4b.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ __all__ = ["exact_in_disc", "in_disc"]
 
 @inline
 def in_disc(ax, ay, bx, by, px, py):
-    """1 where p is strictly inside the circle with diameter ab, 0 on it, -1 outside; |coordinates| <= 1.
+    """1 if p is strictly inside the circle with diameter ab, 0 if on it, -1 if outside; |coordinates| <= 1.
 
-    The filter is that of an orientation: two products of differences, here added.
+    The filter is that of an orientation: two products of differences, which are added here.
     """
     left = (ax - px) * (bx - px)
     right = (ay - py) * (by - py)

@@ -1,15 +1,15 @@
 """Exact stage of the predicates: every double is an integer times a power of two.
 
-A finite double is ``m * 2**e`` with an integer ``m`` of at most 53 bits. Over the smallest exponent
-among the coordinates of a simplex all of them are integers, and the sign of a determinant is
-integer arithmetic, without rounding, underflow or overflow. Two forms:
+A finite double is ``m * 2**e`` with an integer ``m`` of at most 53 bits. In units of two to the smallest
+exponent among the coordinates of a simplex, all of them are integers. The sign of a determinant is then
+computed in integer arithmetic, without rounding, underflow or overflow. There are two forms:
 
-* compiled, in two and three dimensions: if the differences of coordinates are small integers (lattices
-  and other exact data) then 64-bit integers do; else numbers are rows of *limbs* in base ``2**26``, low
-  limb first, of which only the top one may be negative, so that the sign of a number is that of its
-  top limb. A product of two limbs is below ``2**52``, so two thousand of them add up in 64 bits before
-  carries are taken;
-* in any dimension, Python's own integers and Bareiss' fraction-free elimination.
+* Compiled, in two and three dimensions. If the differences of coordinates are small integers (lattices
+  and other exact data), 64-bit integers suffice. Otherwise a number is a row of *limbs*, which are its digits
+  in base ``2**26``, the lowest first. Only the top limb may be negative, so that the sign of a number is that
+  of its top limb. A product of two limbs is below ``2**52``, so two thousand of them can be added in 64 bits
+  before carries are taken.
+* In any dimension, Python's own integers and Bareiss' fraction-free elimination.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ BASE = 1 << BITS
 MASK = BASE - 1
 
 
-# --- limbs: number s is w[s, :n[s]]; zero has no limbs -------------------------------------------
+# --- limbs: number s has the limbs w[s, :n[s]]; zero has none -------------------------------------
 
 
 @kernel
 def _carry(w, n, s, length):
-    """Bring the limbs of ``s`` into range after additions: all in [0, BASE) but the top one, signed."""
+    """Bring the limbs of ``s`` into [0, BASE) after additions; the top one remains signed."""
     carry = 0
     for i in range(length):
         value = w[s, i] + carry
@@ -43,7 +43,7 @@ def _carry(w, n, s, length):
     if carry == 0:
         while length > 0 and w[s, length - 1] == 0:
             length -= 1
-    else:  # a borrow of one beyond the top: fold it into the limb below, as often as that gives -1 again
+    else:  # a borrow of one beyond the top limb: fold it into the limb below, repeatedly while that gives -1
         w[s, length - 1] -= BASE
         while length > 1 and w[s, length - 1] == -1:
             length -= 1
@@ -95,7 +95,7 @@ def sign(w, n, s):
 
 @kernel
 def _decompose(x, mantissa, exponent):
-    """Write ``x[i] = mantissa[i] * 2**exponent[i]``; return the least exponent and the greatest bit."""
+    """Write ``x[i] = mantissa[i] * 2**exponent[i]``; return the smallest exponent and the highest bit."""
     least, greatest = 1 << 20, -(1 << 20)
     for i in range(len(x)):
         if x[i] == 0.0:
@@ -136,11 +136,11 @@ def _load(w, n, s, mantissa, exponent, least, i, j):
 
 @kernel
 def differences(x, dimension, degree, slots):
-    """Decompose the points ``x`` (flat); give the differences to the last point, small or as limbs.
+    """Differences of the points ``x`` (a flat array) to the last point, as 64-bit integers or as limbs.
 
-    Returns ``(bits, small, w, n)``: where all differences have at most ``bits <= 62`` bits they stand in
-    ``small`` as 64-bit integers, else in the first slots of ``w``; ``degree`` is that of the polynomial
-    to come, ``slots`` how many numbers it needs.
+    ``degree`` is the degree of the polynomial that the caller evaluates, ``slots`` how many numbers it needs.
+    Returns ``(fits, small, w, n)``. If ``fits``, the differences are in ``small``, and a polynomial of this
+    degree in them can be evaluated with 64-bit integers. Otherwise they are in the first slots of ``w``.
     """
     count = len(x) // dimension
     mantissa = np.empty(len(x), np.int64)
@@ -169,7 +169,7 @@ def differences(x, dimension, degree, slots):
 
 
 # --- determinants ---------------------------------------------------------------------------------
-# Slots beyond the differences are counted from len(s): numba would compile a helper anew for each literal.
+# Slots after the differences are counted from len(s), because numba would compile a helper for each literal.
 
 
 @kernel
@@ -219,7 +219,7 @@ def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
 
 @kernel
 def exact_orient3(x):
-    """Sign of the determinant of rows a - d, b - d, c - d; ``x`` holds the twelve coordinates."""
+    """Sign of the determinant of rows a - d, b - d, c - d; ``x`` has the twelve coordinates."""
     fits, s, w, n = differences(x, 3, 3, 13)
     if fits:
         value = (
@@ -241,7 +241,7 @@ def exact_orient3(x):
 
 @kernel
 def exact_insphere(x):
-    """Sign of the determinant of rows (p_i - p, |p_i - p|^2), i = 0..3; ``x``: fifteen coordinates."""
+    """Sign of the determinant of rows (p_i - p, |p_i - p|^2), i = 0..3; ``x`` has fifteen coordinates."""
     fits, s, w, n = differences(x, 3, 5, 20)
     rows = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
     if fits:
@@ -289,7 +289,7 @@ def integers(coordinates: np.ndarray) -> list[list[int]]:
 
 
 def determinant_sign(matrix: list[list[int]]) -> int:
-    """Sign of an integer determinant by Bareiss' elimination, whose divisions leave no remainder."""
+    """Sign of an integer determinant by Bareiss' elimination, in which all divisions are exact."""
     a = [row[:] for row in matrix]
     size, sign, previous = len(a), 1, 1
     for k in range(size - 1):
@@ -314,8 +314,8 @@ def exact_orient(simplex: np.ndarray) -> int:
 
 
 def exact_in_sphere(simplex: np.ndarray, q: np.ndarray) -> int:
-    """Positive where q is strictly inside the sphere of a positively oriented simplex, any dimension."""
-    *p, centre = integers(np.vstack([simplex, np.asarray(q)[None]]))
-    rows = [[x - y for x, y in zip(row, centre)] for row in p]
+    """Positive if q is strictly inside the sphere of a positively oriented simplex, in any dimension."""
+    *p, center = integers(np.vstack([simplex, np.asarray(q)[None]]))
+    rows = [[x - y for x, y in zip(row, center)] for row in p]
     sign = determinant_sign([[*row, sum(x * x for x in row)] for row in rows])
-    return sign if len(centre) % 2 == 0 else -sign
+    return sign if len(center) % 2 == 0 else -sign

@@ -1,10 +1,10 @@
-"""Floating-point filters: the sign of a determinant where a bound on its rounding error decides it.
+"""Floating-point filters: the sign of a determinant, if a bound on its rounding error decides it.
 
-Each filter evaluates its determinant together with the same expression in absolute values, the
-*permanent*; a small multiple of the permanent bounds the rounding error (Shewchuk, *Adaptive precision
-floating-point arithmetic and fast robust geometric predicates*, 1997, stage A, whose order of evaluation
-is kept here because his constants belong to it). Coordinates are at most 1 in magnitude, so that all that
-underflow can do stays far below ``TINY``.
+Each filter evaluates its determinant together with the same expression in absolute values, which is called
+the *permanent*. A small multiple of the permanent bounds the rounding error (Shewchuk, *Adaptive precision
+floating-point arithmetic and fast robust geometric predicates*, 1997, stage A). The order of evaluation is
+Shewchuk's, because his constants depend on it. Coordinates are at most 1 in magnitude, so that the effect
+of underflow stays far below ``TINY``.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ INCIRCLE_BOUND = (10 + 96 * EPS) * EPS
 ORIENT3_BOUND = (7 + 56 * EPS) * EPS
 INSPHERE_BOUND = (16 + 224 * EPS) * EPS
 TINY = 1e-300  # with |coordinates| <= 1, underflow changes no determinant by more than 2**-1060
-UNDECIDED = 2  # beside -1, 0 and 1
+UNDECIDED = 2  # the fourth possible result, besides -1, 0 and 1
 
 
 @inline
 def filter_orient2(ax, ay, bx, by, cx, cy):
-    """`orient2` as far as floating point decides it, else UNDECIDED."""
+    """`orient2` if floating point decides it, otherwise UNDECIDED."""
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
     det = left - right
@@ -38,7 +38,7 @@ def filter_orient2(ax, ay, bx, by, cx, cy):
 
 @inline
 def filter_incircle(ax, ay, bx, by, cx, cy, px, py):
-    """`incircle` as far as floating point decides it, else UNDECIDED."""
+    """`incircle` if floating point decides it, otherwise UNDECIDED."""
     adx, ady, bdx, bdy, cdx, cdy = ax - px, ay - py, bx - px, by - py, cx - px, cy - py
     bc, cb = bdx * cdy, cdx * bdy
     ca, ac = cdx * ady, adx * cdy
@@ -56,7 +56,7 @@ def filter_incircle(ax, ay, bx, by, cx, cy, px, py):
 
 @inline
 def filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """`orient3` as far as floating point decides it, else UNDECIDED."""
+    """`orient3` if floating point decides it, otherwise UNDECIDED."""
     adx, ady, adz = ax - dx, ay - dy, az - dz
     bdx, bdy, bdz = bx - dx, by - dy, bz - dz
     cdx, cdy, cdz = cx - dx, cy - dy, cz - dz
@@ -77,7 +77,7 @@ def filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
 
 @inline
 def filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
-    """`insphere` as far as floating point decides it, else UNDECIDED."""
+    """`insphere` if floating point decides it, otherwise UNDECIDED."""
     aex, aey, aez = ax - px, ay - py, az - pz
     bex, bey, bez = bx - px, by - py, bz - pz
     cex, cey, cez = cx - px, cy - py, cz - pz
@@ -116,7 +116,7 @@ def filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
 
 @kernel
 def _determinant_and_permanent(a, size):
-    """Expand a determinant by minors over subsets of columns, with the same sum of absolute values."""
+    """A determinant by minors over subsets of columns, and the same sum with absolute values."""
     det = np.zeros(1 << size)
     permanent = np.zeros(1 << size)
     det[0] = permanent[0] = 1.0
@@ -124,7 +124,7 @@ def _determinant_and_permanent(a, size):
         row = -1
         for j in range(size):
             row += (subset >> j) & 1
-        above = 0  # chosen columns to the right of j: the sign of the minor
+        above = 0  # the number of chosen columns to the right of j, which gives the sign of the minor
         for j in range(size - 1, -1, -1):
             if (subset >> j) & 1:
                 rest = subset ^ (1 << j)
@@ -140,7 +140,8 @@ def filter_orient(simplex):
     """Sign of the determinant of rows p_i - p_0, or UNDECIDED, for any d; |coordinates| <= 1."""
     d = simplex.shape[1]
     det, permanent = _determinant_and_permanent(simplex[1:] - simplex[0], d)
-    # each product of the expansion carries d differences, d multiplications, at most d(d-1)/2 additions
+    # Each product of the expansion has the errors of d differences, of d multiplications, and of at most
+    # d(d-1)/2 additions.
     bound = (d * (d + 3) + 8) * EPS * permanent + TINY
     if abs(det) > bound:
         return 1 if det > 0 else -1
@@ -159,7 +160,8 @@ def filter_in_sphere(simplex, q):
             lift += rows[i, j] * rows[i, j]
         rows[i, d] = lift
     det, permanent = _determinant_and_permanent(rows, d + 1)
-    bound = ((d + 1) * (d + 4) + 2 * d + 12) * EPS * permanent + TINY  # as above, and the lift's own errors
+    # As in `filter_orient`, with the errors of the lift added.
+    bound = ((d + 1) * (d + 4) + 2 * d + 12) * EPS * permanent + TINY
     if abs(det) > bound:
         sign = 1 if det > 0 else -1
         return sign if d % 2 == 0 else -sign

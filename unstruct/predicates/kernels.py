@@ -1,6 +1,6 @@
-"""Exact signs in two and three dimensions, for kernels: by coordinates, or by the numbers of vertices.
+"""Exact signs in two and three dimensions, for kernels: of coordinates, or of vertices by their numbers.
 
-Coordinates are scaled, at most 1 in magnitude; a cell is a row of d + 1 vertices.
+Coordinates are scaled, at most 1 in magnitude. A cell is a row of d + 1 vertices.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["conflict", "incircle", "insphere", "moved", "orient2", "orient3", "o
 
 @inline
 def orient2(ax, ay, bx, by, cx, cy):
-    """Positive where a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
+    """Positive if a, b, c turn counterclockwise; exact for |coordinates| <= 1."""
     sign = filter_orient2(ax, ay, bx, by, cx, cy)
     if sign != UNDECIDED:
         return sign
@@ -31,7 +31,7 @@ def orient2(ax, ay, bx, by, cx, cy):
 
 @inline
 def incircle(ax, ay, bx, by, cx, cy, px, py):
-    """Positive where p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
+    """Positive if p is strictly inside the circle of counterclockwise a, b, c; |coordinates| <= 1."""
     sign = filter_incircle(ax, ay, bx, by, cx, cy, px, py)
     if sign != UNDECIDED:
         return sign
@@ -49,7 +49,7 @@ def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
 
 @inline
 def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
-    """Positive where p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
+    """Positive if p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
     sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)
     if sign != UNDECIDED:
         return sign
@@ -58,7 +58,7 @@ def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
 
 @inline
 def orientation(xy, a, b, c):
-    """Orientation of three vertices of the plane: 1 where the way from a by b to c turns left."""
+    """Orientation of three vertices in the plane: 1 if the path from a through b to c turns left."""
     return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
@@ -66,8 +66,8 @@ def orientation(xy, a, b, c):
 def moved(points, cell, k, p):
     """Orientation of the cell after its corner k has been moved to vertex p.
 
-    For a positive cell: 1 where p and corner k are on the same side of the facet opposite k, 0 on its
-    plane, -1 beyond.
+    For a positive cell: 1 if p and corner k are on the same side of the facet opposite k, 0 if p is in the
+    plane of that facet, and -1 if p is beyond it.
     """
     a = p if k == 0 else cell[0]
     b = p if k == 1 else cell[1]
@@ -83,7 +83,7 @@ def moved(points, cell, k, p):
 
 @kernel
 def conflict(points, cell, p):
-    """In-sphere sign of vertex p and a positive cell: 1 where p is strictly inside."""
+    """In-sphere sign of vertex p and a positive cell: 1 if p is strictly inside."""
     a, b, c = cell[0], cell[1], cell[2]
     if points.shape[1] == 2:
         return incircle(

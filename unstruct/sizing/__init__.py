@@ -1,7 +1,7 @@
-"""Size fields: how one says which edge length is wanted where. All that belongs to them, in one place.
+"""Size fields: functions that give the wanted edge length at every point.
 
-Everywhere in the library a *size* is the wanted length of an edge. A triangle that is equilateral with
-edges of length h has the circumradius h / sqrt(3): that is the chapter's f. See the book, chapter 2.3.
+Everywhere in the library a *size* is the wanted length of an edge. An equilateral triangle with edges of
+length h has the circumradius h / sqrt(3), which is the chapter's f. See the book, chapter 2.3.
 """
 
 from .background_mesh import Background as Background

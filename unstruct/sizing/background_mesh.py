@@ -1,4 +1,4 @@
-"""Sizes at the vertices of a mesh: interpolation between them, and the gradation limit along its edges.
+"""Sizes at the vertices of a mesh: interpolation between them, and a limit of their growth along its edges.
 
 See the book, chapter 2.3.
 """
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class Background(SizeField):
-    """A size that is interpolated linearly in the triangles of a mesh; made by `background`.
+    """A size that is interpolated linearly in the triangles of a mesh; `background` creates it.
 
     Attributes
     ----------
@@ -29,8 +29,8 @@ class Background(SizeField):
     values : ndarray, shape (n,)
         The sizes at its vertices.
     outside : int
-        How many of all the points asked so far lay outside of the mesh. They were given the size at the
-        nearest point of its boundary.
+        How many of the points evaluated so far lay outside the mesh. Their size is that at the nearest point
+        of its boundary.
     """
 
     def __init__(self, mesh: Mesh, values: Array):
@@ -62,19 +62,20 @@ class Background(SizeField):
             weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         weights /= weights.sum(axis=1, keepdims=True)
         values = self.values[self.mesh.simplices[cells]]
-        # exact location, rounded weights: held in the range of the corners, so that no size can turn negative
+        # The triangle is exact, but the weights are rounded. Clipping to the range of the corner values makes
+        # sure that no size is negative.
         return np.clip((weights * values).sum(axis=1), values.min(axis=1), values.max(axis=1))
 
 
 def _nodal(mesh: Mesh, values: ArrayLike) -> Array:
-    """One positive number for each vertex that is used; NaN is allowed (and ignored) at the others."""
+    """The values as an array; they must be positive at used vertices, and are ignored at all others."""
     if not is_planar(mesh):
         raise MeshError("a background mesh consists of triangles in the plane")
     if mesh.size == 0:
         raise MeshError("a background mesh needs at least one triangle")
     array = as_numbers(values, "values")
     if array.shape != (len(mesh.points),):
-        raise InputError(f"give one size a vertex, shape ({len(mesh.points)},), not {array.shape}")
+        raise InputError(f"give one size per vertex, shape ({len(mesh.points)},), not {array.shape}")
     used = np.zeros(len(array), dtype=bool)
     used[mesh.simplices.ravel()] = True
     bad = used & ~(np.isfinite(array) & (array > 0))
@@ -93,30 +94,30 @@ def background(mesh: Mesh, values: ArrayLike) -> Background:
     Parameters
     ----------
     mesh : Mesh
-        Triangles in the plane, of any shape and connection.
+        A mesh of triangles in the plane.
     values : array_like, shape (n,)
-        The wanted edge length at each vertex (vertices that no triangle uses may have any).
+        The wanted edge length at each vertex. Values at vertices that no triangle uses are ignored.
 
     Returns
     -------
     Background
-        Linear in each triangle. Outside of the mesh: the size at the nearest point of its boundary (in a
-        hole, too), and `Background.outside` counts how often that happened.
+        Linear in each triangle. Outside the mesh, and in its holes, it is the size at the nearest point of
+        the boundary; `Background.outside` counts how often that happened.
 
     Raises
     ------
     MeshError, InputError
-        For anything but triangles in the plane; for a value that is not positive, with the vertex.
+        For a mesh of anything but triangles in the plane; for a value that is not positive, with its vertex.
 
     Notes
     -----
-    The triangle of a point is found by `Mesh.find_simplex`, exactly; O(log m) a point. Source: the chapter's
-    generalized choice of the insertion triangle (12.2.6). See the book, chapter 2.3.
+    The triangle of a point is found exactly by `Mesh.find_simplex`, in O(log m) per point. Source: the
+    chapter's generalized choice of the insertion triangle (12.2.6). See the book, chapter 2.3.
     """
     nodal = _nodal(mesh, values)
     flat = np.nonzero(np.atleast_1d(orient(mesh.corners)) == 0)[0]
     if len(flat):
-        raise MeshError(f"triangle {flat[0]} of the background mesh is flat; drop it first")
+        raise MeshError(f"triangle {flat[0]} of the background mesh is flat; remove it first")
     return Background(mesh, nodal)
 
 
@@ -135,16 +136,17 @@ def limit_nodes(mesh: Mesh, values: ArrayLike, growth: float) -> Array:
     Returns
     -------
     ndarray, shape (n,)
-        The largest values that are at most the given ones and obey |h_i - h_j| <= growth |x_i - x_j| on
+        The largest values that are at most the given ones and satisfy |h_i - h_j| <= growth |x_i - x_j| on
         every edge: h_i = min_j (values_j + growth * (length of the shortest path of edges from i to j)).
 
     Notes
     -----
-    One run of Dijkstra's algorithm from an additional node that is joined to vertex j by an edge of length
-    values_j / growth; O(n log n). The bound holds on edges, up to rounding. Inside a triangle whose largest
-    angle is gamma the gradient of the interpolant may reach growth / cos(gamma / 2), no more: 1.155 times
-    growth in an equilateral one. Paths of edges go round holes and notches, and are longer than straight
-    lines, so these sizes are nowhere below what `limited` would give for the same values.
+    The sizes are found by one run of Dijkstra's algorithm from an additional node that is joined to each
+    vertex j by an edge of length values_j / growth, in O(n log n). The bound holds on edges, up to rounding.
+    Inside a triangle whose largest angle is gamma, the gradient of the interpolant is at most
+    growth / cos(gamma / 2), which is 1.155 times growth in an equilateral triangle. Paths of edges go around
+    holes and notches, and are longer than straight lines, so these sizes are nowhere below what `limited`
+    would give for the same values.
 
     Source: Borouchaki, Hecht and Frey, *Mesh gradation control* (1998). See the book, chapter 2.3.
     """

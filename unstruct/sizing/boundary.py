@@ -25,21 +25,21 @@ __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FINE = np.radians(6.0)  # curves are looked at in steps that turn by no more than this, where possible
-ROUNDS = 12  # of halving: a kink in a curve never gets there
-AROUND = np.pi / 2  # a curve that has turned by more is another feature of itself
+FINE = np.radians(6.0)  # curves are cut into segments that turn by no more than this, if possible
+ROUNDS = 12  # the largest number of times that segments are halved; at a kink halving would never end
+AROUND = np.pi / 2  # parts of a curve with a turn of more than this between them count as different features
 
 
 class Chain(NamedTuple):
     """A curve, cut into short segments."""
 
     points: Array  # (k + 1, 2)
-    turn: Array  # (k,) how far the piece has turned at the middle of each segment, in all
-    total: float  # and at its end
+    turn: Array  # (k,) the total turn of the piece from its start to the middle of each segment
+    total: float  # the total turn of the whole piece
 
 
 def _chain(domain: Outline, piece: int, fine: float = FINE) -> Chain:
-    """The curve of a piece in steps fine enough for its turns."""
+    """The curve of a piece, cut into segments that turn by at most ``fine``, if possible."""
     t = np.linspace(0.0, 1.0, 17)
     for _ in range(ROUNDS):
         joint = _joints(domain.at(piece, t))
@@ -49,13 +49,13 @@ def _chain(domain: Outline, piece: int, fine: float = FINE) -> Chain:
         t = np.sort(np.append(t, (t[:-1] + t[1:])[steep] / 2))
     points = domain.at(piece, t)
     joint = _joints(points)
-    # half a joint belongs to either side; at the ends of the piece nothing is lost but half a step
+    # The turn at each joint is added when passing it. Only the turn of half a segment is missing at each end.
     turn = np.append(0.0, np.cumsum(joint))
     return Chain(points, turn, float(turn[-1]))
 
 
 def _joints(points: Array) -> Array:
-    """How far a chain of points turns at each of its inner points, in radians, never negative."""
+    """The absolute angle by which a chain of points turns at each of its inner points, in radians."""
     d = np.diff(points, axis=0)
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
     return np.abs(turns(cross, (d[:-1] * d[1:]).sum(axis=1)))
@@ -63,16 +63,16 @@ def _joints(points: Array) -> Array:
 
 @inline
 def _near(v, i, ends, turn):
-    """Whether feature i starts or stops at vertex v, or follows so soon that it is one feature with it."""
+    """Whether feature i is adjacent to vertex v: its piece ends there and turns by at most AROUND up to i."""
     return (ends[i, 0] == v and turn[i, 0] <= AROUND) or (ends[i, 1] == v and turn[i, 1] <= AROUND)
 
 
 @inline
 def _apart(j, group, b, found, least, most, piece, ends, turn):
-    """Whether feature j is apart from one of a group: the features of one piece that were met before.
+    """Whether feature j is apart from one of a group, which consists of the nearer features of one piece.
 
-    Of a group the least and the greatest turn are known, and one feature; the others are looked at only
-    where a piece shares both its ends with that of j, and turns far.
+    One feature of the group is known, and the smallest and the largest turn of all. The other features are
+    examined only if the piece shares both its ends with feature j and turns far.
     """
     i = group
     if piece[i] == piece[j]:
@@ -92,7 +92,7 @@ def _apart(j, group, b, found, least, most, piece, ends, turn):
 
 @inline
 def _push(heap, what, count, d, w):
-    """Put w into a heap at distance d; how many are in it then."""
+    """Put w into a heap at distance d; return the new number of entries."""
     k = count
     while k > 0 and heap[(k - 1) // 2] > d:
         heap[k], what[k] = heap[(k - 1) // 2], what[(k - 1) // 2]
@@ -103,7 +103,7 @@ def _push(heap, what, count, d, w):
 
 @inline
 def _pop(heap, what, count):
-    """Take the first away, which the caller has read; how many are left."""
+    """Remove the first entry, which the caller has read; return the number of remaining entries."""
     count -= 1
     d, w = heap[count], what[count]
     k = 0
@@ -121,9 +121,9 @@ def _pop(heap, what, count):
 
 @inline
 def _stands_apart(b, found, many, groups, least, most, piece, ends, turn):
-    """Whether feature b in the order of distance is apart from a nearer one; else it joins their groups.
+    """Whether the feature at place b in the order of distance is apart from a nearer one.
 
-    Returns also how many groups there are then.
+    If it is not, it is added to the group of its piece. The second result is the number of groups.
     """
     j = found[b]
     own = -1
@@ -143,10 +143,10 @@ def _stands_apart(b, found, many, groups, least, most, piece, ends, turn):
 
 @kernel
 def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result):
-    """The least radius of a disk about x[q] that touches two features which are apart.
+    """The smallest radius of a disk around x[q] that touches two features which are apart.
 
-    Infinite for none, and where it is beyond ``far``. Features come one by one, the nearest first, out of a
-    heap of boxes and features (these as -1 - i).
+    It is infinite if there is no such disk, or if its radius would be larger than ``far``. A heap of boxes
+    and features (feature i is stored as -1 - i) gives the features one by one, the nearest first.
     """
     leaves, many_features = low.shape[0] // 2, segments.shape[0]
     heap = np.empty(low.shape[0] + many_features + 2)
@@ -155,7 +155,7 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result
     groups, least, most = np.empty_like(found), np.empty(many_features), np.empty(many_features)
     for q in range(x.shape[0]):
         bound = far
-        if q > 0:  # no more than at the last point plus the way
+        if q > 0:  # the radius is at most that at the previous point plus the distance from it
             way = np.hypot(x[q, 0] - x[q - 1, 0], x[q, 1] - x[q - 1, 1])
             bound = min(far, (result[q - 1] + way) * (1.0 + 1e-12))
         result[q] = np.inf
@@ -187,7 +187,7 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result
 
 
 class FeatureSize:
-    """Ruppert's local feature size of a region, ready to be asked; see `local_feature_size`.
+    """Ruppert's local feature size of a region, as a callable object; see `local_feature_size`.
 
     Parameters
     ----------
@@ -214,7 +214,8 @@ class FeatureSize:
     def __call__(self, x: ArrayLike, far: float = np.inf) -> Array:
         """The local feature size at points (k, 2).
 
-        Infinite where no disk touches two features, and where it is larger than ``far`` (which saves time).
+        Infinite where no disk touches two features that are not adjacent, and where the size would be larger
+        than ``far`` (a small value of ``far`` saves time).
         """
         points = as_points(x, "x")
         tree = self._tree
@@ -238,23 +239,24 @@ def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (k,)
-        The least radius of a closed disk about the point that touches two features that are not adjacent.
-        Infinite where there are none (a region of one loose point).
+        The smallest radius of a closed disk around the point that touches two features that are not adjacent.
+        Infinite if there is no such pair (a region of one loose point).
 
     Notes
     -----
-    Features are the vertices, the straight pieces, and the curves. Two vertices are never adjacent; a vertex
-    is adjacent to the pieces that end in it, and two pieces to each other where they share an end: so a
+    Features are the vertices, the straight pieces, and the curves. Two vertices are never adjacent. A vertex
+    is adjacent to the pieces that end in it, and two pieces are adjacent if they share an end, so that a
     sharp corner between two pieces does not make the size zero. A curve is cut into steps of at most 6
-    degrees of turn (that is the accuracy), which are adjacent to one another while it turns by less than 90
-    degrees between them; then it counts as another feature of itself. In the same way a curve is adjacent to
-    what it starts from only for its first 90 degrees. A minimum, over fixed pairs, of the larger of two
-    distances, this function is Lipschitz with the constant 1; it needs no medial axis.
+    degrees of turn, which limits the accuracy. Steps of a curve are adjacent to one another while the curve
+    turns by at most 90 degrees between them; beyond that they count as different features. In the same way a
+    curve is adjacent to the features at its ends only for its 90 degrees of turn next to that end. The local
+    feature size is a minimum, over fixed pairs, of the larger of two distances. It is therefore Lipschitz
+    with the constant 1, and no medial axis is needed.
 
-    A point costs about O(log s) and what is nearer than the second of the two features. `FeatureSize` keeps
-    the tree for more calls, which are faster where points come one beside the other. Source: Ruppert, *A
-    Delaunay refinement algorithm for quality 2-dimensional mesh generation* (1995), section 3; the treatment
-    of curves is ours. See the book, chapter 2.3.
+    The time per point is about O(log s), plus the number of features that are nearer than the second of the
+    two features. `FeatureSize` keeps the tree for further calls, which are faster if consecutive points are
+    close. Source: Ruppert, *A Delaunay refinement algorithm for quality 2-dimensional mesh generation*
+    (1995), section 3; the treatment of curves is ours. See the book, chapter 2.3.
     """
     return FeatureSize(domain)(x)
 
@@ -266,22 +268,22 @@ def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None =
     ----------
     domain : Domain
     fraction : float
-        1 puts about one cell across a gap between two features, 1/2 two. It is also the growth of the size
-        per unit of distance: use `limited` for less.
+        1 gives about one cell across a gap between two features, 1/2 gives two. It is also the growth of the
+        size per unit of distance; use `limited` for a smaller growth.
     far : float, optional
-        The size never exceeds it.
+        The cut-off, an upper bound of the size.
 
     Returns
     -------
     SizeField
-        Evaluated at the asked points themselves, not interpolated. The vertices of a domain are features: a
-        polygon with many short sides asks for cells of their length.
+        It is evaluated at each given point itself, not interpolated. The vertices of a domain are features,
+        so a polygon with many short sides gets cells of their length.
 
     Raises
     ------
     InputError
-        For a fraction or cut-off that is not positive; when the field is asked: where no two features are
-        apart and there is no cut-off.
+        For a fraction or cut-off that is not positive. The field itself raises it at a point where no two
+        features are apart, if there is no cut-off.
     """
     for name, value in (("fraction", fraction), ("far", np.inf if far is None else far)):
         if not value > 0:
@@ -303,24 +305,24 @@ def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:
 def from_curvature(
     domain: Outline, per_turn: float = 24.0, *, far: float, lower: float | None = None, growth: float = 0.2
 ) -> SizeField:
-    """A size that resolves curved boundaries: a wanted number of edges a full turn.
+    """A size that resolves curved boundaries by a wanted number of edges per full turn.
 
     Parameters
     ----------
     domain : Domain
     per_turn : float
-        Edges that a full circle gets; the angle between neighboring edges is 360 degrees over it.
+        How many edges a full circle gets; the angle between neighboring edges is 360 degrees / per_turn.
     far : float
         The cut-off, and the size at straight pieces. (Corners have no curvature.)
     lower : float, optional
-        The size is never less, however sharply a curve turns.
+        A lower bound of the size, however sharply a curve turns.
     growth : float
-        Per unit of distance from the boundary, as for `sources`.
+        The growth of the size per unit of distance from the boundary, as for `sources`.
 
     Returns
     -------
     SizeField
-        On a circle of radius R: 2 pi R / per_turn.
+        On a circle of radius R it is 2 pi R / per_turn.
 
     Raises
     ------
@@ -332,10 +334,11 @@ def from_curvature(
             raise InputError(f"{name} must be positive, not {value!r}")
     rows, sizes = [], []
     for piece in domain.curves:
-        points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps to an edge
+        points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps per edge
         joint = _joints(points)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        # curvature at the joints, and of a step the mean of both its ends; at the ends of the piece as beside
+        # This is the curvature at the joints. The curvature of a step is the mean of that at its two ends,
+        # where an end of the piece has the same curvature as the joint next to it.
         bend = joint / ((length[1:] + length[:-1]) / 2)
         bend = (np.append(bend, bend[-1]) + np.insert(bend, 0, bend[0])) / 2
         with np.errstate(divide="ignore"):

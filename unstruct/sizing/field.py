@@ -1,7 +1,7 @@
 """A size field: the wanted edge length at every point, from a number, a function, or other fields.
 
-Everywhere in the library a *size* is the wanted length of an edge. A triangle that is equilateral with
-edges of length h has the circumradius h / sqrt(3): that is the chapter's f. See the book, chapter 2.3.
+Everywhere in the library a *size* is the wanted length of an edge. An equilateral triangle with edges of
+length h has the circumradius h / sqrt(3), which is the chapter's f. See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .table import SizeTable, build
 __all__ = ["SizeField", "as_size", "clip", "control", "maximum", "minimum", "product"]
 
 Array = NDArray[np.float64]
-CHUNK = 1 << 18  # points of one call of a user's function: bounds its memory
+CHUNK = 1 << 18  # the largest number of points in one call of a user's function, to bound its memory
 
 
 class SizeField:
@@ -32,19 +32,19 @@ class SizeField:
     function : callable
         Takes points of shape (k, d) and returns k positive, finite lengths.
     landmarks : array_like, shape (j, d), optional
-        Places where the field is known to have something that a coarse look would miss, such as a point
-        source; `table` looks there, too.
+        Places where the field has details that coarse sampling would miss, such as point sources; `table`
+        evaluates the field there, too.
     name : str, optional
-        For `repr`.
+        The name that `repr` shows.
     growth : float, optional
-        A bound on the change of the field per unit of length, where one is known for certain.
+        A bound on the change of the field per unit of length, if one is known for certain.
 
     Attributes
     ----------
     constant : float or None
-        The value, where it is the same everywhere.
+        The value, if it is the same everywhere; otherwise None.
     growth : float or None
-        A bound on the change per unit of length; None where none is known.
+        A bound on the change per unit of length; None if none is known.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class SizeField:
         Raises
         ------
         InputError
-            Where the function raises or returns anything but k positive, finite numbers; the message
+            If the function raises an error or returns anything but k positive, finite numbers; the message
             names the first point concerned.
         """
         points = as_points(x, "x")
@@ -79,13 +79,13 @@ class SizeField:
         return result
 
     def _values(self, points: Array, first: int) -> Array:
-        """The function at some points, of which ``points[0]`` is number ``first`` of the caller's."""
+        """The function at some points; ``points[0]`` is row ``first`` of the array that the caller gave."""
         if self.constant is not None:
             return np.full(len(points), self.constant)
         try:
             raw = self.function(points)
             values = np.asarray(raw)
-        except InputError:  # of a field inside this one, which has said where
+        except InputError:  # raised by a field inside this one; its message names the point
             raise
         except Exception as error:
             row = _first_to_raise(self.function, points)
@@ -96,7 +96,7 @@ class SizeField:
         if values.shape != (len(points),):
             raise InputError(
                 f"the size function must return shape ({len(points)},) for {len(points)} points, not "
-                f"{values.shape}; a constant size is given as a plain number"
+                f"{values.shape}; give a constant size as a plain number"
             )
         if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(raw):
             raise InputError(
@@ -107,7 +107,7 @@ class SizeField:
             row = int(np.argmax(bad))
             raise InputError(
                 f"size must be positive and finite: it is {float(values[row])!r} at "
-                f"x[{first + row}] = {points[row].tolist()}; clip or mend the size function"
+                f"x[{first + row}] = {points[row].tolist()}; clip or correct the size function"
             )
         return values.astype(np.float64)
 
@@ -121,7 +121,7 @@ class SizeField:
         max_depth: int = 24,
         max_nodes: int = 1_000_000,
     ) -> SizeTable:
-        """The field over a box of the plane, as arrays that kernels read: see `SizeTable`.
+        """The field over a box of the plane, as arrays that kernels read; see `SizeTable`.
 
         Parameters
         ----------
@@ -130,10 +130,10 @@ class SizeField:
         factor : float
             Coordinates and sizes of the table are multiplied by it.
         tolerance : float
-            A leaf is divided while its bilinear interpolant misses the field by more than this, relatively,
-            at one of nine points, or at a landmark.
+            A leaf is divided while the relative error of its bilinear interpolant exceeds this at one of nine
+            points, or at a landmark.
         max_depth, max_nodes : int
-            Where to stop in any case; the result's `error` and `capped` tell.
+            Limits beyond which no leaf is divided; `error` and `capped` of the result report their effect.
 
         Returns
         -------
@@ -163,7 +163,7 @@ class SizeField:
 
 def _first_to_raise(function: Callable[[Array], Any], points: Array) -> int:
     """The last row of the shortest prefix for which the function raises, by bisection."""
-    low, high = 0, len(points)  # it raises for the first `high` rows
+    low, high = 0, len(points)  # the function raises an error for the first `high` rows
     while high - low > 1:
         middle = (low + high) // 2
         try:
@@ -175,7 +175,7 @@ def _first_to_raise(function: Callable[[Array], Any], points: Array) -> int:
 
 
 def as_size(size: Any) -> SizeField:
-    """Make a size field of whatever a user calls a size.
+    """Make a size field from any of the forms in which a size can be given.
 
     Parameters
     ----------
@@ -189,8 +189,8 @@ def as_size(size: Any) -> SizeField:
     Raises
     ------
     InputError
-        For a number that is zero, negative, NaN or infinite, and for anything else that is no size. A
-        function is looked at only when it is called: the error then names the point.
+        For a number that is zero, negative, NaN or infinite, and for anything else that is not a size. The
+        values of a function are checked only when it is called; the error then names the point.
     """
     if isinstance(size, SizeField):
         return size
@@ -211,7 +211,7 @@ def _everywhere(value: float, x: Array) -> Array:
     return np.full(len(x), value)
 
 
-# Functions of the module and `partial` instead of lambdas here: so that fields can be pickled.
+# Fields use functions of the module and `partial` instead of lambdas, so that they can be pickled.
 def _combine(operation: Callable[..., Any], fields: list[SizeField], x: Array) -> Array:
     return operation([field(x) for field in fields])
 
@@ -239,7 +239,7 @@ def _combined(name: str, operation: Callable[..., Any], sizes: tuple[Any, ...]) 
 
 
 def minimum(*sizes: Any) -> SizeField:
-    """The smallest of several sizes at each point: all the wishes for fineness are granted.
+    """The smallest of several sizes at each point, which is as fine as each of them requires.
 
     Parameters
     ----------
@@ -281,7 +281,7 @@ def product(*sizes: Any) -> SizeField:
 
 
 def clip(size: Any, lower: float, upper: float) -> SizeField:
-    """A size held between two bounds.
+    """A size clipped to two bounds.
 
     Parameters
     ----------
@@ -296,7 +296,7 @@ def clip(size: Any, lower: float, upper: float) -> SizeField:
     Raises
     ------
     InputError
-        For bounds that are not positive numbers in order.
+        For bounds that are not positive, or not in order.
     """
     for bound in (lower, upper):
         as_size(bound)
@@ -306,21 +306,21 @@ def clip(size: Any, lower: float, upper: float) -> SizeField:
 
 
 def control(mesh: Any, size: Any) -> Array:
-    """The chapter's control quantity of each triangle: its circumradius over the one wanted at its center.
+    """The chapter's control quantity: the circumradius of each triangle over that wanted at its circumcenter.
 
     Parameters
     ----------
     mesh : Mesh
-        Of triangles in the plane.
+        A mesh of triangles in the plane.
     size : float, callable, or SizeField
         The wanted edge length h. The chapter's f is a circumradius: f = h / sqrt(3).
 
     Returns
     -------
     ndarray, shape (m,)
-        alpha: the circumradius of each triangle over f at its circumcenter. That may lie outside of the
-        triangle, and of the region: the size is asked there all the same. Flat triangles have no
-        circumcenter: infinity.
+        alpha: the circumradius of each triangle over f at its circumcenter. The circumcenter may lie outside
+        the triangle and outside the region; the size is evaluated there nevertheless. Flat triangles have no
+        circumcenter, and alpha is infinite.
 
     Notes
     -----

@@ -1,9 +1,9 @@
-"""The gradation limit: the largest size below a wanted one that grows by no more than so much per length.
+"""The gradation limit: the largest size that is at most a wanted one and has a limited growth per length.
 
-That is h*(x) = min_y (h(y) + growth * |x - y|), McShane's extension: the formula of the sources, with every
-place a source. A function can be asked at finitely many places only, so h here is what interpolates the
-places looked at, on a Delaunay triangulation: continuous, and linear in each triangle. Of that the minimum is
-exact. See the book, chapter 2.3.
+This is h*(x) = min_y (h(y) + growth * |x - y|), McShane's extension: the formula for sources, with every
+place as a source. A function can be evaluated at finitely many places only. So h is replaced by its
+interpolant on a Delaunay triangulation of the places where it was evaluated, which is continuous and linear
+in each triangle. For the interpolant, the minimum is exact. See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -25,27 +25,36 @@ from .table import build
 __all__ = ["LimitedSize", "limited"]
 
 Array = NDArray[np.float64]
-FINEST = 0.5  # a leaf whose longer side times the growth is below this part of the tolerance is not divided,
-COARSER = 4.0  # nor one this many times as large, if the sizes in it jump:
-JUMP = 0.6  # if this part of their range is between two next ones; places are too close for that in a valley
-HIDDEN = 0.25  # of the range of the sizes seen in a leaf: how much less than the least of them there may be
-SPACING = 0.125  # sides of a leaf: no straight valley along it is further from all that was looked at
+# These constants decide in `_Looks.deeper` which leaves of the table are not divided further.
+# A leaf is not divided if growth * (its longer side) <= FINEST * tolerance * (the smallest size in it).
+FINEST = 0.5
+# If the sizes in a leaf jump, it is not divided even if its side is COARSER times as large.
+COARSER = 4.0
+# The sizes in a leaf jump if the gap between two consecutive ones, in the order of size, is more than this
+# fraction of their range. In a valley the places are too close to each other for such a gap.
+JUMP = 0.6
+# A size in a leaf that was not seen is assumed to be below the smallest one that was seen by at most this
+# fraction of their range.
+HIDDEN = 0.25
+# Every straight valley along a side of a leaf is within this fraction of the side of a place that was seen.
+SPACING = 0.125
 
 
 class LimitedSize(SizeField):
-    """A size field whose growth is limited, from sizes at places; made by `limited`.
+    """A size field whose growth is limited, computed from sizes at places; `limited` creates it.
 
     Attributes
     ----------
     growth : float
         The limit.
     places : ndarray, shape (c, 2)
-        Where the wanted size was looked at.
+        Where the wanted size was evaluated.
     values : ndarray, shape (c,)
-        The wanted sizes there. The limited size is at most that.
+        The wanted sizes at these places, which are upper bounds of the limited size.
     capped : dict of str to int
-        Where the look stopped short of the tolerance, as in `SizeTable`. "resolved" are leaves that need no
-        closer look for the limited size (as at a jump); "depth" and "nodes" may hide something.
+        The numbers of leaves whose error remains above the tolerance, as in `SizeTable`. Leaves counted as
+        "resolved" need no more samples for the limited size (for example at a jump). Leaves counted as
+        "depth" and "nodes" may contain details that were not seen.
     """
 
     growth: float
@@ -66,14 +75,15 @@ class LimitedSize(SizeField):
         if (self._lower < self._upper).all():
             self._seen = Background(delaunay(places), values)
             pairs = _steep_edges(self._seen.mesh, values, growth)
-        else:  # a box without an inside: a chain
+        else:  # the box has no interior, so the places form a chain
             order = np.lexsort(places.T)
             pairs = np.stack([order[:-1], order[1:]], axis=1)
         self._sources = _sources(places, values, pairs, growth) if len(pairs) else None
         super().__init__(self._limited, landmarks=landmarks, name=name, growth=growth)
 
     def _limited(self, x: Array) -> Array:
-        # a nearest point of the box is no further from another one than the points themselves
+        # Moving two points to their nearest points of the box does not increase their distance, so the limit
+        # also holds outside the box.
         inside = np.clip(x, self._lower, self._upper)
         start = np.full(len(x), np.inf) if self._seen is None else self._seen(inside)
         return start if self._sources is None else self._sources.least(inside, self.growth, start)[0]
@@ -82,8 +92,8 @@ class LimitedSize(SizeField):
 def _steep_edges(mesh: Mesh, values: Array, growth: float) -> NDArray[np.int64]:
     """The edges of the triangles in which the interpolant is steeper than the limit, (e, 2).
 
-    Only there can the way to x begin from a y that gives x less than its own value: on that way the
-    interpolant must rise faster than the limit, at once.
+    Only points y in these triangles can give another point x less than the interpolant at x: on the segment
+    from y to x the interpolant must rise faster than the limit from the beginning.
     """
     a, b, c = np.moveaxis(mesh.corners, 1, 0)
     u, v = b - a, c - a
@@ -97,18 +107,18 @@ def _steep_edges(mesh: Mesh, values: Array, growth: float) -> NDArray[np.int64]:
 
 
 def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: float) -> SegmentTree:
-    """The least of all that the edges give, as a tree of those points and edges that no others undercut."""
+    """A tree of the points and edges that determine the limited size, without those that others undercut."""
     used = np.zeros(len(places), dtype=bool)
     used[pairs] = True
     x, wanted = places[used], values[used]
     i, j = (np.cumsum(used) - 1)[pairs.T]
     length = growth * np.hypot(*(x[i] - x[j]).T)
-    least = wanted.copy()  # what each point and its neighbors give: most are undercut by a neighbor
+    least = wanted.copy()  # the minimum over each point and its neighbors; a neighbor undercuts most points
     np.minimum.at(least, i, wanted[j] + length)
     np.minimum.at(least, j, wanted[i] + length)
     alone = least == wanted
     tree = SegmentTree(x[alone], wanted[alone])
-    ends = alone.copy()  # what matters with the least of all matters with this bound, too
+    ends = alone.copy()  # a point that matters for the exact minimum also matters for this upper bound
     some = _lower(wanted, least, i, j, length)
     ends[i[some]] = ends[j[some]] = True
     asked = np.flatnonzero(ends)
@@ -117,7 +127,7 @@ def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: flo
     kept = np.zeros(len(x), dtype=bool)
     kept[asked[which < 0]] = True
     lower = _lower(wanted, least, i, j, length)
-    kept[np.concatenate([i[lower], j[lower]])] = False  # an edge gives what its ends give
+    kept[np.concatenate([i[lower], j[lower]])] = False  # these ends are part of an edge that is kept
     points = np.repeat(x[kept, None], 2, axis=1)
     edges = np.stack([x[i[lower]], x[j[lower]]], axis=1)
     weights = np.stack([wanted[i[lower]], wanted[j[lower]]], axis=1)
@@ -129,7 +139,10 @@ def _sources(places: Array, values: Array, pairs: NDArray[np.int64], growth: flo
 def _lower(
     wanted: Array, least: Array, i: NDArray[np.int64], j: NDArray[np.int64], length: Array
 ) -> NDArray[np.bool_]:
-    """Which edges give somewhere less than both ends' ``least``, which meet at t of the way from i to j."""
+    """Which edges give a lower value somewhere than ``least`` at both ends does.
+
+    The bounds from the two ends are equal at the fraction t of the way from i to j.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):  # places may be equal
         t = ((least[j] - least[i]) / length + 1) / 2
         meet = least[i] + t * length
@@ -137,7 +150,7 @@ def _lower(
 
 
 class _Looks:
-    """A wanted size as a function that keeps all that was seen, and says where a closer look matters."""
+    """A wanted size as a function that stores all samples, and decides which leaves need more of them."""
 
     def __init__(self, field: SizeField, growth: float, tolerance: float):
         self.field, self.growth, self.tolerance = field, growth, tolerance
@@ -151,7 +164,10 @@ class _Looks:
         return values
 
     def deeper(self, side: float, x: Array, values: Array) -> NDArray[np.bool_]:
-        """Whether leaves may hide a size that matters; their places (m, 13, 2) and the sizes there."""
+        """Whether leaves may hide a size that matters.
+
+        ``x`` are the places that were sampled in the leaves, (m, 13, 2), and ``values`` the sizes there.
+        """
         least, span = values.min(axis=1), np.ptp(values, axis=1)
         jump = np.diff(np.sort(values, axis=1), axis=1).max(axis=1) > JUMP * span
         finest = np.where(jump, COARSER * FINEST, FINEST) * self.tolerance * least
@@ -177,44 +193,45 @@ def limited(
     tolerance: float = 0.02,
     max_nodes: int = 400_000,
 ) -> SizeField:
-    """A size whose growth is limited: lowered near small sizes, nowhere larger than was seen.
+    """A size whose growth is limited: lowered near small sizes, and at no sampled place above the given size.
 
     Parameters
     ----------
     size : float, callable, or SizeField
     growth : float
-        The largest change of the size per unit of length that is wanted; positive.
+        The largest wanted change of the size per unit of length; positive.
     lower, upper : array_like, shape (2,)
-        A box. The size is looked at there only; outside of it the result is that at the nearest point of it.
+        A box. The size is evaluated only inside it; outside, the result is that at the nearest point of the
+        box.
     tolerance, max_nodes : float, int
         As for `SizeField.table`, by which the size is sampled.
 
     Returns
     -------
     SizeField
-        A `LimitedSize`: min_y (h(y) + growth * |x - y|) over all y of the box, where h interpolates the
-        places looked at linearly, on their Delaunay triangulation. A field that is known to grow by no more
-        than that (a constant; sources, features, and what is limited already; the smallest, the largest and
-        the bounds of such) is returned as it is.
+        A `LimitedSize`: min_y (h(y) + growth * |x - y|) over all y of the box, where h is interpolated
+        linearly between the sampled places on their Delaunay triangulation. A field that is known to grow by
+        no more than ``growth`` is returned unchanged: constants, sources, feature sizes, limited sizes, and
+        minima, maxima and clipped values of such fields.
 
     Notes
     -----
-    What holds everywhere, up to rounding: the result changes by no more than ``growth`` per unit of length.
-    It is at most h at all places looked at (`LimitedSize.places`), which are nine points of each leaf of a
-    table of h and the landmarks; and it is the largest function that is at most the interpolant and obeys
-    the limit. Where nothing is too steep, it is the interpolant, which misses h by about a quarter of the
-    tolerance. Between those places it may exceed h by as much as the interpolant does, for any function may
-    have something there that was not seen.
+    Two statements hold everywhere, up to rounding. The result changes by no more than ``growth`` per unit of
+    length. It is the largest function with this property that is at most the interpolant. In particular it
+    is at most h at all sampled places (`LimitedSize.places`), which are nine points of each leaf of a table
+    of h and the landmarks. Where nothing is too steep, it equals the interpolant, whose error is about a
+    quarter of the tolerance. Between the sampled places it may exceed h by as much as the interpolant does,
+    because any function may have details there that were not seen.
 
-    Where h is too steep, leaves are divided on until they resolve h to the tolerance, or seem to hide no
-    size that would be less than what is known by more than the tolerance, or have a side of
-    ``tolerance * h / (2 * growth)``, four times that at a jump, h being the least size in them. So the
-    place of a jump is known to about half a size times ``tolerance / growth``, and the bottom of a valley
-    whose sides are k times steeper than the limit is missed by about the tolerance, or k / 16 of it where
-    that is more. `LimitedSize.capped` tells of leaves for which there was no room.
+    Where h is too steep, leaves are divided until one of three conditions holds. They resolve h to the
+    tolerance; or they seem to hide no size that is below the known sizes by more than the tolerance; or
+    their side is ``tolerance * h / (2 * growth)``, or four times that at a jump, where h is the smallest size
+    in them. So the place of a jump is known to about half a size times ``tolerance / growth``. The bottom of
+    a valley whose sides are k times steeper than the limit is missed by about the tolerance, or k / 16 of it
+    if that is more. `LimitedSize.capped` reports leaves that were not divided because a limit was reached.
 
-    Distances are straight: across holes and notches, too (use `limit_nodes` on a mesh where that is not
-    wanted). A value costs O(log c) for c places.
+    Distances are straight, also across holes and notches; if that is not wanted, use `limit_nodes` on a
+    mesh. A value costs O(log c) for c places.
 
     Source: Borouchaki, Hecht and Frey, *Mesh gradation control* (1998); McShane (1934) for the formula. See
     the book, chapter 2.3.

@@ -17,9 +17,9 @@ from .background_mesh import Background, background
 __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
 
 Array = NDArray[np.float64]
-ENOUGH = 10  # vertices of a patch for six coefficients: a few to spare, so that noise is smoothed
-RANK = 1e-7  # relative size of a pivot below which a fit is not determined
-CHUNK = 1 << 14  # fits at a time: bounds the memory
+ENOUGH = 10  # vertices of a patch; a quadratic has six coefficients, and a few more points smooth noise
+RANK = 1e-7  # a fit is not determined if a pivot is smaller than this, relative to the largest
+CHUNK = 1 << 14  # how many fits are computed at a time, to bound the memory
 
 
 def _plane(mesh: Mesh) -> None:
@@ -30,24 +30,24 @@ def _plane(mesh: Mesh) -> None:
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (count,):
-        raise InputError(f"give one number a {what}, shape ({count},), not {array.shape}")
+        raise InputError(f"give one number per {what}, shape ({count},), not {array.shape}")
     if not np.isfinite(array).all():
         row = int(np.argmin(np.isfinite(array)))
-        raise InputError(f"the value of {what} {row} is {float(array[row])!r}; mend it")
+        raise InputError(f"the value of {what} {row} is {float(array[row])!r}; it must be finite")
     return array
 
 
 def to_vertices(mesh: Mesh, values: ArrayLike, *, largest: bool = False) -> Array:
-    """Numbers of cells carried to the vertices.
+    """Numbers at the vertices from numbers of the cells.
 
     Parameters
     ----------
     mesh : Mesh
-        Of simplices.
+        A mesh of simplices.
     values : array_like, shape (m,)
-        One number a cell.
+        One number per cell.
     largest : bool
-        Take the largest among the cells of a vertex instead of their mean, weighted by volume.
+        Take the largest number among the cells of a vertex instead of their mean weighted by volume.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def to_vertices(mesh: Mesh, values: ArrayLike, *, largest: bool = False) -> Arra
 
 
 def mesh_size(mesh: Mesh) -> Array:
-    """The size that a mesh has: the mean length of the edges at each vertex, (n,); NaN where there are none.
+    """The actual size of a mesh: the mean length of the edges at each vertex; NaN where there are none.
 
     Parameters
     ----------
@@ -102,16 +102,16 @@ def from_error(
     mesh : Mesh
         Triangles in the plane, on which the error was estimated.
     error : array_like, shape (n,) or (m,)
-        An estimate (not negative) at each vertex; or for each cell: then a vertex takes the largest of
-        its cells. (Where n = m the numbers are taken as those of vertices.)
+        An estimate of at least 0 for each vertex, or for each cell; a vertex then takes the largest of its
+        cells. (If n = m, the numbers are taken as those of vertices.)
     target : float
         The error that is wanted everywhere.
     order : float
-        How the error falls with the size: error ~ size**order. For linear elements 2 for the pointwise
-        interpolation error and for the energy norm over one triangle, 1 for its gradient at a point.
+        How the error falls with the size: error ~ size**order. For linear elements it is 2 for the pointwise
+        interpolation error and for the energy norm over one triangle, and 1 for the gradient at a point.
     finer, coarser : float
-        The largest factors, at least 1, by which the size may shrink or grow in one step: an estimate is to
-        be trusted near the mesh that it comes from, and no further.
+        The largest factors, at least 1, by which the size may shrink or grow in one step, because an estimate
+        is reliable only for sizes near those of its mesh.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def from_error(
     Raises
     ------
     InputError, MeshError
-        For errors that are negative or no numbers, with the vertex; for a target that is not positive.
+        For errors that are negative or not finite, with their vertex; for a target that is not positive.
 
     Notes
     -----
@@ -141,19 +141,20 @@ def from_error(
         array = to_vertices(mesh, array, largest=True)
     elif array.shape != (len(mesh.points),):
         raise InputError(
-            f"give one error a vertex ({len(mesh.points)},) or a cell ({mesh.size},), not shape {array.shape}"
+            f"give one error per vertex ({len(mesh.points)},) or per cell ({mesh.size},), "
+            f"not shape {array.shape}"
         )
     bad = ~(array[used] >= 0) | ~np.isfinite(array[used])
     if bad.any():
         row = int(used[np.argmax(bad)])
-        raise InputError(f"error {float(array[row])!r} at vertex {row} is no error: it must be at least 0")
+        raise InputError(f"error is {float(array[row])!r} at vertex {row}; it must be finite and at least 0")
     with np.errstate(divide="ignore"):
         ratio = np.clip((target / array) ** (1.0 / order), 1.0 / finer, coarser)
     return background(mesh, mesh_size(mesh) * ratio)
 
 
 def hessian(mesh: Mesh, values: ArrayLike) -> Array:
-    """Second derivatives at the vertices, recovered from values there.
+    """Second derivatives at the vertices, recovered from values at the vertices.
 
     Parameters
     ----------
@@ -165,22 +166,23 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (n, 2, 2)
-        Symmetric. Zero at vertices that no cell uses.
+        Symmetric matrices; zero at vertices that no cell uses.
 
     Raises
     ------
     MeshError
-        Where the mesh holds too few vertices (six, not on one conic, are needed).
+        If the mesh has too few vertices (six that are not on one conic are needed).
 
     Notes
     -----
-    At each vertex a quadratic polynomial is fitted by least squares to the vertices within two edges; within
-    three where those are fewer than ten or do not determine it, and so on. A vertex at r times the least
-    distance has the weight 1 / (1 + r^2). Exact for quadratic functions, on any mesh, and at the boundary,
-    too; else the error falls with the size of the patch, in the interior of regular meshes with its square.
+    At each vertex a quadratic polynomial is fitted by least squares to the vertices within two edges. If
+    these are fewer than ten or do not determine it, the vertices within three edges are taken, and so on. A
+    vertex at r times the smallest distance has the weight 1 / (1 + r^2). The result is exact for quadratic
+    functions on any mesh, also at the boundary. For other functions the error falls with the size of the
+    patch, and in the interior of regular meshes with its square.
 
     Source: polynomial preserving recovery, Zhang and Naga, *A new finite element gradient recovery method*
-    (2005), read off one derivative later. See the book, chapter 2.3.
+    (2005); here the second derivatives of the fitted polynomial are used. See the book, chapter 2.3.
     """
     from scipy.sparse import csr_array, eye_array
 
@@ -196,14 +198,14 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
         before = reach.nnz
         reach = reach @ near
         count = np.diff(reach.indptr)
-        full = reach.nnz == before  # the patches are whole components now
+        full = reach.nnz == before  # all patches are whole components of the mesh
         ready = np.nonzero((count >= ENOUGH) | full)[0]
         done = []
         for i in range(0, len(ready), CHUNK):
             rows = ready[i : i + CHUNK]
-            second, well = _fit(mesh.points, u, todo[rows], reach[rows])
-            result[todo[rows[well]]] = second[well]
-            done.append(rows[well])
+            second, determined = _fit(mesh.points, u, todo[rows], reach[rows])
+            result[todo[rows[determined]]] = second[determined]
+            done.append(rows[determined])
         left = np.setdiff1d(np.arange(len(todo)), np.concatenate([[], *done]).astype(int))
         if full and len(left):
             raise MeshError(
@@ -214,13 +216,13 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
 
 
 def _fit(points: Array, u: Array, centers: NDArray, patch: Any) -> tuple[Array, NDArray[np.bool_]]:
-    """Second derivatives (k, 2, 2) of the quadratic fits about ``centers``; and which of them are determined.
+    """Second derivatives (k, 2, 2) of the quadratic fits around ``centers``; and which are determined.
 
-    ``patch`` is a sparse matrix; the columns stored in row i are the vertices that center i looks at.
+    ``patch`` is a sparse matrix; the columns stored in row i are the vertices of the patch of center i.
     """
     count = np.diff(patch.indptr)
     column = np.arange(max(count.max(), 6))
-    present = column < count[:, None]  # short rows are padded by the center itself, with weight 0
+    present = column < count[:, None]  # short rows are filled up with the center itself, with weight 0
     other = np.repeat(centers[:, None], len(column), axis=1)
     other[present] = patch.indices
     away = points[other] - points[centers][:, None]
@@ -232,16 +234,16 @@ def _fit(points: Array, u: Array, centers: NDArray, patch: Any) -> tuple[Array, 
     columns = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=-1)
     q, r = np.linalg.qr(columns * weight[..., None])
     pivots = np.abs(np.diagonal(r, axis1=1, axis2=2))
-    well = pivots.min(axis=1) > RANK * pivots.max(axis=1)
-    right = np.einsum("ijk,ij->ik", q[well], (weight * u[other])[well])
-    a = np.linalg.solve(r[well], right[..., None])[..., 0]
+    determined = pivots.min(axis=1) > RANK * pivots.max(axis=1)
+    right = np.einsum("ijk,ij->ik", q[determined], (weight * u[other])[determined])
+    a = np.linalg.solve(r[determined], right[..., None])[..., 0]
     second = np.zeros((len(centers), 2, 2))
-    second[well] = np.moveaxis(np.array([[a[:, 3], a[:, 4]], [a[:, 4], a[:, 5]]]), -1, 0)
-    return second / scale[:, None, None] ** 2, well
+    second[determined] = np.moveaxis(np.array([[a[:, 3], a[:, 4]], [a[:, 4], a[:, 5]]]), -1, 0)
+    return second / scale[:, None, None] ** 2, determined
 
 
 def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, upper: float) -> Background:
-    """The size at which linear interpolation misses a function by no more than a wanted error.
+    """The size at which linear interpolation of a function has no more than a wanted error.
 
     Parameters
     ----------
@@ -250,21 +252,21 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
     second : array_like, shape (n, 2, 2)
         Second derivatives at the vertices, for example from `hessian`.
     error : float
-        The wanted largest pointwise error.
+        The largest pointwise error that is allowed.
     lower, upper : float
-        Bounds of the size: second derivatives may vanish, or be very large.
+        Bounds of the size, because second derivatives may vanish or be very large.
 
     Returns
     -------
     Background
-        sqrt(6 error / k), held between the bounds, where k is the largest absolute eigenvalue.
+        sqrt(6 error / k), clipped to the bounds, where k is the largest absolute eigenvalue.
 
     Notes
     -----
     On an equilateral triangle of edge h, a function with second derivatives of at most k in every direction
     differs from its linear interpolant by at most k R**2 / 2 = k h**2 / 6, where R = h / sqrt(3) is the
-    circumradius; k |x|**2 / 2 does so at the center. Source: Waldron, *The error in linear interpolation at
-    the vertices of a simplex* (1998). See the book, chapter 2.3.
+    circumradius. The function k |x|**2 / 2 reaches this bound at the center. Source: Waldron, *The error in
+    linear interpolation at the vertices of a simplex* (1998). See the book, chapter 2.3.
     """
     _plane(mesh)
     array = np.asarray(second, dtype=np.float64)

@@ -1,8 +1,9 @@
 """Sizes that grow from sources: points, lines, polygons.
 
-A source says "this size here, and further away no more than `growth` times the distance larger". The
-smallest of such sayings, min_i (h_i + growth * |x - x_i|), is the largest function that obeys all of them
-and changes by no more than ``growth`` per unit of length (McShane's extension). See the book, chapter 2.3.
+A source i is a place x_i with a size h_i. Away from it the size may be larger by no more than ``growth``
+times the distance. The minimum over all sources, min_i (h_i + growth * |x - x_i|), is the largest function
+that is at most h_i at every source and changes by no more than ``growth`` per unit of length (McShane's
+extension). See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -31,25 +32,25 @@ def sources(
     far: float | None = None,
     name: str = "sources",
 ) -> SizeField:
-    """A size given on segments or at points, growing with the distance from them.
+    """A size that is given on segments or at points and grows with the distance from them.
 
     Parameters
     ----------
     segments : array_like, shape (s, 2, d), or points of shape (s, d)
     size : float, or array_like of shape (s,)
-        The size on each.
+        The size of each source.
     growth : float
         How much larger the size may be per unit of distance; at least 0.
     far : float, optional
-        The cut-off: the size never exceeds it. Without, it grows on.
+        The cut-off, an upper bound of the size. Without it, the size grows without bound.
     name : str
-        For `repr`.
+        The name that `repr` shows.
 
     Returns
     -------
     SizeField
         min(far, min_i (size_i + growth * distance to source i)). It is Lipschitz with the constant
-        ``growth``, and may be less than ``size_i`` on a source that lies near to a finer one.
+        ``growth``. On a source that lies near a finer one, it may be less than ``size_i``.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def sources(
 
     Notes
     -----
-    A value costs about O(log s) by a tree of boxes (`SegmentTree`).
+    A value costs about O(log s), because a tree of boxes (`SegmentTree`) is searched.
     """
     array = np.asarray(segments)
     rows = len(array) if array.ndim else 0
@@ -70,12 +71,12 @@ def sources(
     bad = ~(np.isfinite(values) & (values > 0))
     if bad.any():
         row = int(np.argmax(bad))
-        raise InputError(f"size[{row}] = {float(values[row])!r} at source {row} is not positive and finite")
+        raise InputError(f"size[{row}] = {float(values[row])!r} at source {row} must be positive and finite")
     if not (np.isfinite(growth) and growth >= 0):
-        raise InputError(f"growth must be a number of at least 0, not {growth!r}")
+        raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
     cap = np.inf if far is None else float(far)
     if not cap >= values.max(initial=0.0):
-        raise InputError(f"the cut-off far={far!r} is below the size {values.max():g} of a source")
+        raise InputError(f"the cut-off far = {far!r} must not be below the size {values.max():g} of a source")
     tree = SegmentTree(array, values)
     ends = array.reshape(-1, array.shape[-1])
     if array.ndim == 3:
@@ -126,7 +127,7 @@ def lines(path: ArrayLike, size: float, *, growth: float = 0.2, far: float | Non
     """
     corners = as_points(path, "path")
     if len(corners) < 2:
-        raise InputError(f"a line source needs two points or more, not {len(corners)}")
+        raise InputError(f"a line source needs at least two points, not {len(corners)}")
     segments = np.stack([corners[:-1], corners[1:]], axis=1)
     return sources(segments, size, growth=growth, far=far, name="segments")
 
@@ -134,12 +135,12 @@ def lines(path: ArrayLike, size: float, *, growth: float = 0.2, far: float | Non
 def polygons(
     rings: ArrayLike | list[ArrayLike], size: float, *, growth: float = 0.2, far: float | None = None
 ) -> SizeField:
-    """An area source in the plane: one size inside of polygons, growing outside.
+    """An area source in the plane: the size is constant inside polygons and grows outside them.
 
     Parameters
     ----------
-    rings : array_like of shape (s, 2), or a list of such
-        Closed polygons; what lies in an even number of them is outside (a ring within a ring is a hole).
+    rings : array_like of shape (s, 2), or a list of such arrays
+        Closed polygons. A point in an even number of them is outside, so a ring within a ring is a hole.
     size : float
     growth, far : float
         As for `sources`.
@@ -151,7 +152,7 @@ def polygons(
     loops = [as_points(ring, "ring") for ring in _rings(rings)]
     for ring in loops:
         if len(ring) < 3 or ring.shape[1] != 2:
-            raise InputError(f"a polygon needs three points or more in the plane, not shape {ring.shape}")
+            raise InputError(f"a polygon needs at least three points in the plane, not shape {ring.shape}")
     segments = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in loops])
     border = sources(segments, size, growth=growth, far=far, name="sides of polygons")
 
@@ -161,7 +162,7 @@ def polygons(
 
 
 def _filled(border: SizeField, segments: Array, size: float, x: Array) -> Array:
-    """The size inside; decided in floating point: next to the border either answer gives the same size."""
+    """The size, with inside and outside decided in floating point; at the border both give the same size."""
     result = border(x)
     result[_inside(segments, x)] = size
     return result

@@ -1,8 +1,8 @@
-"""A size field as kernels see it: a quadtree over a box, with four corner values in each leaf.
+"""A size field as kernels read it: a quadtree over a box, with four corner values in each leaf.
 
 Between the corners of a leaf the size is bilinear, so it never leaves the range of the values that the
-field itself gave. Across the edge of two leaves of different depths it may jump, by no more than their
-errors. See the book, chapter 2.3.
+field itself gave. Across the common edge of two leaves of different depths it may jump, by no more than
+their errors. See the book, chapter 2.3.
 """
 
 from __future__ import annotations
@@ -21,27 +21,29 @@ __all__ = ["Nodes", "SizeTable", "build", "size_at"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FIRST = 5  # levels that are always made: a first look at 32 x 32 leaves, nine points in each
-# Nodes are numbered level by level. Where the first levels are full, the last node above depth FIRST has the
-# last four of that depth as its children (and conversely: as many nodes before it are divided as there are).
+FIRST = 5  # levels that are always made, so that 32 x 32 leaves are sampled at nine points each
+# Nodes are numbered level by level. If all levels above depth FIRST are full, ABOVE is the number of their
+# last node, and its children are the last four nodes of depth FIRST, of which LAST is the first. Conversely,
+# if LAST is a child of node ABOVE, then all nodes before that node are divided as well.
 SIDE = 1 << FIRST
 ABOVE = (SIDE * SIDE - 1) // 3 - 1
 LAST = ABOVE + SIDE * SIDE - 3
-DEEPEST = 50  # levels: places are exact in doubles
+DEEPEST = 50  # the largest number of levels for which places are exact in doubles
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
-# Where a leaf is looked at, in its own coordinates: its children's corners, then their centers.
+# Where the field is sampled in a leaf, in coordinates of the leaf. FRESH are the places that are new when the
+# leaf is examined: the middles of its sides (corners of its children), then the centers of its children.
 CORNERS = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
 FRESH = np.array([[2, 0], [0, 2], [4, 2], [2, 4], [1, 1], [3, 1], [1, 3], [3, 3]]) / 4.0
-#   2 8 3       0..3: corners, 4: center, 5..8: middles of the sides, in this order;
-#   6 4 7       row c of CHILD: the corners of child c
+#   2 8 3       The corners are numbered 0 to 3, the center 4, and the middles of the sides 5 to 8.
+#   6 4 7       Row c of CHILD lists the corners of child c.
 #   0 5 1
 CHILD = np.array([[0, 5, 6, 4], [5, 1, 4, 7], [6, 4, 2, 8], [4, 7, 8, 3]])
 
 
 @inline
 def spaced(i):
-    """A number below 256 with a zero bit between any two of its bits."""
+    """The number i, below 256, with a zero bit inserted between any two of its bits."""
     i = (i | i << 4) & 0x0F0F
     i = (i | i << 2) & 0x3333
     return (i | i << 1) & 0x5555
@@ -49,12 +51,13 @@ def spaced(i):
 
 @inline
 def size_at(child, values, box, x, y):
-    """The size at (x, y) in the scaled coordinates of the table; outside of the box at its nearest point."""
+    """The size at (x, y), in scaled coordinates of the table; outside the box, that at its nearest point."""
     width, height = box[2] - box[0], box[3] - box[1]
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
     node = np.int64(0)
-    if len(child) > ABOVE and child[ABOVE] == LAST and u >= 0.0 and v >= 0.0:  # by one step to where all are
+    # If the first levels are full, one step leads to the node at depth FIRST.
+    if len(child) > ABOVE and child[ABOVE] == LAST and u >= 0.0 and v >= 0.0:
         i, j = min(int(SIDE * u), SIDE - 1), min(int(SIDE * v), SIDE - 1)
         node = np.int64(ABOVE + 1 + spaced(i) + 2 * spaced(j))
         u, v = SIDE * u - i, SIDE * v - j
@@ -80,7 +83,7 @@ def _sizes_at(child, values, box, x, factor, result):
 
 
 class Nodes(NamedTuple):
-    """The arrays of a table, in the order that `size_at` takes them."""
+    """The arrays of a table, in the order in which `size_at` takes them."""
 
     child: NDArray[np.int32]
     values: Array
@@ -88,25 +91,27 @@ class Nodes(NamedTuple):
 
 
 class SizeTable:
-    """A size field over a box, ready for kernels.
+    """A size field over a box, as arrays for kernels.
 
     Attributes
     ----------
     child : ndarray of int32, shape (q,)
-        The first of the four children of each node (lower left, lower right, upper left, upper right), -1
+        The first of the four children of each node (lower left, lower right, upper left, upper right); -1
         for a leaf. Node 0 is the box.
     values : ndarray, shape (q, 4)
-        Sizes at the corners of each node, in that order, times `factor`.
+        Sizes at the corners of each node, in the same order, times `factor`.
     box : ndarray, shape (4,)
         x and y of the lower corner, then of the upper one, times `factor`.
     factor : float
+        The factor by which coordinates and sizes are multiplied.
     error : float
-        The largest relative difference from the field that was seen in a leaf: at nine points of each, and
-        at the landmarks of the field.
+        The largest relative difference from the field that was found in a leaf: at nine points of each leaf,
+        and at the landmarks of the field.
     capped : dict of str to int
-        Leaves that miss by more than the tolerance all the same, by the reason why they were not divided:
-        "resolved" (no larger than a quarter of the wanted edge length there, so that no mesh could follow),
-        "depth", "nodes". A field with a jump always has some.
+        How many leaves have an error above the tolerance, by the reason why they were not divided.
+        "resolved": the leaf is no larger than a quarter of the wanted edge length there, so that a mesh
+        could not use more detail. "depth" and "nodes": the limit on the depth or the number of nodes was
+        reached. A field with a jump always has such leaves.
     """
 
     def __init__(self, nodes: Nodes, factor: float, error: float, capped: dict[str, int]):
@@ -115,7 +120,7 @@ class SizeTable:
         self.factor, self.error, self.capped = factor, error, capped
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The table's sizes at points of the field's own coordinates: (k, 2) -> (k,), unscaled."""
+        """The sizes of the table at points (k, 2) in the coordinates of the field, unscaled, shape (k,)."""
         points = as_points(x, "x")
         if points.shape[1] != 2:
             raise InputError(f"x must have shape (k, 2), not {points.shape}")
@@ -145,13 +150,13 @@ class SizeTable:
 
 
 class _Level(NamedTuple):
-    """The leaves of one depth: where they are, and what is known of them."""
+    """The leaves of one depth: their places and the sizes known in them."""
 
-    node: Integers  # (m,) numbers in the table
-    place: Integers  # (m, 2) integer coordinates: the lower corner, in sides of a leaf
+    node: Integers  # (m,) numbers of the leaves in the table
+    place: Integers  # (m, 2) integer coordinates of the lower corner, in units of the side of a leaf
     values: Array  # (m, 5) sizes at the corners and the center
-    marks: Integers  # (j,) landmarks, and
-    inside: Integers  # (j,) the leaf that holds each, as a row of this level
+    marks: Integers  # (j,) numbers of the landmarks in these leaves
+    inside: Integers  # (j,) the leaf that contains each landmark, as a row of this level
 
 
 def build(
@@ -168,9 +173,10 @@ def build(
 ) -> SizeTable:
     """The table of a field; see `SizeField.table`, which calls it.
 
-    All leaves of one depth are looked at together, with one call of the field. Leaves that miss and are
-    small enough for any mesh are divided all the same where ``deeper`` says so, of their longer side, the 13
-    places (m, 13, 2) that were looked at in each, and the sizes there (m, 13).
+    All leaves of one depth are sampled together, with one call of the field. A leaf that is small enough for
+    any mesh, and whose error exceeds the tolerance, is divided only if ``deeper`` returns True for it. The
+    arguments of ``deeper`` are the longer side of the leaves, the 13 places that were sampled in each,
+    (m, 13, 2), and the sizes there, (m, 13).
     """
     box = _box(lower, upper, factor, tolerance)
     if not 0 <= max_depth <= DEEPEST:
@@ -181,7 +187,7 @@ def build(
         return _table([np.full((1, 4), constant)], np.array([-1]), box, factor, 0.0, capped)
     span = box[1] - box[0]
 
-    def where(place: Array) -> Array:  # from relative coordinates
+    def where(place: Array) -> Array:  # relative coordinates -> coordinates of the field
         return np.minimum(box[0] + place * span, box[1])
 
     def at(place: Array) -> Array:  # (..., 2) relative coordinates -> (...)
@@ -235,14 +241,14 @@ def _landmarks(field: Callable[[Array], Array], landmarks: Array, box: Array) ->
 
 
 def _bilinear(corners: Array, u: Array) -> Array:
-    """The interpolant of corner values (..., 4) at places u (..., 2) in [0, 1]^2."""
+    """The bilinear interpolant of corner values (..., 4) at places u (..., 2) in [0, 1]^2."""
     x, y = u[..., 0], u[..., 1]
     low = corners[..., 0] + x * (corners[..., 1] - corners[..., 0])
     return low + y * (corners[..., 2] + x * (corners[..., 3] - corners[..., 2]) - low)
 
 
 def _look(level: _Level, probes: Array, relative: Array, wanted: Array, side: float) -> tuple[Array, Array]:
-    """The largest relative miss of each leaf's interpolant, and the least size seen in it."""
+    """The largest relative error of the interpolant of each leaf, and the smallest size seen in it."""
     seen = np.concatenate([level.values[:, 4:], probes], axis=1)
     guess = _bilinear(level.values[:, None, :4], np.concatenate([[[0.5, 0.5]], FRESH]))
     error = (np.abs(guess - seen) / seen).max(axis=1)
@@ -256,7 +262,7 @@ def _look(level: _Level, probes: Array, relative: Array, wanted: Array, side: fl
 
 
 def _beyond(error: Array, divide: NDArray[np.bool_], room: int) -> NDArray[np.bool_]:
-    """Of the leaves to be divided, those that find no room: all but the worst ones."""
+    """Of the leaves to be divided, those for which there is no room: all but the ``room`` worst ones."""
     stop = np.zeros(len(error), dtype=bool)
     rows = np.nonzero(divide)[0]
     if len(rows) > room:
@@ -267,7 +273,7 @@ def _beyond(error: Array, divide: NDArray[np.bool_], room: int) -> NDArray[np.bo
 def _divided(
     level: _Level, probes: Array, divide: NDArray[np.bool_], relative: Array, side: float, count: int
 ) -> _Level:
-    """The children of the divided leaves: four in a row, numbered from ``count`` on."""
+    """The children of the divided leaves, four consecutive ones each, numbered from ``count`` on."""
     known = np.concatenate([level.values, probes[:, :4]], axis=1)[divide]  # nine columns, as drawn above
     values = np.concatenate([known[:, CHILD], probes[divide, 4:, None]], axis=2).reshape(-1, 5)
     place = (2 * level.place[divide][:, None] + CORNERS).reshape(-1, 2)
@@ -279,17 +285,23 @@ def _divided(
 
 
 def _box(lower: ArrayLike, upper: ArrayLike, factor: float, tolerance: float) -> Array:
-    """The corners of the box, shape (2, 2), checked."""
+    """The corners of the box, shape (2, 2); the arguments are checked."""
     try:
         box = np.array([lower, upper], dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError("lower and upper must be two coordinates each") from None
+        raise InputError("lower and upper must have two coordinates each") from None
     if box.shape != (2, 2):
-        raise InputError(f"a table needs a box of the plane: two coordinates each, not {box.shape[1:]}")
+        raise InputError(
+            f"a table needs a box of the plane: lower and upper must have two coordinates each, "
+            f"not shape {box.shape[1:]}"
+        )
     with np.errstate(over="ignore", invalid="ignore"):
         span = box[1] - box[0]
     if not (np.isfinite(box).all() and np.isfinite(span).all() and (span >= 0).all()):
-        raise InputError(f"not a box: lower {box[0].tolist()}, upper {box[1].tolist()}")
+        raise InputError(
+            f"lower {box[0].tolist()} and upper {box[1].tolist()} are not a box: "
+            "they must be finite, with lower <= upper"
+        )
     for name, value in (("factor", factor), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"{name} must be a positive number, not {value!r}")
@@ -304,5 +316,7 @@ def _table(
     tiny = np.finfo(np.float64).tiny
     if not (values.min() >= tiny and np.isfinite(values).all() and np.isfinite(scaled).all()):
         low, high = values.min() / factor, values.max() / factor
-        raise InputError(f"sizes from {low:g} to {high:g} times {factor:g} leave the range of doubles")
+        raise InputError(
+            f"sizes from {low:g} to {high:g} times the factor {factor:g} leave the range of doubles"
+        )
     return SizeTable(Nodes(child.astype(np.int32), values, scaled), float(factor), error, capped)
