@@ -68,7 +68,7 @@ def test_what_is_no_size(bad: object) -> None:
         (lambda x: np.where(x[:, 0] > 0.9, 0.0, 1.0), r"it is 0.0 at x\[4\] = \[1.0, 0.0\]"),
         (lambda x: np.where(x[:, 1] > 0.9, np.nan, 1.0), r"it is nan at x\[20\] = \[0.0, 1.0\]"),
         (lambda x: 1 / np.where(x[:, 0] > 0.9, 0.0, 1.0), r"it is inf at x\[4\]"),
-        (lambda x: 0.1, r"shape \(25,\) for 25 points, not \(\); a constant size"),
+        (lambda x: 0.1, r"shape \(25,\) for 25 points, not \(\); give a constant size"),
         (lambda x: np.ones((len(x), 1)), r"not \(25, 1\)"),
         (lambda x: ["a"] * len(x), "plain real numbers"),
         (lambda x: np.full(len(x), 1j), "plain real numbers"),

@@ -1,9 +1,9 @@
-"""Lawson's diagonal swapping: any planar triangulation to Delaunay, or to constrained Delaunay.
+"""Lawson's diagonal swapping, which makes any planar triangulation Delaunay, or constrained Delaunay.
 
-An edge with a triangle on both sides is *illegal* where the far corner of one triangle lies strictly
-inside the circle of the other. The quadrilateral is then strictly convex, and swapping its diagonal
-lowers the surface of the triangulation lifted to the paraboloid: no edge that was swapped away ever
-returns, so that n points admit at most n (n - 1) / 2 swaps. A stack holds the edges under suspicion.
+An edge with a triangle on both sides is *illegal* if the far corner of one triangle lies strictly inside the
+circle of the other. The quadrilateral is then strictly convex, and swapping its diagonal lowers the surface
+of the triangulation lifted to the paraboloid. So no edge that was swapped away ever returns, and n points
+admit at most n (n - 1) / 2 swaps. A stack contains the edges that may be illegal.
 
 Sources: C. L. Lawson, Software for C1 surface interpolation (1977); D. T. Lee and A. K. Lin, Generalized
 Delaunay triangulation for planar graphs (1986), for constrained edges. Book: 2.0.
@@ -29,7 +29,7 @@ from ..predicates.kernels import incircle, orient2
 
 __all__ = ["replay", "swap_diagonals"]
 
-STEPS = 1_000_000  # edges examined between two looks at Ctrl-C: about a fifth of a second
+STEPS = 1_000_000  # how many edges are examined before Ctrl-C is checked again, about a fifth of a second
 
 
 # --- kernels ---------------------------------------------------------------------------------------
@@ -49,16 +49,16 @@ def flip(T, N, t, i):
 
     ::
 
-             v                    v             t = (p, u, v) from corner i on, s = (q, v, u) from j on;
-           / | \\                / s \\           afterwards t = (p, u, q), s = (q, v, p):
-          p t|s q      ->      p-----q          one vertex of each is replaced, all else keeps its place
+             v                    v             Before: t = (p, u, v) from corner i, s = (q, v, u) from j.
+           / | \\                / s \\           Afterwards: t = (p, u, q), s = (q, v, p). One vertex of each
+          p t|s q      ->      p-----q          is replaced; the others keep their places.
            \\ | /                \\ t /
              u                    u
     """
     s = N[t, i]
     j = corner_facing(N, s, t)
     i1, i2, j1, j2 = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-    below, above = N[s, j1], N[t, i1]  # beyond uq and beyond vp: these two triangles change sides
+    below, above = N[s, j1], N[t, i1]  # the triangles beyond uq and beyond vp get another neighbor
     T[t, i2] = T[s, j]
     T[s, j2] = T[t, i]
     N[t, i] = below
@@ -83,7 +83,7 @@ def _push(t, i, queued, stack, top):
 
 @kernel
 def _suspect_all(N, queued, stack):
-    """Put every inner edge on the stack, once, so that the first triangles come off first."""
+    """Put every inner edge on the stack once, so that the edges of the first triangles are on top."""
     top = 0
     for t in range(len(N) - 1, -1, -1):
         for i in range(3):
@@ -96,8 +96,8 @@ def _suspect_all(N, queued, stack):
 def _legalize(P, T, N, queued, stack, top, events, steps, wide):
     """Examine at most ``steps`` edges of the stack; return its height and the number of swaps.
 
-    A slot (t, i) stands for whatever edge lies there now: after a swap the four edges around it go on
-    the stack by their new slots, and an entry left behind merely tests a legal edge again.
+    A slot (t, i) stands for the edge that is there at the time. After a swap, the four edges around it are
+    put on the stack by their new slots; an old entry of the stack only tests a legal edge again.
     """
     count = 0
     for _ in range(steps):
@@ -129,7 +129,7 @@ def _legalize(P, T, N, queued, stack, top, events, steps, wide):
 
 @kernel
 def first_fault(P, T, N, wide):
-    """The first triangle that is not counterclockwise, or that overlaps a neighbor; -1 for none."""
+    """The first triangle that is not counterclockwise or that overlaps a neighbor; -1 if there is none."""
     for t in range(len(T)):
         a, b, c = P[T[t, 0]], P[T[t, 1]], P[T[t, 2]]
         if wide:
@@ -148,7 +148,7 @@ def first_fault(P, T, N, wide):
 
 @kernel
 def _replay(T, N, events):
-    """Do the recorded swaps; return the number of the first that meets the boundary, or -1."""
+    """Perform the recorded swaps; return the number of the first one that meets the boundary, or -1."""
     for k in range(len(events)):
         t = events[k] // 3
         i = events[k] - 3 * t
@@ -189,46 +189,46 @@ def swap_diagonals(
     Parameters
     ----------
     mesh : Mesh
-        Counterclockwise triangles in the plane. The region need be neither convex nor connected and may
-        have holes: then the result is the constrained Delaunay triangulation of that region.
+        Counterclockwise triangles in the plane. The region need not be convex or connected, and may have
+        holes; the result is then the constrained Delaunay triangulation of that region.
     constrained : str or iterable of str, optional
-        Names of markers that must survive; by default all of them. Marked edges are never swapped, marked
-        triangles stay, and no edge is swapped between triangles with different values of a cell marker.
-        Markers left out that name edges or triangles, or values of cells, are not in the result.
+        Names of the markers that constrain the result; by default all of them. Their edges are never
+        swapped, their triangles remain, and no edge is swapped between triangles with different values of a
+        cell marker. Other markers of edges, triangles or cells are not in the result.
     history : bool
-        Return the swaps as well.
+        Whether to return the swaps as well.
     progress : bool
-        Show the number of swaps as it grows.
+        Whether to show the number of swaps as it grows.
 
     Returns
     -------
     mesh : Mesh
-        The same points, origin, duplicates and region; triangles are exchanged in place.
+        The same points, origin, duplicates and region; triangles are replaced in place.
     swaps : ndarray of int64, only with ``history=True``
-        One number 3 t + i a swap: it replaced the edge opposite corner i of triangle t. `replay` does
-        them again; their count is ``len(swaps)``, at most n (n - 1) / 2.
+        One number 3 t + i per swap: the edge opposite corner i of triangle t was replaced. `replay` performs
+        them again. There are ``len(swaps)`` of them, at most n (n - 1) / 2.
 
     Raises
     ------
     InputError
         For an unknown marker name.
     MeshError
-        Where the mesh is not made of counterclockwise triangles in the plane, where two neighbors
-        overlap, or where a marked edge is no edge of the mesh.
+        If the mesh does not consist of counterclockwise triangles in the plane, if two neighbors overlap, or
+        if a marked edge is not an edge of the mesh.
 
     Notes
     -----
-    Exact; ties (four points on a circle) are never swapped, so nothing loops. O(n^2) swaps at worst,
-    about linear from a start that is nowhere far from Delaunay. Ctrl-C leaves the input untouched.
-    Source: Lawson (1977); with constraints, Lee and Lin (1986). Book: 2.0.
+    All decisions are exact. Ties (four points on a circle) are never swapped, so the algorithm always ends.
+    It takes O(n^2) swaps in the worst case, and about O(n) if the mesh is nowhere far from Delaunay. Ctrl-C
+    leaves the input unchanged. Source: Lawson (1977); with constraints, Lee and Lin (1986). Book: 2.0.
     """
     P, wide = planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
     fault = first_fault(P, T, N, wide)
     if fault >= 0:
         raise MeshError(
-            f"simplices[{fault}] = {T[fault].tolist()} is not counterclockwise or overlaps a neighbor: "
-            "turn it with mesh.oriented(), drop it, or see unstruct.check"
+            f"simplices[{fault}] = {T[fault].tolist()} is not counterclockwise or overlaps a neighbor; "
+            "orient it with mesh.oriented(), remove it, or see unstruct.check"
         )
     markers, locked = constraints(mesh, constrained)
     N[locked] = -1  # a constrained edge is a boundary on both sides
@@ -241,24 +241,24 @@ def swap_diagonals(
 
 
 def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
-    """Do recorded swaps again: ``replay(mesh, swaps[:k])`` is the state after k of them.
+    """Perform recorded swaps again: ``replay(mesh, swaps[:k])`` is the state after the first k swaps.
 
     Parameters
     ----------
     mesh : Mesh
-        The mesh that `swap_diagonals` was given.
+        The mesh that was given to `swap_diagonals`.
     swaps : array_like of int, shape (k,)
         As recorded with ``history=True``.
 
     Returns
     -------
     Mesh
-        The same points, origin and duplicates; the markers of vertices only.
+        The same points, origin and duplicates; only the markers of vertices.
 
     Raises
     ------
     InputError
-        Where a number is out of range or a swap meets the boundary: the record belongs to another mesh.
+        If a number is out of range or a swap meets the boundary; the swaps then belong to another mesh.
     """
     planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
@@ -269,7 +269,7 @@ def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
     k = int(np.argmax(bad)) if bad.any() else _replay(T, N, events.astype(np.int64))
     if k >= 0:
         raise InputError(
-            f"swaps[{k}] = {events[k]} does not fit this mesh; replay needs the mesh it began from"
+            f"swaps[{k}] = {events[k]} does not fit this mesh; give the mesh before the recorded swaps"
         )
     kept = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 1}
     return Mesh(mesh.points, T, neighbors=N, origin=mesh.origin, duplicates=mesh.duplicates, markers=kept)
@@ -279,7 +279,7 @@ def replay(mesh: Mesh, swaps: ArrayLike) -> Mesh:
 
 
 def planar_coordinates(mesh: Mesh) -> tuple[NDArray[np.float64], bool]:
-    """Coordinates for the kernels, and whether they are too wide to be scaled without loss."""
+    """Coordinates for the kernels, and whether their exponents are too different for exact scaling."""
     if not is_planar(mesh):
         raise MeshError(f"this needs triangles in the plane, not {mesh!r}")
     points, exact = scaled(mesh.points)
@@ -287,7 +287,7 @@ def planar_coordinates(mesh: Mesh) -> tuple[NDArray[np.float64], bool]:
 
 
 def _run(P: NDArray, T: NDArray, N: NDArray, wide: bool, history: bool, progress: bool) -> NDArray[np.int64]:
-    """Swap in place until the stack is empty; return the swaps, or nothing where they are not wanted."""
+    """Swap in place until the stack is empty; return the swaps, or an empty array without ``history``."""
     queued = np.zeros(T.shape, dtype=np.bool_)
     stack = np.empty(T.size, dtype=np.int64)  # each slot is queued at most once
     buffer = np.empty(min(STEPS, max(3 * T.size, 1024)), dtype=np.int64)
@@ -305,7 +305,7 @@ def _run(P: NDArray, T: NDArray, N: NDArray, wide: bool, history: bool, progress
 def constraints(
     mesh: Mesh, names: str | Iterable[str] | None
 ) -> tuple[dict[str, NDArray], NDArray[np.bool_]]:
-    """The markers that will be in the result, and the slots (t, i) whose edges must stay."""
+    """The markers that will be in the result, and the slots (t, i) whose edges must remain."""
     chosen = set(mesh.markers) if names is None else {names} if isinstance(names, str) else set(names)
     unknown = sorted(chosen - set(mesh.markers))
     if unknown:
@@ -326,9 +326,11 @@ def constraints(
 
 
 def _slots(mesh: Mesh, edges: NDArray, name: str) -> NDArray[np.bool_]:
-    """Which edges opposite corners (m, 3) are among ``edges`` (c, 2); all of these must be found."""
+    """Which edges opposite corners (m, 3) are among ``edges`` (c, 2), all of which must be in the mesh."""
     slots, found = marked_sides(mesh.simplices, edges, len(mesh.points))
     if not found.all():
         row = int(np.argmin(found))
-        raise MeshError(f"markers[{name!r}]: {edges[row].tolist()} is no edge of the mesh, so it cannot stay")
+        raise MeshError(
+            f"markers[{name!r}]: {edges[row].tolist()} is not an edge of the mesh; remove it from the marker"
+        )
     return slots

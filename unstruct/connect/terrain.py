@@ -1,8 +1,8 @@
-"""A terrain as a triangulated surface by greedy insertion (section 2.4a of the book).
+"""A terrain as a triangulated surface, by greedy insertion (section 2.4a of the book).
 
-Start with the corners of a grid of heights; insert the grid point at which the surface is worst, again
-and again. Each triangle keeps its own worst point, and an insertion changes the triangles of its star
-only, so that of the whole grid few points are looked at again.
+The method starts with the corners of a grid of heights and inserts, repeatedly, the grid point at which the
+error of the surface is largest. The worst point of each triangle is stored. An insertion changes only the
+triangles of its star, so that few points of the grid are examined again.
 
 Source: M. Garland and P. Heckbert, Fast polygonal approximation of terrains and height fields,
 CMU-CS-95-181 (1995), algorithm III; R. Fowler and J. Little, SIGGRAPH 1979.
@@ -34,14 +34,14 @@ class Terrain:
     Attributes
     ----------
     mesh : Mesh
-        The Delaunay triangulation of the chosen grid points, in the order of their insertion
-        (the four corners first). Units of ``spacing``.
+        The Delaunay triangulation of the chosen grid points, in the order of their insertion (the four
+        corners first), in the units of ``spacing``.
     places : (n, 2) int64
         Row and column of each vertex.
     heights : (n,) float64
-        Height of each vertex: that of the grid.
+        Height of each vertex, as in the grid.
     errors : (n - 3,) float64
-        ``errors[k]``: the largest vertical error over the grid of the surface with 4 + k vertices.
+        ``errors[k]`` is the largest vertical error over the grid of the surface with 4 + k vertices.
     surface : (rows, columns) float64
         The surface at all grid points.
     """
@@ -59,7 +59,7 @@ class Terrain:
         )
 
     def mesh3d(self) -> Mesh:
-        """The surface itself: triangles in space."""
+        """The surface itself, as a mesh of triangles in space."""
         points = np.column_stack([self.mesh.points, self.heights])
         return Mesh(points, self.mesh.simplices)
 
@@ -77,16 +77,17 @@ def greedy_terrain(
     Parameters
     ----------
     heights : (rows, columns) array
-        At least 2 × 2, finite. Row i, column j stands at ``(j dx, i dy)``.
+        Finite heights, at least 2 × 2. Row i, column j is the point ``(j dx, i dy)``.
     count : int, optional
-        Stop with this many vertices (at least 4); without it ``tolerance`` alone decides.
+        Stop with this many vertices (at least 4); without it, only ``tolerance`` decides.
     tolerance : float
-        Stop where no grid point is farther than this, vertically, from the surface (default 0: exact).
+        Stop as soon as no grid point has a vertical distance from the surface of more than this. The default
+        0 asks for the exact surface.
     spacing : (dx, dy)
-        Distances of columns and rows, positive. They are rounded to single precision, so that every
-        product j·dx is exact and collinear grid points stay collinear.
+        Positive distances between columns and between rows. They are rounded to single precision, so that
+        every product j·dx is exact and collinear grid points remain collinear.
     progress : bool
-        Show a bar.
+        Whether to show a progress bar.
 
     Returns
     -------
@@ -95,15 +96,15 @@ def greedy_terrain(
     Raises
     ------
     InputError
-        For a wrong shape, a height that is not finite (the first is named), a negative tolerance,
-        a count below 4, a spacing that is not positive.
+        For a wrong shape, a height that is not finite (the first one is named), a negative tolerance, a count
+        below 4, or a spacing that is not positive.
 
     Notes
     -----
-    Each step takes the currently worst point: greedy, not optimal. The largest error can grow in a step.
-    Looking at the grid takes O((g + n) log n) for g grid points, n vertices and triangles that shrink evenly,
-    O(g n) at worst. The triangulation is read out after each insertion, which adds O(n^2), with a small
-    constant: about a second for 2,400 vertices.
+    Each step takes the point that is worst at the time, so the method is greedy and not optimal. The largest
+    error can grow in a step. Examining the grid takes O((g + n) log n) for g grid points and n vertices if
+    the triangles shrink evenly, and O(g n) in the worst case. The triangulation is copied after each
+    insertion, which adds O(n^2) with a small constant: about a second for 2,400 vertices.
     """
     grid, scale = _checked(heights, count, tolerance, spacing)
     last = grid.size if count is None else min(count, grid.size)
@@ -121,7 +122,7 @@ def greedy_terrain(
 
 
 class _Growing:
-    """The growing triangulation, and a heap with the worst place of each triangle."""
+    """The growing triangulation, and a heap that contains the worst place of each triangle."""
 
     def __init__(self, grid: NDArray[np.float64], scale: NDArray[np.float64], most: int):
         i, j = grid.shape[0] - 1, grid.shape[1] - 1
@@ -134,13 +135,13 @@ class _Growing:
         self._add(self.triangulation.mesh().simplices)
 
     def error(self) -> float:
-        """The largest error; entries of removed triangles are dropped on the way (0 where none is left)."""
+        """The largest error, 0 if no entry is left; entries of removed triangles are dropped."""
         while self.heap and self.heap[0][3] not in self.alive:
             heapq.heappop(self.heap)
         return -self.heap[0][0] if self.heap else 0.0
 
     def insert_worst(self) -> None:
-        """Insert the place on top of the heap (`error` has just cleaned it)."""
+        """Insert the place on top of the heap; `error` must be called before, to drop removed triangles."""
         _, i, j, _ = heapq.heappop(self.heap)
         self.places[self.n] = i, j
         point = self._position(self.places[self.n])
@@ -152,7 +153,7 @@ class _Growing:
         self.n += 1
 
     def _add(self, triangles: NDArray[np.int64]) -> None:
-        """Look at all grid points of new triangles; keep the worst of each."""
+        """Examine all grid points in new triangles; keep the worst point of each triangle."""
         errors = np.zeros(len(triangles))
         worst = np.zeros((len(triangles), 2), dtype=np.int64)
         _worst(triangles, self.places, self.grid, errors, worst)
@@ -163,7 +164,7 @@ class _Growing:
                 heapq.heappush(self.heap, (-error, i, j, name))
 
     def _position(self, places: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Coordinates (x, y): exact products, since both factors are short."""
+        """Coordinates (x, y), which are exact products because both factors have few bits."""
         return places[..., ::-1] * self.scale
 
 
@@ -180,7 +181,7 @@ def grid_surface(
     Parameters
     ----------
     triangles : (m, 3) int array
-        Positively oriented as points ``(column, row)``; flat ones are passed over.
+        Triangles that are positively oriented as points ``(column, row)``; flat ones are skipped.
     places : (n, 2) int array
         Row and column of each vertex, inside the grid.
     heights : (n,) array
@@ -189,7 +190,7 @@ def grid_surface(
     Returns
     -------
     (rows, columns) float64
-        NaN where no triangle reaches.
+        NaN at points that are in no triangle.
 
     Raises
     ------
@@ -201,7 +202,7 @@ def grid_surface(
     if len(outside):
         v = int(outside[0])
         raise InputError(
-            f"vertex {v} at {tuple(where[v].tolist())} lies outside the grid of shape {tuple(shape)}"
+            f"places[{v}] = {tuple(where[v].tolist())} lies outside the grid of shape {tuple(shape)}"
         )
     z = np.asarray(heights, dtype=np.float64).reshape(len(where))
     surface = np.full(shape, np.nan)
@@ -212,28 +213,28 @@ def grid_surface(
 def _checked(
     heights: ArrayLike, count: int | None, tolerance: float, spacing: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The grid as float64 and the spacing as short doubles, or the typed error."""
+    """The grid as float64 and the spacing rounded to single precision; otherwise an `InputError`."""
     try:
         grid = np.ascontiguousarray(np.ma.filled(np.ma.asarray(heights, dtype=np.float64), np.nan))
         scale = np.asarray(spacing, dtype=np.float32).astype(np.float64).reshape(2)
     except (TypeError, ValueError) as error:
-        raise InputError(f"heights must be a grid of numbers and spacing two numbers ({error})") from error
+        raise InputError(f"heights must be a grid of numbers, and spacing two numbers: {error}") from error
     if grid.ndim != 2 or min(grid.shape) < 2:
         raise InputError(f"heights must have shape (rows >= 2, columns >= 2), not {grid.shape}")
     bad = np.argwhere(~np.isfinite(grid))
     if len(bad):
         i, j = bad[0].tolist()
-        raise InputError(f"the height at row {i}, column {j} is not finite; fill such gaps or crop the grid")
+        raise InputError(f"heights[{i}, {j}] is not finite; fill such gaps or crop the grid")
     if not (np.isfinite(scale).all() and (scale > 0).all()):
-        raise InputError(f"spacing {spacing} must be two positive numbers, representable in single precision")
+        raise InputError(f"spacing = {spacing} must be two positive numbers in the range of single precision")
     if not tolerance >= 0:
-        raise InputError(f"tolerance {tolerance} must not be negative or NaN; 0 asks for the exact surface")
+        raise InputError(f"tolerance = {tolerance} must be at least 0; 0 gives the exact surface")
     if count is not None and count < 4:
-        raise InputError(f"count {count} leaves no room for the four corners; ask for at least 4 vertices")
+        raise InputError(f"count = {count} must be at least 4, for the four corners of the grid")
     return grid, scale
 
 
-# --- kernels over the grid: integers (row, column) all the way ------------------------------------
+# --- kernels over the grid, with integers (row, column) throughout --------------------------------
 
 
 @inline
@@ -244,7 +245,7 @@ def _span(i, corners, width):
         pi, pj = corners[k, 0], corners[k, 1]
         rise = corners[(k + 1) % 3, 0] - pi
         run = (corners[(k + 1) % 3, 1] - pj) * (i - pi)
-        if rise > 0:  # the inside is on the left of an edge that goes up
+        if rise > 0:  # the inside is to the left of an edge that goes up
             high = min(high, pj + run // rise)
         elif rise < 0:
             low = max(low, pj - run // -rise)
@@ -260,7 +261,7 @@ def _twice_area(corners):
 
 @inline
 def _slopes(corners, z0, z1, z2, area):
-    """Slopes of the plane through the corners along the rows and along the columns."""
+    """Slopes of the plane through the corners: per row, and per column."""
     i1, j1 = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1]
     i2, j2 = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1]
     return (j1 * (z2 - z0) - j2 * (z1 - z0)) / area, (i2 * (z1 - z0) - i1 * (z2 - z0)) / area
@@ -268,7 +269,7 @@ def _slopes(corners, z0, z1, z2, area):
 
 @kernel
 def _fill(triangles, places, z, surface):
-    """Write the plane of each triangle at the grid points in it, and the vertices as they are."""
+    """Write the heights of each triangle's plane at the grid points in it, then the heights of vertices."""
     for t in range(len(triangles)):
         corners = places[triangles[t]]
         area = _twice_area(corners)
@@ -287,7 +288,7 @@ def _fill(triangles, places, z, surface):
 
 @kernel
 def _worst(triangles, places, grid, errors, worst):
-    """For each triangle its largest vertical error and, in ``worst``, where (the first such place)."""
+    """Write the largest vertical error of each triangle to ``errors``, and its first place to ``worst``."""
     for t in range(len(triangles)):
         corners = places[triangles[t]]
         errors[t] = 0.0
@@ -302,7 +303,7 @@ def _worst(triangles, places, grid, errors, worst):
             for j in range(low, high + 1):
                 value = z0 + down * (i - corners[0, 0]) + along * (j - corners[0, 1])
                 error = abs(grid[i, j] - value)
-                if error > errors[t] and not _is_corner(i, j, corners):  # corners err by rounding only
+                if error > errors[t] and not _is_corner(i, j, corners):  # corners have rounding errors only
                     errors[t] = error
                     worst[t, 0], worst[t, 1] = i, j
 

@@ -271,7 +271,7 @@ def test_a_vertex_on_a_face_is_reported():
 
 
 def test_turned_front_is_reported():
-    with pytest.raises(MeshError, match="turn the faces"):
+    with pytest.raises(MeshError, match="reverse the orientation"):
         gift_wrap(SQUARE, [e[::-1] for e in RING])
 
 

@@ -1,1 +1,1 @@
-"""Point insertion into any triangulation, beside cells that must not change."""
+"""Insertion of points into any triangulation, in which some cells may be fixed."""

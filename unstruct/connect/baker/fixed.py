@@ -1,15 +1,17 @@
-"""Cavities beside fixed cells: Baker's form of constrained triangulation, set by set (12.2.5).
+"""Cavities with fixed cells: the sets of cells in Baker's form of constrained triangulation (12.2.5).
 
-For a point P and a triangulation T, Γ(P) is the set of cells whose open circumballs hold P, and Γ_P, its
-*principal component*, the part that hangs together through facets with the cell of P. With fixed cells F,
-Υ(P) = Γ(P) - F, and Υ_P is its part around P in the same way: it exists where P is in no closed cell of F.
-`unstruct.insert` replaces Γ_P or Υ_P; here the sets are looked at. See the book, 2.2 and 2.5.
+For a point P and a triangulation T, Γ(P) is the set of cells whose open circumballs contain P. Its
+*principal component* Γ_P is the part that is connected through facets with the cell of P. With a set F of
+fixed cells, Υ(P) = Γ(P) - F, and Υ_P is its part around P in the same sense; it exists if P is in no closed
+cell of F. `unstruct.insert` replaces Γ_P or Υ_P; here the sets are computed for inspection. See the book, 2.2
+and 2.5.
 
-**In the plane P sees every edge of Γ_P and of Υ_P from within**, fixed cells or not, Delaunay or not. We
-keep that triangle P u v lies in what has been visited so far, for every edge u v on its boundary. This is
-true for the cell of P. A neighbor u v w with P in its circle, beyond u v, makes P, u, w, v a convex
-quadrilateral, so that P u w and P w v lie within P u v and u v w together: it stays true, whichever
-cells are left out.
+**In the plane P sees every edge of Γ_P and of Υ_P from within**, with or without fixed cells, and whether T
+is Delaunay or not. The proof is by induction over the cells in the order in which they are reached. The
+invariant is that for every edge u v on the boundary of the visited part, triangle P u v lies in that part.
+This is true for the cell of P. If a neighbor u v w beyond u v has P in its circle, then P, u, w, v is a
+convex quadrilateral, and P u w and P w v lie within the union of P u v and u v w. So the invariant remains
+true, whichever cells are left out.
 """
 
 from __future__ import annotations
@@ -30,16 +32,16 @@ __all__ = ["Cavities", "as_cells", "boundary_facets", "cavities", "held_by", "hi
 
 @dataclass(frozen=True)
 class Cavities:
-    """The sets of cells that an insertion can look at: sorted int32 arrays of cell numbers.
+    """The sets of cells that matter for an insertion, as sorted int32 arrays of cell numbers.
 
     Attributes
     ----------
-    holders : the closed cells with the point in them
-    gamma : Γ(P), all cells with the point in their open circumballs
+    holders : the closed cells that contain the point
+    gamma : Γ(P), all cells whose open circumballs contain the point
     gamma_component : Γ_P, the part of Γ(P) around the point
     upsilon : Υ(P), the part of Γ(P) that is not fixed
-    upsilon_component : Υ_P, the part of Υ(P) around the point; empty where the point is refused
-    refused_by : the fixed cells among the holders: where there are any, the point is refused
+    upsilon_component : Υ_P, the part of Υ(P) around the point; empty if the point is refused
+    refused_by : the fixed cells among the holders; if there are any, the point is refused
     """
 
     holders: NDArray[np.int32]
@@ -51,7 +53,7 @@ class Cavities:
 
 
 def as_cells(mesh: Mesh, chosen: Any) -> NDArray[np.int32]:
-    """Cell numbers, sorted, from the name of a cell marker, a mask or numbers; none for None.
+    """Sorted cell numbers from the name of a cell marker, a mask or numbers; an empty array for None.
 
     Raises
     ------
@@ -77,7 +79,7 @@ def as_cells(mesh: Mesh, chosen: Any) -> NDArray[np.int32]:
     bad = (array < 0) | (array >= mesh.size)
     if bad.any():
         i = int(np.argmax(bad))
-        raise InputError(f"fixed[{i}] = {array[i]} is no cell: there are {mesh.size}")
+        raise InputError(f"fixed[{i}] = {array[i]} is not a cell; the mesh has cells 0..{mesh.size - 1}")
     return np.unique(array).astype(np.int32)
 
 
@@ -89,7 +91,7 @@ def cavities(mesh: Mesh, point: ArrayLike, *, fixed: Any = None) -> Cavities:
     mesh : Mesh
         Positively oriented cells in d dimensions, Delaunay or not.
     point : array_like, shape (d,)
-        In the mesh.
+        A point in the mesh.
     fixed : str or array_like, optional
         As for `unstruct.insert`.
 
@@ -104,8 +106,8 @@ def cavities(mesh: Mesh, point: ArrayLike, *, fixed: Any = None) -> Cavities:
 
     Notes
     -----
-    O(m): every cell is tested, since Γ(P) may lie in pieces far apart. Source: T. J. Baker, Engineering with
-    Computers 5 (1989) 161-175. Book: 2.5.
+    O(m), because every cell is tested: Γ(P) may consist of parts that are far apart. Source: T. J. Baker,
+    Engineering with Computers 5 (1989) 161-175. Book: 2.5.
     """
     x = as_points(np.asarray(point, dtype=float)[None], "point")[0]
     held = as_cells(mesh, fixed)
@@ -116,7 +118,7 @@ def cavities(mesh: Mesh, point: ArrayLike, *, fixed: Any = None) -> Cavities:
         moved[:, k] = x
         holders &= np.asarray(orient(moved)) >= 0
     if not holders.any():
-        raise InputError(f"point {x.tolist()} lies outside the mesh: choose a point of it")
+        raise InputError(f"point {x.tolist()} lies outside the mesh; choose a point in the mesh")
     free = gamma.copy()
     free[held] = False
     refused = np.intersect1d(np.flatnonzero(holders), held)
@@ -128,7 +130,7 @@ def cavities(mesh: Mesh, point: ArrayLike, *, fixed: Any = None) -> Cavities:
 
 
 def _component(mesh: Mesh, cells: NDArray[np.bool_], start: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """What can be reached from ``start`` through facets without leaving ``cells``."""
+    """The cells that can be reached from ``start`` through facets without leaving ``cells``."""
     reached, fresh = start.copy(), np.flatnonzero(start)
     while len(fresh):
         beyond = mesh.neighbors[fresh].ravel()
@@ -139,7 +141,7 @@ def _component(mesh: Mesh, cells: NDArray[np.bool_], start: NDArray[np.bool_]) -
 
 
 def boundary_facets(mesh: Mesh, cells: ArrayLike) -> NDArray[np.int64]:
-    """The boundary of a set of cells: rows (cell, k), the facet opposite corner k of a cell of the set."""
+    """The boundary of a set of cells, as rows (cell, k): the facet opposite corner k of a cell of the set."""
     numbers = as_cells(mesh, np.asarray(cells, dtype=np.int64))
     within = np.zeros(mesh.size + 1, dtype=bool)  # the last entry is for "no neighbor"
     within[numbers] = True
@@ -159,8 +161,9 @@ def hidden_facets(mesh: Mesh, cells: ArrayLike, point: ArrayLike) -> NDArray[np.
     Returns
     -------
     ndarray of int64, shape (k, 2)
-        Rows (cell, k). Empty: the set is star-shaped about the point. (A facet of the mesh's own boundary in
-        one plane with the point does not count: it is covered anew.)
+        Rows (cell, k). If there are none, the set is star-shaped around the point. (A facet on the boundary
+        of the mesh that is coplanar with the point does not count as hidden, because it is divided at the
+        point.)
     """
     facets = boundary_facets(mesh, cells)
     moved = mesh.corners[facets[:, 0]].copy()
@@ -170,7 +173,7 @@ def hidden_facets(mesh: Mesh, cells: ArrayLike, point: ArrayLike) -> NDArray[np.
 
 
 def held_by(mesh: Mesh, points: ArrayLike, cells: Any) -> NDArray[np.int32]:
-    """For each point one of the given closed cells that holds it, or -1.
+    """For each point, one of the given closed cells that contains it, or -1.
 
     Parameters
     ----------
@@ -182,8 +185,8 @@ def held_by(mesh: Mesh, points: ArrayLike, cells: Any) -> NDArray[np.int32]:
     Returns
     -------
     ndarray of int32, shape (k,)
-        As fixed cells never change, the points with -1 are those that `unstruct.insert` with these cells
-        ``fixed`` accepts, in any order.
+        Since fixed cells never change, the points with -1 are those that `unstruct.insert` accepts, in any
+        order, if these cells are given as ``fixed``.
     """
     rows = as_points(points)
     chosen = np.zeros(mesh.size, dtype=bool)

@@ -1,8 +1,8 @@
-"""Kernels of Baker's insertion: locate, principal component, visibility, reduction, star.
+"""Kernels of Baker's insertion: point location, principal component, visibility, reduction, star.
 
 A triangulation is ``cells`` (m, d + 1) and ``neighbors`` of the same shape; a free row of ``cells`` starts
-with -1. Two dimensions and three share one code: a facet is (cell, k), opposite corner k; a ridge is
-(cell, {j, k}), what remains without corners j and k.
+with -1. The code is the same for two and three dimensions. A facet is (cell, k), the one opposite corner k. A
+ridge is (cell, {j, k}), the face of the cell without corners j and k.
 """
 
 from __future__ import annotations
@@ -14,20 +14,22 @@ from ...predicates.kernels import conflict, moved
 
 __all__ = ["FIXED", "FULL", "HELD", "HIDDEN", "OUTSIDE", "insert_vertices"]
 
-# what `insert_vertices` stopped for
+# The reasons why `insert_vertices` stops: all vertices are inserted; the vertex lies outside the mesh; a
+# facet is hidden from it; the arrays are full; it lies in a fixed cell.
 DONE, OUTSIDE, HIDDEN, FULL, HELD = 0, 1, 2, 3, 4
-# states of a cell during one insertion; a fixed one is never in a cavity
+# The states of a cell during one insertion. A fixed cell is never in a cavity.
 OUT, IN, DROPPED, WAITING, FIXED = 0, 1, 2, 3, 4
-# columns of the record
+# The columns of the records; see `modernized.Record`, where BEHIND is `hidden` and LOST is `dropped`.
 TWIN, COMPONENT, BEHIND, ROUNDS, LOST, KEPT, MADE = range(7)
 
 
 @kernel
 def locate(points, cells, neighbors, count, p, start):
-    """A closed cell that holds p, or -1.
+    """A closed cell that contains p, or -1.
 
-    A walk, whose first facet changes with every step. In a triangulation that is not Delaunay it may
-    run in circles, in a region that is not convex it may leave: then every cell is looked at.
+    A walk leads to the cell; the facet that is tested first changes with every step. The walk may run in
+    circles if the triangulation is not Delaunay, and may leave the mesh if the region is not convex. In
+    these cases every cell is tested.
     """
     width = cells.shape[1]
     c = start
@@ -57,9 +59,9 @@ def locate(points, cells, neighbors, count, p, start):
 
 @kernel
 def fixed_holder(points, cells, neighbors, p, holder, state, cavity):
-    """A fixed cell that holds p, p on its boundary included; -1 for none. (``cavity``: work space.)
+    """A fixed closed cell that contains p, or -1; ``cavity`` is a work array.
 
-    The closed cells with p in them hang together through facets that hold p.
+    The closed cells that contain p are connected through facets that contain p.
     """
     cavity[0] = holder
     size, i, found = 1, 0, -1
@@ -86,12 +88,13 @@ def fixed_holder(points, cells, neighbors, p, holder, state, cavity):
 
 @kernel
 def principal_component(points, cells, neighbors, p, holder, state, cavity, sides):
-    """List the cells that can be reached from the holder through facets within open balls round p.
+    """List the cells that can be reached from the holder through facets and whose open balls contain p.
 
-    sides[c, k] tells for each of them on which side of its facet k p lies: positive for within.
+    For each of them, sides[c, k] receives the side of its facet k on which p lies, positive for the inner
+    side.
 
-    They hold every closed cell with p in it: those are joined through facets that hold p, and p is in
-    the open ball of each, as it is a vertex of none.
+    The list contains every closed cell with p in it: these cells are connected through facets that contain p,
+    and p is in the open ball of each, because it is not a vertex of any.
     """
     cavity[0] = holder
     state[holder] = IN
@@ -111,22 +114,22 @@ def principal_component(points, cells, neighbors, p, holder, state, cavity, side
 
 
 @inline
-def is_rim(neighbors, state, c, k):
-    """Is facet (c, k) on the boundary of the cavity, c being within?"""
+def on_boundary(neighbors, state, c, k):
+    """Whether facet (c, k) of a cell c in the cavity is on the boundary of the cavity."""
     n = neighbors[c, k]
     return n < 0 or state[n] != IN
 
 
 @inline
 def around(cells, neighbors, state, c, k, j):
-    """Turn about the ridge (c, {j, k}) through the cavity, from rim facet (c, k) to the other one.
+    """Turn around the ridge (c, {j, k}) through the cavity, from boundary facet (c, k) to the other one.
 
-       v_k ___ w          The rim facet is (ridge, v_j). c is left through (ridge, v_k) into the cell
-       /  \\ n /          n with the new corner w, which is left through (ridge, w), and so on. The
-      / c  \\ /           result is (cell, j', k'): the rim facet (cell, j'), whose corner off the
-    v_j___ridge           ridge is k'.
+       v_k ___ w          The boundary facet is (ridge, v_j). The turn leaves c through (ridge, v_k) into
+       /  \\ n /          the cell n with the new corner w, leaves n through (ridge, w), and so on. The
+      / c  \\ /           result is (cell, j', k'): the boundary facet is (cell, j'), and its corner that is
+    v_j___ridge           not on the ridge is k'.
     """
-    while not is_rim(neighbors, state, c, j):
+    while not on_boundary(neighbors, state, c, j):
         n = neighbors[c, j]
         following = 0
         for i in range(cells.shape[1]):
@@ -141,11 +144,12 @@ def around(cells, neighbors, state, c, k, j):
 
 @kernel
 def is_hidden(cells, neighbors, state, sides, c, k):
-    """Does p fail to see the rim facet (c, k) from within? (``sides``: of `principal_component`.)
+    """Whether the boundary facet (c, k) is hidden from p; ``sides`` are from `principal_component`.
 
-    A facet in a plane with p is hidden, unless it lies on the boundary of the mesh in a patch that p
-    sees in that plane: such a patch is covered anew. Seen in the plane from p, a ridge of the patch is
-    right way round where the corner off the ridge, moved to p, leaves c positive.
+    A facet is hidden if p does not see it from within. A facet that is coplanar with p is hidden, too, unless
+    it lies on the boundary of the mesh in a coplanar patch whose boundary p sees within that plane; the patch
+    is then divided at p. In the plane, p sees a ridge of the patch from within if cell c remains positive
+    when its corner in the facet opposite the ridge is moved to p.
     """
     if sides[c, k] != 0:
         return sides[c, k] < 0
@@ -161,16 +165,16 @@ def is_hidden(cells, neighbors, state, sides, c, k):
 
 @kernel
 def drop_owners(cells, neighbors, state, sides, kept, size):
-    """Mark the owners of hidden facets; return the numbers of hidden facets and of owners."""
+    """Mark the cells of hidden facets (their owners); return the numbers of hidden facets and of owners."""
     hidden = owners = 0
     owner = np.zeros(size, dtype=np.bool_)
     for i in range(size):
         c = kept[i]
         for k in range(cells.shape[1]):
-            if is_rim(neighbors, state, c, k) and is_hidden(cells, neighbors, state, sides, c, k):
+            if on_boundary(neighbors, state, c, k) and is_hidden(cells, neighbors, state, sides, c, k):
                 hidden += 1
                 owner[i] = True
-    for i in range(size):  # only now: the rim must not change meanwhile
+    for i in range(size):  # states change only now, because the loop above needs the boundary unchanged
         if owner[i]:
             state[kept[i]] = DROPPED
             owners += 1
@@ -179,11 +183,11 @@ def drop_owners(cells, neighbors, state, sides, kept, size):
 
 @kernel
 def reduce_component(cells, neighbors, state, sides, kept, size, record):
-    """Drop owners of hidden facets and take the component again until p sees every facet.
+    """Drop the owners of hidden facets and compute the component again, until p sees every facet.
 
-    A facet hidden from p stays so while its cell stays, since the cavity only shrinks: so every order of
-    dropping ends at the same cells, the largest star-shaped part. The cells that hold p have no hidden
-    facet; together they are star-shaped, and the loop ends there at the latest.
+    A facet that is hidden from p remains hidden as long as its cell remains, because the cavity only shrinks.
+    So every order of dropping ends with the same cells, the largest star-shaped part. The cells that contain
+    p have no hidden facet; their union is star-shaped, and the loop ends there at the latest.
     """
     while True:
         hidden, owners = drop_owners(cells, neighbors, state, sides, kept, size)
@@ -209,15 +213,19 @@ def reduce_component(cells, neighbors, state, sides, kept, size, record):
 
 
 @kernel
-def number_rim(cells, neighbors, state, sides, kept, size, place, slot):
-    """Number the facets of the star: slot[i, k], -1 for flat ones on the hull, -2 within the cavity."""
+def number_facets(cells, neighbors, state, sides, kept, size, place, slot):
+    """Number the cells of the star, one for each boundary facet of the cavity; return how many there are.
+
+    slot[i, k] is -1 for facets on the boundary of the mesh that are coplanar with p, and -2 for facets inside
+    the cavity.
+    """
     made = 0
     for i in range(size):
         c = kept[i]
         place[c] = i
         for k in range(cells.shape[1]):
             slot[i, k] = -2
-            if is_rim(neighbors, state, c, k):
+            if on_boundary(neighbors, state, c, k):
                 if neighbors[c, k] < 0 and sides[c, k] == 0:
                     slot[i, k] = -1
                 else:
@@ -228,10 +236,10 @@ def number_rim(cells, neighbors, state, sides, kept, size, place, slot):
 
 @kernel
 def build_star(cells, neighbors, state, kept, size, p, place, slot, number, rows, links, back):
-    """Write the new cells and their neighbors aside, while the old ones still stand.
+    """Write the new cells and their neighbors to work arrays, without changing the old cells.
 
-    Cell (c, k) of the star is c with corner k moved to p. Its neighbor across the ridge (c, {j, k}) is
-    the cell over the rim facet that turning about the ridge leads to.
+    Cell (c, k) of the star is c with corner k moved to p. Its neighbor across the ridge (c, {j, k}) is the
+    cell of the star on the boundary facet to which the turn around the ridge leads.
     """
     width = cells.shape[1]
     for i in range(size):
@@ -256,7 +264,7 @@ def build_star(cells, neighbors, state, kept, size, p, place, slot, number, rows
 
 @kernel
 def replace(cells, neighbors, source, kept, size, made, slot, number, rows, links, back, free, counters):
-    """Write the star over the cavity."""
+    """Replace the cavity by the star."""
     origin = np.empty(made, dtype=np.int64)
     for i in range(size):
         for k in range(cells.shape[1]):
@@ -271,7 +279,7 @@ def replace(cells, neighbors, source, kept, size, made, slot, number, rows, link
         for k in range(cells.shape[1]):
             cells[c, k] = rows[q, k]
             neighbors[c, k] = links[q, k]
-    for q in range(made, size):  # more cells went than came
+    for q in range(made, size):  # if the star has fewer cells than the cavity, rows become free
         cells[kept[q], 0] = -1
         free[counters[1]] = kept[q]
         counters[1] += 1
@@ -279,7 +287,7 @@ def replace(cells, neighbors, source, kept, size, made, slot, number, rows, link
 
 @kernel
 def allot(kept, size, made, free, counters):
-    """Row numbers for the new cells: those of the old ones, then free ones, then new ones."""
+    """Row numbers for the new cells: those of the old cells first, then free rows, then new rows."""
     number = np.empty(made, dtype=np.int64)
     for q in range(made):
         if q < size:
@@ -302,13 +310,13 @@ def paint(state, cells, size, value):
 
 @kernel
 def first_hidden(cells, neighbors, state, sides, cavity, size):
-    """The first hidden facet of the component, for the report."""
+    """The first hidden facet of the component, for the error message."""
     c, k = -1, -1
     paint(state, cavity, size, IN)
     for i in range(size):
         for j in range(cells.shape[1]):
             n = cavity[i]
-            if c < 0 and is_rim(neighbors, state, n, j):
+            if c < 0 and on_boundary(neighbors, state, n, j):
                 if is_hidden(cells, neighbors, state, sides, n, j):
                     c, k = n, j
     paint(state, cavity, size, OUT)
@@ -319,11 +327,11 @@ def first_hidden(cells, neighbors, state, sides, cavity, size):
 def insert_vertices(
     points, first, last, reduce, cells, neighbors, source, state, sides, place, free, counters, records
 ):
-    """Insert vertices first..last - 1; return where it stopped, and what for (for HIDDEN, also the facet; for
-    HELD, the fixed cell).
+    """Insert vertices first..last - 1; return the vertex where it stopped, the reason, a cell and a corner.
 
-    ``counters``: rows of ``cells`` in use, free rows among them, a cell near the last vertex. A vertex
-    that cannot be inserted leaves everything as it was before it.
+    The cell and the corner are the hidden facet for HIDDEN; the cell is the fixed one for HELD. ``counters``
+    are the number of used rows of ``cells``, the number of free rows among them, and a cell near the previous
+    vertex. A vertex that cannot be inserted leaves the triangulation unchanged.
     """
     width = cells.shape[1]
     cavity = np.empty(cells.shape[0], dtype=np.int64)
@@ -351,7 +359,7 @@ def insert_vertices(
         if record[BEHIND] > 0 and not reduce:
             status = HIDDEN
         slot = np.empty((left, width), dtype=np.int64)
-        made = number_rim(cells, neighbors, state, sides, kept, left, place, slot)
+        made = number_facets(cells, neighbors, state, sides, kept, left, place, slot)
         if counters[0] - counters[1] + made > cells.shape[0] and status == DONE:
             status = FULL
         if status == DONE:

@@ -1,20 +1,22 @@
 """Insertion of points into an arbitrary triangulation: Baker's modernized Bowyer-Watson (12.2.2).
 
-For a new point P: B(P), the *generalized cavity*, is the set of cells whose open circumballs hold P; its
-*principal component* is the part that hangs together through facets with the cell of P. Where P sees
-every boundary facet of it from within, its cells are replaced by the facets joined to P. Where the
-triangulation is not Delaunay, a facet may be hidden in three dimensions: then the owner of the facet is
-given up and the component taken again (*reduction*), or the point is refused.
+For a new point P, the *generalized cavity* B(P) is the set of cells whose open circumballs contain P. Its
+*principal component* is the part that is connected through facets with the cell of P. If P sees every
+boundary facet of the component from within, its cells are replaced by new cells that join these facets to P.
+If the triangulation is not Delaunay, a facet may be hidden in three dimensions. Then the owner of the facet
+(the cell of the component that has it) is dropped and the component is computed again (*reduction*), or the
+point is refused.
 
-**No vertex is lost.** Let all cells at a vertex A be in B(P), A interior to the mesh. The ray from P through
-A enters, behind A, some cell S at A. P is in the open ball of S and the points of S behind A are in the
-closed ball: so A, strictly between, is in the open ball, but it lies on the sphere of S. The same holds
-for A and P in one plane (or line) of a convex boundary, with the ray in that plane.
+**No vertex is lost.** Suppose that all cells at a vertex A in the interior of the mesh are in B(P). The ray
+from P through A enters some cell S at A behind A. P is in the open ball of S, and the points of S behind A
+are in the closed ball. So A, which is strictly between, is in the open ball. But A lies on the sphere of S, a
+contradiction. The same argument applies to A and P in one plane (or line) of a convex boundary, with the ray
+in that plane.
 
-**Every order of reduction ends at the same cavity.** While a cell stays, a facet of it hidden from P stays
-hidden, for the cavity only shrinks. So no star-shaped part of the component holds such a cell, and
-dropping only such cells ends at the largest star-shaped part. It holds the cells with P in them: together
-they are star-shaped.
+**Every order of reduction ends with the same cavity.** As long as a cell remains, a facet of it that is
+hidden from P remains hidden, because the cavity only shrinks. So no star-shaped part of the component
+contains such a cell, and dropping only such cells ends with the largest star-shaped part. It contains the
+cells with P in them, because their union is star-shaped.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from .fixed import as_cells
 
 __all__ = ["Baker", "Record", "insert"]
 
-CHUNK = 1024  # vertices between two looks at the keyboard
+CHUNK = 1024  # how many vertices are inserted before Ctrl-C is checked again
 
 
 @dataclass(frozen=True)
@@ -45,13 +47,14 @@ class Record:
     Attributes
     ----------
     vertex : the number of the new vertex
-    twin : the earlier vertex at the same place, else -1; a copy is not inserted, the rest is then 0
-    component : cells of the principal component
-    hidden : facets of the component that the point does not see
-    dropped : owners of hidden facets that were given up, one after another (not those cut off with them)
-    rounds : how often the component was taken again
-    kept : cells of the star-shaped cavity that was kept: these were replaced
-    made : cells that replaced them
+    twin : the earlier vertex at the same place, or -1; a copy is not inserted, and its other values are 0
+    component : the number of cells of the principal component
+    hidden : the number of facets of the component that the point does not see
+    rounds : how often the component was computed again
+    dropped : the number of owners of hidden facets that were dropped in all rounds, without the cells that
+        were cut off with them
+    kept : the number of cells of the star-shaped cavity, which were replaced
+    made : the number of cells that replaced them
     """
 
     vertex: NDArray[np.int64]
@@ -77,34 +80,34 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True, fixed: Any = None) ->
     mesh : Mesh
         Triangles in the plane or tetrahedra in space, positively oriented, Delaunay or not.
     point : array_like, shape (d,) or (k, d)
-        In the mesh, its boundary included.
+        Points in the mesh or on its boundary.
     reduce : bool
         Whether a component that is not star-shaped is reduced; if not, such a point is an error.
     fixed : str or array_like, optional
-        Cells that must stay: the name of a cell marker (those where it is not zero), a mask, or their
-        numbers. They take no part in any cavity; what is left of it around the point is used.
+        Cells that must remain: the name of a cell marker (the cells where it is not zero), a mask, or their
+        numbers. They are in no cavity; the part of the cavity around the point that remains is used.
 
     Returns
     -------
     Mesh
         The points of ``mesh``, then the new ones (``origin`` -1). A point equal to an earlier vertex is
-        listed in ``duplicates``. A new cell inherits the cell markers of the cell whose facet it takes over;
-        of the faces named by markers those remain that still are faces.
+        listed in ``duplicates``. A new cell inherits the cell markers of the old cell whose facet it has. Of
+        the faces in markers, those remain that are still faces of the mesh.
 
     Raises
     ------
     InputError
         For arrays of wrong shape, and for a point outside the mesh (the first such row is named).
     MeshError
-        For cells that are flat or negatively oriented, and with ``reduce=False`` where a facet is hidden;
-        for a point in a fixed cell or on its boundary.
+        For cells that are flat or negatively oriented; with ``reduce=False``, if a facet is hidden; for a
+        point in a fixed cell or on its boundary.
 
     Notes
     -----
-    From a Delaunay mesh of a convex hull this is the Bowyer-Watson algorithm, and the result is
-    Delaunay. From any other mesh the result is valid (exact signs; no vertex is lost: see the module)
-    and no more is promised. O(m) for the copy of the mesh, then O(size of the cavity) a point after a walk;
-    to insert points one at a time use `Baker`.
+    For a Delaunay mesh of a convex hull this is the Bowyer-Watson algorithm, and the result is Delaunay. For
+    any other mesh the result is valid (signs are exact, and no vertex is lost; see the module), but it need
+    not be Delaunay. Copying the mesh takes O(m); each point takes a walk and O(size of the cavity). To insert
+    points one at a time, use `Baker`.
     Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2.
     """
     growing = Baker(mesh, fixed=fixed)
@@ -137,7 +140,7 @@ class Baker:
         if mesh.size == 0 or np.any(negative):
             c = int(np.argmax(negative)) if mesh.size else -1
             raise MeshError(
-                f"cell {c} is missing, flat or negatively oriented: use mesh.oriented(), drop flat cells"
+                f"cell {c} is missing, flat or negatively oriented; use mesh.oriented() and remove flat cells"
             )
         self._old = mesh
         self._fixed = as_cells(mesh, fixed)
@@ -162,7 +165,7 @@ class Baker:
     def insert(self, points: Any, *, reduce: bool = True) -> Record:
         """Insert the rows of ``points`` (k, d), in order; see `unstruct.insert`.
 
-        Where a row raises an error, the rows before it have been inserted.
+        If a row raises an error, the rows before it have been inserted.
         """
         new = as_points(points)
         if new.shape[1] != self._points.shape[1]:
@@ -214,11 +217,13 @@ class Baker:
         exact = (scaled / self._factor == points).all(axis=1)
         if not exact.all():
             row = int(np.argmin(exact)) + start
-            raise InputError(f"vertex {row} spans too many binary orders with the others: round it to 0")
+            raise InputError(
+                f"vertex {row} has a coordinate too small to be scaled exactly with the others; round it to 0"
+            )
         return scaled
 
     def _append(self, new: NDArray[np.float64]) -> int:
-        """Store points; their first number."""
+        """Store points; return the number of the first one."""
         first, needed = self._count, self._count + len(new)
         if needed > len(self._points):
             more = max(needed - len(self._points), len(self._points))
@@ -230,7 +235,7 @@ class Baker:
         return first
 
     def _stop(self, end: int, records: NDArray[np.int64], first: int) -> Record:
-        """Keep the vertices before ``end`` and the account of copies."""
+        """Keep the vertices before ``end`` and list the copies among them."""
         self._count = end
         vertex = np.arange(first, end)
         copies = records[:, 0] >= 0
@@ -240,23 +245,23 @@ class Baker:
     def _refusal(self, point: Any, row: int, status: int, cell: int, corner: int) -> InputError | MeshError:
         if status == kernels.OUTSIDE:
             return InputError(
-                f"points[{row}] = {point.tolist()} lies outside the mesh: choose points of the mesh, or use "
+                f"points[{row}] = {point.tolist()} lies outside the mesh; choose points in the mesh, or use "
                 "unstruct.delaunay for all points together"
             )
         vertices = self._cells[cell].tolist()
         if status == kernels.HELD:
             return MeshError(
                 f"points[{row}] = {point.tolist()} is refused: it lies in the fixed cell {vertices} or on "
-                "its boundary; choose another point, or unfix the cell"
+                "its boundary; choose another point, or do not fix the cell"
             )
         facet = vertices[:corner] + vertices[corner + 1 :]
         return MeshError(
-            f"points[{row}] = {point.tolist()} is refused: of its principal component the facet {facet} "
-            f"of cell {vertices} is hidden from it; allow reduce=True, or choose another point"
+            f"points[{row}] = {point.tolist()} is refused: the facet {facet} of cell {vertices} in its "
+            "principal component is hidden from it; use reduce=True, or choose another point"
         )
 
     def _work(self) -> None:
-        """Work arrays, as long as there are rows of cells."""
+        """Create the work arrays, with one entry for each row of cells."""
         m = len(self._cells)
         self._state = np.zeros(m, dtype=np.int8)
         self._state[self._fixed] = kernels.FIXED  # rows of fixed cells never change
@@ -265,7 +270,7 @@ class Baker:
         self._free = np.append(getattr(self, "_free", np.empty(0, np.int64)), np.zeros(m, np.int64))[:m]
 
     def _grow(self) -> None:
-        """Room for twice as many cells."""
+        """Make room for twice as many cells."""
         m = len(self._cells)
         self._cells, self._neighbors = (
             np.concatenate([a, np.zeros_like(a)]) for a in (self._cells, self._neighbors)

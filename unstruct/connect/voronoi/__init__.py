@@ -1,1 +1,1 @@
-"""The dual: Voronoi diagrams, their centers, their cells within a window, nearest points."""
+"""Voronoi diagrams, the duals of Delaunay triangulations; cells cut by a window; nearest sites."""

@@ -1,7 +1,8 @@
 """The coordinates of a Voronoi diagram: its vertices and the directions of its rays.
 
-The combinatorics are exact; coordinates are rounded, but carefully. A center is computed relative to a
-site on its sphere, so that a far offset costs nothing, and flat simplices go through integer arithmetic.
+The combinatorics are exact; coordinates are rounded. A center is computed relative to a site on its sphere,
+so that large coordinates of all sites cause no loss of accuracy. Nearly flat simplices are treated with
+integer arithmetic.
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ __all__ = ["local_circumcenters", "outward_normals", "volumes"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-FLAT = 1e-3  # determinant over the product of edge lengths, below which integers take over
+FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
 
 
 def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
     """Circumcenters of the points times ``scale``, as (corner, offset from that corner).
 
-    For each simplex the corner is tried from which its edges are least parallel; errors are then about
-    1e-12 of the circumradius. Where all are nearly parallel the offset is computed exactly and rounded
-    once; beyond the range of doubles it is infinite. ``scale``: a power of two that makes them at most 1.
+    ``scale`` is a power of two that makes all coordinates at most 1 in magnitude. For each simplex, the first
+    corner from which the edges are far from parallel is taken; errors are then about 1e-12 of the
+    circumradius. If there is no such corner, the offset is computed exactly and rounded once. An offset
+    beyond the range of doubles is infinite.
     """
     m, width = simplices.shape
     scaled = points * scale
@@ -49,13 +51,13 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
 
 
 def volumes(points: Floats, simplices: Ints, scale: float) -> Floats:
-    """d! times the volumes of simplices of the points times ``scale``, rounded: to compare by size."""
+    """d! times the volumes of simplices of the points times ``scale``; rounded, for comparisons of size."""
     corners = points[simplices] * scale
     return np.abs(_determinants(corners[:, 1:] - corners[:, :1]))
 
 
 def _determinants(rows: Floats) -> Floats:
-    """Determinants (m, d, d): by the plain formulas up to d = 3, which are exact on small integers."""
+    """Determinants of matrices (m, d, d); for d <= 3 by plain formulas, which are exact on small integers."""
     d = rows.shape[1]
     if d == 0:
         return np.ones(len(rows))
@@ -71,7 +73,7 @@ def _determinants(rows: Floats) -> Floats:
 
 
 def _solve(rows: Floats, right: Floats) -> Floats:
-    """Solutions of systems (m, d, d): by Cramer's rule up to d = 3."""
+    """Solutions of linear systems (m, d, d), by Cramer's rule up to d = 3."""
     d = rows.shape[1]
     if d > 3:
         return _eliminated(rows, right)[1]
@@ -117,7 +119,7 @@ def _exact_offset(corners: list[list[float]], factor: float) -> list[float]:
 
 
 def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], scale: float) -> Floats:
-    """Unit normals, away from the cell, of facets given as cell (d + 1) + corner."""
+    """Unit normals, pointing away from the cell, of facets given as numbers cell * (d + 1) + corner."""
     width = simplices.shape[1]
     cell, corner = facets // width, facets % width
     keep = np.array([[j for j in range(width) if j != i] for i in range(width)])
@@ -154,7 +156,7 @@ def _integer_rows(corners: list[list[float]]) -> tuple[list[list[int]], int]:
 
 
 def _determinant(rows: Sequence[Sequence[int]]) -> int:
-    """By minors of the first row: small integer matrices."""
+    """The determinant of a small integer matrix, by minors of its first row."""
     if not rows:
         return 1
     head, rest = rows[0], rows[1:]

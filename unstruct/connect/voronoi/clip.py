@@ -1,6 +1,6 @@
 """Planar Voronoi cells cut by a convex window, with their areas and moments.
 
-Each cell is treated relative to its site, so that a far offset costs no figures.
+Each cell is computed relative to its site, so that large coordinates cause no loss of accuracy.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def as_window(clip: ArrayLike) -> Floats:
     Raises
     ------
     InputError
-        Where the shape is wrong, a coordinate is not finite, or the polygon is empty or not convex
-        (decided exactly).
+        If the shape is wrong, a coordinate is not finite, or the polygon is empty or not convex (which is
+        decided exactly).
     """
     try:
         window = np.array(clip, dtype=np.float64)
@@ -35,7 +35,7 @@ def as_window(clip: ArrayLike) -> Floats:
         raise InputError(f"clip is not an array of real numbers: {error}") from None
     if window.ndim != 2 or window.shape[1] != 2 or len(window) < 2:
         raise InputError(
-            f"clip has shape {window.shape}; give a box ((x0, y0), (x1, y1)) "
+            f"clip has shape {window.shape}; it must be a box ((x0, y0), (x1, y1)) "
             "or the corners (k, 2) of a convex polygon"
         )
     bad = np.flatnonzero(~np.isfinite(window).all(axis=1))
@@ -45,7 +45,7 @@ def as_window(clip: ArrayLike) -> Floats:
         (x0, y0), (x1, y1) = window
         if not (x0 < x1 and y0 < y1):
             raise InputError(
-                f"the box {window.tolist()} is empty; give its lower left, then its upper right corner"
+                f"the box {window.tolist()} is empty; give its lower left corner, then its upper right one"
             )
         return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     turns = np.atleast_1d(
@@ -55,18 +55,18 @@ def as_window(clip: ArrayLike) -> Floats:
         window, turns = window[::-1].copy(), -turns[::-1]
     window, straight = window[turns != 0], turns[turns != 0]
     if len(window) < 3:
-        raise InputError("the corners of clip are collinear: they enclose nothing")
+        raise InputError("the corners of clip are collinear; they must enclose an area")
     fan = orient(
         np.stack([np.broadcast_to(window[0], (len(window) - 2, 2)), window[1:-1], window[2:]], axis=1)
     )
     if (straight < 0).any() or (np.atleast_1d(fan) <= 0).any():
-        raise InputError("clip is not convex; cut it into convex pieces and clip by each")
+        raise InputError("clip is not convex; divide it into convex polygons and clip by each of them")
     return window
 
 
 @inline
 def _cut(x, y, size, nx, ny, level, newx, newy):
-    """Keep of a convex polygon the part where n . x <= level; write it to ``new``, return its size."""
+    """Write the part of a convex polygon where n . x <= level to ``newx``, ``newy``; return its size."""
     kept = 0
     for k in range(size):
         j = k + 1 if k + 1 < size else 0
@@ -84,7 +84,7 @@ def _cut(x, y, size, nx, ny, level, newx, newy):
 
 @inline
 def _inside(x, y, size, window, px, py):
-    """Whether all corners, relative to the site p, lie in the window."""
+    """Whether all corners, given relative to the site p, lie in the window."""
     w = window.shape[0]
     for i in range(w):
         ax, ay = window[i, 0] - px, window[i, 1] - py
@@ -97,10 +97,11 @@ def _inside(x, y, size, window, px, py):
 
 @kernel
 def _clip(points, window, start, ring, base, offset, link, linked, v, ends, corners, moments):
-    """Cells from site ``v`` on, until ``corners`` is full; return the first site left out.
+    """Write the cells from site ``v`` on, until ``corners`` is full; return the first site that is left.
 
-    A bounded cell inside the window keeps its own corners. Any other is the window, cut by the bisectors
-    with its neighbors. ``moments``: area, the integrals of x, y and |x|^2, all relative to the site.
+    A bounded cell inside the window keeps its own corners. Any other cell is the window, cut by the bisectors
+    between the site and its neighbors. ``moments`` receives the area and the integrals of x, y and |x|^2,
+    all relative to the site.
     """
     w = window.shape[0]
     most = 0
@@ -142,7 +143,10 @@ def _clip(points, window, start, ring, base, offset, link, linked, v, ends, corn
 
 @inline
 def _integrate(x, y, size, moments, v):
-    """Area and moments about the origin of a convex polygon: no term is negative, so none cancels."""
+    """Area and moments about the origin of a convex polygon; return the area.
+
+    The polygon is divided into triangles, all with areas of one sign, so that areas do not cancel.
+    """
     area, mx, my, inertia = 0.0, 0.0, 0.0, 0.0
     for j in range(1, size - 1):
         k = j + 1
@@ -171,26 +175,28 @@ def clip_cells(
     Parameters
     ----------
     points : (n, 2) array
-        The sites; those with an empty ring (copies) get an empty polygon.
+        The sites; those with an empty ring (copies of other sites) get an empty polygon.
     window : (w, 2) array
-        From `as_window`.
+        The result of `as_window`.
     rings, links : compressed rows
-        Voronoi vertices and neighbors of each site.
+        The Voronoi vertices and the neighbors of each site.
     centers : (site, offset)
         The Voronoi vertices, from `local_circumcenters`.
 
     Returns
     -------
     polygons : list of (k, 2) arrays
-        Counterclockwise; empty where a cell misses the window.
+        Corners in counterclockwise order; an empty array for a cell that does not meet the window.
     moments : (n, 4) array
-        Area, and the integrals of x, y and |x|^2 relative to each site.
+        The area, and the integrals of x, y and |x|^2 relative to each site.
     """
     n = len(points)
     moments, polygons = np.empty((n, 4)), []
     room = max(6 * min(n, 200_000), 2 * len(window) + 2 * int(np.diff(links[0]).max(initial=0)) + 2)
     v = 0
-    while v < n:  # a part at a time: an interrupt is heard, and many-cornered windows need no more memory
+    # Cells are cut in parts, so that the computation can be interrupted and windows with many corners do not
+    # need more memory.
+    while v < n:
         corners, ends = np.empty((room, 2)), np.empty(n, dtype=np.int64)
         last = _clip(points, window, *rings, *centers, *links, v, ends, corners, moments)
         polygons += np.split(corners[: ends[last - 1]], ends[v : last - 1])

@@ -1,4 +1,4 @@
-"""Voronoi diagrams: the duals of Delaunay triangulations (12.2.1 of the chapter, 2.1 of the book)."""
+"""Voronoi diagrams, the duals of Delaunay triangulations (12.2.1 of the chapter, 2.1 of the book)."""
 
 from __future__ import annotations
 
@@ -33,28 +33,28 @@ def voronoi(points: ArrayLike) -> Voronoi:
     Parameters
     ----------
     points : array_like, shape (n, d)
-        The sites: finite, not all in one hyperplane. Equal sites share a region.
+        The sites. They must be finite and not all in one hyperplane. Equal sites share a region.
 
     Returns
     -------
     Voronoi
-        With SciPy's names for vertices, ridges and regions.
+        The diagram; its vertices, ridges and regions have the same names as in SciPy.
 
     Raises
     ------
     InputError
         For a wrong shape or type, or coordinates that are not finite.
     DegenerateInputError
-        Where the sites lie in a hyperplane: their cells are then prisms over the diagram of that
-        hyperplane, and have no vertices. Project the sites onto it.
+        If the sites lie in a hyperplane. Their cells are then prisms over the diagram in that hyperplane, and
+        have no vertices; project the sites onto it.
 
     Notes
     -----
-    The dual of `unstruct.delaunay`, so that the combinatorics are exact: which vertices lie round a cell,
-    which cells share a ridge, which are unbounded. Sites on a common empty sphere share one vertex: four
-    corners of a square have one, of degree four. Cost: that of `delaunay`, and O(size of the diagram).
-    Book: 2.1. Sources: G. L. Dirichlet, J. reine angew. Math. 40 (1850) 209-227; G. Voronoi, ibid. 134
-    (1908) 198-287; B. Delaunay, Bull. Acad. Sci. URSS (1934) 793-800.
+    The diagram is the dual of `unstruct.delaunay`, so that its combinatorics are exact: which vertices lie
+    around a cell, which cells share a ridge, and which are unbounded. Sites on a common empty sphere share
+    one vertex; for example, the four corners of a square have one vertex of degree four. The cost is that of
+    `delaunay`, plus O(size of the diagram). Book: 2.1. Sources: G. L. Dirichlet, J. reine angew. Math. 40
+    (1850) 209-227; G. Voronoi, ibid. 134 (1908) 198-287; B. Delaunay, Bull. Acad. Sci. URSS (1934) 793-800.
 
     Examples
     --------
@@ -71,11 +71,11 @@ def voronoi(points: ArrayLike) -> Voronoi:
 
 
 class Relaxation(NamedTuple):
-    """What `Voronoi.relax` did."""
+    """The result of `Voronoi.relax`."""
 
-    voronoi: Voronoi  # of the moved sites
-    energies: Floats  # before each iteration and after the last
-    idle: NDArray[np.int64]  # sites that did not move in the last iteration: their cells miss the window
+    voronoi: Voronoi  # the diagram of the moved sites
+    energies: Floats  # the energies before each iteration and after the last one
+    idle: NDArray[np.int64]  # the sites whose cells in the last diagram do not meet the window
 
 
 class Voronoi:
@@ -84,14 +84,14 @@ class Voronoi:
     Parameters
     ----------
     mesh : Mesh
-        A Delaunay triangulation of full dimension, as `unstruct.delaunay` makes it.
+        A Delaunay triangulation of full dimension, for example from `unstruct.delaunay`.
 
     Attributes
     ----------
     points : ndarray, shape (n, d)
         The sites, as given.
     vertices : ndarray, shape (v, d)
-        Each the center of an empty sphere through at least d + 1 sites. Infinite where it lies beyond
+        Each vertex is the center of an empty sphere through at least d + 1 sites; infinite if it lies beyond
         the range of doubles.
     ridge_points : ndarray of int32, shape (r, 2)
         The two sites of each ridge, a facet between two cells.
@@ -100,9 +100,9 @@ class Voronoi:
     simplex_vertex : ndarray of int32, shape (m,)
         The vertex at the circumcenter of each Delaunay simplex.
     ray_vertices, ray_directions : ndarrays, shapes (h,), (h, d)
-        The unbounded edges: where each starts, and its unit direction.
+        The unbounded edges: the vertex where each starts, and its unit direction.
     duplicates : ndarray of int32, shape (c, 2)
-        Rows (copy, kept): equal sites.
+        Equal sites, as rows (copy, kept).
     mesh : Mesh
         The Delaunay mesh.
     """
@@ -120,11 +120,11 @@ class Voronoi:
         used = np.zeros(n, dtype=bool)
         used[simplices] = True
         used[self.duplicates[:, 0]] = False
-        self._sites = np.flatnonzero(used)  # the site that stands for each region
+        self._sites = np.flatnonzero(used)  # the site that represents each region
         self.point_region = np.full(n, -1, dtype=np.int32)
         self.point_region[self._sites] = np.arange(len(self._sites))
         self.point_region[self.duplicates[:, 0]] = self.point_region[self.duplicates[:, 1]]
-        self._cells = self.point_region[simplices]  # simplices of regions
+        self._cells = self.point_region[simplices]  # the simplices, with numbers of regions as corners
         self._scale = power_of_two(points)
         self.simplex_vertex = cospherical_groups(points, simplices, mesh.neighbors)
         own = points[self._sites]
@@ -138,18 +138,18 @@ class Voronoi:
         self.ray_directions = outward_normals(own, self._cells, facets, self._scale) + 0.0  # no -0.0
 
     def _centers(self, own: Floats) -> tuple[Ints, Floats]:
-        """One center for each vertex: from the largest of its simplices."""
+        """One center for each vertex, computed from the largest of its simplices."""
         cells = self._cells
         if len(cells) > self.simplex_vertex.max() + 1:
             order = np.lexsort((-volumes(own, cells, self._scale), self.simplex_vertex))
             cells = cells[order[np.unique(self.simplex_vertex[order], return_index=True)[1]]]
         return local_circumcenters(own, cells, self._scale)
 
-    # --- regions and ridges as lists, as SciPy has them --------------------------------------------
+    # --- regions and ridges as lists, as in SciPy --------------------------------------------------
 
     @cached_property
     def _rings(self) -> tuple[NDArray[np.int64], Ints]:
-        """Vertices round each region, compressed: in the plane counterclockwise; -1 first if unbounded."""
+        """Vertices around each region, compressed; counterclockwise in the plane; -1 first if unbounded."""
         count, (m, width) = len(self._sites), self._cells.shape
         start = np.zeros(count + 1, dtype=np.int64)
         if width == 3:
@@ -166,7 +166,7 @@ class Voronoi:
 
     @cached_property
     def unbounded(self) -> NDArray[np.bool_]:
-        """Whether each region is unbounded: so it is where its site lies on the boundary of the hull."""
+        """Whether each region is unbounded, that is, whether its site is on the boundary of the hull."""
         cell, corner = np.nonzero(self.mesh.neighbors < 0)
         on_hull = np.zeros(len(self._sites), dtype=bool)
         for k in range(self._cells.shape[1]):
@@ -175,14 +175,14 @@ class Voronoi:
 
     @cached_property
     def regions(self) -> list[list[int]]:
-        """Vertices of each region; -1, first, stands for infinity. In the plane counterclockwise."""
+        """Vertices of each region, counterclockwise in the plane; a leading -1 stands for infinity."""
         return _lists(*self._rings)
 
     @cached_property
     def ridge_vertices(self) -> list[list[int]]:
-        """Vertices of each ridge, in space in cyclic order; -1, first, stands for infinity.
+        """Vertices of each ridge, in cyclic order in space; a leading -1 stands for infinity.
 
-        In space and beyond SciPy leaves out unbounded ridges with few vertices; here none is missing.
+        From three dimensions on, SciPy omits unbounded ridges with few vertices; here none is missing.
         """
         if self.points.shape[1] == 2:
             return self._ridges.vertices.reshape(-1, 2).tolist()
@@ -190,19 +190,19 @@ class Voronoi:
 
     @cached_property
     def ridge_rays(self) -> list[list[int]]:
-        """The rays that bound each ridge: in the plane the one, in space from its first and last vertex."""
+        """The rays that bound each ridge: one in the plane, two in space (at its first and last vertex)."""
         return _lists(self._ridges.ray_start, self._ridges.rays)
 
     @cached_property
     def _links(self) -> tuple[NDArray[np.int64], Ints]:
-        """Neighbors of each region, compressed."""
+        """The neighbors of each region, compressed."""
         pairs = self._ridges.points
         tail, head = np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
         order = np.lexsort((head, tail))
         return np.concatenate([[0], np.cumsum(np.bincount(tail, minlength=len(self._sites)))]), head[order]
 
     def neighbors(self, region: int) -> list[int]:
-        """The regions that share a ridge with one."""
+        """The regions that share a ridge with ``region``."""
         start, linked = self._links
         return linked[start[region] : start[region + 1]].tolist()
 
@@ -214,17 +214,17 @@ class Voronoi:
         Parameters
         ----------
         clip : array_like, optional
-            A window, as for `clip` (2D).
+            A window, as for `clip` (only in the plane).
 
         Returns
         -------
         ndarray, shape (regions,)
-            ``inf`` for unbounded regions without a window. ``areas()[point_region]`` is by site.
+            ``inf`` for unbounded regions without a window. ``areas()[point_region]`` has the areas by site.
 
         Notes
         -----
-        A cell is cut into pyramids over its ridges with the site as apex: half the distance of the two
-        sites is the height, so no term is negative.
+        A cell is divided into pyramids over its ridges with the site as apex. The height of a pyramid is half
+        the distance of the two sites, so no term is negative.
         """
         if clip is not None:
             return self._unscaled(self._clipped(clip)[1][:, 0], 2)
@@ -239,14 +239,14 @@ class Voronoi:
         return self._unscaled(total, d)
 
     def _unscaled(self, values: Any, power: int) -> Any:
-        """Scaled quantities in the unit of the input; ``scale**power`` itself might underflow."""
+        """Scaled quantities in the units of the input; ``scale**power`` itself might underflow."""
         with np.errstate(over="ignore", under="ignore"):
             for _ in range(power):
                 values = values / self._scale
         return values
 
     def _ridge_sizes(self, own: Floats) -> Floats:
-        """Lengths or areas of the bounded ridges (scaled); 0 for unbounded ones."""
+        """Scaled lengths or areas of the bounded ridges; 0 for unbounded ones."""
         ridges, d = self._ridges, self.points.shape[1]
         count = np.diff(ridges.start)
         owner = np.repeat(np.arange(len(count)), count)
@@ -276,24 +276,24 @@ class Voronoi:
         Returns
         -------
         list of ndarray, shapes (k, 2)
-            Corners of each region counterclockwise; none where it misses the window.
+            The corners of each region, counterclockwise; none if it does not meet the window.
 
         Raises
         ------
         InputError
-            For a window that is not convex or is empty, and for diagrams not in the plane.
+            For a window that is not convex or is empty, and for a diagram that is not planar.
         """
         return [polygon / self._scale for polygon in self._clipped(window)[0]]
 
     def _clipped(self, window: ArrayLike) -> tuple[list[Floats], Floats]:
         """Polygons and moments, both in scaled units."""
         if self.points.shape[1] != 2:
-            raise InputError(f"a window cuts planar diagrams, not those in {self.points.shape[1]} dimensions")
+            raise InputError(f"a window needs a planar diagram, not one in {self.points.shape[1]} dimensions")
         own, box = self.points[self._sites] * self._scale, as_window(window) * self._scale
         polygons, moments = clip_cells(own, box, self._rings, (self._base, self._offset), self._links)
         if not np.isfinite(moments).all():
             raise InputError(
-                "the window is too large for the spacing of the sites: areas overflow; shrink it"
+                "the window is too large for the spacing of the sites, so that areas overflow; shrink it"
             )
         return polygons, moments
 
@@ -304,22 +304,22 @@ class Voronoi:
         ----------
         iterations : int
         clip : array_like, optional
-            The window that the cells are cut by, as for `clip`; by default the bounding box of the sites.
+            The window by which the cells are cut, as for `clip`; by default the bounding box of the sites.
 
         Returns
         -------
         Relaxation
             The last diagram; the energies (the integral over the window of the squared distance to the
-            nearest site), which never rise but for rounding; the sites whose cells miss the window and
-            which therefore stay.
+            nearest site), which never rise except by rounding; and the sites whose cells do not meet the
+            window, which therefore do not move.
 
         Notes
         -----
-        Source: S. P. Lloyd, IEEE Trans. Inform. Theory 28 (1982) 129-137. Each step lowers the energy
-        twice: the centroid is the best site for a cell, the nearest site the best for a point.
+        Source: S. P. Lloyd, IEEE Trans. Inform. Theory 28 (1982) 129-137. Each step lowers the energy for two
+        reasons: the centroid is the best site for a cell, and the nearest site is the best one for a point.
         """
         if iterations < 0:
-            raise InputError(f"{iterations} iterations; give a number from 0 on")
+            raise InputError(f"iterations = {iterations} must be at least 0")
         window = np.stack([self.points.min(axis=0), self.points.max(axis=0)]) if clip is None else clip
         diagram, energies = self, []
         moments = self._clipped(window)[1]
@@ -343,12 +343,12 @@ class Voronoi:
         return NearestSite(self.points, lowest)
 
     def nearest(self, x: ArrayLike) -> Any:
-        """The nearest site, exactly; of several at the same distance the first.
+        """The nearest site, exactly; of several at the same distance, the first one.
 
         Parameters
         ----------
         x : array_like, shape (..., d)
-            Any finite points.
+            Query points; any finite coordinates are allowed.
 
         Returns
         -------
@@ -357,7 +357,7 @@ class Voronoi:
 
         Notes
         -----
-        A search tree finds the candidates in O(log n); where two distances agree to ten figures rational
+        A search tree finds the candidates in O(log n). If two distances agree to ten digits, rational
         arithmetic decides.
         """
         return self._search(x)

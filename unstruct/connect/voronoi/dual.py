@@ -1,8 +1,8 @@
-"""The combinatorics of a Voronoi diagram, read off a Delaunay triangulation exactly.
+"""The combinatorics of a Voronoi diagram, derived from a Delaunay triangulation exactly.
 
 Simplices on one common sphere form a *group* and share one Voronoi vertex, the center of that sphere.
-A Delaunay edge is dual to a ridge, unless it is a diagonal that merely cuts a cospherical group up:
-then the cells of its two sites meet in less than a facet. Coordinates enter through exact signs only.
+A Delaunay edge is dual to a ridge, unless it is a diagonal that only divides a cospherical group; the cells
+of its two sites then meet in less than a facet. Coordinates enter through exact signs only.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ __all__ = [
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-BLOCK = 1 << 18  # facets tested at a time, for the sake of memory
+BLOCK = 1 << 18  # how many facets are tested at a time, to bound the memory
 
 
 class Ridges(NamedTuple):
     """Facets between cells. Rows of varying length are compressed: row r is flat[start[r]:start[r + 1]]."""
 
-    points: Ints  # (r, 2) the two sites
-    start: NDArray[np.int64]  # (r + 1,)
-    vertices: Ints  # groups round each ridge, -1 first where it is unbounded
-    ray_start: NDArray[np.int64]  # (r + 1,)
-    rays: Ints  # rays of each ridge: of the first listed vertex, then of the last (one in the plane)
-    ray_facets: NDArray[np.int64]  # (h,) the facet of the hull behind each ray: cell (d + 1) + corner
+    points: Ints  # (r, 2) the two sites of each ridge
+    start: NDArray[np.int64]  # (r + 1,) starts of the rows of `vertices`
+    vertices: Ints  # the groups around each ridge, with -1 first if it is unbounded
+    ray_start: NDArray[np.int64]  # (r + 1,) starts of the rows of `rays`
+    rays: Ints  # rays of each ridge: at the first listed vertex, then at the last (only one in the plane)
+    ray_facets: NDArray[np.int64]  # (h,) the facet of the hull behind each ray, as cell * (d + 1) + corner
 
 
 def cospherical_groups(points: Floats, simplices: Ints, neighbors: Ints) -> Ints:
-    """Number the simplices such that two have the same number where they have the same circumsphere.
+    """Number the simplices such that two have the same number exactly when they have the same circumsphere.
 
-    All simplices on one sphere fill a convex polytope, so they hang together through facets, and the
-    tests of neighbors find them all. Groups are numbered by their first simplex.
+    All simplices on one sphere fill a convex polytope, so they are connected through facets, and tests of
+    neighbors find them all. Groups are numbered in the order of their first simplices.
     """
     m = len(simplices)
     cell, corner = np.nonzero(neighbors > np.arange(m)[:, None])
@@ -76,7 +76,7 @@ def _linked(size: int, links: NDArray[np.int64]) -> Ints:
 
 
 def find_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints) -> Ridges:
-    """The ridges, by the way that suits the dimension; all ways find the same."""
+    """The ridges, by the method for the dimension; all methods find the same ridges."""
     if simplices.shape[1] == 3:
         return planar_ridges(simplices, neighbors, group)
     if simplices.shape[1] == 4:
@@ -88,7 +88,7 @@ def find_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints) -
 
 
 def planar_ridges(simplices: Ints, neighbors: Ints, group: Ints) -> Ridges:
-    """Ridges of a planar diagram: each edge between two groups, or between one and the outside."""
+    """Ridges of a planar diagram, one for each edge between two groups or between a group and the outside."""
     m = len(simplices)
     cell, corner = np.nonzero((neighbors > np.arange(m)[:, None]) | (neighbors < 0))
     other = neighbors[cell, corner]
@@ -111,14 +111,14 @@ def planar_ridges(simplices: Ints, neighbors: Ints, group: Ints) -> Ridges:
 
 @kernel
 def planar_rings(simplices, neighbors, group, first, start, ring):
-    """Voronoi vertices round each site, counterclockwise, -1 first where its cell is unbounded.
+    """Voronoi vertices around each site, counterclockwise, with -1 first if its cell is unbounded.
 
-    Fills ``start`` (sites + 1) and ``ring``; ``first`` is scratch. Returns the length of the ring.
+    ``start`` (sites + 1) and ``ring`` are filled; ``first`` is a work array. Returns the length of the ring.
 
             b
-           / \\         t = (v, a, b); the next cell counterclockwise round v
-          /   \\        lies beyond v b, opposite a; the one before it
-         v --- a        beyond v a, opposite b.
+           / \\         t = (v, a, b). The next cell counterclockwise around v lies
+          /   \\        beyond the edge v b, opposite a; the previous cell lies
+         v --- a        beyond the edge v a, opposite b.
     """
     for v in range(first.size):
         first[v] = -1
@@ -160,13 +160,13 @@ def _corner(simplices, t, v):
 
 # --- space ----------------------------------------------------------------------------------------
 
-# Even permutations: seen along p -> q, the simplex (p, q, a, b) turns counterclockwise from a to b.
+# The rows are even permutations: seen along p -> q, simplex (p, q, a, b) turns counterclockwise from a to b.
 EDGES = np.array([[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]])
 
 
 @inline
 def _fourth(simplices, t, p, q, r):
-    """The vertex of tetrahedron t besides p, q, r."""
+    """The vertex of tetrahedron t other than p, q, r."""
     for k in range(4):
         v = simplices[t, k]
         if v != p and v != q and v != r:
@@ -176,9 +176,9 @@ def _fourth(simplices, t, p, q, r):
 
 @kernel
 def _turn(simplices, neighbors, t, p, q, a, b, least):
-    """Turn round the edge p q, from t = (p, q, a, b) across the facet p q b, and so on.
+    """Turn around the edge p q, from t = (p, q, a, b) across the facet p q b, and so on.
 
-    Returns (last cell, a, b) there, with last = -1 where the turn met a cell below ``least``.
+    Returns the last cell and its corners a, b; the cell is -1 if the turn met a cell below ``least``.
     """
     s = t
     while True:
@@ -193,10 +193,10 @@ def _turn(simplices, neighbors, t, p, q, a, b, least):
 
 @kernel
 def _spatial(simplices, neighbors, group, pairs, start, ring, ends, thirds):
-    """Rings of groups round all edges, each edge seen from the least cell that has it.
+    """Rings of groups around all edges; each edge is found from the smallest cell that contains it.
 
-    ``ends[r]``: the first and the last facet on the hull (4 cell + corner), -1 for closed rings;
-    ``thirds[r]``: their vertices besides the edge. Returns the number of rings.
+    ``ends[r]`` receives the first and the last facet on the hull (4 * cell + corner), or -1 for closed rings;
+    ``thirds[r]`` receives their vertices other than those of the edge. Returns the number of rings.
     """
     count, size = 0, 0
     for t in range(simplices.shape[0]):
@@ -208,7 +208,7 @@ def _spatial(simplices, neighbors, group, pairs, start, ring, ends, thirds):
                 continue
             open_end = neighbors[last, _corner(simplices, last, la)] < 0
             s, begin = t, size
-            if open_end:  # turn backwards: with p, q and a, b exchanged
+            if open_end:  # turn in the other direction, with p, q and a, b exchanged
                 s, b, a = _turn(simplices, neighbors, t, q, p, b, a, t)
                 if s < 0:
                     continue
@@ -236,7 +236,7 @@ def _spatial(simplices, neighbors, group, pairs, start, ring, ends, thirds):
 
 
 def spatial_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints) -> Ridges:
-    """Ridges of a diagram in space, their vertices in cyclic order (counterclockwise along the edge)."""
+    """Ridges of a diagram in space, with vertices in cyclic order (counterclockwise along the edge)."""
     m = len(simplices)
     outer = np.flatnonzero(neighbors.ravel() < 0)
     most = 6 * m
@@ -246,7 +246,7 @@ def spatial_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints
     count = _spatial(simplices, neighbors, group, pairs, start, ring, ends, thirds)
     pairs, ends, thirds, start = pairs[:count], ends[:count], thirds[:count], start[: count + 1]
     length, is_open = np.diff(start), ends[:, 0] >= 0
-    # Round a diagonal there are at most two groups; on the hull one, between coplanar facets.
+    # Around a diagonal there are at most two groups; on the hull there is one, between coplanar facets.
     kept = length >= 3
     doubtful = np.flatnonzero(is_open & (length == 2))
     bent = orient(points[np.hstack([pairs[doubtful], thirds[doubtful]])]) != 0
@@ -267,7 +267,7 @@ def spatial_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints
 def _merge_rays(
     size: int, outer: NDArray[np.int64], same: NDArray[np.int64]
 ) -> tuple[Ints, NDArray[np.int64]]:
-    """Number the facets of the hull; pairs in ``same`` (one vertex, one plane) get the same number."""
+    """Number the facets of the hull; pairs in ``same`` (with one vertex and one plane) share a number."""
     place = np.full(size, -1, dtype=np.int64)
     place[outer] = np.arange(len(outer))
     label = _linked(len(outer), place[same.reshape(-1, 2)])
@@ -281,11 +281,11 @@ def _merge_rays(
 
 
 def general_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints) -> Ridges:
-    """Ridges in any dimension, their vertices in increasing order.
+    """Ridges in any dimension, with vertices in increasing order.
 
-    The smallest face of the Delaunay complex that holds an edge is the intersection of all the
-    polytopes (groups) and all the flat faces of the hull that hold it. The edge is dual to a ridge
-    where that face is the edge itself.
+    The smallest face of the Delaunay complex that contains an edge is the intersection of all the polytopes
+    (groups) and all the flat faces of the hull that contain it. The edge is dual to a ridge exactly when that
+    face is the edge itself.
     """
     width = simplices.shape[1]
     outer = np.flatnonzero(neighbors.ravel() < 0)
@@ -316,7 +316,10 @@ def general_ridges(points: Floats, simplices: Ints, neighbors: Ints, group: Ints
 def _coplanar(
     points: Floats, facets: list[frozenset[int]], group: Ints
 ) -> tuple[NDArray[np.int64], list[set[int]]]:
-    """Pairs of facets in one hyperplane with one Voronoi vertex; and all sites of each one's hyperplane."""
+    """Pairs of facets with one hyperplane and one Voronoi vertex; the sites in each facet's hyperplane.
+
+    The sites are those of all facets that are connected to it within the hyperplane.
+    """
     ridges: dict[frozenset[int], list[int]] = {}
     for place, facet in enumerate(facets):
         for v in facet:

@@ -1,4 +1,4 @@
-"""The nearest of many sites, exactly: a search tree, and rational arithmetic where it is a near tie."""
+"""The nearest of many sites, exactly: by a search tree, and by rational arithmetic for near ties."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ __all__ = ["NearestSite"]
 
 Floats = NDArray[np.float64]
 
-CLOSE = 1e-10  # relative difference of two distances above which rounding cannot exchange them
-TINY = 1e-140  # scaled distances below which squares underflow
-FAR = 1e100  # scaled queries beyond which squares might overflow
+CLOSE = 1e-10  # rounding cannot change the order of two distances with a larger relative difference
+TINY = 1e-140  # the squares of smaller scaled distances underflow
+FAR = 1e100  # the squares of larger scaled coordinates might overflow
 
 
 class NearestSite:
@@ -26,9 +26,9 @@ class NearestSite:
     Parameters
     ----------
     points : (n, d) array
-        Finite.
+        Finite coordinates.
     sites : (s,) array of int
-        The rows of ``points`` to choose from: distinct points, two at least.
+        The rows of ``points`` that are searched: at least two distinct points.
     """
 
     def __init__(self, points: Floats, sites: NDArray[np.intp]):
@@ -39,14 +39,14 @@ class NearestSite:
         self._tree = cKDTree(points[sites] * self._scale)
 
     def __call__(self, x: ArrayLike) -> Any:
-        """Indices of the nearest sites, shape (...), of queries (..., d): the least index in a tie."""
+        """Indices of the nearest sites, shape (...), for queries (..., d); in a tie, the smallest index."""
         query, d = np.asarray(x, dtype=np.float64), self.points.shape[1]
         if query.ndim == 0 or query.shape[-1] != d:
             raise InputError(f"x has shape {query.shape}; with sites in {d} dimensions it must be (..., {d})")
         flat = query.reshape(-1, d)
         bad = np.flatnonzero(~np.isfinite(flat).all(axis=1))
         if len(bad):
-            raise InputError(f"query {bad[0]} is {flat[bad[0]].tolist()}, not finite; drop it")
+            raise InputError(f"query {bad[0]} = {flat[bad[0]].tolist()} is not finite; remove it first")
         with np.errstate(over="ignore"):
             scaled = flat * self._scale
         far = np.abs(scaled).max(axis=1) >= FAR

@@ -1,1 +1,1 @@
-"""Face by face: gift wrapping of given points and from a given front."""
+"""Gift wrapping: a triangulation of given points, cell by cell, also from a given front."""

@@ -1,8 +1,8 @@
 """Kernels of gift wrapping: the apex of a face, found in a k-d tree with a shrinking ball.
 
-A face is a row of d + 1 vertices with one free slot k; its free side is where the row becomes positive
-with an apex in the slot. All decisions are exact signs; floating point only leaves out boxes and points
-that are certainly outside (bounds below).
+A face is a row of d + 1 vertices with one free slot k. Its free side contains the points that make the row
+positive if they are put into the slot. All decisions are made by exact signs; floating point only skips
+boxes and points that are certainly outside, by the error bounds below.
 """
 
 from __future__ import annotations
@@ -17,17 +17,18 @@ from .front import admitted
 __all__ = ["find_apex", "holds_vertex", "tie"]
 
 EPS = 2.0**-53
-TINY = 1e-300  # covers underflow, for |coordinates| <= 1
-NONE, SEEN = -1, -2  # no vertex on the free side; some, but none is admitted
+TINY = 1e-300  # a bound for the effect of underflow if |coordinates| <= 1
+NONE, SEEN = -1, -2  # NONE: no vertex is on the free side; SEEN: there are some, but none is admitted
 
 
 @kernel
 def tie(points, rank, row, q):
     """In-sphere sign of q when cospherical points are moved infinitesimally; never 0.
 
-    Lift v to |p_v|^2 + e(v), with e growing without bound from rank to rank. With barycentric coordinates
-    c_v of q, the lifted q is sum c_v e(v) - e(q) below the hyperplane of the lifted row. The highest rank
-    decides: q itself for outside, another vertex by the sign of its c_v, unless that is 0.
+    Each vertex v is lifted to |p_v|^2 + e(v), where e grows without bound from rank to rank. Let c_v be the
+    barycentric coordinates of q. Then the lifted q is sum c_v e(v) - e(q) below the hyperplane of the lifted
+    row. The vertex of the highest rank decides: if it is q, then q is outside; if it is another vertex v, the
+    sign of c_v decides, unless it is 0.
     """
     limit = np.int64(2**62)
     while True:
@@ -45,10 +46,10 @@ def tie(points, rank, row, q):
 
 @inline
 def normal_of(points, row, k, normal):
-    """A normal towards the free side, and a bound for the error of normal . (x - a), |coordinates| <= 1.
+    """Write a normal that points to the free side; return a bound for the error of normal . (x - a).
 
-    a is corner (k + 1) % (d + 1). The bound is 64 EPS times the sum of the absolute products: the
-    differences, at most 2, the normal and the sum take fewer than 12 roundings each.
+    a is corner (k + 1) % (d + 1), and |coordinates| <= 1. The bound is 64 EPS times the sum of the absolute
+    products. The differences, which are at most 2, the normal and the sum take fewer than 12 roundings each.
     """
     w = len(row)
     a, b = row[(k + 1) % w], row[(k + 2) % w]
@@ -71,7 +72,7 @@ def normal_of(points, row, k, normal):
 
 @inline
 def _center_of(points, row, center):
-    """Write the circumcenter, roughly; return the determinant, and write nothing where it is not positive."""
+    """Write the rounded circumcenter and return the determinant; write nothing if it is not positive."""
     w = len(row)
     a = row[0]
     ux, uy = points[row[1], 0] - points[a, 0], points[row[1], 1] - points[a, 1]
@@ -107,10 +108,10 @@ def _center_of(points, row, center):
 def ball_of(points, row, center):
     """Write a center; return r2 such that no point at a squared distance of more than r2 is inside.
 
-    With g(x) = |x - center|^2, *any* center, and barycentric coordinates c_v(x), the power of x is
-    g(x) - sum c_v g(v). Let m, s be the greatest g(v) and the spread: inside means
-    g(x) < m + s sum |c_v|, and |c_v| <= 4 / height <= 4 L^(d-1) / det with the longest edge L. Where
-    rounding may have spoiled det, r2 is infinite.
+    Let g(x) = |x - center|^2 for *any* center, and let c_v(x) be barycentric coordinates. The power of x is
+    g(x) - sum c_v g(v). With the largest value m of g(v) and their spread s, a point inside has
+    g(x) < m + s sum |c_v|, and |c_v| <= 4 / height <= 4 L^(d-1) / det for the longest edge L. If the sign of
+    det is not certain because of rounding, r2 is infinite.
     """
     w = len(row)
     det = _center_of(points, row, center)
@@ -141,10 +142,10 @@ def ball_of(points, row, center):
 
 @kernel
 def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, work):
-    """The vertex for slot k of the row, or NONE, or SEEN; ``obstacles``: open half-faces, or None.
+    """The vertex for slot k of the row, or NONE, or SEEN; ``obstacles`` are the open half-faces, or None.
 
-    Depth first, the child nearer to the face first. A box is left out where it is wholly behind the face
-    or outside the ball of the best vertex so far.
+    The tree is searched depth first, and the child nearer to the face comes first. A box is skipped if it is
+    completely behind the face or outside the ball of the best vertex found so far.
     """
     d = points.shape[1]
     stack, middle, normal, center = work
@@ -199,7 +200,7 @@ def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, wo
 
 @kernel
 def holds_vertex(points, start, size, low, high, row, stack, top):
-    """Does the closed cell hold a vertex other than its corners? (``stack`` is in use up to ``top``.)"""
+    """Whether the closed cell contains a vertex other than its corners (``stack`` is used up to ``top``)."""
     w = len(row)
     floor, stack[top] = top, 0
     top += 1

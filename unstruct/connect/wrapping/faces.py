@@ -1,9 +1,9 @@
-"""Kernel of gift wrapping: a queue of half-faces, each of which finds its apex (2D and 3D).
+"""Kernel of gift wrapping: a queue of half-faces, for each of which an apex is found (2D and 3D).
 
-A half-face is a number h = cell (d + 1) + k, the facet opposite corner k seen from the cell; beyond it lies
-its free side. Open half-faces hang in a hash table by their vertices (``heads``, ``following``), where the
-next cell on the same vertices finds them. A face of a prescribed front is the half-face k = d of a *base*,
-a row of ``cells`` without apex: bases come first and are cut off in the end.
+A half-face is a number h = cell * (d + 1) + k. It is the facet opposite corner k, seen from the cell; beyond
+it lies its free side. Open half-faces are in a hash table by their vertices (``heads``, ``following``), where
+the next cell with the same vertices finds them. A face of a prescribed front is the half-face k = d of a
+*base*, which is a row of ``cells`` without apex. Bases come first and are removed at the end.
 """
 
 from __future__ import annotations
@@ -16,15 +16,17 @@ from .apex import NONE, SEEN, find_apex
 __all__ = ["DONE", "FULL", "STUCK", "open_face", "wrap"]
 
 DONE, FULL, STUCK = 0, 1, 2
-# neighbors beyond a half-face, before there is a cell: still to come; none (the hull); taken over
+# What `neighbors` contains beyond a half-face without a neighboring cell. WAITING: the face is still in the
+# queue. HULL: no cell follows, because the face is on the hull. TAKEN: a cell behind the face has taken its
+# place.
 WAITING, HULL, TAKEN = -2, -1, -3
-# counters
+# The places of `counters`: the number of cells, the first and the end of the queue, the number of open faces.
 CELLS, FIRST, LAST, OPEN = range(4)
 
 
 @inline
 def bucket_of(cells, c, k, heads):
-    """The same number for the same vertices in any order."""
+    """The number of the bucket, which is the same for the same vertices in any order."""
     key = 0
     for j in range(cells.shape[1]):
         if j != k:
@@ -53,7 +55,7 @@ def find_open(cells, c, k, heads, following):
 
 @kernel
 def open_face(cells, h, heads, following, opened, position, counters):
-    """Hang the half-face into the table and the list."""
+    """Insert the half-face into the table and the list."""
     w = cells.shape[1]
     bucket = bucket_of(cells, h // w, h % w, heads)
     following[h] = heads[bucket]
@@ -65,7 +67,7 @@ def open_face(cells, h, heads, following, opened, position, counters):
 
 @kernel
 def close_face(cells, h, heads, following, opened, position, counters):
-    """Take the half-face out of the table and the list."""
+    """Remove the half-face from the table and the list."""
     w = cells.shape[1]
     bucket = bucket_of(cells, h // w, h % w, heads)
     if heads[bucket] == h:
@@ -83,10 +85,10 @@ def close_face(cells, h, heads, following, opened, position, counters):
 
 @kernel
 def opposite(cells, c, k, other, i):
-    """Do two cells on one facet, (c, k) and (other, i), lie on opposite sides of it, both positive?
+    """Whether two positive cells with a common facet, (c, k) and (other, i), lie on opposite sides of it.
 
-    They do where it takes an odd permutation to bring the corners of one in the order of the other, the
-    corners off the facet identified.
+    They do exactly when an odd permutation brings the corners of one into the order of the other, where the
+    two corners opposite the facet are identified.
     """
     w = cells.shape[1]
     place = np.empty(w, dtype=np.int64)
@@ -103,10 +105,10 @@ def opposite(cells, c, k, other, i):
 
 @kernel
 def join(cells, neighbors, c, k, bases, heads, following, opened, position, queue, counters):
-    """Facet k of the new cell c meets the open half-faces on its vertices, or waits itself.
+    """Join facet k of the new cell c to the open half-faces with its vertices, or put it into the queue.
 
-    A base on this facet is served where c lies on its free side (a cell may still come from behind: the
-    facet stays open, without waiting), and taken over where c lies behind.
+    A base on this facet is done if c lies on its free side; a cell may still come from behind, so the facet
+    stays open, but it is not queued. If c lies behind the base, the facet takes the place of the base.
     """
     w = cells.shape[1]
     linked, served, taken = False, False, False
@@ -138,9 +140,9 @@ def wrap(
     points, rank, start, size, low, high, cells, neighbors, front,
     heads, following, opened, position, queue, counters, steps,
 ):  # fmt: skip
-    """Serve up to ``steps`` half-faces of the queue; return why it stopped, and for STUCK the half-face.
+    """Process up to ``steps`` half-faces of the queue; return why it stopped, and for STUCK the half-face.
 
-    ``front``: the faces of the bases, or None.
+    ``front`` has the faces of the bases, or is None.
     """
     d = points.shape[1]
     bases = 0 if front is None else len(front)
@@ -160,7 +162,7 @@ def wrap(
             row[j] = cells[c, j]
         i, j = (k + 1) % (d + 1), (k + 2) % (d + 1)
         row[i], row[j] = row[j], row[i]  # seen from the free side
-        if front is None:  # decided when compiled: without a front there is nothing to be in the way
+        if front is None:  # decided at compilation: without a front there are no obstacles
             q = find_apex(points, rank, start, size, low, high, row, k, cells, None, work)
         else:
             obstacles = opened[: counters[OPEN]]

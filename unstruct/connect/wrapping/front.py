@@ -1,8 +1,8 @@
-"""Kernels: may a cell be made in view of the faces that stand open? Exact, in two and three dimensions.
+"""Kernels: whether the open faces admit a new cell. Exact, in two and three dimensions.
 
-An open half-face is a number h = cell (d + 1) + k: the facet opposite corner k of the cell. A new cell is
-admitted where no open face reaches into its interior, and in space, where no edge of an open face crosses
-an edge of it (two triangles that overlap in a plane would never match).
+An open half-face is a number h = cell * (d + 1) + k, the facet opposite corner k of the cell. A new cell is
+admitted if no open face reaches into its interior and, in space, if no edge of an open face crosses one of
+its edges (two triangles that overlap in a plane would never match).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ def side(points, a, b, c, d):
 
 @kernel
 def segment_enters(points, row, p, q):
-    """Does the closed segment pq meet the open cell?
+    """Whether the closed segment pq meets the open cell.
 
-    Two convex sets of which one is open are disjoint just where a plane separates them. Here the plane of
-    a facet has both ends behind it, or a plane through the segment and a corner (in the plane: its line)
-    has the cell on one side.
+    Two convex sets, one of them open, are disjoint exactly when a plane separates them. Here this is the
+    plane of a facet with both ends of the segment behind it, or a plane through the segment and a corner (in
+    two dimensions, the line of the segment) with the cell on one side.
     """
     w = len(row)
     for k in range(w):
@@ -54,10 +54,11 @@ def segment_enters(points, row, p, q):
 
 @kernel
 def covers(points, row, a, b, c):
-    """Does triangle abc cover the whole section of its plane with the open cell, which is not empty?
+    """Whether triangle abc contains the whole section of its plane with the open cell, which is not empty.
 
-    Asked only where no side of the triangle meets the open cell: the section then is within the triangle
-    or outside, and within where all corners of the section are in the closed triangle.
+    This is called only if no side of the triangle meets the open cell. The section then lies completely
+    inside or completely outside the triangle, and it lies inside exactly when all its corners are in the
+    closed triangle.
     """
     above, below = -1, -1
     for i in range(4):
@@ -71,7 +72,7 @@ def covers(points, row, a, b, c):
     for i in range(4):
         here = side(points, a, b, c, row[i])
         for j in range(i if here == 0 else i + 1, i + 1 if here == 0 else 4):
-            # the line through the corner of the section: an edge of the cell, or from a corner upwards
+            # A line through the corner of the section: an edge of the cell, or from a corner to one above.
             end = row[above] if here == 0 else row[j]
             if here != 0 and here * side(points, a, b, c, end) >= 0:
                 continue
@@ -85,13 +86,13 @@ def covers(points, row, a, b, c):
 
 @kernel
 def edges_cross(points, row, p, q):
-    """Does segment pq cross an edge of the tetrahedron, each in its interior?"""
+    """Whether segment pq and an edge of the tetrahedron cross in the interiors of both."""
     for i in range(4):
         for j in range(i):
             u, v = row[i], row[j]
             if u == p or u == q or v == p or v == q or side(points, p, q, u, v) != 0:
                 continue
-            for k in range(4):  # a corner off the common plane shows the turns within it
+            for k in range(4):  # a corner outside the common plane gives the orientations within it
                 r = row[k]
                 if k != i and k != j:
                     if side(points, u, v, p, r) * side(points, u, v, q, r) < 0:
@@ -102,7 +103,7 @@ def edges_cross(points, row, p, q):
 
 @inline
 def apart(points, row, cells, c, k):
-    """Do the boxes of the cell and of facet (c, k) not meet?"""
+    """Whether the boxes of the cell and of facet (c, k) are disjoint."""
     w = len(row)
     for i in range(w - 1):
         low, high = points[row[0], i], points[row[0], i]
@@ -120,7 +121,7 @@ def apart(points, row, cells, c, k):
 
 @kernel
 def admitted(points, row, cells, opened):
-    """May the cell ``row`` stand beside all open half-faces?"""
+    """Whether all open half-faces admit the cell ``row``."""
     w = len(row)
     for index in range(len(opened)):
         c, skip = opened[index] // w, opened[index] % w

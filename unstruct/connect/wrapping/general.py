@@ -1,6 +1,7 @@
-"""Gift wrapping in any dimension, and for coordinates of too wide exponents: the kernels' algorithm in NumPy.
+"""Gift wrapping in NumPy, for any dimension and for coordinates that cannot be scaled exactly.
 
-Floating point proposes an apex; exact signs decide among all points that may be inside its sphere.
+The algorithm is that of the kernels. Floating point proposes an apex; exact signs decide among all points
+that may be inside its sphere.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ __all__ = ["wrap_general"]
 def wrap_general(
     points: NDArray[np.float64], rank: NDArray[np.int64], first: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Cells in the order of making, the first one given, and neighbors; O(n) a face."""
+    """Cells in the order of their creation, the given first one included, and neighbors; O(n) per face."""
     d = points.shape[1]
     cells, neighbors = [first], [[-1] * (d + 1)]
     faces: dict[frozenset[int], tuple[int, int]] = {}  # open half-faces by their vertices
@@ -54,9 +55,9 @@ def wrap_general(
 
 
 def find_apex(points: NDArray[np.float64], rank: NDArray[np.int64], row: NDArray[np.int64], k: int) -> int:
-    """The vertex for slot k of the row, or -1 where no vertex is on the free side.
+    """The vertex for slot k of the row, or -1 if no vertex is on the free side.
 
-    On entry the slot holds a vertex behind the face.
+    On entry the slot contains a vertex behind the face.
     """
     row = row.copy()
     free = on_free_side(points, row, k)
@@ -72,7 +73,7 @@ def find_apex(points: NDArray[np.float64], rank: NDArray[np.int64], row: NDArray
 
 
 def on_free_side(points: NDArray[np.float64], row: NDArray[np.int64], k: int) -> NDArray[np.int64]:
-    """The vertices on the free side of the face: rounded where that is certain, else by exact signs."""
+    """The vertices on the free side of the face; exact signs decide where floating point is not certain."""
     face = np.delete(row, k)
     with np.errstate(all="ignore"):
         edges = points[face[1:]] - points[face[0]]
@@ -86,7 +87,7 @@ def on_free_side(points: NDArray[np.float64], row: NDArray[np.int64], k: int) ->
                 reference = height[row[k]]
                 unsure = ~(np.abs(height) > 1e-7 * np.abs(away).max(axis=1) + 1e-300)
                 positive = (height > 0) != (reference > 0)
-                if unsure[row[k]]:  # the vertex behind the face is too near to it to tell the side
+                if unsure[row[k]]:  # the vertex behind the face is so near that its side is not certain
                     unsure[:] = True
     unsure[row] = False
     unsure[face] = False
@@ -100,7 +101,7 @@ def on_free_side(points: NDArray[np.float64], row: NDArray[np.int64], k: int) ->
 
 
 def propose(points: NDArray[np.float64], row: NDArray[np.int64], k: int, free: NDArray[np.int64]) -> int:
-    """The free vertex of the least circumcenter offset, as far as floating point can tell."""
+    """The free vertex with the smallest offset of the circumcenter, computed in floating point."""
     face = np.delete(row, k)
     with np.errstate(all="ignore"):
         edges = points[face[1:]] - points[face[0]]
@@ -114,11 +115,11 @@ def propose(points: NDArray[np.float64], row: NDArray[np.int64], k: int, free: N
 
 
 def tie(points: NDArray[np.float64], rank: NDArray[np.int64], row: NDArray[np.int64], q: int) -> int:
-    """As `wrapping_apex.tie`: the in-sphere sign after the infinitesimal lift."""
+    """Like `apex.tie`: the in-sphere sign after the infinitesimal lift."""
     for v in sorted([*row.tolist(), q], key=lambda v: -rank[v]):
         if v == q:
             return -1
         sign = orient(points[np.where(row == v, q, row)])
         if sign:
             return int(sign)
-    raise AssertionError("q itself decides at the latest")
+    raise AssertionError("the loop ends at q at the latest")

@@ -1,14 +1,15 @@
-"""The first cell of gift wrapping: an empty sphere that grows from a vertex, dimension after dimension.
+"""The first cell of gift wrapping: an empty sphere that grows from a vertex, one dimension after another.
 
-Let F be a face with an empty ball, center c, squared radius R^2, c in the flat of F. Moving the center by
-t u, with u a unit vector normal to that flat, keeps F on the sphere, and a point x comes onto it at
+Let F be a face with an empty ball, with center c in the affine hull of F and squared radius R^2. Moving the
+center by t u, with a unit vector u normal to that hull, keeps F on the sphere, and a point x comes onto the
+sphere at
 
     t(x, u) = (|x - c|^2 - R^2) / (2 u . (x - c)).
 
-Over all u the first contact is at t(x) = (|x - c|^2 - R^2) / (2 h(x)), with h the distance of x from the
-flat. The ball through F and the point of the least t(x) is empty: a point x inside it would have come
-onto the sphere earlier, at t(x) <= t(x, u) < t. So the point of the smallest circumsphere is always
-right, from a single vertex to a cell.
+Over all u the first contact is at t(x) = (|x - c|^2 - R^2) / (2 h(x)), where h is the distance of x from the
+affine hull. The ball through F and the point with the smallest t(x) is empty: a point x inside it would have
+come onto the sphere earlier, at t(x) <= t(x, u) < t. So the point that gives the smallest circumsphere is
+always correct, from a single vertex up to a cell.
 """
 
 from __future__ import annotations
@@ -29,22 +30,22 @@ FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
 
 
 def first_cell(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """A positively oriented cell with an exactly empty sphere, round a closest pair of points.
+    """A positively oriented cell whose open ball contains no point, near a closest pair of points.
 
     Parameters
     ----------
     points : ndarray, shape (n, d)
-        No two equal, d >= 2.
+        Distinct points, d >= 2.
 
     Raises
     ------
     DegenerateInputError
-        Where the points do not span the space.
+        If the points do not span the space.
 
     Notes
     -----
-    O(n d^2) in floating point, verified by exact signs; where these object, the same in rational
-    arithmetic for all points.
+    The construction takes O(n d^2) in floating point and is verified by exact signs. If it fails, it is
+    repeated in rational arithmetic.
     """
     row = grow_rounded(points)
     if row is not None and (sign := orient(points[row])) != 0:
@@ -60,7 +61,7 @@ def first_cell(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def grow_rounded(points: NDArray[np.float64]) -> NDArray[np.int64] | None:
-    """The construction in floating point; None where it cannot tell."""
+    """The construction in floating point; None if it cannot decide."""
     from scipy.spatial import cKDTree
 
     with np.errstate(all="ignore"):
@@ -112,10 +113,10 @@ def grow_exactly(points: NDArray[np.float64]) -> NDArray[np.int64]:
                 best = (power, h2, away, v)
         if best is None:
             k = len(chosen) - 1
-            what = f"all points are {FLATS[k]}" if k in FLATS else "all points lie in one flat"
+            what = f"all points are {FLATS[k]}" if k in FLATS else "all points lie in one affine subspace"
             raise DegenerateInputError(
                 f"{what} (dimension {k}): a triangulation in {d} dimensions needs points that span the "
-                "space; add others, or drop the coordinates that carry nothing",
+                "space; add other points, or project them to fewer coordinates",
                 k,
             )
         power, h2, away, v = best
@@ -131,10 +132,10 @@ def _dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
 
 
 def suspects(points: NDArray[np.float64], row: NDArray[np.int64]) -> NDArray[np.int64]:
-    """All points that may lie inside or on the sphere of the row, its corners left out: a superset, rounded.
+    """All points that may lie inside or on the sphere of the row, without its corners; a rounded superset.
 
-    With g(x) = |x - c|^2 for *any* c, and barycentric coordinates b_v(x), a point is inside where
-    g(x) < sum b_v g(v): certainly not where g(x) exceeds max g(v) + (max g(v) - min g(v)) sum |b_v|.
+    Let g(x) = |x - c|^2 for *any* c, and let b_v(x) be barycentric coordinates. A point is inside exactly
+    when g(x) < sum b_v g(v). So it is outside if g(x) exceeds max g(v) + (max g(v) - min g(v)) sum |b_v|.
     """
     with np.errstate(all="ignore"):
         corners = points[row]
@@ -148,10 +149,10 @@ def suspects(points: NDArray[np.float64], row: NDArray[np.int64]) -> NDArray[np.
         g = ((points - center) ** 2).sum(axis=1)
         spread = np.ptp(g[row]) + 64 * EPS * g[row].max()
         b = (points - corners[0]) @ inverse
-        total = 1 + 2 * np.abs(b).sum(axis=1)  # b_0 is 1 minus the others
+        total = 1 + 2 * np.abs(b).sum(axis=1)  # b_0 is 1 minus the other coordinates
         bound = (g[row].max() + 4 * spread * total) * (1 + 1e-12) + 1e-300
         outside = g > bound
-        if not trusted.max() < 1e6:  # the inverse may be far off
+        if not trusted.max() < 1e6:  # the inverse may be inaccurate
             outside[:] = False
     outside[row] = True
     return np.flatnonzero(~outside)
