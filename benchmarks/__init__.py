@@ -1,1 +1,1 @@
-"""Speed and memory beside other libraries: ``python -m benchmarks delaunay``."""
+"""Speed and memory compared with other libraries: ``python -m benchmarks delaunay``."""

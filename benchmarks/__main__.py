@@ -1,4 +1,4 @@
-"""``python -m benchmarks SUITE``: run, write rows, table and plot, print the table."""
+"""``python -m benchmarks SUITE``: run a suite, write its rows, table and plot, and print the table."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Any
 from . import delaunay, machine, planar, planar_report, report
 from .run import RESULTS, Workers
 
-# A suite: a function of workers, the largest size and the number of repeats, that returns rows.
+# A suite is a function of workers, the largest size and the number of repeats; it returns rows.
 SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "delaunay": delaunay.run,
     "planar": planar.run,
 }
-REPORTS: dict[str, Any] = {"delaunay": report, "planar": planar_report}  # with markdown(result), plot(rows)
+REPORTS: dict[str, Any] = {"delaunay": report, "planar": planar_report}  # they have `markdown` and `plot`
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Parse the command line, run the suite; 1 where a contestant of ours gave no answer."""
+    """Parse the command line and run the suite; return 1 if unstruct failed in a case."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("suite", choices=sorted(SUITES))
     parser.add_argument("--max", type=float, default=1e6, help="largest number of points (default 1e6)")

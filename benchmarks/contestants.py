@@ -1,7 +1,8 @@
-"""Who takes part: each takes points and gives the cells as an array, through its public interface.
+"""The contestants: each takes points and gives the cells as an array, through its public interface.
 
-A contestant is a function of the points that returns the number of cells and, where a wrapper spends much of
-its time on handing out arrays, the seconds of the library itself. `find` skips what is not installed.
+A contestant is a function of the points that returns the number of cells. If a wrapper spends much of its
+time on creating arrays, it also returns the seconds of the library itself. `find` skips contestants that are
+not installed.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ Result = tuple[int, float | None]
 
 
 class Contestant(NamedTuple):
-    """A library, and how it is called."""
+    """A library and how to call it."""
 
     name: str
     package: str
@@ -67,7 +68,7 @@ DELAUNAY = [
 
 
 def installed(packages: Iterable[str]) -> dict[str, str]:
-    """The versions of those that are installed."""
+    """The versions of those packages that are installed."""
     found = {}
     for package in packages:
         try:
@@ -78,6 +79,6 @@ def installed(packages: Iterable[str]) -> dict[str, str]:
 
 
 def find(contestants: list[Contestant], dimension: int) -> list[tuple[Contestant, str]]:
-    """Those that are installed and work in this dimension, with their versions."""
+    """The contestants that are installed and work in this dimension, with their versions."""
     there = installed(each.package for each in contestants)
     return [(c, there[c.package]) for c in contestants if c.package in there and dimension in c.dimensions]

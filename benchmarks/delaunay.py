@@ -1,4 +1,4 @@
-"""The suite ``delaunay``: points in, arrays out, in two, three and more dimensions."""
+"""The suite ``delaunay``: from points to arrays of cells, in two, three and more dimensions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PLAN = {
     4: (("uniform",), (10**2, 10**3)),
 }
 MEMORY = {2: 10**6, 3: 10**5}  # sizes at which peak memory is measured, on uniform points
-CAP = {3: {"clustered": 10**5, "lattice": 10**5, "sphere": 10**5}}  # the next size would add only time
+CAP = {3: {"clustered": 10**5, "lattice": 10**5, "sphere": 10**5}}  # larger sizes would only take longer
 
 
 def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:

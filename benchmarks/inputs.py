@@ -1,4 +1,4 @@
-"""Point sets on which Delaunay triangulations are timed; each is the same on every call."""
+"""Point sets on which Delaunay triangulations are timed; each is the same at every call."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ def uniform(n: int, d: int) -> Points:
 
 
 def clustered(n: int, d: int) -> Points:
-    """A hundred normal clouds of width 1/1000 about random centers."""
+    """A hundred normally distributed clouds of width 1/1000 around random centers."""
     rng = np.random.default_rng(2)
     centers = rng.random((100, d))
     return centers[rng.integers(0, len(centers), n)] + 1e-3 * rng.standard_normal((n, d))
 
 
 def lattice(n: int, d: int) -> Points:
-    """Integer points, shuffled: every square is cocircular, every cube cospherical."""
+    """Integer points in random order: every square is cocircular, and every cube cospherical."""
     side = round(n ** (1 / d))
     points = np.stack(np.meshgrid(*[np.arange(side, dtype=float)] * d), axis=-1).reshape(-1, d)
     return np.random.default_rng(3).permutation(points)
 
 
 def sphere(n: int, d: int) -> Points:
-    """Random points of the unit circle or sphere, as far as rounding allows: all are on the hull."""
+    """Random points on the unit circle or sphere, up to rounding; all are on the hull."""
     points = np.random.default_rng(4).standard_normal((n, d))
     return points / np.linalg.norm(points, axis=1)[:, None]
 

@@ -1,4 +1,4 @@
-"""The machine in words: what a reader needs in order to judge numbers, and nothing that names it."""
+"""A description of the machine: what a reader needs to judge the numbers, without its name."""
 
 from __future__ import annotations
 
@@ -36,5 +36,5 @@ def _memory() -> str:
 
 
 def load() -> float:
-    """Processes that want to run, on average over the last minute; 0 where it is not known."""
+    """The load average over the last minute; 0 if it is not known."""
     return round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else 0.0

@@ -1,8 +1,8 @@
-"""Who takes part in the planar suite. Each mesher takes plain data and gives (points, triangles) as arrays.
+"""The contestants of the planar suite. Each mesher takes plain data and gives (points, triangles) as arrays.
 
-Works: "constrained" (a graph of segments), "refined" (least angle and greatest area, the same flags for all),
-"uniform" and "graded" (the square with the round hole, a wanted edge length). What is not installed is left
-out; none of the peers is ever imported by the library.
+There are four kinds of work: "constrained" (a graph of segments), "refined" (minimum angle and maximum area,
+the same flags for all), "uniform" and "graded" (the square with the round hole, a wanted edge length).
+Meshers that are not installed are skipped; the library itself never imports any of its peers.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ANGLE = 30.0
 
 
 class Mesher(NamedTuple):
-    """A library, one of its methods, and the work that it does."""
+    """A library, the name of its package, the work that it does, and how to call it."""
 
     name: str
     package: str
@@ -55,7 +55,7 @@ def _refine() -> Callable[[tuple[Graph, float]], Meshed]:
 
 
 def holed_square() -> Any:
-    """The unit square with a hole that is a true circle, as a domain of ours."""
+    """The unit square with a hole that is a true circle, as a `Domain`."""
     from unstruct import Domain
     from unstruct.geometry.curves import Arc
 
@@ -145,9 +145,9 @@ def _gmsh(algorithm: int) -> Callable[[], Callable[[float | None], Meshed]]:
             corner = [geo.addPoint(x, y, 0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
             sides = [geo.addLine(corner[k], corner[(k + 1) % 4]) for k in range(4)]
             center = geo.addPoint(*CENTER, 0)
-            rim = [geo.addPoint(0.5 + RADIUS * x, 0.5 + RADIUS * y, 0)
-                   for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]  # fmt: skip
-            arcs = [geo.addCircleArc(rim[k], center, rim[(k + 1) % 4]) for k in range(4)]
+            ring = [geo.addPoint(0.5 + RADIUS * x, 0.5 + RADIUS * y, 0)
+                    for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]  # fmt: skip
+            arcs = [geo.addCircleArc(ring[k], center, ring[(k + 1) % 4]) for k in range(4)]
             geo.addPlaneSurface([geo.addCurveLoop(sides), geo.addCurveLoop(arcs)])
             geo.synchronize()
             for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
@@ -207,6 +207,6 @@ MESHERS = [
 
 
 def find(work: str, meshers: list[Mesher] = MESHERS) -> list[tuple[Mesher, str]]:
-    """Those that do this work and are installed, with their versions."""
+    """The meshers that do this work and are installed, with their versions."""
     there = installed(each.package for each in meshers)
     return [(m, there[m.package]) for m in meshers if m.package in there and m.work == work]

@@ -8,7 +8,7 @@ from .meshers import find
 from .regions import AREA, GRAPHS, edge_for, plate
 from .run import Workers, measured
 
-# work -> kinds and sizes: points for "constrained", about as many triangles as this for the others
+# work -> kinds and sizes: numbers of points for "constrained", rough numbers of triangles for the others
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "constrained": {
         "matches": (10**4, 10**5, 10**6),
@@ -19,11 +19,11 @@ PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "uniform": {"holed square": (10**4, 10**5, 10**6)},
     "graded": {"holed square": (10**5,)},
 }
-FILL = 1.6  # the mean triangle under a bound on the area has about 1/FILL of it
+FILL = 1.6  # with a bound on the area, the mean triangle has about 1/FILL of it
 
 
 def task(work: str, kind: str, n: int) -> Any:
-    """What the meshers of a work are given: a graph; a graph and an area; an edge length (None: graded)."""
+    """The input of the meshers: a graph; a graph and an area; or an edge length (None for "graded")."""
     if work == "constrained":
         return GRAPHS[kind](n)
     if work == "refined":
@@ -32,7 +32,7 @@ def task(work: str, kind: str, n: int) -> Any:
 
 
 def warm_up(work: str) -> Any:
-    """A small task of the same kind: compiled code is loaded, lazy imports are done."""
+    """A small task of the same kind, which loads compiled code and makes lazy imports."""
     return None if work == "graded" else task(work, "matches", 200)
 
 

@@ -1,4 +1,4 @@
-"""The planar suite, told: one table a work, and histograms of angles side by side."""
+"""The report of the planar suite: one table for each work, and histograms of angles side by side."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Row = dict[str, Any]
 Case = tuple[str, str, int]
 TITLES = {
     "constrained": "Constrained Delaunay triangulation",
-    "refined": "Refinement: angles of at least 30°, and a greatest area",
+    "refined": "Refinement: angles of at least 30°, and a maximum area",
     "uniform": "A wanted edge length, the same everywhere",
     "graded": "A wanted edge length that grows from the hole",
 }
@@ -27,21 +27,21 @@ def times(rows: list[Row]) -> dict[Case, dict[str, Row]]:
 
 
 def speed(row: Row) -> float:
-    """Triangles a second."""
+    """Triangles per second."""
     return row["cells"] / row["seconds"]
 
 
 def ratio(case: dict[str, Row], peer: str) -> float:
-    """Our triangles a second divided by the peer's; below 1 it is ahead."""
+    """Our triangles per second divided by those of the peer; below 1 the peer is faster."""
     return speed(case[OURS]) / speed(case[peer])
 
 
 def table(rows: list[Row], work: str) -> str:
-    """A line for each case and contestant; **bold** where a peer is faster than we are."""
+    """A line for each case and contestant; **bold** if a peer is faster than unstruct."""
     quality = work != "constrained"
     sized = work in ("uniform", "graded")
     head = ["input", "n", "by", "triangles", "1000 triangles/s", f"{OURS} ÷ it"]
-    head += ["least angle", "mean 2r/R", "least 2r/R"] if quality else []
+    head += ["minimum angle", "mean 2r/R", "minimum 2r/R"] if quality else []
     head += ["edges within √2"] if sized else []
     lines = []
     for (name, kind, n), case in times(rows).items():
@@ -51,7 +51,7 @@ def table(rows: list[Row], work: str) -> str:
             cells = [kind, short(n), peer, str(row["cells"]), figures(speed(row) / 1e3)]
             cells.append("" if peer in (OURS, RAW) else relative(ratio(case, peer)))
             if quality:
-                cells += [f"{row['least_angle']:.1f}°", f"{row['mean_2r_R']:.4f}", f"{row['least_2r_R']:.2f}"]
+                cells += [f"{row['min_angle']:.1f}°", f"{row['mean_2r_R']:.4f}", f"{row['min_2r_R']:.2f}"]
             if sized:
                 cells.append(f"{100 * row['conforming']:.1f} %")
             lines.append(cells)
@@ -59,16 +59,16 @@ def table(rows: list[Row], work: str) -> str:
 
 
 def summary(rows: list[Row]) -> str:
-    """A line a case: our speed, how many times that of each peer, and the quality of our mesh."""
+    """A line for each case: our speed, its ratio to that of each peer, and the quality of our mesh."""
     cases = {key: case for key, case in times(rows).items() if OURS in case}
-    head = ["work", "input", "n", "beside others", "1000 triangles/s", "least angle", "mean 2r/R"]
+    head = ["work", "input", "n", "compared with others", "1000 triangles/s", "minimum angle", "mean 2r/R"]
     lines = []
     for (work, kind, n), case in cases.items():
         peers = [f"{name} {relative(ratio(case, name))}" for name in case if name not in (OURS, RAW)]
         ours = case[OURS]
         cells = [work, kind, short(n), ", ".join(peers), figures(speed(ours) / 1e3)]
         sized = work != "constrained"
-        cells += [f"{ours['least_angle']:.1f}°", f"{ours['mean_2r_R']:.4f}"] if sized else ["", ""]
+        cells += [f"{ours['min_angle']:.1f}°", f"{ours['mean_2r_R']:.4f}"] if sized else ["", ""]
         lines.append(cells)
     return grid(head, 4, lines)
 
@@ -81,7 +81,7 @@ def markdown(result: dict[str, Any]) -> str:
 
 
 def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[str]]]) -> Any:
-    """All angles of the meshes of some contestants, one panel a case."""
+    """Histograms of all angles of the meshes of some contestants, one panel for each case."""
     import matplotlib.pyplot as plt
 
     from unstruct.view import setup
@@ -113,7 +113,7 @@ def histograms(cases: dict[Case, dict[str, Row]], shown: list[tuple[Case, list[s
 
 
 def plot(rows: list[Row]) -> Any:
-    """Histograms of the largest case of each work that has them; None where no such case was run."""
+    """Histograms for the largest case of each work that has them; None if no such case was run."""
     cases = times(rows)
     shown = []
     for work in ("refined", "uniform", "graded"):

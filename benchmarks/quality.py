@@ -1,4 +1,4 @@
-"""What a mesh is worth: angles, 2r/R, and how well its edges have the wanted length."""
+"""The quality of a mesh: angles, 2r/R, and how many of its edges have about the wanted length."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from .regions import graded
 
-BINS = 36  # of the histogram of all angles, five degrees each
+BINS = 36  # the number of bins in the histogram of all angles, five degrees each
 
 
 def measures(points: NDArray, triangles: NDArray, work: str, given: Any) -> dict[str, Any]:
-    """Counts, and for the works that ask for quality its figures, by formulas of this file alone."""
+    """The number of cells and, except for "constrained", measures of quality, by formulas of this file."""
     found: dict[str, Any] = {"cells": len(triangles)}
     if work == "constrained":
         return found
@@ -26,10 +26,10 @@ def measures(points: NDArray, triangles: NDArray, work: str, given: Any) -> dict
     angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
     round_ = (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)  # 2 r / R
     found |= {
-        "least_angle": round(float(angles.min()), 3),
-        "greatest_angle": round(float(angles.max()), 3),
+        "min_angle": round(float(angles.min()), 3),
+        "max_angle": round(float(angles.max()), 3),
         "mean_2r_R": round(float(round_.mean()), 5),
-        "least_2r_R": round(float(round_.min()), 4),
+        "min_2r_R": round(float(round_.min()), 4),
         "angles": np.histogram(angles, bins=BINS, range=(0.0, 180.0))[0].tolist(),
     }
     if work in ("uniform", "graded"):

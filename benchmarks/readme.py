@@ -1,4 +1,4 @@
-"""The README's table of speed, made from the committed rows: ``python -m benchmarks.readme`` writes it."""
+"""The table of speed in the README, from the committed rows; ``python -m benchmarks.readme`` writes it."""
 
 from __future__ import annotations
 
@@ -13,31 +13,32 @@ RESULTS = Path(__file__).parent / "results"
 BLOCK = re.compile(r"(<!-- speed: .*? -->\n).*?(<!-- /speed -->)", flags=re.S)
 
 
-def _told(suite: str) -> tuple[list[report.Row], str]:
+def _committed(suite: str) -> tuple[list[report.Row], str]:
     """The committed rows of a suite, and how they were measured."""
     result = json.loads((RESULTS / f"{suite}.json").read_text(encoding="utf-8"))
     return result["rows"], f"Measured on {result['machine']}; one core, contestants interleaved, medians."
 
 
 def speed() -> str:
-    """What stands between the README's marks."""
-    rows, how = _told("delaunay")
-    parts = ["How many times as long others take for the same points; below 1, in bold, they are ahead."]
-    parts += ["(TetGen *itself*: its own time alone, without that of handing arrays over in Python.)", how]
+    """The text between the marks in the README."""
+    rows, how = _committed("delaunay")
+    parts = ["The time of other libraries divided by that of unstruct, for the same points; a ratio below 1,"]
+    parts += ["in bold, means that the other library is faster. (TetGen *itself* is its own time, without"]
+    parts += ["that of passing arrays to and from Python.)", how]
     text = " ".join(parts) + " More on the [page of benchmarks](book/benchmarks.ipynb)."
     tables = [f"In {d} dimensions:\n\n{report.table(rows, d)}" for d in (2, 3)]
-    planar, how = _told("planar")
-    parts = ["Meshes of planar regions, the making and checking of the `Domain` counted in: triangles a"]
-    parts += ["second, and this divided by the same of others (whose quality is on the"]
+    planar, how = _committed("planar")
+    parts = ["Meshes of planar regions: triangles per second, which includes the creation and the checks of"]
+    parts += ["the `Domain`, and this speed divided by that of others (the quality of their meshes is on the"]
     parts += [f"[page of planar benchmarks](book/benchmarks-planar.ipynb)). {how}"]
     return "\n\n".join([text, *tables, " ".join(parts), planar_report.summary(planar)]) + "\n"
 
 
 def main() -> None:
-    """Put the table in its place."""
+    """Write the table to the README."""
     text, found = BLOCK.subn(lambda marks: marks[1] + speed() + marks[2], README.read_text(encoding="utf-8"))
     if found != 1:
-        raise SystemExit("the README has no place for the table: <!-- speed: … --> and <!-- /speed -->")
+        raise SystemExit("the README must contain the marks <!-- speed: … --> and <!-- /speed --> once")
     README.write_text(text, encoding="utf-8")
 
 

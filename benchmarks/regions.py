@@ -1,4 +1,4 @@
-"""What the planar suite meshes: segments to be kept, a square with a round hole, sizes uniform and graded."""
+"""The inputs of the planar suite: graphs of segments, a square with a round hole, and sizes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Array = NDArray[np.float64]
 RADIUS = 0.25
 CENTER = np.array([0.5, 0.5])
 AREA = 1.0 - np.pi * RADIUS**2
-FINEST, GROWTH = 0.0003, 0.1  # the graded size: at the hole, and its increase per unit of distance from it
+FINEST, GROWTH = 0.0003, 0.1  # the graded size at the hole, and its growth per unit of distance from it
 
 
 class Graph(NamedTuple):
-    """Points and segments between them that do not cross; ``hole`` is a point in the hole, if any."""
+    """Points and segments between them that do not cross; ``hole`` is a point in the hole, or None."""
 
     points: Array
     segments: NDArray[np.int32]
@@ -24,20 +24,20 @@ class Graph(NamedTuple):
 
 
 def loop(first: int, count: int) -> NDArray[np.int32]:
-    """Segments round the vertices first, ..., first + count - 1."""
+    """The segments of the closed loop through vertices first, ..., first + count - 1."""
     number = np.arange(count, dtype=np.int32)
     return first + np.stack([number, (number + 1) % count], axis=1)
 
 
 def hedgehog(n: int) -> Graph:
-    """A closed polygon of n corners, every other one on a much smaller circle: all its angles are small."""
+    """A closed polygon of n corners; every other one is nearer the center, so that all angles are small."""
     t = 2 * np.pi * np.arange(n) / n
     radius = np.where(np.arange(n) % 2 == 0, 1.0, 0.7 + 0.2 * np.sin(17 * t))
     return Graph(radius[:, None] * np.stack([np.cos(t), np.sin(t)], axis=1), loop(0, n), None)
 
 
 def coast(n: int) -> Graph:
-    """A closed polygon of n corners along a rough shore: waves of all lengths, never folding over."""
+    """A closed polygon of n corners along a rough shore with waves of all lengths; it does not fold over."""
     rng = np.random.default_rng(3)
     t = 2 * np.pi * np.arange(n) / n
     waves = 2 ** np.arange(2, int(np.log2(n)) - 2)
@@ -46,7 +46,7 @@ def coast(n: int) -> Graph:
 
 
 def matches(n: int) -> Graph:
-    """n / 2 short segments at random in the unit square, each in a cell of its own, none touching another."""
+    """About n / 2 random short segments in the unit square, each in a cell of its own, so that none touch."""
     rng = np.random.default_rng(7)
     side = int(np.sqrt(n / 2))
     corner = np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 1, 2)
@@ -61,7 +61,7 @@ GRAPHS = {"hedgehog": hedgehog, "coast": coast, "matches": matches}
 
 
 def plate(sides: int = 64) -> Graph:
-    """The unit square with a hole of so many sides."""
+    """The unit square with a hole that is a regular polygon."""
     t = -2 * np.pi * np.arange(sides) / sides
     hole = CENTER + RADIUS * np.stack([np.cos(t), np.sin(t)], axis=1)
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -69,10 +69,10 @@ def plate(sides: int = 64) -> Graph:
 
 
 def edge_for(triangles: int) -> float:
-    """The side of equilateral triangles of which so many cover the square with the round hole."""
+    """The edge length with which this number of equilateral triangles has the area of the holed square."""
     return float(np.sqrt(AREA / triangles / (np.sqrt(3) / 4)))
 
 
 def graded(x: Array) -> Array:
-    """The wanted edge length: smallest at the hole."""
+    """The wanted edge length, which is smallest at the hole."""
     return FINEST + GROWTH * np.abs(np.hypot(x[:, 0] - 0.5, x[:, 1] - 0.5) - RADIUS)

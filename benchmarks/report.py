@@ -1,4 +1,4 @@
-"""From rows to what is read: ratios, growth exponents, a Markdown table, a plot."""
+"""Reports made from rows: ratios, exponents of growth, Markdown tables, a plot."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def times(rows: list[Row], first: str = "dimension") -> dict[tuple[Any, str, int], dict[str, Row]]:
-    """Rows of times by case (what is ``first``, kind, n), then by contestant."""
+    """Rows of times by case (the value of ``first``, kind, n), then by contestant."""
     cases: dict[tuple[Any, str, int], dict[str, Row]] = {}
     for row in rows:
         if row["measure"] == "time":
@@ -25,12 +25,12 @@ def times(rows: list[Row], first: str = "dimension") -> dict[tuple[Any, str, int
 
 
 def ratio(case: dict[str, Row], peer: str) -> float:
-    """How many times as long the peer takes; below 1 it is ahead."""
+    """The time of the peer divided by ours; below 1 the peer is faster."""
     return case[peer]["seconds"] / case[OURS]["seconds"]
 
 
 def growth(rows: list[Row]) -> dict[tuple[int, str, str], float]:
-    """Exponents p of seconds ~ n^p by dimension, kind and contestant, where there are two sizes or more."""
+    """Exponents p of seconds ~ n^p by dimension, kind and contestant, if there are at least two sizes."""
     series: dict[tuple[int, str, str], list[tuple[int, float]]] = {}
     for (d, kind, n), case in times(rows).items():
         for name, row in case.items():
@@ -43,7 +43,7 @@ def growth(rows: list[Row]) -> dict[tuple[int, str, str], float]:
 
 
 def short(n: int) -> str:
-    """A count in two digits: 10⁴, 9.7·10⁴."""
+    """A count with two digits: 10⁴, 9.7·10⁴."""
     rounded = float(f"{n:.2g}")
     power = math.floor(math.log10(rounded) + 1e-9)
     lead = f"{rounded / 10**power:.2g}"
@@ -52,25 +52,25 @@ def short(n: int) -> str:
 
 
 def figures(value: float) -> str:
-    """Three digits, and no exponent."""
+    """A number with three digits and without an exponent."""
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
 def relative(value: float) -> str:
-    """A ratio in a table: two decimals below 10, and **bold** below 1, where a peer is ahead of us."""
+    """A ratio in a table, with two decimals below 10, and **bold** below 1, where a peer is faster."""
     text = f"{value:.2f}" if value < 10 else f"{value:.0f}"
     return f"**{text}**" if value < 1 else text
 
 
 def grid(head: list[str], left: int, lines: list[list[str]]) -> str:
-    """A Markdown table; but for the first ``left``, columns go to the right."""
+    """A Markdown table; the first ``left`` columns are aligned to the left, the others to the right."""
     rule = "|---" * left + "|---:" * (len(head) - left) + "|"
     first, *rest = ("| " + " | ".join(cells) + " |" for cells in [head, *lines])
     return "\n".join([first, rule, *rest])
 
 
 def table(rows: list[Row], dimension: int) -> str:
-    """Microseconds a point, and how many times as long each peer takes: **bold** where it is ahead of us."""
+    """Microseconds per point, and the ratio of each peer's time to ours, **bold** if the peer is faster."""
     cases = {key: case for key, case in times(rows).items() if key[0] == dimension and OURS in case}
     peers = sorted({name for case in cases.values() for name in case} - {OURS}, key=str.lower)
     head = ["points", "n", f"{OURS} µs/point", *(f"{peer} ÷ {OURS}" for peer in peers)]
@@ -123,7 +123,7 @@ START = {
 
 
 def page(result: dict[str, Any], sections: dict[str, str]) -> str:
-    """The whole report of a run: what was measured where, texts by title, who gave no answer."""
+    """The whole report of a run: the machine and the versions, the sections, and the failed cases."""
     parts = [
         f"# Benchmarks: {result['suite']}",
         f"{result['machine']}. One core; medians of CPU seconds, contestants interleaved; load average "
@@ -134,7 +134,7 @@ def page(result: dict[str, Any], sections: dict[str, str]) -> str:
     for title, text in sections.items():
         parts += [f"## {title}", text]
     if result["failures"]:
-        parts += ["## Without an answer", "\n".join(f"- {text}" for text in result["failures"])]
+        parts += ["## Failures", "\n".join(f"- {text}" for text in result["failures"])]
     return "\n\n".join(parts) + "\n"
 
 
@@ -151,7 +151,7 @@ def markdown(result: dict[str, Any]) -> str:
 def plot(rows: list[Row]) -> Any:
     """Ratios against n, one panel for each dimension and peer; above the line at 1 the peer takes longer.
 
-    None where no peer was run.
+    None if no peer was run.
     """
     import matplotlib.pyplot as plt
 
@@ -182,10 +182,10 @@ def plot(rows: list[Row]) -> Any:
     return figure
 
 
-def write(result: dict[str, Any], folder: Path, teller: Any) -> list[Path]:
-    """JSON and CSV rows, and the Markdown report and plot that ``teller`` makes of them; the paths.
+def write(result: dict[str, Any], folder: Path, reporter: Any) -> list[Path]:
+    """Write the rows as JSON and CSV, and the Markdown report and plot by ``reporter``; return the paths.
 
-    There is no plot where the run was too small for one.
+    There is no plot if the run was too small for one.
     """
     import matplotlib.pyplot as plt
 
@@ -197,8 +197,8 @@ def write(result: dict[str, Any], folder: Path, teller: Any) -> list[Path]:
         writer = csv.DictWriter(file, names)
         writer.writeheader()
         writer.writerows(result["rows"])
-    paths[2].write_text(teller.markdown(result), encoding="utf-8")
-    figure = teller.plot(result["rows"])
+    paths[2].write_text(reporter.markdown(result), encoding="utf-8")
+    figure = reporter.plot(result["rows"])
     if figure is None:
         return paths[:3]
     figure.savefig(paths[3], dpi=90)

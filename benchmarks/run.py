@@ -1,4 +1,4 @@
-"""Run a suite: workers in processes of their own, rows to files."""
+"""Run a suite: each case runs in a process of its own, and the results are rows."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = Path(__file__).resolve().parent / "results"
-SLOW = 12.0  # seconds: what would take longer is run once; what would take three times as long, not at all
+SLOW = 12.0  # a run expected to take more seconds is done only once, and not at all above three times as many
 
 
 class Workers:
-    """Ask for one job at a time; a job that fails or takes too long is told and gives None.
+    """Run one job at a time; a job that fails or takes too long is reported and gives None.
 
-    ``timeout``: the seconds a job may take, the compilation of kernels counted in; None for no limit.
+    ``timeout`` is how many seconds a job may take, including the compilation of kernels; None means no limit.
     """
 
     def __init__(self, timeout: float | None = None):
@@ -26,7 +26,7 @@ class Workers:
         self.failures: list[str] = []
 
     def ask(self, job: str, case: dict[str, Any]) -> Any:
-        """The worker's answer, or None."""
+        """The result of the worker, or None."""
         text = json.dumps({"job": job, **case})
         command = [sys.executable, "-m", "benchmarks.worker", text]
         try:
@@ -51,10 +51,10 @@ class Workers:
 def measured(
     workers: Workers, job: str, case: dict[str, Any], expected: dict[str, float], repeats: int
 ) -> list[dict[str, Any]]:
-    """One kind and size: contestants interleaved, those that would be slow by themselves and once.
+    """The rows of one kind and size: fast contestants run interleaved, slow ones run alone and only once.
 
-    ``expected`` has the seconds of each contestant, 0 where they are not known yet; after the run it has
-    those for the next, tenfold size.
+    ``expected`` has the expected seconds of each contestant, or 0 if they are not known yet. After the run it
+    has those for the next size, which is ten times as large.
     """
     groups = [[name for name in expected if expected[name] <= SLOW]]
     groups += [[name] for name in expected if SLOW < expected[name] <= 3 * SLOW]

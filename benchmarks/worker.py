@@ -1,6 +1,6 @@
 """One case in a process of its own, on one core: ``python -m benchmarks.worker '{...}'`` prints JSON.
 
-A contestant that crashes or hangs takes only its case along.
+A contestant that crashes or hangs affects only its case.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-SHORT = 0.1  # seconds: what is done sooner is done several times in a row, and the mean counts
+SHORT = 0.1  # a run that takes fewer seconds is repeated several times in a row, and the mean is taken
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
 def pin() -> None:
-    """Stay on one core, where the system lets us choose."""
+    """Stay on one core, if the system allows it."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
 def _rows(case: dict, found: list[tuple[Any, str]], small: Any) -> list[dict[str, Any]]:
-    """A row for each contestant of the case; a small task has loaded compiled code and done lazy imports."""
+    """A row for each contestant, after a small task that loads compiled code and makes lazy imports."""
     rows: list[dict[str, Any]] = []
     for contestant, version in found:
         if contestant.name in case["contestants"]:
@@ -38,10 +38,10 @@ def _rows(case: dict, found: list[tuple[Any, str]], small: Any) -> list[dict[str
 
 
 def _in_turn(case: dict, rows: list[dict[str, Any]], given: Any) -> Iterator[tuple[dict[str, Any], Any]]:
-    """Run all contestants in turn, as often as asked; their rows take the seconds. Gives row and result.
+    """Run all contestants in turn, ``repeats`` times; add the seconds to their rows; yield row and result.
 
-    A first run of each, which is not counted, tells how often it fits into a short time (but for those that
-    are so slow that they are run once).
+    A first run of each, which is not counted, determines how often it fits into a short time. Contestants
+    that are so slow that they run only once have no such first run.
     """
     times = dict.fromkeys([row["contestant"] for row in rows], 1)
     for row in rows if case["repeats"] > 1 else []:
@@ -61,7 +61,7 @@ def _in_turn(case: dict, rows: list[dict[str, Any]], given: Any) -> Iterator[tup
 
 
 def timed(case: dict) -> list[dict]:
-    """All contestants in turn, as often as asked: one row each."""
+    """One row for each contestant; all run in turn, ``repeats`` times."""
     from .contestants import DELAUNAY, find
     from .inputs import KINDS
 
@@ -91,7 +91,7 @@ def memory(case: dict) -> float:
 
 
 def start(case: dict) -> dict[str, float]:
-    """Seconds for ``import unstruct`` and for first calls, the kernels being in the cache on disk."""
+    """Seconds for ``import unstruct`` and for first calls, with the kernels in the cache on disk."""
     t = [time.process_time()]
     import numba  # noqa: F401
 
@@ -111,7 +111,7 @@ def start(case: dict) -> dict[str, float]:
 
 
 def meshed(case: dict) -> list[dict]:
-    """All meshers of one work in turn, as often as asked: one row each, with the quality of its mesh."""
+    """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
     from .meshers import find
     from .planar import task, warm_up
     from .quality import measures

@@ -1,7 +1,8 @@
-"""What one studies rather than uses: methods and looks inside that the book's chapters need. No code here.
+"""Functions for studying the methods, which the chapters of the book need; applications do not.
 
-Baker's insertion beside fixed cells, recovery of edges, insertion that breaks nothing, points along the
-skeleton of a boundary, the torus, greedy terrain, and how `swap_diagonals` and `voronoi_segment` got there.
+There are Baker's insertion with fixed cells, recovery of edges, insertion that breaks no boundary edge,
+points along the skeleton of a boundary, meshes of the torus, greedy terrain, and the steps by which
+`swap_diagonals` and `voronoi_segment` reach their results. This module only imports them.
 """
 
 from .assess.statistics import angle_histogram as angle_histogram

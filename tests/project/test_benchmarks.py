@@ -154,7 +154,7 @@ def test_quality_by_hand():
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     found = quality.measures(square, np.array([[0, 1, 2], [0, 2, 3]]), "uniform", 1.01)
     assert found["cells"] == 2 and found["conforming"] == 1.0
-    assert found["least_angle"] == 45.0 and found["greatest_angle"] == 90.0
+    assert found["min_angle"] == 45.0 and found["max_angle"] == 90.0
     assert found["mean_2r_R"] == pytest.approx(2 * (np.sqrt(2) - 1), abs=1e-5)
     assert sum(found["angles"]) == 6 and found["angles"][18] == 2
     assert quality.measures(square, np.array([[0, 1, 2]]), "constrained", None) == {"cells": 1}
@@ -175,7 +175,7 @@ def test_a_tiny_planar_run(tmp_path, monkeypatch, capsys):
         ("refined", "plate", 500),
         ("uniform", "holed square", 500),
     }
-    assert cases["refined", "plate", 500]["unstruct"]["least_angle"] >= 30.0
+    assert cases["refined", "plate", 500]["unstruct"]["min_angle"] >= 30.0
     assert set(cases["uniform", "holed square", 500]) == {"unstruct", planar_report.RAW}
     assert cases["uniform", "holed square", 500]["unstruct"]["mean_2r_R"] > 0.95
     text = (tmp_path / "planar.md").read_text()

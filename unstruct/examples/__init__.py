@@ -1,4 +1,4 @@
-"""The book's regions, points and meshes, in one namespace: what chapters and tests start from."""
+"""The regions, points and meshes of the book in one namespace, as starting points of chapters and tests."""
 
 from .point_sets import clipped_lattice as clipped_lattice
 from .point_sets import letter_outlines as letter_outlines

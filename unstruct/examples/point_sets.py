@@ -1,4 +1,4 @@
-"""Point sets to connect: from a mapped structured grid, a clipped Cartesian lattice, letters (12.2.2)."""
+"""Point sets to triangulate: a mapped structured grid, a clipped Cartesian lattice, letters (12.2.2)."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ Array = NDArray[np.float64]
 
 
 def mapped_grid(around: int = 24, outward: int = 6) -> Array:
-    """Points of a structured grid, mapped onto half a ring: (around + 1) (outward + 1) rows (x, y).
+    """Points of a structured grid mapped onto half a ring, as (around + 1) (outward + 1) rows (x, y).
 
     Row (outward + 1) i + j is the image of (i / around, j / outward). The points of one ring are
     cocircular up to rounding.
     """
     if around < 2 or outward < 1:
-        raise InputError(f"a grid of {around} by {outward} cells has no ring: take at least 2 by 1")
+        raise InputError(f"a grid of {around} by {outward} cells has no ring; use at least 2 by 1 cells")
     angle, radius = np.meshgrid(
         np.pi * np.arange(around + 1) / around, 1.0 + np.arange(outward + 1) / outward, indexing="ij"
     )
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1).reshape(-1, 2)
-    return np.round(points * 2.0**40) / 2.0**40  # so that both ends lie on the axis, not 1e-16 beside it
+    return np.round(points * 2.0**40) / 2.0**40  # rounded, so that both ends lie exactly on the axis
 
 
 def clipped_lattice(spacing: float) -> tuple[Array, NDArray[np.int32]]:
-    """The running region's boundary, and the points of a Cartesian lattice that lie well inside.
+    """The boundary of the running region, and the points of a Cartesian lattice inside it, away from it.
 
     Parameters
     ----------
     spacing : float
-        Of the boundary points and of the lattice, in (0, 0.4].
+        The spacing of the boundary points and of the lattice, in (0, 0.4].
 
     Returns
     -------
     points : (n, 2) float64
-        First the boundary, then lattice points at least half a spacing away from all boundary points.
+        First the boundary, then lattice points more than half a spacing away from all boundary points.
     segments : (b, 2) int32
-        The boundary edges, the region on their left.
+        The boundary edges, with the region on their left.
     """
     from scipy.spatial import cKDTree
 
@@ -53,26 +53,26 @@ def clipped_lattice(spacing: float) -> tuple[Array, NDArray[np.int32]]:
 
 
 def letter_outlines(text: str, *, size: int = 64) -> tuple[Array, NDArray[np.int32]]:
-    """The outlines of letters of DejaVu Sans (which comes with matplotlib) as points and segments.
+    """The outlines of letters in DejaVu Sans (a font that comes with matplotlib) as points and segments.
 
     Parameters
     ----------
     text : str
     size : int
-        Height of the font in units; coordinates are rounded to 1/64.
+        The size of the font in units; coordinates are rounded to 1/64.
 
     Returns
     -------
     points : (n, 2) float64
-        Corners and points of curves, contour after contour.
+        Corners and points of curves, one contour after another.
     segments : (n, 2) int32
-        Edges of the contours, the ink on their left.
+        Edges of the contours, with the ink on their left.
     """
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
     if not text.strip():
-        raise InputError(f"{text!r} has no outline: take letters")
+        raise InputError(f"{text!r} has no outline; give a text with letters")
     path = TextPath((0, 0), text, size=size, prop=FontProperties(family="DejaVu Sans"))
     points, segments, start = [], [], 0
     for contour in path.to_polygons():

@@ -1,6 +1,6 @@
-"""The real regions of the book, as domains, each with a size field that suits it.
+"""The real regions of the book as domains, and a size field for the coastline.
 
-See the book, chapter 2.6d; `running_domain` goes through all chapters.
+See the book, chapter 2.6d; `running_domain` appears in all chapters.
 """
 
 from __future__ import annotations
@@ -25,18 +25,19 @@ Array = NDArray[np.float64]
 
 
 def running_domain() -> Domain:
-    """The book's running region as true curves: the lake of `examples.running_region` with its island.
+    """The running region of the book with true curves: the lake of `examples.running_region` and its island.
 
     Returns
     -------
     Domain
-        Sixteen pieces of the outer shore and four of the island, named "shore" and "island"; water is inside.
+        The outer shore in sixteen pieces, named "shore", and the island in four, named "island". The water is
+        inside.
     """
     points: list[Array] = []
     facets: list[list[int]] = []
     curves: dict[int, CurveLike] = {}
     markers: dict[str, list[int]] = {}
-    # Cuts of the outer shore lie away from the tip and the foot of the peninsula.
+    # The outer shore is divided away from the tip and the foot of the peninsula.
     for name, shore, count in (("shore", lake_shore, 16), ("island", island_shore, 4)):
         t = np.linspace(0.0, 2.0 * np.pi, count + 1)
         first = len(facets)
@@ -49,17 +50,17 @@ def running_domain() -> Domain:
 
 
 def wing_with_flap(radius: float = 6.0) -> Domain:
-    """An airfoil (NACA 2412) and, behind and below it, a flap, in a round far field.
+    """An airfoil (NACA 2412) with a flap behind and below it, in a circular far field.
 
     Parameters
     ----------
     radius : float
-        Of the far field, in chords.
+        The radius of the far field, in chords.
 
     Returns
     -------
     Domain
-        Markers "far field" and "upper", "lower" of both sections.
+        It has the markers "far field", and "upper" and "lower" for both sections.
     """
     far = Domain.disc((0.5, 0.0), radius)
     far.markers["far field"] = np.arange(4, dtype=np.int32)
@@ -69,22 +70,22 @@ def wing_with_flap(radius: float = 6.0) -> Domain:
 
 
 def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
-    """The sea round Vancouver Island, its islands as holes: a contour of matplotlib's sample "topobathy".
+    """The sea around Vancouver Island, with its islands as holes: a contour of matplotlib's data "topobathy".
 
     Parameters
     ----------
     level : float
-        The height of the water, in meters. The sample has whole numbers, so that a half avoids flat places.
+        The height of the water, in meters. The data are whole numbers, so that a half avoids flat regions.
     thin : float
-        Vertices of the contour nearer than this to the one before are left out (the contour of a raster has
-        very short sides), and islands of which fewer than four are left.
+        A vertex of the contour is left out if it is nearer than this to the previous one, because the contour
+        of a raster has very short sides. Islands with fewer than four remaining vertices are left out, too.
 
     Returns
     -------
     Domain
-        The largest water within the frame of the sample. Coordinates are degrees of latitude, and of
-        longitude times the cosine of the middle latitude, from the south-western corner. Marker "frame" names
-        the pieces on the frame. Needs matplotlib.
+        The largest body of water in the frame of the data. x is the longitude times the cosine of the middle
+        latitude and y the latitude, in degrees from the south-western corner. The marker "frame" contains the
+        pieces on the frame. Needs matplotlib.
     """
     from contourpy import FillType, contour_generator
     from matplotlib.cbook import get_sample_data
@@ -104,7 +105,7 @@ def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
 
 
 def _thinned(ring: Array, least: float, lower: Array, upper: Array) -> Array:
-    """The ring without vertices nearer than ``least`` to another; corners of the frame and its ends stay."""
+    """The ring without vertices nearer than ``least`` to another one; those that bound the frame are kept."""
     on = ((ring == lower) | (ring == upper)).sum(axis=1)
     ends = (on == 1) & ((np.roll(on, 1) == 0) | (np.roll(on, -1) == 0))
     fixed = (on == 2) | ends
@@ -119,7 +120,7 @@ def _thinned(ring: Array, least: float, lower: Array, upper: Array) -> Array:
 
 
 def coastline_size(sea: Domain, least: float = 0.015, growth: float = 0.25) -> SizeField:
-    """A size that grows from the coast: ``least`` on it, and ``growth`` for each unit of distance from it.
+    """A size that is ``least`` on the coast and grows by ``growth`` per unit of distance from it.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def coastline_size(sea: Domain, least: float = 0.015, growth: float = 0.25) -> S
 
 
 def word(text: str = "mesh") -> Domain:
-    """Letters with holes, of height about 1, with the Bezier curves of their font. Needs matplotlib."""
+    """Letters of height about 1, some with holes, with the Bezier curves of their font. Needs matplotlib."""
     return Domain.letters(text, size=1.4)
 
 
@@ -144,12 +145,13 @@ def _wave(y: Array) -> Array:
 
 
 def plate() -> Domain:
-    """A plate of two materials joined along a wave, with an inlay of a third and twenty-one round holes.
+    """A plate of two materials joined along a wave, with an inlay of a third one and twenty-one round holes.
 
     Returns
     -------
     Domain
-        [0, 3] x [0, 2]; regions "left", "right", "inlay"; markers of the sides, "holes", "joint".
+        The plate [0, 3] x [0, 2] with the regions "left", "right" and "inlay", and the markers "left side",
+        "right side", "holes" and "joint".
     """
     points = [[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [3.0, 2.0], [1.5, 2.0], [0.0, 2.0]]
     facets = [[i, (i + 1) % 6] for i in range(6)]
@@ -157,7 +159,7 @@ def plate() -> Domain:
     curves: dict[int, CurveLike] = {}
     holes = [(x, y, 0.05 + 0.03 * ((3 * i + 2 * j) % 4)) for i, x in enumerate((0.3, 0.75, 1.15, 1.95, 2.75))
              for j, y in enumerate((0.3, 0.78, 1.25, 1.7))]  # fmt: skip
-    holes.append((2.38, 1.0, 0.1))  # within the inlay
+    holes.append((2.38, 1.0, 0.1))  # a hole inside the inlay
     for x, y, r in holes:
         first = len(points)
         for i in range(4):

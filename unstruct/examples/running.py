@@ -1,9 +1,9 @@
-"""The book's running region, its size field and its points; bad triangulations to be mended.
+"""The running region of the book, its size field and its points; bad triangulations to be improved.
 
-The region is a lake in [0, 3] x [0, 2] with one island and a peninsula that bends along the shore.
-Its outline is smooth and given by formulas, so that it can be sampled at any spacing. The strait
-beside the peninsula is narrow: where the spacing is coarse (0.15 and above) the Delaunay triangulation
-of the boundary points misses boundary edges, which is what later chapters mend.
+The region is a lake in [0, 3] x [0, 2] with one island and a peninsula that bends along the shore. Its
+outline is smooth and given by formulas, so that it can be sampled at any spacing. The strait beside the
+peninsula is narrow. If the spacing is coarse (0.15 and above), the Delaunay triangulation of the boundary
+points misses boundary edges; later chapters repair this.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ COARSEST = 0.4  # above this spacing the polygon no longer resembles the lake
 
 
 def lake_shore(t: ArrayLike) -> Array:
-    """The outer shore, counterclockwise, for parameters t in [0, 2 pi); shape (..., 2)."""
+    """Points (..., 2) of the outer shore, counterclockwise, for parameters t in [0, 2 pi)."""
     t = np.asarray(t, dtype=float)
     radius = 0.93 + 0.04 * cosines(3.0 * t + 0.4) + 0.02 * sines(5.0 * t)
     cosine_t, sine_t = cosines(t), sines(t)
@@ -58,14 +58,14 @@ def lake_shore(t: ArrayLike) -> Array:
 
 
 def island_shore(t: ArrayLike) -> Array:
-    """The shore of the island, clockwise (water on its left), for t in [0, 2 pi); shape (..., 2)."""
+    """Points (..., 2) of the shore of the island, clockwise (water on its left), for t in [0, 2 pi)."""
     t = -np.asarray(t, dtype=float)
     radius = ISLAND_RADIUS * (1.15 + 0.15 * cosines(2.0 * t + 0.7))
     return ISLAND_CENTER + radius[..., None] * np.stack([1.15 * cosines(t), sines(t)], axis=-1)
 
 
 def running_size(x: ArrayLike) -> Array:
-    """The book's size field: 0.03 at the island, growing by 0.12 per unit of distance from it.
+    """The size field of the book: 0.03 at the island, with a growth of 0.12 per unit of distance from it.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def running_size(x: ArrayLike) -> Array:
     Returns
     -------
     (...) array
-        The wanted edge length, 0.03 + 0.12 * (distance to the disk of radius 0.2 in the island).
+        The wanted edge length: 0.03 + 0.12 * (distance from the disk of radius 0.2 in the island).
     """
     away = np.linalg.norm(np.asarray(x, dtype=float) - ISLAND_CENTER, axis=-1) - ISLAND_RADIUS
     return 0.03 + 0.12 * np.maximum(away, 0.0)
@@ -98,7 +98,7 @@ def running_region(spacing: float | Callable[[Array], Array]) -> tuple[Array, ND
     Raises
     ------
     InputError
-        Where the spacing is not a positive number or exceeds 0.4.
+        If the spacing is not a positive number or exceeds 0.4.
     """
     points, segments = [], []
     start = 0
@@ -120,7 +120,7 @@ def _equal_steps(shore: Callable[[ArrayLike], Array], spacing: float | Callable[
     bad = ~((wanted > 0) & (wanted <= COARSEST))
     if bad.any():
         raise InputError(
-            f"spacing {wanted[bad].flat[0]} must be in (0, {COARSEST}]: the region is about 3 by 2 long"
+            f"spacing = {wanted[bad].flat[0]} must be in (0, {COARSEST}], because the region is about 3 by 2"
         )
     steps = np.linalg.norm(np.diff(fine, axis=0), axis=1) / wanted
     length = np.concatenate([[0.0], np.cumsum(steps)])
@@ -136,16 +136,16 @@ def running_points(seed: int = 0, *, scale: float = 1.0) -> Array:
     seed : int
         Seed of the random numbers; the same seed gives the same points.
     scale : float
-        Factor on `running_size`.
+        A factor for `running_size`.
 
     Returns
     -------
     (n, 2) float64
-        First the points of ``running_region(running_size)`` (with the size scaled), then the interior
-        points: no two closer than about 0.75 times the wanted size, no gap much wider than it.
+        First the points of ``running_region(running_size)``, with the size scaled, then the interior points.
+        No two points are closer than about 0.75 times the wanted size, and no gap is much wider than it.
     """
     if not scale > 0:
-        raise InputError(f"scale {scale} must be a positive number")
+        raise InputError(f"scale = {scale} must be a positive number")
     boundary, segments = running_region(lambda x: scale * running_size(x))
     rng = np.random.default_rng(seed)
     total = int(60_000 / scale**2) + 1000
@@ -164,7 +164,7 @@ def running_points(seed: int = 0, *, scale: float = 1.0) -> Array:
 
 
 def inside_polygon(x: Array, points: Array, segments: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Even-odd rule in floating point, for samples that are kept away from the boundary anyway."""
+    """The even-odd rule in floating point, for points that are not near the boundary."""
     a, b = points[segments[:, 0]], points[segments[:, 1]]
     inside = np.zeros(len(x), dtype=bool)
     for (ax, ay), (bx, by) in zip(a, b):
@@ -178,28 +178,28 @@ def inside_polygon(x: Array, points: Array, segments: NDArray[np.int32]) -> NDAr
 
 
 def sweep_triangulation(points: ArrayLike) -> Mesh:
-    """Join points from left to right, each to all hull edges that it sees: valid, and full of slivers.
+    """Join points from left to right, each to all hull edges that it sees: a valid mesh with many slivers.
 
     Parameters
     ----------
     points : (n, 2) array
-        Copies are allowed: the first of each is used, the others are listed in `Mesh.duplicates`.
+        Copies are allowed: the first of equal points is used, the others are listed in `Mesh.duplicates`.
 
     Returns
     -------
     Mesh
-        A triangulation of the convex hull that uses every distinct point; far from Delaunay.
+        A triangulation of the convex hull that uses every distinct point. It is far from Delaunay.
 
     Raises
     ------
     InputError
-        For other shapes and for coordinates that are not finite.
+        For other shapes, and for coordinates that are not finite.
     DegenerateInputError
-        Where all points lie on a line.
+        If all points lie on a line.
 
     Notes
     -----
-    Exact; O(n log n). Book: 2.0, where diagonal swapping mends it.
+    Exact; O(n log n). Book: 2.0, where it is made Delaunay by diagonal swapping.
     """
     points = as_points(points)
     if points.shape[1] != 2:
@@ -214,7 +214,7 @@ def sweep_triangulation(points: ArrayLike) -> Mesh:
     if m == 0:
         dimension = min(len(kept) - 1, 1)
         raise DegenerateInputError(
-            f"all {len(P)} points lie on a line or coincide (dimension {dimension}): no triangle exists",
+            f"all {len(P)} points lie on a line or coincide (dimension {dimension}), so no triangle exists",
             dimension,
         )
     leader = order[np.maximum.accumulate(np.where(copy, 0, np.arange(len(P))))]
@@ -232,7 +232,7 @@ def random_triangulation(
     points : (n, 2) array
     rng : int or numpy Generator
     swaps : int, optional
-        How many edges are tried; those of strictly convex quadrilaterals are swapped. 10 n by default.
+        How many edges are tried, 10 n by default; those in strictly convex quadrilaterals are swapped.
     """
     mesh = sweep_triangulation(points)
     P, exact = scaled(mesh.points)
@@ -253,7 +253,7 @@ def _turn(P, u, v, w, wide):
 
 @kernel
 def _sweep(P, order, wide):
-    """Triangles of the sweep over distinct sorted points, and their number (0: all collinear)."""
+    """Triangles of the sweep over distinct sorted points, and their number (0 if all are collinear)."""
     n = len(order)
     T = np.empty((2 * n, 3), dtype=np.int32)
     following, preceding = np.empty(len(P), dtype=np.int64), np.empty(len(P), dtype=np.int64)
@@ -264,7 +264,7 @@ def _sweep(P, order, wide):
         return T, 0
     left = _turn(P, order[0], order[1], order[k], wide) > 0
     m = 0
-    for r in range(k):  # the first k points lie on a line; the hull runs along them and over point k
+    for r in range(k):  # the first k points lie on a line; the hull consists of them and point k
         u, v = order[r], order[r + 1]
         if r + 1 < k:
             T[m, 0], T[m, 1], T[m, 2] = (u, v, order[k]) if left else (v, u, order[k])
@@ -291,7 +291,7 @@ def _sweep(P, order, wide):
 
 @kernel
 def _swap_at(P, T, N, slots, wide):
-    """Swap the edges at the given slots (3 t + i) where that leaves two proper triangles."""
+    """Swap the edge at each given slot (3 t + i) if both new triangles are counterclockwise."""
     for code in slots:
         t, i = code // 3, code % 3
         s = N[t, i]
@@ -303,22 +303,22 @@ def _swap_at(P, T, N, slots, wide):
 
 
 def flip_at_random(mesh: Mesh, tries: int, rng: int | np.random.Generator = 0) -> Mesh:
-    """Exchange cells at random by bistellar flips (2-2; 2-3 and 3-2; ...): valid, and far from Delaunay.
+    """Replace cells at random by bistellar flips (2-2; 2-3 and 3-2; ...): a valid mesh far from Delaunay.
 
     Parameters
     ----------
     mesh : Mesh
         Simplices of full dimension d >= 2, positively oriented.
     tries : int
-        Two cells at a facet have d + 2 vertices, which have two triangulations (if no d + 1 are flat):
-        leaving out one of some of them, or one of the others. A try that finds one whole in the mesh puts
-        the other in its place. Vertices never vanish.
+        The number of flips that are tried. Two cells with a common facet have d + 2 vertices, and these have
+        two triangulations (see `two_triangulations`). If one of them is in the mesh, the other takes its
+        place. No vertex is removed.
     rng : int or numpy Generator
 
     Returns
     -------
     Mesh
-        The same points.
+        A mesh of the same points.
     """
     rng = np.random.default_rng(rng)
     cells: list[frozenset[int]] = []
@@ -359,10 +359,11 @@ def flip_at_random(mesh: Mesh, tries: int, rng: int | np.random.Generator = 0) -
 
 
 def two_triangulations(points: Array, vertices: list[int]) -> tuple[set[frozenset[int]], set[frozenset[int]]]:
-    """Both triangulations of d + 2 points; two empty sets where d + 1 of them lie in a hyperplane.
+    """Both triangulations of d + 2 points; two empty sets if d + 1 of them lie in a hyperplane.
 
-    With the affine relation sum c_v p_v = 0, sum c_v = 0: the cells without one v of c_v > 0 are one, those
-    without one v of c_v < 0 the other (Radon). Up to alternating sign c_v is the orientation of the others.
+    The points have an affine relation sum c_v p_v = 0 with sum c_v = 0. One triangulation consists of the
+    cells that omit one vertex with c_v > 0, the other of the cells that omit one with c_v < 0 (Radon). The
+    sign of c_v is the orientation of the other points, up to an alternating sign.
     """
     others = [[u for u in vertices if u != v] for v in vertices]
     signs = np.asarray(orient(points[others])) * (-1) ** np.arange(len(vertices))

@@ -1,7 +1,8 @@
-"""Pictures of meshes and of algorithms at work; needs the ``book`` extra (matplotlib, anywidget).
+"""Pictures of meshes and of the steps of algorithms; needs the ``book`` extra (matplotlib, anywidget).
 
-`setup` sets the style, `plot` and its relatives draw with matplotlib, `strip` and `player` show the
-same frames on paper and step by step, `view3d` turns, and the widgets answer to sliders.
+`setup` sets the style. `plot` and the other functions ``plot_...`` draw with matplotlib. `strip` and `player`
+show the same frames, side by side or step by step. `view3d` shows objects in space that the reader can turn.
+The widgets have sliders.
 """
 
 from .draw import frames as frames

@@ -235,7 +235,7 @@ def test_plot_draws_every_cell_of_every_type():
 def test_plot_of_values_has_a_color_bar_and_counts_them(planar):
     ax = view.plot(planar, values=np.arange(len(planar.simplices)), label="number")
     assert len(ax.figure.axes) == 2 and ax.figure.axes[1].get_ylabel() == "number"
-    with pytest.raises(InputError, match="one a cell"):
+    with pytest.raises(InputError, match="one entry per cell"):
         view.plot(planar, values=[1, 2])
 
 
@@ -418,7 +418,7 @@ def test_a_view_refuses_what_it_cannot_turn():
         view.view3d([view.item3("polygons", "cell", [[0, 1, 2]] * 20001, np.eye(3))], alt="x")
     with pytest.raises(InputError, match="4 dimensions"):
         view.view3d(SimpleNamespace(points=np.zeros((5, 4)), simplices=np.arange(5)[None]), alt="x")
-    with pytest.raises(InputError, match="one a cell"):
+    with pytest.raises(InputError, match="one entry per cell"):
         view.view3d(SOLID, alt="x", values=[1])
 
 

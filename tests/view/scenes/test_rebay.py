@@ -37,9 +37,9 @@ def test_the_step_over_its_whole_range(preset):
         assert isclose(hypot(*(d - center)), hypot(1, q), rel_tol=1e-9)
         assert d[1] < 0
         if in_sphere(np.array([a, b, c]), d) > 0:
-            assert "no Delaunay" in caption
+            assert "not Delaunay" in caption
             continue
-        assert caption.endswith("AB goes") == bool(in_sphere(np.array([a, b, c]), np.array(x)) > 0)
+        assert caption.endswith("AB is deleted") == bool(in_sphere(np.array([a, b, c]), np.array(x)) > 0)
         assert ("beyond F" in caption) == (q < 1 - 1e-12)
         if "radius f" in caption or "right angle" in caption:
             assert isclose(-x[1], rs.distance(max(f, 1.0), 1.0), rel_tol=1e-9)
@@ -51,10 +51,10 @@ def test_the_step_over_its_whole_range(preset):
     ("preset", "caption", "number"),
     [
         ("a short edge: p < f", "the circle AXB has the radius f", "d = 1.56, q = 1.80, angle AXB = 65°"),
-        ("a long edge: p > f", "f < p: the least circle, with a right angle at X", "angle AXB = 90°"),
+        ("a long edge: p > f", "f < p: the smallest circle, with a right angle at X", "angle AXB = 90°"),
         ("the cap is active", "f is too large for this triangle: X = F", "d = 1.50, q = 1.50"),
         ("q < p: (12.5) goes beyond F", "q < p: (12.5) leads beyond F, so stop at F", "d = 1.00, q = 0.75"),
-        ("nasty: AB is deleted", "X is in circle ABC, AB goes", "d = 1.00, q = 1.60"),
+        ("nasty: AB is deleted", "X is in circle ABC, so AB is deleted", "d = 1.00, q = 1.60"),
     ],
 )
 def test_the_presets_show_what_they_promise(preset, caption, number):
@@ -110,7 +110,7 @@ def test_the_slope_is_half_for_constant_size_and_the_tangent_has_it():
         ("f grows by a quarter", "one shape"),
         ("f shrinks: a start near the rest", "one shape"),
         ("the same, a start from afar", "two shapes in turn"),
-        ("no rest, no pair", "not at rest"),
+        ("no rest, no pair", "no convergence"),
         ("nasty: f shrinks faster than p", "without bound"),
     ],
 )

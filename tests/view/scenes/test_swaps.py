@@ -30,7 +30,7 @@ def test_the_caption_is_the_exact_choice(preset, i, j):
         assert "not strictly convex" in frame["caption"] and in_sphere(ring[:3], ring[3]) <= 0
     else:
         word = {1: "inside", -1: "outside", 0: "on the circle"}[least_angle_choice(*ring)]
-        assert word in frame["caption"] and "least of six" in frame["number"]
+        assert word in frame["caption"] and "minimum angle: AC" in frame["number"]
 
 
 def test_the_presets_show_what_they_promise():
@@ -39,9 +39,9 @@ def test_the_presets_show_what_they_promise():
     }
     assert "on the circle" in start["a rectangle: a tie"]["caption"]
     grows = start["the largest angle grows"]
-    assert "BD comes" in grows["caption"] and "largest: AC 108.4°, BD 135.0°" in grows["number"]
+    assert "BD replaces AC" in grows["caption"] and "maximum: AC 108.4°, BD 135.0°" in grows["number"]
     worse = start["one triangle gets worse"]
-    assert "least of six: AC 18.4°, BD 26.6°" in worse["number"]
+    assert "minimum angle: AC 18.4°, BD 26.6°" in worse["number"]
 
 
 @pytest.mark.parametrize("preset", RUNS)

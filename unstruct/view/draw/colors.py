@@ -1,7 +1,8 @@
-"""What each kind of thing looks like, in every figure, player and widget of the book: one place.
+"""The colors and line styles of all figures, players and widgets of the book.
 
-The colors are Okabe and Ito's (2008), with a few of Paul Tol's where those run out. No two roles
-differ by color alone: width, dash and marker differ too, so that a print in gray can be read.
+A *role* says what an object is, such as "cell" or "cavity", and gives it its look. The colors are those of
+Okabe and Ito (2008), with a few of Paul Tol's. No two roles differ by color alone: width, dash and marker
+differ, too, so that a print in gray can be read.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from PIL import Image
 
 __all__ = ["PAPER", "ROLES", "Style", "line_style", "png", "role", "setup", "styles"]
 
-PAPER = "#ffffff"  # behind every picture, on light and dark pages alike
+PAPER = "#ffffff"  # the background of every picture, on light and on dark pages
 DPI = 90
 
 
-PNG: dict[str, Any] = {"facecolor": PAPER, "metadata": {"Software": None}}  # no version in the file
+PNG: dict[str, Any] = {"facecolor": PAPER, "metadata": {"Software": None}}  # the file contains no version
 
 
 @dataclass(frozen=True)
 class Style:
-    """How a role is drawn.
+    """The style in which a role is drawn.
 
     Attributes
     ----------
@@ -35,15 +36,15 @@ class Style:
     width : float
         Width of lines, in points.
     dash : tuple of float
-        Lengths on, off, on, … in points; empty for a solid line.
+        Lengths of dashes and gaps in points (on, off, on, …); empty for a solid line.
     marker : str
-        matplotlib's letter for the marker, one of ``o s D ^ v * X P . h``.
+        matplotlib's character for the marker, one of ``o s D ^ v < > * X P p h .``.
     size : float
         Diameter of the marker, in points.
     fill : str
         Color inside polygons.
     alpha : float
-        Opacity of that color, from 0 (none) to 1.
+        Opacity of that color, from 0 (transparent) to 1.
     hatch : str
         ``""``, ``"/"``, ``"x"`` or ``"."``, drawn over the fill in the role's color.
     """
@@ -78,17 +79,17 @@ ROLES: dict[str, Style] = {
 
 
 def role(name: str) -> Style:
-    """The style of a role; an unknown name raises ``KeyError`` with the known ones."""
+    """The style of a role; for an unknown name, a ``KeyError`` lists the known ones."""
     try:
         return ROLES[name]
     except KeyError:
-        raise KeyError(f"no role {name!r}; the roles are {', '.join(sorted(ROLES))}") from None
+        raise KeyError(f"no role {name!r}; use one of {', '.join(sorted(ROLES))}") from None
 
 
 def line_style(name: str) -> dict[str, Any]:
     """Keyword arguments that give a matplotlib line or collection the look of a role."""
     style = role(name)
-    # matplotlib scales dashes by the line's width; ours are plain points, as in the players
+    # matplotlib scales dashes by the width of the line; here they are given in points, as in the players.
     dash = (0, tuple(d / style.width for d in style.dash)) if style.dash else "solid"
     return {"color": style.color, "linewidth": style.width, "linestyle": dash}
 
@@ -99,15 +100,15 @@ def styles() -> dict[str, dict[str, Any]]:
 
 
 def setup() -> None:
-    """Set matplotlib as the book wants it; the first line of every notebook.
+    """Set the style of matplotlib for the book; every notebook calls this first.
 
-    Pictures are PNG on opaque white at 90 dots per inch, in at most 256 colors and with no version or
-    date inside, so that a notebook that is run twice stores the same few bytes. Outside IPython only
-    the style is set.
+    Pictures are PNG files on opaque white at 90 dots per inch, with at most 256 colors and without a version
+    or date, so that a notebook that is run twice stores the same bytes. Outside IPython only the style is
+    set.
     """
     try:
         from IPython import get_ipython
-    except ImportError:  # a plain Python session: the style is all there is to set
+    except ImportError:  # without IPython only the style is set
         shell = None
     else:
         shell = get_ipython()
@@ -118,7 +119,7 @@ def setup() -> None:
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as the bytes of a PNG file, cropped to what is drawn, in at most 256 colors."""
+    """A figure as the bytes of a PNG file, cropped to its contents, with at most 256 colors."""
     full = io.BytesIO()
     figure.savefig(full, format="png", bbox_inches="tight", pad_inches=0.06, **PNG)
     with Image.open(full) as picture:
@@ -139,7 +140,7 @@ RC: Any = {
     "savefig.facecolor": PAPER,
     "savefig.transparent": False,
     "figure.constrained_layout.use": True,
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same on every machine
+    "font.family": "DejaVu Sans",  # this font comes with matplotlib, so it is the same on every machine
     "font.size": 9.5,
     "axes.titlesize": 10,
     "axes.labelsize": 9.5,

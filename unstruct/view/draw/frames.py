@@ -1,9 +1,9 @@
 """Frames: one picture of a history as a plain dictionary, which every renderer here can draw.
 
-A frame is ``{"caption": str, "number": str, "items": [item, …]}``, perhaps with
-``"view": [xmin, xmax, ymin, ymax]``; an item is ``{"kind": …, "role": …, "data": …}``, where *kind* is
-one of `KINDS` and *role* one of `unstruct.view.ROLES`. matplotlib draws frames side by side
-(`strip`), the player steps through them.
+A frame is ``{"caption": str, "number": str, "items": [item, …]}``, with an optional entry
+``"view": [xmin, xmax, ymin, ymax]``. An item is ``{"kind": …, "role": …, "data": …}``, where *kind* is one of
+`KINDS` and *role* one of `unstruct.view.ROLES`. matplotlib draws frames side by side (`strip`); the player
+steps through them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ View = list[float]
 
 
 def frame(caption: str, *items: Item, number: str = "", view: Sequence[float] | None = None) -> Frame:
-    """One frame: a caption of few words, the items from back to front, and one live number."""
+    """One frame: a short caption, the items from back to front, and a text with the current numbers."""
     made: Frame = {"caption": caption, "number": number, "items": list(items)}
     if view is not None:
         made["view"] = [float(v) for v in view]
@@ -46,7 +46,7 @@ def frame(caption: str, *items: Item, number: str = "", view: Sequence[float] | 
 
 
 def dots(role: str, points: Any, *, handles: Sequence[str] | None = None, opacity: float = 1.0) -> Item:
-    """Markers at points ``(k, 2)``; ``handles`` names those that a reader may drag."""
+    """Markers at points ``(k, 2)``; ``handles`` are names of the points, which the reader can then drag."""
     item = _item("points", role, np.asarray(points, dtype=float).reshape(-1, 2).tolist(), opacity)
     return item if handles is None else {**item, "handles": list(handles)}
 
@@ -85,7 +85,7 @@ def _item(kind: str, role: str, data: list, opacity: float) -> Item:
 
 
 def mesh_items(points: Any, cells: Any, *, role: str = "cell", names: bool = False) -> list[Item]:
-    """The cells of a planar mesh as polygons, with the vertices that they use (named, on request)."""
+    """The cells of a planar mesh as polygons, and the vertices that they use, with numbers if ``names``."""
     points = np.asarray(points, dtype=float)
     cells = [list(map(int, cell)) for cell in cells]
     used = sorted({v for cell in cells for v in cell})
@@ -94,9 +94,9 @@ def mesh_items(points: Any, cells: Any, *, role: str = "cell", names: bool = Fal
 
 
 def bounds(frames: Iterable[Frame], margin: float = 0.08) -> View:
-    """The fixed window of a history: its own ``view``, else all that is drawn but circles.
+    """The fixed window of a history: the first ``view`` of a frame, or else all items except circles.
 
-    Circles count only where there is nothing else: one huge circumcircle would shrink the rest.
+    Circles count only if there is nothing else, because one huge circumcircle would shrink the rest.
     """
     frames = list(frames)
     for one in frames:
@@ -119,13 +119,13 @@ def bounds(frames: Iterable[Frame], margin: float = 0.08) -> View:
     flat = np.concatenate(corners)
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max(float((high - low).max()), 1e-300)
-    pad = np.maximum(margin * size, (0.25 * size - (high - low)) / 2)  # a flat set is still a window
+    pad = np.maximum(margin * size, (0.25 * size - (high - low)) / 2)  # collinear points get a window, too
     low, high = low - pad, high + pad
     return [float(low[0]), float(high[0]), float(low[1]), float(high[1])]
 
 
 def arc(circle: Sequence[float], view: Sequence[float]) -> np.ndarray:
-    """The part of a huge circle near the window, as a polyline ``(49, 2)``: whole ones draw slowly."""
+    """The part of a huge circle near the window, as a polyline ``(49, 2)``; drawing the whole is slow."""
     x, y, r = circle
     middle = np.array([(view[0] + view[1]) / 2, (view[2] + view[3]) / 2])
     toward = middle - [x, y]
@@ -133,12 +133,12 @@ def arc(circle: Sequence[float], view: Sequence[float]) -> np.ndarray:
     turn = np.array([toward, [-toward[1], toward[0]]]) / far
     half = min(math.pi, 2 * (view[1] - view[0] + view[3] - view[2]) / r)
     angle = np.linspace(-half, half, 49)
-    # relative to the window, so that no two huge numbers are subtracted but r and the distance
+    # Points are computed relative to the window, so that r and ``far`` are the only huge numbers subtracted.
     return middle + np.column_stack([(r - far) - 2 * r * np.sin(angle / 2) ** 2, r * np.sin(angle)]) @ turn
 
 
 def outline(polygons: Sequence[Any]) -> list[list[Any]]:
-    """The sides of polygons as segments, a side of two neighbors once."""
+    """The sides of polygons as segments; a common side of two neighbors is listed once."""
     sides = {}
     for corners in polygons:
         for p, q in zip(corners, [*corners[1:], corners[0]]):
@@ -150,17 +150,19 @@ def outline(polygons: Sequence[Any]) -> list[list[Any]]:
 def check_frame(one: Any) -> None:
     """Raise `InputError`, naming the item, unless ``one`` is a frame that every renderer can draw."""
     if not isinstance(one, dict) or not {"caption", "number", "items"} <= set(one):
-        raise InputError("a frame is a dictionary with caption, number and items")
+        raise InputError("a frame must be a dictionary with caption, number and items")
     if set(one) - {"caption", "number", "items", "view"}:
         raise InputError(
-            f"a frame has no entry {sorted(set(one) - {'caption', 'number', 'items', 'view'})[0]!r}"
+            f"a frame must not have an entry {sorted(set(one) - {'caption', 'number', 'items', 'view'})[0]!r}"
         )
     if not isinstance(one["caption"], str) or not isinstance(one["number"], str):
-        raise InputError("the caption and the number of a frame are texts")
+        raise InputError("the caption and the number of a frame must be strings")
     if "view" in one and not (
         _numbers(one["view"], 4) and one["view"][0] < one["view"][1] and one["view"][2] < one["view"][3]
     ):
-        raise InputError(f"view is [xmin, xmax, ymin, ymax], not {one['view']!r}")
+        raise InputError(
+            f"view must be [xmin, xmax, ymin, ymax] with xmin < xmax and ymin < ymax, not {one['view']!r}"
+        )
     for k, item in enumerate(one["items"]):
         problem = _problem(item)
         if problem:
@@ -168,7 +170,7 @@ def check_frame(one: Any) -> None:
 
 
 def _problem(item: Item) -> str:
-    """What is wrong with an item, or nothing."""
+    """What is wrong with an item, or an empty string."""
     kind, data = item.get("kind"), item.get("data")
     if kind not in KINDS:
         return f"kind is {kind!r}; use one of {', '.join(KINDS)}"
@@ -182,16 +184,16 @@ def _problem(item: Item) -> str:
         if kind == "segments" and len(rows) != 2:
             return f"segment {j} does not have two ends"
         if not rows or not all(_numbers(r, width) for r in rows):
-            return f"row {j} is not made of {width} finite numbers: {row!r}"
+            return f"row {j} does not consist of {width} finite numbers: {row!r}"
         if kind == "circles" and row[2] < 0:
-            return f"circle {j} has the radius {row[2]}"
+            return f"circle {j} has the negative radius {row[2]}"
     for extra in ("text", "handles"):
         if extra in item and len(item[extra]) != len(data):
-            return f"{len(item[extra])} entries of {extra} for {len(data)} points"
+            return f"there are {len(item[extra])} entries of {extra} for {len(data)} points"
     if kind == "labels" and "text" not in item:
-        return "labels without text"
+        return "labels need an entry text"
     if not 0 <= item.get("opacity", 1) <= 1:
-        return f"opacity is {item['opacity']}, not between 0 and 1"
+        return f"opacity is {item['opacity']}; it must be between 0 and 1"
     return ""
 
 

@@ -21,8 +21,8 @@ from .strips import draw_items, fit, flat_axes, marks
 
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
-FEW = 250  # cells, above which lines become thinner, down to a third
-MANY = 400  # vertices, above which markers would hide the cells
+FEW = 250  # with more cells than this, lines become thinner, down to 0.3 of their width
+MANY = 400  # with more vertices than this, no markers are drawn, because they would hide the cells
 
 
 def plot(
@@ -41,17 +41,17 @@ def plot(
     Parameters
     ----------
     mesh : Mesh
-        In one, two or three dimensions; of tetrahedra the boundary is shown.
+        A mesh in one, two or three dimensions.
     ax : matplotlib axes, optional
-        Where to draw; new ones by default.
+        Where to draw; by default in a new figure.
     role : str
-        The look of the cells.
+        The role whose style the cells have.
     names : bool
-        Write the number beside each vertex (planar meshes).
+        Whether to write the number of each vertex beside it (planar meshes).
     vertices : bool, optional
-        Draw the vertices; by default up to 400 of them.
+        Whether to draw the vertices; by default only if there are at most 400.
     values : array (cells,), optional
-        Color the cells by these, with a color bar called ``label`` (planar meshes and surfaces).
+        Color the cells by these values, with a color bar called ``label`` (planar meshes and surfaces).
     **view
         ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
 
@@ -62,13 +62,16 @@ def plot(
     Raises
     ------
     InputError
-        Above three dimensions, or when ``values`` does not have one entry a cell.
+        For more than three dimensions, or if ``values`` does not have one entry per cell.
     """
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] == 3:
         return picture(mesh, ax, role=role, values=values, label=label, **view)
     if points.shape[1] > 3 or view:
-        raise InputError(f"no picture of {points.shape[1]} dimensions with {sorted(view)}; plot a projection")
+        raise InputError(
+            f"a mesh in {points.shape[1]} dimensions cannot be drawn with the options {sorted(view)}; "
+            "plot a projection"
+        )
     points = points if points.shape[1] == 2 else np.column_stack([points, np.zeros(len(points))])
     ax = flat_axes(ax)
     cells = planar_cells(mesh)
@@ -95,7 +98,7 @@ def color_cells(ax: Axes, corners: Sequence[np.ndarray], values: Any, label: str
     """Fill cells by value, with a color bar."""
     values = np.asarray(values, dtype=float)
     if values.shape != (len(corners),):
-        raise InputError(f"{values.shape} values for {len(corners)} cells; give one a cell")
+        raise InputError(f"values must have one entry per cell, shape ({len(corners)},), not {values.shape}")
     width = 0.5 if len(corners) < 2000 else 0.0
     collection = PolyCollection(
         corners, array=values, edgecolors=PAPER, linewidths=width, cmap="cividis", zorder=2
@@ -105,7 +108,7 @@ def color_cells(ax: Axes, corners: Sequence[np.ndarray], values: Any, label: str
 
 
 def planar_cells(mesh: Any) -> list[np.ndarray]:
-    """All cells of a mesh as rows of vertices, whatever their types."""
+    """All cells of a mesh, of any types, as rows of vertices."""
     types = getattr(mesh, "cells", None)
     blocks = list(types.values()) if isinstance(types, Mapping) and types else [mesh.simplices]
     return [np.asarray(row, dtype=int) for block in blocks for row in block if len(row) > 1]
@@ -115,7 +118,7 @@ def _planar(mesh: Any, what: str) -> tuple[np.ndarray, np.ndarray]:
     points, cells = np.asarray(mesh.points, dtype=float), np.asarray(mesh.simplices)
     if points.shape[1] != 2 or cells.shape[1] != 3:
         raise InputError(
-            f"{what} are drawn for triangles in the plane, not for {cells.shape[1]} vertices a cell "
+            f"{what} can be drawn for triangles in the plane, not for cells with {cells.shape[1]} vertices "
             f"in {points.shape[1]} dimensions; see view3d"
         )
     return points, cells
@@ -130,9 +133,9 @@ def plot_circumcircles(
     margin: float = 0.06,
     **options: Any,
 ) -> Axes:
-    """Draw a planar triangulation with the circumcircles of some cells (by default of all).
+    """Draw a planar triangulation with the circumcircles of some cells, by default of all.
 
-    Other options go to `plot`. The window holds the mesh and the circles that do not dwarf it.
+    Other options are passed to `plot`. The window contains the mesh and the circles that are not much larger.
     """
     points, triangles = _planar(mesh, "circumcircles")
     chosen = triangles if cells is None else triangles[np.atleast_1d(cells)]
@@ -150,7 +153,7 @@ def plot_circumcircles(
 def plot_cavity(
     mesh: Any, cells: Any, point: Any, ax: Axes | None = None, *, circles: bool = True, **options: Any
 ) -> Axes:
-    """Draw the cavity of a point: the cells ``cells`` of a planar mesh, with their circumcircles."""
+    """Draw the cavity of a point, which consists of ``cells`` of a planar mesh, with their circumcircles."""
     points, triangles = _planar(mesh, "cavities")
     chosen = triangles[np.atleast_1d(np.asarray(cells, dtype=int))]
     ax = plot(mesh, ax, **options)
@@ -171,23 +174,25 @@ def plot_voronoi(
     vertices: bool = True,
     view: Sequence[float] | None = None,
 ) -> Axes:
-    """Draw a planar Voronoi diagram, its rays clipped to the window.
+    """Draw a planar Voronoi diagram, with its rays clipped to the window.
 
     Parameters
     ----------
     diagram : Voronoi or Mesh
-        Of a mesh, its dual: circumcenters of neighbors are joined (the Voronoi diagram, where
-        the mesh is Delaunay).
+        For a mesh, its dual is drawn, which joins the circumcenters of neighbors. It is the Voronoi diagram
+        if the mesh is Delaunay.
     delaunay : bool
-        Draw the pairs of sites with a common ridge (or the edges of the mesh) underneath.
+        Whether to join the sites with a common ridge (or draw the edges of the mesh) underneath.
     sites, vertices : bool
-        Mark the sites and the Voronoi vertices.
+        Whether to mark the sites and the Voronoi vertices.
     view : (xmin, xmax, ymin, ymax), optional
-        The window, by default the sites with a margin.
+        The window; by default the sites with a margin.
     """
     points = np.asarray(diagram.points, dtype=float)
     if points.shape[1] != 2:
-        raise InputError(f"a Voronoi diagram is drawn in the plane, not in {points.shape[1]} dimensions")
+        raise InputError(
+            f"only a planar Voronoi diagram can be drawn, not one in {points.shape[1]} dimensions"
+        )
     ax = flat_axes(ax)
     fit(ax, points, 0.25)
     if view is not None:
@@ -207,7 +212,7 @@ def _diagonal(ax: Axes, points: np.ndarray) -> float:
 
 
 def dual_segments(diagram: Any, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The ridges as segments ``(r, 2, 2)``, rays cut beyond ``reach``; Voronoi vertices; pairs of sites."""
+    """The ridges as segments ``(r, 2, 2)``, with rays cut beyond ``reach``; the vertices; pairs of sites."""
     points = np.asarray(diagram.points, dtype=float)
     if hasattr(diagram, "ridge_points"):
         nodes = np.asarray(diagram.vertices, dtype=float).reshape(-1, 2)
@@ -223,22 +228,23 @@ def dual_segments(diagram: Any, reach: float) -> tuple[np.ndarray, np.ndarray, n
         along = points[q] - points[p]
         out = np.array([along[1], -along[0]]) / np.hypot(*along)
         center = (points[p] + points[q]) / 2
-        if np.dot(out, center - middle) < 0:  # the sites lie on one side of a hull edge: away from them
+        if np.dot(out, center - middle) < 0:  # a ray points away from the sites
             out = -out
-        start = nodes[max(a, b)] if max(a, b) >= 0 else center - reach * out  # collinear sites: a whole line
+        # If the sites are collinear, a ridge is a whole line.
+        start = nodes[max(a, b)] if max(a, b) >= 0 else center - reach * out
         lines[k] = start, center + out * max(reach, 2 * abs(np.dot(start - center, out)))
     return lines, nodes, pairs
 
 
 def _dual_of_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Circumcenters, edges, and for each edge the two cells beside it, −1 beyond the hull."""
+    """Circumcenters, edges, and the two cells at each edge, where −1 stands for the outside of the hull."""
     points, cells = _planar(mesh, "duals")
     neighbors = np.asarray(mesh.neighbors)
     pairs, ends = [], []
     for t, corners in enumerate(cells):
         for k in range(3):
             other = int(neighbors[t, k])
-            if other < t:  # each edge once: from its later cell, or from the only one
+            if other < t:  # so that each edge is listed once
                 pairs.append([corners[(k + 1) % 3], corners[(k + 2) % 3]])
                 ends.append([t, other])
     return (
@@ -249,12 +255,12 @@ def _dual_of_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *, bins: int = 36) -> Axes:
-    """Histogram of a quality over the cells, for one mesh or several under names.
+    """Histogram of a quality over the cells, for one mesh or for several named ones.
 
     Parameters
     ----------
     meshes : Mesh or dict of str to Mesh
-        What to compare; the legend tells each least value and mean.
+        The meshes to compare; the legend shows the minimum and the mean of each.
     name : str
         One of `unstruct.simplex.QUALITIES`.
     bins : int
@@ -268,7 +274,7 @@ def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *
     edges = np.histogram_bin_edges(np.concatenate(list(finite.values())), bins)
     for number, (key, v) in enumerate(finite.items()):
         style = ("circumcircle", "inserted", "voronoi", "layer", "front")[number % 5]
-        text = f"{key + ': ' if key else ''}least {v.min():.3g}, mean {v.mean():.3g}"
+        text = f"{key + ': ' if key else ''}minimum {v.min():.3g}, mean {v.mean():.3g}"
         lost = len(values[key]) - len(v)
         ax.stairs(
             np.histogram(v, edges)[0] / max(len(values[key]), 1),
@@ -289,6 +295,6 @@ def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *
         xlabel=name.replace("_", " ") + (" (degrees)" if "angle" in name or "dihedral" in name else ""),
         ylabel="share of cells",
     )
-    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # inches, under the label
+    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # in inches
     ax.legend(loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, borderaxespad=0)
     return ax

@@ -1,10 +1,10 @@
-"""The one view of things in space: a widget that turns, and the same picture by matplotlib.
+"""Views of objects in space: a widget that the reader can turn, and the same picture by matplotlib.
 
 A scene is a list of items like those of a frame, but with their own points ``(n, 3)``:
-``{"kind": …, "role": …, "points": …, "data": …}``, where the rows of *data* are corners (indices) of
-``cells`` (tetrahedra), ``polygons`` or ``segments``, or coordinates of ``points`` and ``labels``, or
-``[x, y, z, r]`` of ``spheres``. Both renderers paint from back to front, which needs no graphics
-card; where large faces cross in depth, that order can be wrong.
+``{"kind": …, "role": …, "points": …, "data": …}``. The rows of *data* are corners (indices) of ``cells``
+(tetrahedra), ``polygons`` or ``segments``, or coordinates of ``points`` and ``labels``, or ``[x, y, z, r]``
+of ``spheres``. Both renderers paint from back to front, which needs no graphics card. If large faces overlap
+in depth, that order can be wrong.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ __all__ = ["Space", "item3", "mesh_items3", "picture", "view3d"]
 HERE = Path(__file__).parent
 KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
 FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
-MANY_CELLS = 2500  # tetrahedra, above which only the boundary is drawn
-MOST_FACES = 20000  # for the widget: beyond, turning is no longer smooth
-THIN = 0.6  # edges of faces in space, in parts of a role's width: many are seen at once
+MANY_CELLS = 2500  # with more tetrahedra than this, only the boundary is drawn
+MOST_FACES = 20000  # the largest number of faces in the widget; with more, turning is not smooth
+THIN = 0.6  # the width of the edges of faces, relative to the role's width, because many are visible at once
 Item = dict[str, Any]
 
 
 class Space(anywidget.AnyWidget):
-    """A scene in space, turned by dragging and by the arrow keys; see `view3d`."""
+    """A scene in space that is turned by dragging or with the arrow keys; see `view3d`."""
 
     _esm = HERE / "space.js"
     _css = HERE / "player.css"
@@ -86,7 +86,7 @@ def item3(
     else:
         rows = np.asarray(data, dtype=float).reshape(-1, 4 if kind == "spheres" else 3).tolist()
     if not (np.isfinite(places).all() and np.isfinite(np.concatenate([[0], *rows])).all()):
-        raise InputError(f"{kind} need finite coordinates")
+        raise InputError(f"{kind} must have finite coordinates")
     made: Item = {
         "kind": kind,
         "role": role,
@@ -96,15 +96,15 @@ def item3(
     }
     if kind == "labels":
         if text is None or len(text) != len(rows):
-            raise InputError(f"{len(rows)} labels need as many texts")
+            raise InputError(f"{len(rows)} labels need the same number of texts")
         made["text"] = [str(t) for t in text]
     return made
 
 
 def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any = None) -> list[Item]:
-    """A mesh in space as items: tetrahedra, or faces and edges; of large solids the boundary.
+    """A mesh in space as items: tetrahedra, or faces and edges; large solids are shown by their boundary.
 
-    ``values`` colors the cells; ``only`` chooses some of them (indices or a mask).
+    ``values`` gives the cells colors; ``only`` selects some of them (indices or a mask).
     """
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] not in (2, 3):
@@ -134,7 +134,7 @@ def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any 
 def _color(items: list[Item], values: np.ndarray) -> None:
     count = sum(len(i["data"]) for i in items)
     if values.shape != (count,):
-        raise InputError(f"{values.shape} values for {count} cells; give one a cell")
+        raise InputError(f"values must have one entry per cell, shape ({count},), not {values.shape}")
     colors = iter([to_hex(c) for c in matplotlib.colormaps["cividis"](_scale(values)(values))])
     for one in items:
         one["colors"] = [next(colors) for _ in one["data"]]
@@ -158,7 +158,9 @@ def view3d(
     explode: float = 0.0,
     size: int = 420,
 ) -> Space:
-    """Turn a mesh or a scene by dragging or with the arrow keys; explode it with the slider.
+    """Show a mesh or a scene that the reader turns by dragging or with the arrow keys.
+
+    A slider moves the cells apart.
 
     Parameters
     ----------
@@ -169,25 +171,25 @@ def view3d(
     role, values
         As in `unstruct.view.plot`.
     caption, number : str
-        Shown above and below.
+        Texts above and below the picture.
     azimuth, elevation : float
-        Where the reader stands at first, in degrees.
+        The direction from which the reader looks at first, in degrees.
     explode : float
-        How far cells are moved apart, 0 (not) to 1.5.
+        How far cells are moved apart, from 0 (not at all) to 1.5.
     size : int
-        Sides of the picture in pixels.
+        The side length of the picture in pixels.
 
     Raises
     ------
     InputError
-        Without alternative text, or with more than 20,000 faces: `unstruct.view.plot` draws those.
+        If ``alt`` is empty, or if there are more than 20,000 faces; `unstruct.view.plot` can draw these.
     """
     if not alt.strip():
-        raise InputError("say in alt what the picture shows, for readers who cannot see it")
+        raise InputError("alt must describe the picture for readers who cannot see it")
     items = mesh if isinstance(mesh, list) else mesh_items3(mesh, role, values)
     faces = sum(len(i["data"]) * (4 if i["kind"] == "cells" else 1) for i in items)
     if faces > MOST_FACES:
-        raise InputError(f"{faces} faces turn too slowly (the most is {MOST_FACES}); draw them with plot")
+        raise InputError(f"{faces} faces are too many to turn smoothly (at most {MOST_FACES}); use plot")
     ball = _ball(items)
     digits = 5 - int(np.floor(np.log10(ball[3])))
     scene = {"ball": ball, "items": [{**i, "points": np.round(i["points"], digits).tolist()} for i in items]}
@@ -205,7 +207,7 @@ def view3d(
 
 
 def _ball(items: list[Item]) -> list[float]:
-    """Center and radius of all that is drawn; spheres count where they do not dwarf the rest."""
+    """Center and radius of a ball around all items; spheres much larger than the rest do not count."""
     rows = [
         np.reshape(i["points"], (-1, 3))[np.unique(np.concatenate(i["data"]).astype(int))]
         for i in items
@@ -227,7 +229,7 @@ def _ball(items: list[Item]) -> list[float]:
 
 
 def axes3(azimuth: float, elevation: float) -> np.ndarray:
-    """Rows: the directions right, up and toward the reader (matplotlib's azimuth and elevation)."""
+    """The directions right, up and toward the reader, as rows; angles are as in matplotlib."""
     a, e = np.radians([azimuth, elevation])
     return np.array(
         [
@@ -249,7 +251,7 @@ def picture(
     elevation: float = 22.0,
     explode: float = 0.0,
 ) -> Axes:
-    """The static form of `view3d`, with the same parameters; with ``values``, a color bar ``label``."""
+    """The static form of `view3d`, with the same parameters and a color bar ``label`` for ``values``."""
     items = mesh if isinstance(mesh, list) else mesh_items3(mesh, role, values)
     ax = flat_axes(ax)
     x, y, z, radius = _ball(items)
@@ -257,7 +259,7 @@ def picture(
     things = _things(items, center, radius, turn, explode)
     things.sort(key=lambda thing: thing[0])
     start = 0
-    for k in range(1, len(things) + 1):  # runs of equal look are one collection
+    for k in range(1, len(things) + 1):  # consecutive things of one item and kind are drawn together
         if k == len(things) or things[k][1] is not things[start][1] or things[k][2] != things[start][2]:
             _paint(ax, things[start:k], center, turn, z=2 + start)
             start = k
@@ -273,9 +275,10 @@ def picture(
 def _things(
     items: list[Item], center: np.ndarray, radius: float, turn: np.ndarray, explode: float
 ) -> list[tuple]:
-    """What is drawn: ``(depth, item, kind, corners, extra)``."""
+    """The things to be drawn, as tuples ``(depth, item, kind, corners, extra)``."""
     things: list[tuple] = []
-    # in radii: faces are ordered by their middles, so that corners and edges need a start
+    # Faces are ordered by their middles. Edges, points and texts are moved forward by so many radii of the
+    # scene, so that faces do not cover them.
     lift = {"segments": 0.05, "points": 0.45, "spheres": 9.0, "labels": 10.0}
     for item in items:
         points = np.reshape(item["points"], (-1, 3))
@@ -333,7 +336,7 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
 
 
 def _shade(style: Any, color: str | None, corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """The fill, brighter where a face looks to the light above the reader's left shoulder."""
+    """The fill color; faces toward the light, which is above the reader's left shoulder, are brighter."""
     normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
     light = np.array([-0.35, 0.5, 1.0]) @ turn
     facing = abs(normal @ light) / (np.linalg.norm(normal) * np.linalg.norm(light) or 1)

@@ -1,4 +1,4 @@
-"""Frames drawn by matplotlib: one picture, or a static strip of a whole history."""
+"""Frames drawn by matplotlib: as one picture, or as a static strip of a whole history."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .colors import PAPER, ROLES, line_style, role
 
 __all__ = ["draw", "draw_items", "fit", "flat_axes", "label", "marks", "strip"]
 
-CIRCLE = 0.06  # opacity inside circles, at most: they overlap
+CIRCLE = 0.06  # the largest opacity inside circles, because they overlap
 HALO = [patheffects.Stroke(linewidth=2.2, foreground=PAPER)]
 
 
@@ -43,7 +43,7 @@ def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
 def marks(
     ax: Axes, points: np.ndarray, name: str, z: float, opacity: float = 1.0, scale: float = 1.0
 ) -> None:
-    """The markers of a role, thinly edged with paper so that they part from lines below."""
+    """The markers of a role, with a thin edge of background color that separates them from lines below."""
     style = role(name)
     ax.plot(
         *points.T,
@@ -59,7 +59,7 @@ def marks(
 
 
 def label(ax: Axes, place: Sequence[float], text: str, color: str, opacity: float, z: float) -> None:
-    """A short text beside a point, on a halo of its own: a stroked text would lose its thin bars."""
+    """A short text beside a point, drawn over a halo; a stroke of the text itself would hide thin bars."""
     for effects in (HALO, None):
         ax.annotate(
             text,
@@ -76,7 +76,7 @@ def label(ax: Axes, place: Sequence[float], text: str, color: str, opacity: floa
 
 
 def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
-    """Polygons or circles: a fill, and an outline in the role's line style."""
+    """Polygons or circles, with a fill and an outline in the line style of the role."""
     style, opacity, data = role(item["role"]), item.get("opacity", 1.0), item["data"]
     line = line_style(item["role"])
     veil = style.alpha if item["kind"] == "polygons" else min(style.alpha, CIRCLE)
@@ -89,7 +89,7 @@ def _shapes(ax: Axes, item: fr.Item, z: int) -> None:
     }
     if item["kind"] == "polygons":
         hatch = 3 * style.hatch if style.hatch != "." else "..."
-        shared = style.dash and len(data) > 1  # dashes of two neighbors would fill each other's gaps
+        shared = style.dash and len(data) > 1  # on a common side, dashes of two outlines would fill the gaps
         if shared:
             edges = LineCollection(fr.outline(data), zorder=z, alpha=opacity, **line)
             look["linewidths"] = 0.0
@@ -124,9 +124,9 @@ def draw(frame: fr.Frame, ax: Axes | None = None, *, view: Sequence[float] | Non
     frame : dict
         See `unstruct.view.draw.frames`.
     ax : matplotlib axes, optional
-        Where to draw; new ones by default.
+        Where to draw; by default in a new figure.
     view : (xmin, xmax, ymin, ymax), optional
-        The window; by default the frame's own, else all that it shows.
+        The window; by default that of the frame, or all of its items.
 
     Returns
     -------
@@ -146,18 +146,18 @@ def strip(
     width: float = 8.0,
     view: Sequence[float] | None = None,
 ) -> Figure:
-    """A static strip of frames: what the player shows, for paper and for pages without widgets.
+    """A static strip of frames: the pictures of a player, for paper and for pages without widgets.
 
     Parameters
     ----------
     frames : sequence of dict
-        The history, one change a frame.
+        The history, with one change per frame.
     columns : int, optional
-        Pictures side by side, by default at most four.
+        The number of pictures side by side; by default at most four.
     width : float
         Width of the figure in inches.
     view : (xmin, xmax, ymin, ymax), optional
-        The window of all pictures; by default what all of them together show.
+        The window of all pictures; by default it contains the items of all frames.
 
     Returns
     -------
@@ -169,7 +169,7 @@ def strip(
     rows = -(-len(frames) // columns)
     x0, x1, y0, y1 = fr.bounds(frames) if view is None else view
     panel = width / columns
-    letters = max(12, int(panel * 72 / 5.3))  # of 8.5 point text that fit above one picture
+    letters = max(12, int(panel * 72 / 5.3))  # how many letters of 8.5 points fit above one picture
     titles = [textwrap.fill(f"{k}  {f['caption']}", letters) for k, f in enumerate(frames, start=1)]
     numbers = [textwrap.fill(f["number"], letters) for f in frames]
     text = 0.17 * sum(max(t.count("\n") + bool(t) for t in texts) for texts in (titles, numbers))
@@ -188,7 +188,7 @@ def strip(
 
 
 def flat_axes(ax: Axes | None) -> Axes:
-    """Axes for geometry: equal scales, and no ticks, since coordinates do not matter."""
+    """Axes for geometry, with equal scales and without ticks, because coordinates do not matter."""
     if ax is None:
         ax = plt.subplots(figsize=(4.6, 3.6))[1]
     ax.set_aspect("equal")
@@ -197,7 +197,7 @@ def flat_axes(ax: Axes | None) -> Axes:
 
 
 def fit(ax: Axes, points: np.ndarray, margin: float = 0.05) -> None:
-    """Let the axes show all points, with a margin in parts of the larger side."""
+    """Make the axes show all points, with a margin relative to the larger side."""
     low, high = points.min(axis=0), points.max(axis=0)
     pad = margin * max(float((high - low).max()), 1e-300)
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - pad, high[1] + pad))

@@ -1,4 +1,4 @@
-"""Terrains as shaded surfaces."""
+"""Terrains drawn as shaded surfaces."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from .strips import flat_axes
 __all__ = ["plot_terrain"]
 
 LIGHT = np.array([-0.6, -0.6, 0.53])  # from the upper left of the grid, 32 degrees above the horizon
-AMBIENT = 0.5  # light on a slope turned away
+AMBIENT = 0.5  # the light on a slope that is turned away
 
 
 def plot_terrain(
     terrain: Any, ax: Axes | None = None, *, edges: bool = False, exaggeration: float = 2.0
 ) -> Axes:
-    """Draw a terrain from above, each triangle colored by height and shaded by its slope.
+    """Draw a terrain from above, with each triangle colored by its height and shaded by its slope.
 
     Parameters
     ----------
     terrain : Terrain
-        See `unstruct.studies.greedy_terrain`. Row 0 of its grid is drawn on top.
+        See `unstruct.studies.greedy_terrain`. Row 0 of its grid is drawn at the top.
     ax : matplotlib axes, optional
-        Where to draw; new ones by default.
+        Where to draw; by default in a new figure.
     edges : bool
-        Draw the edges of the triangles.
+        Whether to draw the edges of the triangles.
     exaggeration : float
-        Factor on the heights, for the shading only.
+        A factor for the heights, used only for the shading.
 
     Returns
     -------
@@ -43,10 +43,10 @@ def plot_terrain(
     Raises
     ------
     InputError
-        Where the exaggeration is not a positive number.
+        If the exaggeration is not a positive number.
     """
     if not 0 < exaggeration < np.inf:
-        raise InputError(f"exaggeration {exaggeration} must be a positive number")
+        raise InputError(f"exaggeration = {exaggeration} must be a positive number")
     flat, heights = terrain.mesh.points[terrain.mesh.simplices], terrain.heights[terrain.mesh.simplices]
     corners = np.concatenate([flat, exaggeration * heights[..., None]], axis=2)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -57,11 +57,7 @@ def plot_terrain(
     rgb = np.clip(rgb * (AMBIENT + (1.2 - AMBIENT) * shade[:, None] / 0.75), 0.0, 1.0)
     rgb = np.round(rgb * 20) / 20  # few colors, small files
     ax = flat_axes(ax)
-    look: dict[str, Any] = {
-        "edgecolors": rgb,
-        "linewidths": 0.0,
-        "antialiaseds": False,
-    }  # no seams
+    look: dict[str, Any] = {"edgecolors": rgb, "linewidths": 0.0, "antialiaseds": False}  # without seams
     if edges:
         look = {"edgecolors": PAPER, "linewidths": 0.3}
     ax.add_collection(PolyCollection(flat, facecolors=rgb, **look))

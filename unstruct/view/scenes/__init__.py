@@ -1,1 +1,1 @@
-"""What is drawn: states and histories of algorithms, as pure functions to frames."""
+"""The states and histories of algorithms as frames, computed by pure functions."""

@@ -1,6 +1,6 @@
-"""Circumcenter insertion, step by step: R, l and mu beside the picture, with and without a boundary.
+"""Circumcenter insertion, step by step, with and without a boundary; the frames show R, l and mu.
 
-A prefix of the points is the state, so every frame is computed from the points alone. See the book, 2.6a.
+The first points of a run determine the state, so every frame is computed from points alone. See chapter 2.6a.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ CENTERS: dict[str, dict[str, Any]] = {
 
 @lru_cache(maxsize=8)
 def _run(preset: str) -> tuple[np.ndarray, int]:
-    """All points of the run, and how many were there at first."""
+    """All points of the run, and how many of them are given at the start."""
     given = preset_named(CENTERS, preset)
     points = np.array(given["points"], dtype=float)
     if "torus" in given:
@@ -54,13 +54,13 @@ def _run(preset: str) -> tuple[np.ndarray, int]:
 
 
 def circumcenter_history(preset: str = next(iter(CENTERS))) -> list[fr.Frame]:
-    """All frames of one of the runs of `CENTERS`: a state, its worst triangle, and the next point."""
+    """All frames of one of the runs in `CENTERS`: each state, its maximal triangle, and the next point."""
     points, first = _run(preset)
     return [circumcenter_state(k, preset) for k in range(len(points) - first + 1)]
 
 
 def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame:
-    """The triangulation after some insertions, its maximal triangle, and where the next point goes.
+    """The triangulation after some insertions, its maximal triangle, and the place of the next point.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame
     Returns
     -------
     dict
-        A frame; its number has the largest circumradius R, the shortest edge l and the largest R / r.
+        A frame; its number shows the largest circumradius R, the shortest edge l and the largest R / r.
     """
     points, first = _run(preset)
     within("step", step, 0, len(points) - first)
@@ -92,7 +92,7 @@ def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame
     )
     if first + step < len(points):
         place = points[first + step]
-        if torus:  # the copy that lies in the picture beside its triangle
+        if torus:  # show the copy that belongs to the highlighted triangle
             place = centers[worst]
         items.append(fr.dots("inserted", place))
     low, high = points.min(axis=0), points.max(axis=0)
@@ -106,19 +106,19 @@ def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame
 
 
 def _caption(points: np.ndarray, n: int, center: np.ndarray, growth: float, torus: bool, split: bool) -> str:
-    """What happens: whether R has risen, and whether the next point is the center of the maximal triangle."""
+    """A caption: whether R has risen, and whether the next point is the center of the maximal triangle."""
     risen = "R has risen! " if growth > 1 + 1e-9 else ""
     if n == len(points):
         return risen + "And so on"
     if torus or np.allclose(points[n], center):
         return risen + "Next: the center of the largest circle"
     if split:
-        return risen + "Its center is too near to an edge: halve that edge"
-    return risen + "That center is outside: another triangle's"
+        return risen + "Next: its center is too near an edge, so halve that edge"
+    return risen + "Its center is outside; next: the center of another triangle"
 
 
 def _state(points: np.ndarray, torus: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of all triangles, and the boundary (of the torus: the square that is glued)."""
+    """Corners of all triangles, and the boundary; for the torus, the square whose sides are glued."""
     if torus:
         ring = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
         return periodic_delaunay(points).corners, np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)
@@ -127,7 +127,7 @@ def _state(points: np.ndarray, torus: bool) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _copies(corners: np.ndarray) -> np.ndarray:
-    """All copies of the triangles of the torus that reach into the picture."""
+    """All copies of the triangles of the torus that are visible in the picture."""
     moves = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], dtype=float)
     every = (corners[None] + moves[:, None, None]).reshape(-1, 3, 2)
     return every[((every.max(axis=1) > -0.1) & (every.min(axis=1) < 1.1)).all(axis=1)]

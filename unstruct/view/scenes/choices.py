@@ -1,4 +1,4 @@
-"""What a control may be set to: errors that name the values there are."""
+"""Checks of the values of controls; the error messages list the allowed values."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def preset_named(known: Mapping[str, Value], name: str) -> Value:
     Raises
     ------
     InputError
-        Where there is none; the names that there are are listed.
+        If there is none; the message lists the names of all presets.
     """
     if name not in known:
         raise InputError(f"no preset {name!r}; use one of {', '.join(known)}")
@@ -26,7 +26,7 @@ def preset_named(known: Mapping[str, Value], name: str) -> Value:
 
 
 def within(name: str, value: float, low: float, high: float) -> None:
-    """Refuse a value below ``low`` or above ``high``, or one that is no number.
+    """Raise an error for a value below ``low`` or above ``high``, or for NaN.
 
     Raises
     ------

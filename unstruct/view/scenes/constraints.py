@@ -1,6 +1,6 @@
-"""Constrained triangulation as frames: a segment is put in; a cavity beside fixed triangles (section 2.5).
+"""Constrained triangulation as frames: a segment is inserted; a cavity with fixed triangles (section 2.5).
 
-The states come from the library: a frame only shows what differs between two meshes, or the sets of cells
+The states come from the library: a frame only shows the differences between two meshes, or the sets of cells
 that `unstruct.connect.baker.fixed` finds.
 """
 
@@ -23,7 +23,7 @@ from .choices import preset_named, within
 
 __all__ = ["COMPONENTS", "SEGMENTS", "principal_component_state", "segment_history", "segment_state"]
 
-# ---- a segment is put in ---------------------------------------------------------------------------
+# ---- a segment is inserted -------------------------------------------------------------------------
 
 SEGMENTS: dict[str, dict[str, Any]] = {
     "one segment": {
@@ -61,7 +61,7 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
     Returns
     -------
     list of dict
-        Frames: the triangles that a segment crosses one after the other, the two polygons beside it, and
+        Frames: the triangles that a segment crosses, one after another; the two polygons beside it; and
         their new triangles with their circles.
     """
     given = preset_named(SEGMENTS, preset)
@@ -79,7 +79,7 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
             text = f"{pair[0]} {pair[1]} is refused: it crosses an earlier segment"
             made.append(
                 fr.frame(
-                    text, *_scene(rows, mesh, done), wanted, *fr.numbered(rows), number=f"culprits = {names}"
+                    text, *_scene(rows, mesh, done), wanted, *fr.numbered(rows), number=f"segments = {names}"
                 )
             )
             continue
@@ -90,53 +90,54 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
 
 
 def segment_state(step: int, preset: str = "one segment") -> fr.Frame:
-    """One frame of `segment_history`; steps beyond its ends stay at the ends."""
+    """One frame of `segment_history`; steps beyond its ends give the first or the last frame."""
     frames = segment_history(preset)
     return frames[min(max(int(step), 0), len(frames) - 1)]
 
 
 def _passage(rows: np.ndarray, before: Mesh, after: DomainMesh, done: Sequence, pair: Any) -> list[fr.Frame]:
-    """The frames of one segment: what was there, what goes, what comes."""
+    """The frames of one segment: the old triangles, those that are deleted, and the new ones."""
     old, new = _set(before), _set(after)
     a, b = pair
     wanted = fr.segments("front", rows[[pair]])
     name, names = f"{a} {b}", fr.numbered(rows)
     base = _scene(rows, before, done)
     if old == new:
-        text = f"{name} is an edge already: it is marked"
+        text = f"{name} is already an edge: it is marked"
         return [fr.frame(text, *_scene(rows, after, [*done, pair]), number="triangles crossed = 0")]
     crossed = sorted(old - new, key=lambda c: _entry(rows, c, a, b))
     made = [fr.frame(f"{name} is to be an edge", *base, wanted, *names)]
     shown = range(1, len(crossed) + 1) if len(crossed) <= 4 else (1, 2, len(crossed))
     for k in shown:
-        text = "it leaves through the opposite edge, and so on" if k > 1 else f"it enters {_text(crossed[0])}"
-        text = "as far as the other end: all these go" if k == len(crossed) else text
+        text = f"the segment enters triangle {_text(crossed[0])}"
+        text = "it leaves through the opposite edge, and so on" if k > 1 else text
+        text = "it reaches the other end: all these triangles are deleted" if k == len(crossed) else text
         cells = fr.polygons("cavity", [rows[list(c)] for c in crossed[:k]])
         made.append(fr.frame(text, *base, cells, wanted, *names, number=f"triangles crossed = {k}"))
     parts = after.segments[after.piece == len(done)].tolist()
     rest = fr.polygons("cell", [rows[list(c)] for c in old & new])
     walls = fr.segments("constrained", rows[[*done, *parts]])
-    text = "two polygons are left, above and below"
+    text = "two polygons remain, above and below the segment"
     if len(parts) > 1:
-        text = "a vertex lies on it: each part has its two polygons"
-    rim = fr.segments("edge", rows[sorted(_edges(old - new) & _edges(new - old))])
-    made.append(fr.frame(text, rest, rim, walls, *names, number=f"triangles crossed = {len(crossed)}"))
+        text = "a vertex lies on the segment: each part has its two polygons"
+    around = fr.segments("edge", rows[sorted(_edges(old - new) & _edges(new - old))])
+    made.append(fr.frame(text, rest, around, walls, *names, number=f"triangles crossed = {len(crossed)}"))
     come: list[tuple[int, ...]] = []
     for base_edge, cell in _from_bases(new - old, parts):
         come.append(cell)
         (apex,) = set(cell) - set(base_edge)
-        text = f"on {base_edge[0]} {base_edge[1]} stands {apex}: its circle is empty"
+        text = f"edge {base_edge[0]} {base_edge[1]} is joined to {apex}: the circle is empty"
         circle = fr.circles(
             "circumcircle", [circumcenter(rows[list(cell)])], [circumradius(rows[list(cell)])]
         )
         cells = fr.polygons("accepted", [rows[list(c)] for c in come])
         number = f"new triangles = {len(come)} of {len(crossed)}"
-        made.append(fr.frame(text, rest, rim, cells, circle, walls, *names, number=number))
+        made.append(fr.frame(text, rest, around, cells, circle, walls, *names, number=number))
     return made
 
 
 def _entry(rows: np.ndarray, cell: Sequence[int], a: int, b: int) -> float:
-    """Where along ab (0 to 1) a triangle is entered; only drawing depends on it."""
+    """The place along ab, from 0 to 1, where a triangle is entered; it is used only for drawing."""
     along = rows[b] - rows[a]
     side = (rows[list(cell)] - rows[a]) @ [-along[1], along[0]]
     place = (rows[list(cell)] - rows[a]) @ along / (along @ along)
@@ -148,7 +149,7 @@ def _entry(rows: np.ndarray, cell: Sequence[int], a: int, b: int) -> float:
 
 
 def _from_bases(cells: set, parts: Sequence) -> list[tuple[tuple[int, int], tuple[int, ...]]]:
-    """New triangles with the edge that each was set on, from the segment outward."""
+    """New triangles, each with the edge from which it was built, from the segment outward."""
     waiting, found, left = [tuple(part) for part in parts for _ in (0, 1)], [], set(cells)
     while waiting:
         edge = waiting.pop(0)
@@ -179,7 +180,7 @@ def _text(cell: Sequence[int]) -> str:
     return " ".join(map(str, cell))
 
 
-# ---- the principal component, beside fixed triangles -----------------------------------------------
+# ---- the principal component, with fixed triangles -------------------------------------------------
 
 COMPONENTS: dict[str, dict[str, Any]] = {
     "two pieces": {
@@ -202,19 +203,20 @@ COMPONENTS["Delaunay, boundary triangles fixed"] = {**COMPONENTS["Delaunay"], "f
 
 
 def principal_component_state(x: float, y: float, preset: str = "two pieces") -> fr.Frame:
-    """Γ(P), its principal component, and with fixed triangles Υ_P; which edges P sees.
+    """Γ(P), its principal component and, with fixed triangles, Υ_P; and the edges that P sees.
 
     Parameters
     ----------
     x, y : float
-        Between 0 and 1: where P is in the box of the mesh.
+        The place of P in the box of the mesh, between 0 and 1.
     preset : str
         A key of `COMPONENTS`.
 
     Returns
     -------
     dict
-        A frame; its number counts the edges of the component and those that P does not see: none, always.
+        A frame; its number counts the edges of the component, and those that P does not see, which are always
+        0.
     """
     given = preset_named(COMPONENTS, preset)
     mesh, fixed = component_mesh(given)
@@ -234,7 +236,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
         return fr.frame("P is outside: there is no cavity", *base, *point, number="Γ(P) unused", view=view)
     if (mesh.points == p).all(axis=1).any():
         return fr.frame(
-            "P is a vertex already: nothing to do", *base, *point, number="Γ(P) unused", view=view
+            "P is already a vertex: nothing to do", *base, *point, number="Γ(P) unused", view=view
         )
     sets = cavities(mesh, p, fixed=fixed)
     apart = np.setdiff1d(sets.gamma, sets.gamma_component)
@@ -252,7 +254,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     facets, hidden = boundary_facets(mesh, used), hidden_facets(mesh, used, p)
     ends = np.array([[mesh.simplices[c, (k + 1) % 3], mesh.simplices[c, (k + 2) % 3]] for c, k in facets])
     items.append(fr.segments("inserted", [[p, q] for q in mesh.points[np.unique(ends)]], opacity=0.6))
-    text = f"Γ(P): {len(sets.gamma)} triangles" + (f", {len(apart)} of them apart" if len(apart) else "")
+    text = f"Γ(P): {len(sets.gamma)} triangles" + (f", {len(apart)} of them separate" if len(apart) else "")
     if len(fixed):
         text += f"; Υ_P: {len(used)}"
     number = f"edges of the component = {len(facets)}, hidden from P = {len(hidden)}"
@@ -262,5 +264,5 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
 def component_mesh(given: dict[str, Any]) -> tuple[Mesh, np.ndarray]:
     points = np.array(given["points"], dtype=float)
     mesh = Mesh(points, given["cells"]).oriented() if "cells" in given else delaunay(points)
-    rim = (mesh.neighbors < 0).any(axis=1)
-    return mesh, np.flatnonzero(rim & given.get("fixed", False))
+    at_boundary = (mesh.neighbors < 0).any(axis=1)
+    return mesh, np.flatnonzero(at_boundary & given.get("fixed", False))

@@ -1,7 +1,7 @@
 """Histories as frames: insertion (locate, cavity, star), gift wrapping, diagonal swaps.
 
-The states come from the library's own kernels, one insertion or swap at a time; a frame only shows
-what differs between two states. There is no second copy of an algorithm here.
+The states come from the kernels of the library, one insertion or swap at a time. A frame only shows the
+differences between two states, so no algorithm is implemented twice.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ Cell = tuple[int, ...]
 
 
 def insertion_frames(points: Any, *, start: int | None = None, names: bool = True) -> list[fr.Frame]:
-    """The history of a planar Bowyer–Watson construction, three frames a point.
+    """The history of a planar Bowyer–Watson construction, with three frames per point.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        Inserted in this order.
+        The points, inserted in this order.
     start : int, optional
-        How many points make the first triangulation; by default the fewest that are not collinear.
+        How many points form the first triangulation; by default the fewest that are not collinear.
     names : bool
-        Write the number of each point.
+        Whether to write the number of each point.
 
     Returns
     -------
     list of dict
-        One frame for the start, then for each point: the triangle that holds it, the cavity with
-        its circles, the star.
+        One frame for the start; then, for each point, the triangle that contains it, the cavity with its
+        circles, and the star.
     """
     rows = _planar(points)
     growing = Triangulation(rows[: start or 3])
@@ -68,11 +68,11 @@ def insertion_frames(points: Any, *, start: int | None = None, names: bool = Tru
 
 
 def baker_frames(mesh: Mesh, points: Any, *, names: bool = True) -> list[fr.Frame]:
-    """The history of Baker's insertion into any planar triangulation, up to five frames a point.
+    """The history of Baker's insertion into any planar triangulation, with up to five frames per point.
 
-    Where the triangulation is not Delaunay, circles of triangles that do not hang together with
-    the one that holds the point may hold it too, and the component that does may have edges that the
-    point does not see: frames tell these stages apart.
+    If the triangulation is not Delaunay, the point may also lie in circles of triangles that are not
+    connected with the triangle that contains it. The connected ones may have edges that the point does not
+    see. Separate frames show these cases.
     """
     new = _planar(points)
     rows = np.vstack([mesh.points, new])
@@ -90,7 +90,7 @@ def baker_frames(mesh: Mesh, points: Any, *, names: bool = True) -> list[fr.Fram
 
 
 def _insertion(rows: np.ndarray, k: int, before: Mesh, after: Mesh, held: int, names: bool) -> list[fr.Frame]:
-    """The frames of one insertion: what was there, what goes, what comes."""
+    """The frames of one insertion: the old triangles, those that are deleted, and the new ones."""
     old, new = _set(before), _set(after)
     point, marks = fr.dots("inserted", rows[k]), _names(rows[: k + 1], names)
     base = [*_cells(rows, old), point, *marks]
@@ -108,56 +108,58 @@ def _insertion(rows: np.ndarray, k: int, before: Mesh, after: Mesh, held: int, n
         if sign > 0
     }
     gone, come = old - new, new - old
-    whole = _hang_together(hit, _key(before.simplices[held])) if held >= 0 else hit
+    whole = _connected(hit, _key(before.simplices[held])) if held >= 0 else hit
     if hit != whole:
         parts = [_polygons("cavity", rows, whole), _polygons("bad", rows, hit - whole), _circles(rows, hit)]
-        text = f"{len(hit)} circles hold it, but {len(hit - whole)} of their triangles lie apart"
+        text = f"{len(hit)} circles contain it, but {len(hit - whole)} of their triangles lie apart"
         made.append(fr.frame(text, *_cells(rows, old), *parts, point, *marks))
     if whole != gone:
         parts = [_polygons("cavity", rows, gone), _polygons("bad", rows, whole - gone)]
-        text = f"{len(whole - gone)} of {len(whole)} triangles stay: they hide an edge"
+        text = f"{len(whole - gone)} of {len(whole)} triangles remain: an edge of them is hidden"
         made.append(fr.frame(text, *_cells(rows, old), *parts, point, *marks))
     made.append(_cavity_frame(rows, old, gone, come, k, [point, *marks]))
-    count = f"{_count(len(gone), 'triangle')} go{'es' if len(gone) == 1 else ''}, {len(come)} come"
+    count = f"{_count(len(gone), 'triangle')} deleted, {len(come)} created"
     rest = [*_cells(rows, old & new), _polygons("accepted", rows, come)]
-    made.append(fr.frame(f"Join point {k} to the edges around", *rest, point, *marks, number=count))
+    made.append(fr.frame(f"Join point {k} to the edges around it", *rest, point, *marks, number=count))
     return made
 
 
 def _cavity_frame(
     rows: np.ndarray, old: set[Cell], gone: set[Cell], come: set[Cell], k: int, front: list
 ) -> fr.Frame:
-    """The triangles that go, with their circles, and the edges that will be joined to the point."""
+    """The triangles to be deleted, with their circles, and the edges that will be joined to the point."""
     edges = [sorted(set(c) - {k}) for c in come]
-    rim = fr.segments("front", rows[edges])
+    boundary = fr.segments("front", rows[edges])
     parts = [_polygons("cavity", rows, gone), _circles(rows, gone)]
     text = (
-        f"{len(gone)} circle{'s hold' if len(gone) != 1 else ' holds'} it: the cavity"
+        f"{len(gone)} circle{'s contain' if len(gone) != 1 else ' contains'} it: the cavity"
         if gone
         else "It sees these edges"
     )
     return fr.frame(
-        text, *_cells(rows, old), *parts, rim, *front, number=f"{_count(len(edges), 'edge')} around it"
+        text, *_cells(rows, old), *parts, boundary, *front, number=f"{_count(len(edges), 'edge')} around it"
     )
 
 
 def gift_wrap_frames(mesh: Mesh, *, names: bool = True) -> list[fr.Frame]:
-    """The history of a construction face by face: the cells of ``mesh`` in the order of making.
+    """The history of a construction face by face: the cells of ``mesh`` in the order of their creation.
 
     Parameters
     ----------
     mesh : Mesh
-        As `unstruct.gift_wrap` returns it, in the plane.
+        A planar mesh from `unstruct.gift_wrap`.
+    names : bool
+        Whether to write the number of each point.
 
     Returns
     -------
     list of dict
-        The points; then a frame a triangle, with its empty circle and the front that remains.
+        The points; then one frame per triangle, with its empty circle and the remaining front.
     """
     rows = _planar(mesh.points)
     hull = {frozenset(e) for e in mesh.boundary.tolist()}
     marks = [fr.dots("vertex", rows), *_names(rows, names)]
-    made = [fr.frame("The points, nothing joined", *marks)]
+    made = [fr.frame("The points, not yet joined", *marks)]
     front: set[frozenset[int]] = set()
     for t, cell in enumerate(mesh.simplices.tolist()):
         sides = {frozenset(e) for e in combinations(cell, 2)}
@@ -168,7 +170,7 @@ def gift_wrap_frames(mesh: Mesh, *, names: bool = True) -> list[fr.Frame]:
             text = f"Triangle {'–'.join(map(str, cell))} closes {len(closed)} edges"
         else:
             text = (
-                f"An edge takes point {new[0]}: the circle is empty"
+                f"An edge is joined to point {new[0]}: the circle is empty"
                 if new
                 else f"Begin with triangle {'–'.join(map(str, cell))}"
             )
@@ -184,15 +186,17 @@ def gift_wrap_frames(mesh: Mesh, *, names: bool = True) -> list[fr.Frame]:
 
 
 def flip_frames(mesh: Mesh, swaps: Sequence[int] | np.ndarray, *, names: bool = False) -> list[fr.Frame]:
-    """The history of `unstruct.swap_diagonals`: the start, a frame a swap, the end.
+    """The history of `unstruct.swap_diagonals`: the start, one frame per swap, the end.
 
     Parameters
     ----------
     mesh : Mesh
-        What was given to ``swap_diagonals(mesh, history=True)``.
+        The mesh that was given to ``swap_diagonals(mesh, history=True)``.
     swaps : array of int
-        What it returned: a swap is 3 t + i, where t is a triangle and i the corner opposite the
+        The swaps that it returned. A swap is 3 t + i, where t is a triangle and i its corner opposite the
         edge.
+    names : bool
+        Whether to write the number of each point.
     """
     rows = _planar(mesh.points)
     marks = [fr.dots("vertex", rows), *_names(rows, names)]
@@ -213,7 +217,7 @@ def flip_frames(mesh: Mesh, swaps: Sequence[int] | np.ndarray, *, names: bool = 
         ]
         made.append(fr.frame(f"Swap {done}: the other diagonal", *items, *marks, number=_least(after)))
         before = after
-    text = "No edge is left to swap: Delaunay" if len(made) > 1 else "Nothing to swap: Delaunay"
+    text = "No more edge to swap: Delaunay" if len(made) > 1 else "Nothing to swap: Delaunay"
     made.append(fr.frame(text, *_cells(rows, _set(before)), *marks, number=_least(before)))
     view = fr.bounds(made, 0.12)
     return [{**f, "view": view} for f in made]
@@ -234,8 +238,8 @@ def _set(mesh: Mesh) -> set[Cell]:
     return set(map(_key, mesh.simplices))
 
 
-def _hang_together(cells: set[Cell], seed: Cell) -> set[Cell]:
-    """The cells that are joined to ``seed`` through shared edges."""
+def _connected(cells: set[Cell], seed: Cell) -> set[Cell]:
+    """The cells that are connected to ``seed`` through shared edges."""
     found, stack = {seed}, [seed]
     while stack:
         cell = set(stack.pop())
@@ -267,4 +271,4 @@ def _count(number: int, what: str) -> str:
 
 
 def _least(mesh: Mesh) -> str:
-    return f"least angle = {quality('min_angle', mesh.corners).min():.1f}°"
+    return f"minimum angle = {quality('min_angle', mesh.corners).min():.1f}°"

@@ -1,7 +1,7 @@
-"""Two proofs of section 2.4a as pictures that answer to sliders: pure functions from numbers to frames.
+"""Two proofs of section 2.4a as pictures with sliders: pure functions from numbers to frames.
 
-Both live in the pencil of circles through two points, here (-1, 0) and (1, 0): the circle with center
-(0, c) has the equation x^2 + y^2 - 2 c y = 1. Above the segment its disk grows with c, below it shrinks.
+Both use the pencil of circles through two points, here (-1, 0) and (1, 0). The circle with center (0, c) has
+the equation x^2 + y^2 - 2 c y = 1. With growing c, its disk grows above the segment and shrinks below it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from .choices import within
 __all__ = ["cavity_proof_drag", "cavity_proof_state", "star_proof_drag", "star_proof_state"]
 
 LEFT, RIGHT = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
-ANGLE_B = 70.0  # of the triangle ABC, degrees
-CENTER_E, CENTER_F = 0.95, -0.55  # of the old circles on both sides of the edge AB
+ANGLE_B = 70.0  # the angle of triangle ABC at B, in degrees
+CENTER_E, CENTER_F = 0.95, -0.55  # the centers of the old circles on both sides of the edge AB
 
 
 def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: float = 0.3) -> fr.Frame:
@@ -27,16 +27,16 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
     Parameters
     ----------
     angle_p : float
-        The angle APC in degrees, between 1 and 179: above 110, P lies inside circle ABC.
+        The angle APC in degrees, between 1 and 179. If it is more than 110, P lies inside circle ABC.
     angle_d : float
-        The angle ADC in degrees, between 1 and 179: up to 110, D lies outside of circle ABC or on it.
+        The angle ADC in degrees, between 1 and 179. If it is at most 110, D is not inside circle ABC.
     place : float
-        Where P lies along its arc, from 0 (near C) to 1 (near A).
+        The place of P along its arc, from 0 (near C) to 1 (near A).
 
     Returns
     -------
     dict
-        A frame; its number compares the two angles, its caption tells by exact signs what follows.
+        A frame; its number compares the two angles, and its caption states the consequence, by exact signs.
     """
     within("angle_p", angle_p, 1, 179)
     within("angle_d", angle_d, 1, 179)
@@ -50,11 +50,11 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
     if not p_in_abc:
         caption = "P is not in circle ABC: the triangle ABC stays"
     elif d_in_abc:
-        caption = "D is inside circle ABC: no Delaunay start, and " + (
+        caption = "D is inside circle ABC: the start is not Delaunay, and " + (
             "P happens to be in circle ACD" if p_in_acd else "ACD stays and hides P"
         )
     else:
-        caption = "ABC goes, D is not in its circle: " + ("ACD goes too" if p_in_acd else "IMPOSSIBLE")
+        caption = "ABC goes, and D is not in its circle: " + ("ACD goes too" if p_in_acd else "IMPOSSIBLE")
     items = [
         fr.polygons("cavity" if p_in_abc else "cell", [[a, b, c]]),
         fr.polygons("cavity" if p_in_acd else "cell", [[a, c, d]]),
@@ -72,8 +72,8 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
 
 
 def cavity_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """Which values of `cavity_proof_state` put P or D, dragged to (x, y), nearest there."""
-    y = max(y, 1e-3)  # both live above the edge AC
+    """The values of `cavity_proof_state` that put P or D as near as possible to (x, y), after a drag."""
+    y = max(y, 1e-3)  # both points are above the edge AC
     angle = float(np.degrees(np.arctan2(y, x - 1.0) - np.arctan2(y, x + 1.0)))
     angle = min(max(angle, 1.0), 179.0)
     if handle == "D":
@@ -85,7 +85,7 @@ def cavity_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -
 
 
 def star_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """Which direction of `star_proof_state` points from the center of circle ABP to D, dragged to (x, y)."""
+    """The direction in `star_proof_state` from the center of circle ABP to D, after a drag to (x, y)."""
     center = CENTER_F + values["p"] * (CENTER_E - CENTER_F)
     return {"turn": float(np.degrees(np.arctan2(y - center, x)) % 360.0)}
 
@@ -96,17 +96,17 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
     Parameters
     ----------
     p : float
-        The circle ABP, from 0 (the circle of the outer triangle ABF: P on it) to 1 (that of ABE).
+        The circle ABP, from 0 (the circle of the outer triangle ABF, with P on it) to 1 (that of ABE).
     turn : float
-        Where D lies inside circle ABP: the direction from its center, in degrees.
+        The direction, in degrees, from the center of circle ABP to D.
     hull : bool
-        AB is an edge of the hull: there is no triangle beyond it.
+        Whether AB is an edge of the hull, so that there is no triangle beyond it.
 
     Returns
     -------
     dict
-        A frame; its number is the power of D in the old circle on D's side: negative, so that D
-        would have been inside it.
+        A frame; its number is the power of D in the old circle on D's side. It is negative, so that D would
+        have been inside that circle.
     """
     within("p", p, 0, 1)
     center = CENTER_F + p * (CENTER_E - CENTER_F)
@@ -143,7 +143,7 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
 
 
 def _on_upper_arc(angle: float, share: float) -> np.ndarray:
-    """The point above that sees (-1, 0), (1, 0) under ``angle``, at a share of its arc from the right."""
+    """The point above the segment that sees it under ``angle``, at a fraction of its arc from the right."""
     center = 1.0 / np.tan(np.radians(angle))
     right = np.arctan2(-center, 1.0)
     turn = right + share * (np.pi - 2 * right)
@@ -151,18 +151,18 @@ def _on_upper_arc(angle: float, share: float) -> np.ndarray:
 
 
 def _on_lower_arc(angle: float, share: float) -> np.ndarray:
-    """The point below that lies on the circle of those that see the segment from above under ``angle``."""
+    """A point below the segment on the circle whose upper points see the segment under ``angle``."""
     return _on_upper_arc(180.0 - angle, share) * np.array([1.0, -1.0])
 
 
 def _circle(role: str, angle: float) -> fr.Item:
-    """The circle of all points that see the segment from above under ``angle``."""
+    """The circle whose upper points see the segment under ``angle``."""
     center = 1.0 / np.tan(np.radians(angle))
     return fr.circles(role, [[0.0, center]], [np.hypot(1.0, center)])
 
 
 def _at(center: float, turn: float) -> np.ndarray:
-    """A point of the circle of the pencil with this center."""
+    """The point at direction ``turn``, in degrees, on the circle of the pencil with this center."""
     return np.array([0.0, center]) + np.hypot(1.0, center) * np.array(
         [np.cos(np.radians(turn)), np.sin(np.radians(turn))]
     )

@@ -1,8 +1,8 @@
-"""Rebay's insertion as pictures that answer to sliders: pure functions from numbers to frames.
+"""Rebay's insertion as pictures with sliders: pure functions from numbers to frames.
 
-One shows the step of figure 12.8 (where on the Voronoi segment the new point goes), one the map of the
-deviation epsilon = f / p - 2 / sqrt(3) from an edge to the edges of the triangle put on it. The formulas are
-those of `unstruct.plain.rebay_step`. Book: 2.6c.
+One picture shows the step of figure 12.8, the place of the new point on the Voronoi segment. The other shows
+how the deviation epsilon = f / p - 2 / sqrt(3) of an edge determines that of the edges of the triangle built
+on it. The formulas are those of `unstruct.plain.rebay_step`. Book: 2.6c.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = [
 
 # ---- one step: figure 12.8 -----------------------------------------------------------------------
 
-A, B = np.array([-1.0, 0.0]), np.array([1.0, 0.0])  # so p = 1
+A, B = np.array([-1.0, 0.0]), np.array([1.0, 0.0])  # so that p = 1
 VORONOI_SEGMENTS: dict[str, dict[str, Any]] = {
     "a short edge: p < f": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.1, "q": 1.8},
     "a long edge: p > f": {"c": (0.1, 1.6), "turn": 0.8, "f": 0.8, "q": 1.8},
@@ -46,21 +46,21 @@ SIZE, REACH = (0.3, 2.0), (0.1, 2.0)  # the ranges of f and q, for p = 1
 
 
 def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f") -> fr.Frame:
-    """Figure 12.8: the accepted triangle ABC above, the other one ADB below, and the new point X.
+    """Figure 12.8: the accepted triangle ABC above, the other triangle ADB below, and the new point X.
 
     Parameters
     ----------
     f : float
-        The wanted circumradius, between 0.3 and 2, where p = 1.
+        The wanted circumradius, between 0.3 and 2, for p = 1.
     q : float
         The distance of F from M, between 0.1 and 2.
     preset : str
-        A key of `VORONOI_SEGMENTS`: it puts C, and D on its circle.
+        A key of `VORONOI_SEGMENTS`, which determines C, and the place of D on its circle.
 
     Returns
     -------
     dict
-        A frame; its caption tells by exact signs what happens to the edge AB, its number compares d with q
+        A frame; its caption states, by exact signs, what happens to the edge AB. Its number compares d with q
         and gives the angle at X.
     """
 
@@ -99,7 +99,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
 
 def _what_happens(got: Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str:
     if in_sphere(np.array([A, B, c]), d) > 0:
-        return "D is in circle ABC: this is no Delaunay mesh"
+        return "D is in circle ABC: this mesh is not Delaunay"
     if got.beyond:
         where = "q < p: (12.5) leads beyond F, so stop at F"
     elif got.capped:
@@ -107,12 +107,12 @@ def _what_happens(got: Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str
     elif got.radius > got.p:
         where = "the circle AXB has the radius f"
     else:
-        where = "f < p: the least circle, with a right angle at X"
-    return where + ("; X is in circle ABC, AB goes" if in_sphere(np.array([A, B, c]), x) > 0 else "")
+        where = "f < p: the smallest circle, with a right angle at X"
+    return where + ("; X is in circle ABC, so AB is deleted" if in_sphere(np.array([A, B, c]), x) > 0 else "")
 
 
 def voronoi_segment_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """Which f or q put X or F, dragged to (x, y), nearest there."""
+    """The f or q that puts X or F as near as possible to (x, y), after a drag."""
     depth = max(-y, 1e-3)
     if handle == "X":  # the circle through A, B and the point (0, -depth)
         return {"f": (1 + depth * depth) / (2 * depth)}
@@ -120,8 +120,8 @@ def voronoi_segment_drag(values: dict[str, Any], handle: str, x: float, y: float
 
 
 def _on_circle(q: float, turn: float) -> np.ndarray:
-    """A point of the arc below AB of the circle about (0, -q), from A (0) to B (1)."""
-    half = np.pi - np.arctan2(1.0, q)  # of the arc, seen from the center
+    """The point at ``turn``, from 0 (near A) to 1 (near B), on the arc below AB around the center (0, -q)."""
+    half = np.pi - np.arctan2(1.0, q)  # half the angle of the arc, seen from the center
     a = -np.pi / 2 + (2 * turn - 1) * half * 0.9
     return np.array([0.0, -q]) + np.hypot(1.0, q) * np.array([np.cos(a), np.sin(a)])
 
@@ -132,7 +132,7 @@ def _angle_at(x: np.ndarray) -> float:
 
 # ---- the recurrence ------------------------------------------------------------------------------
 
-COBWEBS: dict[str, tuple[float, float]] = {  # the change of f per step, p / f of the first edge
+COBWEBS: dict[str, tuple[float, float]] = {  # the factor of f per step, and p / f of the first edge
     "constant size": (1.0, 0.55),
     "f grows by a quarter": (1.25, 0.55),
     "f shrinks: a start near the rest": (0.88, 0.9),
@@ -141,23 +141,23 @@ COBWEBS: dict[str, tuple[float, float]] = {  # the change of f per step, p / f o
     "nasty: f shrinks faster than p": (0.69, 0.8),
 }
 GROWTH, START, STEPS = (0.65, 1.4), (0.5, 1.5), 24
-LOW, HIGH = -0.62, 0.88  # the window, in epsilon
+LOW, HIGH = -0.62, 0.88  # the range of epsilon in the window
 IDEAL = 2 / sqrt(3)
 
 
 def cobweb_state(
     growth: float, start: float, preset: str = "constant size", measured: Sequence[Sequence[float]] = ()
 ) -> fr.Frame:
-    """The cobweb of epsilon: from an edge to those of its triangle, f changing by a factor each step.
+    """The cobweb of epsilon: from an edge to those of its triangle, while f changes by a factor in each step.
 
     Parameters
     ----------
     growth : float
-        By how much f is larger at the next edge: between 0.65 and 1.4.
+        The factor of f from an edge to the next one, between 0.65 and 1.4.
     start : float
         p / f of the first edge, between 0.5 and 1.5.
     preset : str
-        A key of `COBWEBS`; the widget sets both sliders by it, the picture does not depend on it.
+        A key of `COBWEBS`. The widget sets both sliders by it; the picture does not depend on it.
     measured : pairs of floats, optional
         Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run with one size, drawn over
         the curve while ``growth`` is 1.
@@ -165,7 +165,7 @@ def cobweb_state(
     Returns
     -------
     dict
-        A frame; its number gives the deviation from the rest after the last step, and the multiplier there.
+        A frame; its number gives the deviation from the fixed point after the last step, and the slope there.
     """
     preset_named(COBWEBS, preset)
     within("growth", growth, *GROWTH)
@@ -189,19 +189,19 @@ def cobweb_state(
 
 
 def cobweb_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """Which first edge has the deviation x, where the star is dragged to (x, y)."""
+    """The ratio p / f of a first edge with the deviation x, after the star is dragged to (x, y)."""
     return {"start": 1 / max(x + IDEAL, 1e-3)} if handle == "start" else {}
 
 
 def _next(deviation: float, growth: float) -> float:
-    """epsilon of the next edges from that of an edge."""
+    """The epsilon of the next edges, given that of an edge."""
 
     ratio = deviation + IDEAL
     return rs.epsilon(rs.next_ratio(1 / ratio, growth), 1.0)
 
 
 def _web(growth: float, start: float) -> tuple[list[float], list[Any]]:
-    """The deviations of a chain of edges, and the steps between curve and diagonal."""
+    """The deviations of a chain of edges, and the segments between the curve and the diagonal."""
     orbit = [1 / start - IDEAL]
     for _ in range(STEPS):
         orbit.append(_next(orbit[-1], growth))
@@ -213,7 +213,7 @@ def _web(growth: float, start: float) -> tuple[list[float], list[Any]]:
 
 
 def _rest(growth: float) -> tuple[float, float]:
-    """epsilon at the rest and the multiplier there; none where the sizes shrink faster than the edges."""
+    """The fixed point of epsilon and the slope there; both -inf if sizes shrink faster than the edges."""
     s = growth * growth
     if s <= 0.5:
         return -inf, -inf
@@ -222,7 +222,7 @@ def _rest(growth: float) -> tuple[float, float]:
 
 
 def _tangent(growth: float) -> list[Any]:
-    """The tangent of the curve at the rest, a short piece."""
+    """A short piece of the tangent of the curve at the fixed point."""
     rest, slope = _rest(growth)
     if rest == -inf or abs(slope) > 20:
         return []
@@ -231,7 +231,7 @@ def _tangent(growth: float) -> list[Any]:
 
 
 def _fate(growth: float, orbit: list[float]) -> tuple[str, str]:
-    """What the last steps do, and the live number."""
+    """A caption about the last steps, and the number of the frame."""
     rest, slope = _rest(growth)
     if rest == -inf:
         return "f shrinks faster than the edges: p / f grows without bound", f"p/f = {_ratio(orbit):.3g}"
@@ -240,8 +240,8 @@ def _fate(growth: float, orbit: list[float]) -> tuple[str, str]:
     if away[-1] < 1e-3 or (abs(slope) < 1 and away[-1] < 0.7 * away[-9]):
         return "all later triangles tend to one shape", number
     if max(abs(orbit[k] - orbit[k - 2]) for k in (-1, -2, -3)) < 2e-3:
-        return "two shapes in turn: the chain never comes to rest", number
-    return "not at rest after these steps", number
+        return "two shapes in turn: the chain does not converge", number
+    return "no convergence within these steps", number
 
 
 def _ratio(orbit: list[float]) -> float:
@@ -252,16 +252,16 @@ def _ratio(orbit: list[float]) -> float:
 
 
 def chain_frame(start: float = 0.55, growth: float = 1.0, count: int = 10) -> fr.Frame:
-    """The triangles of one chain, to scale: each on an edge of the last, to the left and right in turn.
+    """The triangles of one chain, each built on an edge of the previous one, alternately left and right.
 
     Parameters
     ----------
     start : float
         p / f of the first edge.
     growth : float
-        By how much f is larger at the next edge.
+        The factor of f from an edge to the next one.
     count : int
-        Triangles, at least one.
+        The number of triangles, at least one.
 
     Returns
     -------
@@ -270,7 +270,7 @@ def chain_frame(start: float = 0.55, growth: float = 1.0, count: int = 10) -> fr
     """
 
     if count < 1:
-        raise InputError(f"a chain of {count} triangles; ask for at least one")
+        raise InputError(f"count = {count} must be at least 1")
     a, b, f = np.array([0.0, 0.0]), np.array([2 * start, 0.0]), 1.0
     triangles = []
     for k in range(count):

@@ -1,4 +1,4 @@
-"""A run of Rebay's insertion as frames: the triangle chosen, its Voronoi segment, the cavity, the star."""
+"""A run of Rebay's insertion as frames: the chosen triangle, its Voronoi segment, the cavity, the star."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def rebay_frames(
     *,
     cavities: int = 1,
 ) -> list[fr.Frame]:
-    """Two frames an insertion, three while the cavity is shown as well.
+    """Two frames per insertion, or three if the cavity is shown as well.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ def rebay_frames(
     history : iterable of Insertion
         From `unstruct.plain.rebay.voronoi_segment`.
     accepted : function (points, cell) -> bool
-        Which triangles are accepted.
+        Whether a triangle is accepted.
     cavities : int
-        For so many insertions the cavity has a frame of its own.
+        The number of insertions at the start for which the cavity has a frame of its own.
 
     Returns
     -------
@@ -52,19 +52,20 @@ def rebay_frames(
             gone = [_corners(have, c) for c in one.cavity]
             items = [fr.polygons("cavity", gone), *fr.numbered(have), _star_of(one)]
             items = [*_mesh(have, cells, accepted)[:-2], *items]
-            frames.append(fr.frame("the circles of these hold X", *items, number=f"{len(gone)} triangles go"))
+            text = "the circles of these triangles contain X"
+            frames.append(fr.frame(text, *items, number=f"{len(gone)} triangles are deleted"))
         have, cells = one.points, one.cells
         number = _many(have, cells, accepted)
-        caption = f"{one.vertex} is joined to the rim; all are judged afresh"
+        caption = f"{one.vertex} is joined to the boundary of the cavity; all triangles are judged again"
         frames.append(fr.frame(caption, *_mesh(have, cells, accepted), number=number))
     return frames
 
 
 def _choice(have: list[Any], cells: Iterable[Any], one: Insertion, accepted: Callable[..., bool]) -> fr.Frame:
-    """The waiting triangle, its circle, the active edge, and X on the way from M to F."""
+    """The waiting triangle, its circle, the active edge, and X on the segment from M to F."""
     a, b = one.edge
     corners, x = _corners(have, one.waiting), one.step.point
-    beside = "a boundary edge" if one.accepted is None else "the edge of an accepted one"
+    beside = "boundary edge" if one.accepted is None else "edge of an accepted triangle"
     start = one.step.middle if one.step.accepted_center is None else one.step.accepted_center
     made = np.array([have[a], have[b], x])
     items = [

@@ -1,7 +1,7 @@
-"""The widgets' pictures as pure functions: from the values of the controls to a frame.
+"""The pictures of widgets as pure functions from the values of the controls to a frame.
 
-Nothing here knows of sliders or kernels, so that tests can call every state, both ends included. The
-two proofs of section 2.4a have their states in `unstruct.view.scenes.proofs`.
+The functions do not depend on widgets or on a running notebook, so that tests can call every state, both ends
+included. The two proofs of section 2.4a have their states in `unstruct.view.scenes.proofs`.
 """
 
 from __future__ import annotations
@@ -45,25 +45,25 @@ CIRCLES: dict[str, dict[str, Any]] = {
         "origin": (0.03, -0.022936474715370983),  # a double next to the circle
     },
 }
-REACH = 16  # units in the last place that the nasty window shows on each side
+REACH = 16  # how many units in the last place the window of neighboring doubles shows on each side
 
 
 def empty_circle_state(x: float, y: float, preset: str = "any triangle") -> fr.Frame:
-    """Is D inside the circle of A, B, C? The exact answer beside that of floating-point numbers.
+    """Whether D is inside the circle of A, B, C: the exact answer and that of floating-point numbers.
 
     Parameters
     ----------
     x, y : float
-        Between -2 and 2: where D is. In the nasty preset, an eighth of a unit in the last place
-        each: the picture is a window of 33 by 33 neighboring doubles.
+        The place of D, between -2 and 2. In the preset with neighboring doubles, 1/8 is one unit in the last
+        place, and the picture is a window of 33 by 33 neighboring doubles.
     preset : str
         A key of `CIRCLES`.
 
     Returns
     -------
     dict
-        A frame; its number shows both signs (in the nasty preset also how many doubles of the window
-        get a wrong one).
+        A frame; its number shows the determinant and the exact sign, or, in the preset with neighboring
+        doubles, how many doubles of the window get a wrong sign.
     """
     given = preset_named(CIRCLES, preset)
     within("x", x, -2, 2)
@@ -90,14 +90,14 @@ def empty_circle_state(x: float, y: float, preset: str = "any triangle") -> fr.F
 
 
 def float_in_circle(triangle: np.ndarray, d: np.ndarray) -> float:
-    """The in-circle determinant as one would write it, in floating-point numbers: it may lie."""
+    """The in-circle determinant by the plain formula in floating-point numbers; its sign may be wrong."""
     (ax, ay), (bx, by), (cx, cy) = (triangle - d).tolist()
     a, b, c = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
     return ax * (by * c - b * cy) - ay * (bx * c - b * cx) + a * (bx * cy - by * cx)
 
 
 def _nasty_window(triangle: np.ndarray, origin: tuple[float, float], i: int, j: int) -> fr.Frame:
-    """The doubles around ``origin``, those with a wrong floating-point sign marked; D is (i, j) of them."""
+    """The doubles around ``origin``, with marks at wrong floating-point signs; D is the double (i, j)."""
     marks, line, wrong = _signs(triangle.tobytes(), origin)
     exact, rounded = marks[i, j]
     right = exact == np.sign(rounded)
@@ -122,7 +122,7 @@ def _nasty_window(triangle: np.ndarray, origin: tuple[float, float], i: int, j: 
 def _signs(
     corners: bytes, origin: tuple[float, float]
 ) -> tuple[dict[tuple[int, int], tuple[int, float]], list, int]:
-    """Exact sign and floating-point determinant for all doubles of the window; the circle; the errors."""
+    """Exact signs and floating-point determinants of all doubles in the window; the circle; error count."""
     triangle = np.frombuffer(corners).reshape(3, 2)
     steps = np.arange(-REACH, REACH + 1)
     unit = [float(np.spacing(abs(v))) for v in origin]
@@ -130,7 +130,7 @@ def _signs(
     points = np.array(origin) + np.array(grid) * unit
     exact = np.asarray(in_sphere(triangle, points))
     marks = {key: (int(s), float_in_circle(triangle, p)) for key, s, p in zip(grid, exact, points)}
-    # through the window the circle is straight: the determinant is linear there, to one part in 1e15
+    # In the window the circle is a straight line, because the determinant is linear to one part in 1e15.
     at = [
         _exact_in_circle(triangle, [origin[0] + a * unit[0], origin[1] + b * unit[1]])
         for a, b in ((0, 0), (8, 0), (0, 8))
@@ -183,7 +183,7 @@ FADES = 11
 
 
 def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
-    """The Voronoi diagram (``fade`` 0) turned into its dual, the Delaunay triangulation (1).
+    """The Voronoi diagram (``fade`` = 0) fading into its dual, the Delaunay triangulation (``fade`` = 1).
 
     Parameters
     ----------
@@ -195,8 +195,8 @@ def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
     Returns
     -------
     dict
-        A frame; its number compares triangles and Voronoi vertices, which correspond one to one where
-        no four sites lie on an empty circle.
+        A frame; its number counts triangles and Voronoi vertices, which correspond one to one if no four
+        sites lie on an empty circle.
     """
     sites = np.array(preset_named(SITES, preset))
     within("fade", fade, 0, 1)
@@ -221,7 +221,7 @@ def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
             fr.polygons("bad", [sites[:3]], opacity=strong),
             fr.circles("bad", [[2, 2]], [8**0.5], opacity=strong),
         ]
-        caption = caption if fade < 0.67 else "0, 1, 2 are neighbors in pairs, but their circle holds 3"
+        caption = caption if fade < 0.67 else "0, 1, 2 are neighbors in pairs, but their circle contains 3"
     if preset.startswith("vertices"):
         lost = [k for k, v in enumerate(diagram.simplex_vertex) if not _inside(mesh.corners[k], nodes[v])]
         items.append(fr.dots("bad", nodes[diagram.simplex_vertex[lost]], opacity=weak))
@@ -268,15 +268,15 @@ def _insertions(preset: str) -> tuple[fr.Frame, ...]:
 
 
 def bowyer_watson_history(preset: str = "seven points") -> list[fr.Frame]:
-    """All frames of one of the insertions of `INSERTIONS`: locate, cavity, star, for each point."""
+    """All frames of one of the histories in `INSERTIONS`: locate, cavity and star for each point."""
     return list(_insertions(preset))
 
 
 def bowyer_watson_state(step: int, preset: str = "seven points") -> fr.Frame:
-    """One frame of `bowyer_watson_history`, from 0 on.
+    """One frame of `bowyer_watson_history`; ``step`` starts at 0.
 
-    Its number counts what the theorem ties together: of an interior cavity, k edges, k − 2 triangles
-    that go and k that come.
+    Its number counts what the theorem relates: a cavity in the interior has k edges and k − 2 triangles,
+    which are replaced by k new triangles.
     """
     history = _insertions(preset)
     within("step", step, 0, len(history) - 1)

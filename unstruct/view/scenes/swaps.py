@@ -1,8 +1,8 @@
-"""Diagonal swapping as pictures that answer to controls: one quadrilateral, and runs of swaps.
+"""Diagonal swapping as pictures with controls: one quadrilateral, and runs of swaps.
 
-The chapter's Fig. 12.6 shows one quadrilateral and its two diagonals. `diagonal_choice_state` shows both side
-by side, with their angles, for any place of D; `swap_history` shows the sorted list of all angles of a
-triangulation beside it, growing from swap to swap: the first bar that changes always rises.
+The chapter's Fig. 12.6 shows one quadrilateral and its two diagonals. `diagonal_choice_state` shows both
+triangulations side by side, with their angles, for any place of D. `swap_history` shows a triangulation and
+the sorted list of all its angles, which grows from swap to swap: the first bar that changes always rises.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = [
     "swap_state",
 ]
 
-# A, B, C and a place for D, each within [-2, 2] x [-2, 2]
+# A, B, C and a place for D, all in [-2, 2] x [-2, 2]
 QUADRILATERALS: dict[str, dict[str, Any]] = {
     "any quadrilateral": {"triangle": [[-1.6, -0.8], [1.2, -1.2], [1.5, 1.0]], "start": (-0.5, 1.1)},
     "a rectangle: a tie": {"triangle": [[-1.5, -1.0], [1.5, -1.0], [1.5, 1.0]], "start": (-1.5, 1.0)},
@@ -38,25 +38,25 @@ QUADRILATERALS: dict[str, dict[str, Any]] = {
     "one triangle gets worse": {"triangle": [[-1.6, -1.6], [1.6, -1.6], [0.0, 1.6]], "start": (-1.6, 0.0)},
 }
 Cells = list[tuple[int, int, int]]
-APART = 2.6  # the two pictures stand at -APART and APART
+APART = 2.6  # the two pictures are centered at x = -APART and x = APART
 WINDOW = [-5.2, 5.2, -2.5, 2.7]
 
 
 def diagonal_choice_state(x: float, y: float, preset: str = "any quadrilateral") -> fr.Frame:
-    """The quadrilateral A, B, C, D with either diagonal, its six angles each time, and the choice.
+    """The quadrilateral A, B, C, D with each of its diagonals, the six angles in each case, and the choice.
 
     Parameters
     ----------
     x, y : float
-        Between -2 and 2: where D is.
+        The place of D, between -2 and 2.
     preset : str
-        A key of `QUADRILATERALS`: where A, B, C are.
+        A key of `QUADRILATERALS`, which determines A, B, C.
 
     Returns
     -------
     dict
-        A frame; its number compares the least and the largest of the six angles. The caption tells the exact
-        sign of the circle test, and what follows.
+        A frame; its number compares the minimum and the maximum of the six angles. The caption states the
+        result of the exact circle test and the choice that follows.
     """
     given = preset_named(QUADRILATERALS, preset)
     within("x", x, -2, 2)
@@ -71,12 +71,12 @@ def diagonal_choice_state(x: float, y: float, preset: str = "any quadrilateral")
         items = [*_panel(corners, with_ac, "accepted", -APART), *_circle(corners)]
         text = "ABCD is not strictly convex: AC is its only diagonal, and D is not in circle ABC"
         return fr.frame(
-            text, *items, number=f"least angle {_angle(corners, with_ac).min():.1f}°", view=WINDOW
+            text, *items, number=f"minimum angle {_angle(corners, with_ac).min():.1f}°", view=WINDOW
         )
     caption = {
-        1: "D is inside circle ABC: AC goes, BD comes",
-        -1: "D is outside circle ABC: AC stays",
-        0: "D is on the circle: both least angles are equal, AC may stay",
+        1: "D is inside circle ABC: BD replaces AC",
+        -1: "D is outside circle ABC: AC remains",
+        0: "D is on the circle: both minimum angles are equal, AC may remain",
     }[sign]
     roles = ("accepted", "cell") if sign <= 0 else ("cell", "accepted")
     items = [
@@ -86,8 +86,8 @@ def diagonal_choice_state(x: float, y: float, preset: str = "any quadrilateral")
     ]
     one, two = _angle(corners, with_ac), _angle(corners, with_bd)
     number = (
-        f"least of six: AC {one.min():.1f}°, BD {two.min():.1f}°; "
-        f"largest: AC {one.max():.1f}°, BD {two.max():.1f}°"
+        f"minimum angle: AC {one.min():.1f}°, BD {two.min():.1f}°; "
+        f"maximum: AC {one.max():.1f}°, BD {two.max():.1f}°"
     )
     return fr.frame(caption, *items, number=number, view=WINDOW)
 
@@ -103,7 +103,7 @@ def _angle(corners: np.ndarray, cells: Cells) -> np.ndarray:
 
 
 def _panel(corners: np.ndarray, cells: Cells, role: str, shift: float, handle: bool = True) -> list[fr.Item]:
-    """Triangles with their angles; the least is highlighted."""
+    """Triangles with their angles; the minimum angle is highlighted."""
     at = corners + np.array([shift, 0.0])
     sizes = _angle(corners, cells)
     least = np.unravel_index(np.argmin(sizes), sizes.shape)
@@ -119,7 +119,7 @@ def _panel(corners: np.ndarray, cells: Cells, role: str, shift: float, handle: b
             if (i, k) == least:
                 near = np.array([p, p + 0.3 * (q - p), p + 0.3 * (r - p)])
                 items.append(fr.polygons("highlight", [near]))
-    away = at - at.mean(axis=0)  # names stand outside, clear of the angles
+    away = at - at.mean(axis=0)  # names are outside, so that they do not cover the angles
     names = at + 0.3 * away / np.linalg.norm(away, axis=1)[:, None] - [0.22, 0.22]
     items += [fr.dots("vertex", at[:3]), fr.labels("vertex", names, "ABCD")]
     items.append(fr.labels("edge", places, texts))
@@ -128,7 +128,7 @@ def _panel(corners: np.ndarray, cells: Cells, role: str, shift: float, handle: b
 
 
 def _circle(corners: np.ndarray) -> list[fr.Item]:
-    """The circle of A, B, C in the left picture, cut off where the right one begins."""
+    """The circle of A, B, C in the left picture, cut off where the right picture begins."""
     center, radius = circumcenter(corners[:3]), float(circumradius(corners[:3]))
     turn = np.linspace(0, 2 * np.pi, 121)
     ring = center + radius * np.column_stack([np.cos(turn), np.sin(turn)]) + [-APART, 0]
@@ -150,19 +150,19 @@ RUNS: dict[str, dict[str, Any]] = {
         "fixed": [[1, 2]],
     },
 }
-BARS = 10.0  # width of the diagram of angles
+BARS = 10.0  # the width of the bar chart of angles
 
 
 def swap_history(preset: str = "nine points") -> list[fr.Frame]:
-    """All frames of one of the runs of `RUNS`: the triangulation, and its sorted angles as bars."""
+    """All frames of one of the runs in `RUNS`: the triangulation, and its sorted angles as bars."""
     return list(_run(preset))
 
 
 def swap_state(step: int, preset: str = "nine points") -> fr.Frame:
-    """One frame of `swap_history`, from 0 on.
+    """One frame of `swap_history`; ``step`` starts at 0.
 
-    Its number is the head of the sorted list of all angles; the bar where the list first differs from that
-    before the swap is highlighted.
+    Its number shows the first entries of the sorted list of all angles. The first bar that differs from the
+    list before the swap is highlighted.
     """
     history = _run(preset)
     within("step", step, 0, len(history) - 1)
@@ -199,7 +199,7 @@ def _sorted_angles(mesh: Mesh) -> np.ndarray:
 
 
 def _bars(now: np.ndarray, before: np.ndarray) -> list[fr.Item]:
-    """The sorted angles as bars on the right of the points, those before the swap as dashes."""
+    """The sorted angles as bars to the right of the points; the angles before the swap are dashes."""
     width = BARS / len(now)
     left, high = 9.0 + width * np.arange(len(now)), now / 180 * 7
     changed = np.flatnonzero(np.abs(now - before) > 1e-9)

@@ -1,1 +1,1 @@
-"""Shells with sliders and buttons around the scenes, and the player that steps through frames."""
+"""Widgets with sliders and buttons that show the scenes, and the player that steps through frames."""

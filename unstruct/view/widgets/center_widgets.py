@@ -9,8 +9,9 @@ __all__ = ["circumcenters"]
 
 
 def circumcenters() -> Panel:
-    """Step through circumcenter insertion: no boundary, edges kept (R may rise), edges split. Book: 2.6a."""
+    """Step through circumcenter insertion: without boundary, edges kept, edges split. Book: 2.6a."""
     histories = {name: circumcenter_history(name) for name in CENTERS}
     return chosen(
-        histories, "Triangulations, each with its maximal triangle, its circle, and the next point."
+        histories,
+        "Triangulations, each with its maximal triangle, the circle of it, and the next point.",
     )

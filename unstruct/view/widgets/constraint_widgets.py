@@ -1,4 +1,4 @@
-"""Widgets of constrained triangulation: a segment goes in; the principal component follows a point."""
+"""Widgets of constrained triangulation: insertion of a segment; the principal component of a point."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ __all__ = ["constrained_insertion", "principal_component"]
 
 
 def constrained_insertion() -> Panel:
-    """Step through the insertion of segments: crossed triangles, two polygons, filling. Book: 2.5."""
+    """Step through the insertion of segments: crossed triangles, two polygons, new triangles. Book: 2.5."""
     histories = {name: segment_history(name) for name in SEGMENTS}
-    return chosen(histories, "A segment is put into a triangulation: what it crosses, what comes instead.")
+    alt = "A segment is inserted into a triangulation: the triangles that it crosses, and the new triangles."
+    return chosen(histories, alt)
 
 
 def principal_component() -> Panel:
-    """Move P through a triangulation, with and without fixed triangles: Figure 12.7 alive. Book: 2.5."""
+    """Move P through a triangulation, with and without fixed triangles: Fig. 12.7 as a widget. Book: 2.5."""
     first = next(iter(COMPONENTS))
     start = _start(first)
     controls = {
@@ -34,7 +35,8 @@ def principal_component() -> Panel:
         "y": slider("y of P", start["y"], 0, 1, 0.01),
     }
     alt = (
-        "A triangulation, a point P that can be moved, the triangles whose circles hold it, fixed triangles."
+        "A triangulation, a point P that can be moved, the triangles whose circles contain it, "
+        "and fixed triangles."
     )
 
     def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The step-by-step player: Python computes the frames, a small anywidget draws and steps them."""
+"""The step-by-step player: Python computes the frames, and a small anywidget shows them one by one."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class Player(anywidget.AnyWidget):
     Attributes
     ----------
     frames : list of dict
-        What is drawn; see `unstruct.view.draw.frames`.
+        The frames; see `unstruct.view.draw.frames`.
     index : int
-        The frame shown.
+        The number of the frame that is shown.
     view : list of float
         The fixed window ``[xmin, xmax, ymin, ymax]``.
     alt : str
-        What a reader who cannot see the picture is told.
+        A sentence for readers who cannot see the picture.
     variants : list of dict
-        Several histories, each ``{"name": …, "frames": …, "view": …, "start": …}``, instead of one.
+        Several histories instead of one, each ``{"name": …, "frames": …, "view": …, "start": …}``.
     variant : int
-        Which of them is shown.
+        The number of the history that is shown.
     dragged : dict
         The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
     """
@@ -55,7 +55,7 @@ class Player(anywidget.AnyWidget):
     dragged = traitlets.Dict().tag(sync=True)
 
     def show(self, frames: Sequence[fr.Frame], index: int | None = None) -> None:
-        """Take other frames, in the same window unless they bring their own, and show one of them."""
+        """Replace the frames and show one of them; the window remains unless the first frame has one."""
         with self.hold_sync():
             if "view" in frames[0]:
                 self.view = fr.bounds(frames)
@@ -80,15 +80,15 @@ def player(
     Parameters
     ----------
     frames : sequence of dict
-        The history, one change a frame; see `unstruct.view.draw.frames`.
+        The history, with one change per frame; see `unstruct.view.draw.frames`.
     alt : str
-        A sentence for readers who cannot see the pictures; each frame's caption is added to it.
+        A sentence for readers who cannot see the pictures; the caption of each frame is added to it.
     view : (xmin, xmax, ymin, ymax), optional
-        The fixed window; by default what all frames together show.
+        The fixed window; by default it contains the items of all frames.
     width, height : int
-        Largest size of the picture, in pixels.
+        The largest size of the picture, in pixels.
     interval : int
-        Milliseconds between two frames while it plays.
+        Milliseconds between two frames while the player runs.
 
     Returns
     -------
@@ -97,12 +97,12 @@ def player(
     Raises
     ------
     InputError
-        Without frames or alternative text, or when a frame cannot be drawn; names the item.
+        If there are no frames, if ``alt`` is empty, or if a frame cannot be drawn (the item is named).
     """
     if not frames:
         raise InputError("a player needs at least one frame")
     if not alt.strip():
-        raise InputError("say in alt what the pictures show, for readers who cannot see them")
+        raise InputError("alt must describe the pictures for readers who cannot see them")
     for one in frames:
         fr.check_frame(one)
     window = fr.bounds(frames) if view is None else [float(v) for v in view]
@@ -118,7 +118,7 @@ def player(
 
 
 def compact(frames: Sequence[fr.Frame], view: Sequence[float]) -> list[fr.Frame]:
-    """The frames with coordinates rounded to a ten-thousandth of the window: a fifth of the bytes."""
+    """The frames with coordinates rounded to a ten-thousandth of the window, a fifth of the bytes."""
     size = max(view[1] - view[0], view[3] - view[2])
     digits = 4 - math.floor(math.log10(size))
 

@@ -1,4 +1,4 @@
-"""The widgets of section 2.6c: thin shells around the pure functions of `rebay`."""
+"""The widgets of section 2.6c, which show the scenes of `rebay`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["rebay_cobweb", "rebay_step"]
 
 
 def rebay_step() -> Panel:
-    """The chapter's Fig. 12.8: drag F or X, or move f and q, and see where the new point goes. Book: 2.6c."""
+    """The chapter's Fig. 12.8: drag F or X, or change f and q, and see the new point. Book: 2.6c."""
     first = VORONOI_SEGMENTS[next(iter(VORONOI_SEGMENTS))]
     controls = {
         "preset": presets(VORONOI_SEGMENTS),
@@ -42,7 +42,7 @@ def rebay_step() -> Panel:
 
 
 def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
-    """The cobweb of the deviation epsilon, with a slider for the change of f along the chain. Book: 2.6c.
+    """The cobweb of the deviation epsilon, with a slider for the factor of f along the chain. Book: 2.6c.
 
     Parameters
     ----------

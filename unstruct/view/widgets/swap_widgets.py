@@ -1,4 +1,4 @@
-"""The widgets of diagonal swapping: thin shells around the pure functions of `swaps`."""
+"""The widgets of diagonal swapping, which show the scenes of `swaps`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["diagonal_choice", "diagonal_swaps"]
 
 
 def diagonal_choice() -> Panel:
-    """The chapter's Fig. 12.6: move D, compare the six angles with either diagonal. Book: 2.4b."""
+    """The chapter's Fig. 12.6: move D and compare the six angles for both diagonals. Book: 2.4b."""
     first = next(iter(QUADRILATERALS))
     x, y = QUADRILATERALS[first]["start"]
     controls = {
@@ -19,7 +19,7 @@ def diagonal_choice() -> Panel:
         "x": slider("x of D", x, -2, 2, 0.01),
         "y": slider("y of D", y, -2, 2, 0.01),
     }
-    alt = "A quadrilateral A, B, C, D, once with each diagonal, and its angles; D can be moved."
+    alt = "A quadrilateral A, B, C, D, shown with each of its diagonals and its angles; D can be moved."
 
     def start(preset: str) -> dict[str, Any]:
         return dict(zip("xy", QUADRILATERALS[preset]["start"]))
@@ -28,6 +28,6 @@ def diagonal_choice() -> Panel:
 
 
 def diagonal_swaps() -> Panel:
-    """Step through swaps: the triangulation, and all its angles, sorted, which rise. Book: 2.4b."""
+    """Step through swaps: the triangulation, and the sorted list of its angles, which rises. Book: 2.4b."""
     histories = {name: swap_history(name) for name in RUNS}
     return chosen(histories, "A triangulation whose diagonals are swapped, and its sorted angles as bars.")

@@ -1,8 +1,8 @@
-"""The widgets: thin shells of sliders and drop-downs around the pure functions of `states` and `proofs`.
+"""The widgets that show the scenes of `states` and `proofs`, with sliders and drop-down lists.
 
-Each returns a `Panel` of at most three controls and one player. Where a history or a fade has few
-frames, all are computed at once and stepped by the player itself, so that they work on a page
-without a kernel, too; `empty_circle` and the two proofs ask Python at every move.
+Each function returns a `Panel` of at most three controls and one player. If a history has few frames, all of
+them are computed at once and the player steps through them by itself, so that it also works on a page without
+a kernel. `empty_circle` and the two proofs call Python at every move.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ class Panel(ipywidgets.VBox):
 
 
 def empty_circle() -> Panel:
-    """Move a fourth point D against the circle of A, B, C: exact sign and floating-point sign.
+    """Move a fourth point D relative to the circle of A, B, C: exact sign and floating-point sign.
 
-    The nasty preset shows a window of 33 by 33 neighboring doubles at the circle, where the
-    determinant in floating-point numbers has a wrong sign for more than half of them. Book: 2.0.
+    The preset "nasty: neighboring doubles" shows a window of 33 by 33 neighboring doubles at the circle. For
+    more than half of them, the determinant in floating-point numbers has a wrong sign. Book: 2.0.
     """
     first = next(iter(CIRCLES))
     x, y = CIRCLES[first]["start"]
@@ -85,7 +85,7 @@ def empty_circle() -> Panel:
 
 
 def cavity_argument() -> Panel:
-    """The chapter's Fig. 12.4: whatever hides P from a cavity triangle belongs to the cavity. Book: 2.4a."""
+    """The chapter's Fig. 12.4: a triangle that would hide an edge from P is in the cavity. Book: 2.4a."""
     controls = {
         "angle_p": slider("angle APC", 135, 1, 179, 1),
         "angle_d": slider("angle ADC", 80, 1, 179, 1),
@@ -96,7 +96,7 @@ def cavity_argument() -> Panel:
 
 
 def new_triangle_argument() -> Panel:
-    """The chapter's Fig. 12.5 with both cases: D on either side of AB, AB perhaps on the hull. Book: 2.4a."""
+    """The chapter's Fig. 12.5: D on either side of AB, where AB may be on the hull. Book: 2.4a."""
     controls = {
         "p": slider("place of P", 0.5, 0, 1, 0.01),
         "turn": slider("direction of D", 60, 0, 360, 1),
@@ -111,16 +111,16 @@ def new_triangle_argument() -> Panel:
 
 
 def voronoi_dual() -> Panel:
-    """Fade the Voronoi diagram into its dual; degenerate and misleading sites as presets. Book: 2.1."""
+    """Fade the Voronoi diagram into its dual; some presets have degenerate or misleading sites. Book: 2.1."""
     histories = {name: [voronoi_dual_state(k / (FADES - 1), name) for k in range(FADES)] for name in SITES}
     return chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
 
 
 def bowyer_watson() -> Panel:
-    """Step through insertions: locate, cavity, star; ties, and a start that is not Delaunay. Book: 2.4a."""
+    """Step through insertions: locate, cavity, star; with ties, or not Delaunay at first. Book: 2.4a."""
     histories = {name: bowyer_watson_history(name) for name in INSERTIONS}
     return chosen(
-        histories, "Points inserted one by one: the triangle, the cavity with its circles, the star."
+        histories, "Points are inserted one by one: the triangle, the cavity with its circles, the star."
     )
 
 
@@ -142,7 +142,7 @@ def slider(description: str, value: float, low: float, high: float, step: float)
 
 
 def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
-    """A player that holds all histories; its own drop-down chooses, so that it needs no kernel."""
+    """A player that contains all histories; its own drop-down list selects one, without a kernel."""
     first = next(iter(histories.values()))
     picture = player(first, alt=alt)
     variants = []
@@ -163,13 +163,13 @@ def live(
     drag: Callable[..., dict[str, Any]],
     start: Callable[[str], dict[str, Any]] | None = None,
 ) -> Panel:
-    """Controls whose every change asks ``state`` for a frame; ``drag`` turns a drag into their values."""
+    """Controls that show a new frame from ``state`` at every change; ``drag`` converts a drag to values."""
 
     def values() -> dict[str, Any]:
         return {name: control.value for name, control in controls.items()}
 
     picture = player([state(**values())], alt=alt)
-    busy = [False]  # while several controls move at once, one frame is enough
+    busy = [False]  # True while several controls change together, so that only one frame is computed
 
     def show(_: Any = None) -> None:
         if not busy[0]:
