@@ -114,7 +114,7 @@ def test_curves_must_meet_their_vertices() -> None:
         Domain([[1, 0]], [[0, 0]], curves={0: Arc((0, 0), 1, 0, 2 * math.pi)})
 
 
-def test_curves_that_lie_on_each_other_are_told_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_curves_that_lie_on_each_other_are_reported_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """They conflict everywhere, however finely they are cut: it used to go on to 2^28 chords."""
     there, back = Arc.through((0, 0), (0.5, -0.3), (1, 0)), Arc.through((1, 0), (0.5, -0.3), (0, 0))
     for second, end in (([1, 0], back), ([0, 1], there)):

@@ -49,7 +49,7 @@ def test_the_machine_is_described_in_words():
     assert machine.load() >= 0.0
 
 
-def test_a_job_that_fails_is_told(capsys):
+def test_a_job_that_fails_is_reported(capsys):
     workers = Workers()
     assert workers.ask("no such job", {}) is None
     assert len(workers.failures) == 1 and "KeyError" in workers.failures[0]
@@ -103,10 +103,10 @@ def test_ratios_growth_and_bold_losses():
     assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
-@pytest.mark.parametrize("teller", [report, planar_report])
-def test_a_run_without_a_case_has_no_plot(tmp_path, teller):
+@pytest.mark.parametrize("reporter", [report, planar_report])
+def test_a_run_without_a_case_has_no_plot(tmp_path, reporter):
     result = {"suite": "none", "machine": "it", "load": [0, 0], "versions": {}, "failures": [], "rows": []}
-    paths = report.write(result, tmp_path, teller)
+    paths = report.write(result, tmp_path, reporter)
     assert [path.suffix for path in paths] == [".json", ".csv", ".md"] and all(p.exists() for p in paths)
     assert sorted(tmp_path.iterdir()) == sorted(paths)
 

@@ -208,7 +208,7 @@ def test_landmarks_are_looked_at() -> None:
     assert np.allclose(field([[0.601, 0.333]]), 1e-4 + 0.01, rtol=0.01)
 
 
-def test_what_was_not_resolved_is_told() -> None:
+def test_what_was_not_resolved_is_reported() -> None:
     field = limited(valleys, 0.1, *BOX, max_nodes=2000)
     assert isinstance(field, LimitedSize) and field.capped["nodes"] > 0
     assert_limited(field, 0.1, np.random.default_rng(3))

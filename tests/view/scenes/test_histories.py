@@ -71,13 +71,13 @@ def test_an_interior_cavity_of_k_triangles_has_k_plus_2_edges():
         assert len(drawn(history[history.index(frame) + 2], "accepted")) == edges
 
 
-def test_a_copy_of_a_vertex_is_told():
+def test_a_copy_of_a_vertex_is_reported():
     history = view.insertion_frames([[0, 0], [1, 0], [0, 1], [1, 0]])
     assert history[-1]["caption"] == "Point 3 equals vertex 1: nothing to do"
 
 
 def test_baker_tells_triangles_that_lie_apart_from_the_cavity():
-    """Three circles hold the point; one of the triangles is not joined to the others."""
+    """Three circles contain the point; one of the triangles is not joined to the others."""
     mesh = sweep_triangulation([[5.0, 8.0], [1, 8], [3, 3], [8, 3], [5, 0], [7, 4], [4, 6]])
     point = [3.5, 3.75]
     history = view.baker_frames(mesh, [point])

@@ -149,7 +149,7 @@ def test_every_item_is_drawn_and_described(show):
     assert np.allclose(across, size / 4, atol=0.05), "a circle of radius 1e12 through x = 1/4 is a line there"
 
 
-def test_a_dragged_point_is_told_to_python(show):
+def test_a_dragged_point_is_reported_to_python(show):
     page = show(view.player(history(1), alt="a test."))
     assert page.is_hidden(".unstruct-choice") and page.is_hidden(".unstruct-bar"), (
         "one frame has nothing to step"

@@ -1,7 +1,7 @@
-// The one view of things in space: turned by drag and arrow keys, drawn back to front on a canvas.
+// The view of objects in space: turned by dragging and by arrow keys, drawn from back to front on a canvas.
 
 const SCALE = 96 / 72; // the styles are in points, the picture in pixels
-const THIN = 0.6; // edges of faces, in parts of a role's width: many are seen at once
+const THIN = 0.6; // the width of edges of faces, relative to the role's width
 const START = ["azimuth", "elevation", "zoom", "explode"];
 
 const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -11,7 +11,7 @@ const unit = (a) => a.map((v) => v / (Math.hypot(...a) || 1));
 const mean = (rows) => [0, 1, 2].map((k) => rows.reduce((sum, row) => sum + row[k], 0) / rows.length);
 const FACES = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
-// Directions right, up and toward the reader, as in space.py.
+// The directions right, up and toward the reader, as in space.py.
 function axes(azimuth, elevation) {
   const [a, e] = [(azimuth * Math.PI) / 180, (elevation * Math.PI) / 180];
   return {
@@ -21,7 +21,7 @@ function axes(azimuth, elevation) {
   };
 }
 
-// Everything that is drawn, each with its corners in space, their mean, and the normal of a face.
+// All things to be drawn, each with its corners in space, their mean, and the normal of a face.
 function primitives(scene, explode) {
   const made = [];
   const [x, y, z, r] = scene.ball;
@@ -52,7 +52,7 @@ function primitives(scene, explode) {
   return made;
 }
 
-// What can be seen, from back to front (names last, over all): the faces of a solid cell that look away are hidden by it.
+// The visible things from back to front, with names last. A solid cell hides those of its faces that point away.
 function ordered(things, toward) {
   const seen = things.filter((thing) => !thing.solid || dot(thing.normal, toward) > 0);
   for (const thing of seen) thing.depth = dot(thing.middle, toward) + thing.lift;
@@ -135,7 +135,7 @@ function paint(pen, scene, things, styles, state, size) {
   pen.globalAlpha = 1;
 }
 
-// A sphere is its outline, a veil, and its equator for the sense of depth.
+// A sphere is drawn as its outline, a light fill, and its equator, which gives an impression of depth.
 function ball(pen, style, x, y, r, elevation) {
   pen.beginPath();
   pen.arc(x, y, r, 0, 2 * Math.PI);
@@ -172,8 +172,8 @@ class View {
     this.model = model;
     this.root = build(el);
     [this.canvas, this.slider] = ["canvas", "input"].map((name) => this.root.querySelector(name));
-    this.first = this.state; // what reset goes back to
-    this.things = null; // computed once, not at every turn
+    this.first = this.state; // the state that reset restores
+    this.things = null; // computed once, not for every direction
     this.due = false;
     this.listenToKeys();
     this.listenToPointer();
@@ -190,7 +190,7 @@ class View {
   }
 
   later() {
-    if (this.due) return; // many changes, one picture
+    if (this.due) return; // several changes are drawn in one picture
     this.due = true;
     requestAnimationFrame(() => this.draw());
   }
@@ -267,7 +267,7 @@ class View {
     });
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (from = null));
     canvas.addEventListener("wheel", (event) => {
-      if (document.activeElement !== this.root) return; // a page must scroll past
+      if (document.activeElement !== this.root) return; // otherwise the page scrolls
       event.preventDefault();
       this.zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
     });

@@ -1,5 +1,5 @@
-// Draws frames (see frames.py) as SVG and steps through them. All state is in the widget's model,
-// so that it works with a live kernel and, without one, on a static page.
+// Draws frames (see frames.py) as SVG and steps through them. All state is in the model of the widget,
+// so that it works with a running kernel and also without one, on a static page.
 
 const SCALE = 96 / 72; // the styles are in points, the picture in pixels
 const ICONS = {
@@ -10,13 +10,13 @@ const ICONS = {
   next: "M3 1L1.5 2.5 6 6 1.5 9.5 3 11l6-5z",
   last: "M9 1h2v10H9zM1 1v10l7-5z",
 };
-const CIRCLE = 0.06; // opacity inside circles, at most: they overlap
+const CIRCLE = 0.06; // the largest opacity inside circles, because they overlap
 let players = 0;
 
 const escape = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 const n = (value) => Number(value).toFixed(2);
 
-// The path of a matplotlib marker of diameter s about the origin.
+// The path of a matplotlib marker of diameter s around the origin.
 function marker(letter, s) {
   const r = s / 2;
   const ring = (count, turn, inner = 1) => {
@@ -55,7 +55,7 @@ function hatches(styles, id) {
     .join("");
 }
 
-// One item of a frame as SVG text. `to` maps a point to pixels, `unit` is the pixels of length one.
+// One item of a frame as SVG text. `to` maps a point to pixels, `unit` is the number of pixels per unit.
 function draw(item, styles, to, unit, size, id) {
   const style = styles[item.role];
   const dash = style.dash.length ? ` stroke-dasharray="${style.dash.map((d) => n(d * SCALE)).join(" ")}"` : "";
@@ -88,8 +88,8 @@ function draw(item, styles, to, unit, size, id) {
     const all = item.data.map((p) => `<path d="${path(p, "Z")}"/>`).join("");
     const over = style.hatch ? `<g fill="url(#${id}-${item.role})" fill-opacity="1" stroke="none">${all}</g>` : "";
     if (!style.dash.length || item.data.length < 2) return `${open} ${fill} ${stroke}>${all}${over}</g>`;
-    const rim = `<g fill="none" ${stroke}><path d="${outline(item.data).map((s) => path(s, "")).join("")}"/></g>`;
-    return `${open}><g ${fill}>${all}</g>${over}${rim}</g>`;
+    const sides = `<g fill="none" ${stroke}><path d="${outline(item.data).map((s) => path(s, "")).join("")}"/></g>`;
+    return `${open}><g ${fill}>${all}</g>${over}${sides}</g>`;
   }
   const round = item.data.map(([x, y, r]) => {
     const [cx, cy] = to([x, y]);
@@ -99,7 +99,7 @@ function draw(item, styles, to, unit, size, id) {
   return `${open} ${fill} ${stroke}>${round.join("")}</g>`;
 }
 
-// The sides of polygons, a side of two neighbors once: dashes of both would fill each other's gaps.
+// The sides of polygons. A common side of two neighbors is listed once, because dashes would fill the gaps.
 function outline(polygons) {
   const sides = new Map();
   for (const corners of polygons) {
@@ -111,7 +111,7 @@ function outline(polygons) {
   return [...sides.values()];
 }
 
-// The part of a huge circle near the picture: browsers draw whole ones slowly and inexactly.
+// The part of a huge circle near the picture, because browsers draw the whole slowly and inexactly.
 function arc(cx, cy, r, [width, height]) {
   const middle = Math.atan2(height / 2 - cy, width / 2 - cx);
   const far = Math.hypot(height / 2 - cy, width / 2 - cx);
@@ -119,7 +119,7 @@ function arc(cx, cy, r, [width, height]) {
   const points = [];
   for (let k = -24; k <= 24; k++) {
     const a = (half * k) / 24;
-    // along the direction of the picture and across it, without the difference of huge numbers
+    // Along the direction of the picture and across it, without subtracting huge numbers.
     const along = r - far - 2 * r * Math.sin(a / 2) ** 2;
     const across = r * Math.sin(a);
     const [c, s] = [Math.cos(middle), Math.sin(middle)];
@@ -173,12 +173,12 @@ class Player {
 
   // ---- what is shown
 
-  get told() {
-    const { model } = this; // one history, or one of several
+  get history() {
+    const { model } = this; // the only history, or one of several
     return model.get("variants")[model.get("variant")] ?? { frames: model.get("frames"), view: model.get("view") };
   }
   get count() {
-    return this.told.frames.length;
+    return this.history.frames.length;
   }
   get index() {
     return Math.min(Math.max(this.model.get("index"), 0), this.count - 1);
@@ -186,8 +186,8 @@ class Player {
 
   paint() {
     const { model, svg, index, count } = this;
-    const frame = this.told.frames[index];
-    const [x0, x1, y0, y1] = this.told.view;
+    const frame = this.history.frames[index];
+    const [x0, x1, y0, y1] = this.history.view;
     const width = Math.min(model.get("width"), (model.get("height") * (x1 - x0)) / (y1 - y0));
     const unit = width / (x1 - x0);
     const size = [width, unit * (y1 - y0)];
@@ -217,7 +217,7 @@ class Player {
     for (const name of ["next", "last"]) this.part(`[data-do=${name}]`).disabled = index === count - 1;
   }
 
-  // Several histories are chosen here, not by a widget of their own: that would need a kernel.
+  // Histories are chosen here and not by another widget, which would need a kernel.
   offer() {
     this.choice.replaceChildren(...this.model.get("variants").map(({ name }) => new Option(name)));
     this.part(".unstruct-choice").hidden = this.choice.length === 0;
@@ -234,7 +234,7 @@ class Player {
   }
   begin() {
     this.stop();
-    this.go(this.told.start ?? 0); // another history is shown from its own start
+    this.go(this.history.start ?? 0); // each history has its own first frame
   }
   label(name) {
     const button = this.part("[data-do=play]");
@@ -260,7 +260,7 @@ class Player {
     this.go({ first: 0, back: this.index - 1, next: this.index + 1, last: this.count - 1 }[name]);
   }
 
-  // ---- what it listens to
+  // ---- events
 
   listenToButtons() {
     this.root.addEventListener("click", (event) => {
@@ -278,7 +278,7 @@ class Player {
     this.root.addEventListener("keydown", (event) => {
       const name = KEYS[event.key];
       const own = event.target === this.slider || event.target === this.choice;
-      if (!name || own || this.count < 2) return; // sliders and choices know these keys themselves
+      if (!name || own || this.count < 2) return; // sliders and lists handle these keys themselves
       if (event.key === " " && event.target.closest("button")) return; // and so do buttons
       event.preventDefault();
       this.act(name);
@@ -296,7 +296,7 @@ class Player {
     });
     this.svg.addEventListener("pointermove", (event) => {
       if (grabbed === null || waiting) return;
-      waiting = true; // one message a picture, not one a pixel
+      waiting = true; // so that there is one message per picture, not one per pixel
       const place = { handle: grabbed, ...this.place(event) };
       requestAnimationFrame(() => {
         waiting = false;
@@ -307,7 +307,7 @@ class Player {
   }
 
   place(event) {
-    const [x0, x1, , y1] = this.told.view;
+    const [x0, x1, , y1] = this.history.view;
     const box = this.svg.getBoundingClientRect();
     const unit = box.width / (x1 - x0);
     return { x: x0 + (event.clientX - box.left) / unit, y: y1 - (event.clientY - box.top) / unit };
