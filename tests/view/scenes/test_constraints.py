@@ -34,7 +34,8 @@ def test_the_presets_show_what_they_say():
     assert "refused" in segment_history("nasty: two that cross")[-1]["caption"]
     assert sum("is to be an edge" in f["caption"] for f in segment_history("two segments")) == 2
     hanging = segment_history("nasty: an edge that hangs in")
-    (around,) = [i for f in hanging if "two polygons" in f["caption"] for i in f["items"] if i["role"] == "edge"]
+    shown = [i for f in hanging if "two polygons" in f["caption"] for i in f["items"]]
+    (around,) = [i for i in shown if i["role"] == "edge"]
     assert [[0.0, 4.0], [0.0, 1.2]] in around["data"], "the edge that hangs in stays"
 
 

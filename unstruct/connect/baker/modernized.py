@@ -245,7 +245,7 @@ class Baker:
     def _refusal(self, point: Any, row: int, status: int, cell: int, corner: int) -> InputError | MeshError:
         if status == kernels.OUTSIDE:
             return InputError(
-                f"points[{row}] = {point.tolist()} lies outside the mesh; choose points in the mesh, or use "
+                f"points[{row}] = {point.tolist()} lies outside the mesh: choose points in the mesh, or use "
                 "unstruct.delaunay for all points together"
             )
         vertices = self._cells[cell].tolist()
