@@ -105,7 +105,10 @@ def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
 
 
 def _thinned(ring: Array, least: float, lower: Array, upper: Array) -> Array:
-    """The ring without vertices nearer than ``least`` to another one; those that bound the frame are kept."""
+    """The ring without vertices nearer than ``least`` to another one.
+
+    Corners of the frame, and the ends of the parts of the ring on the frame, are kept.
+    """
     on = ((ring == lower) | (ring == upper)).sum(axis=1)
     ends = (on == 1) & ((np.roll(on, 1) == 0) | (np.roll(on, -1) == 0))
     fixed = (on == 2) | ends

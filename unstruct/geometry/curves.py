@@ -108,8 +108,8 @@ class Curve:
     Parameters
     ----------
     function : callable, (k,) -> (k, 2)
-        Gives points for an array of parameters. It must return the same points at every call. (The last bits of
-        numpy's sines and exponentials depend on the processor, and so does a mesh along such a curve.)
+        Gives points for an array of parameters. It must return the same points at every call. (The last bits
+        of numpy's sines and exponentials depend on the processor, and so does a mesh along such a curve.)
     t0, t1 : float
         The parameters of the function at the first and at the last end; t0 > t1 reverses the direction.
 
