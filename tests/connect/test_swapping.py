@@ -342,7 +342,7 @@ SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
         (lambda: None, "not None"),
         (lambda: Mesh(np.vstack([np.zeros(3), np.eye(3)]), [(0, 1, 2, 3)]), "plane"),
         (lambda: Mesh(SQUARE, cells={"quad": [(0, 1, 2, 3)]}), "plane"),
-        (lambda: Mesh(SQUARE, [(0, 1, 2), (0, 2, 3)], markers={"s": [(1, 3)]}), r"\[1, 3\] is no edge"),
+        (lambda: Mesh(SQUARE, [(0, 1, 2), (0, 2, 3)], markers={"s": [(1, 3)]}), r"\[1, 3\] is not an edge"),
     ],
 )
 def test_bad_meshes(mesh, words):

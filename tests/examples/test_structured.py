@@ -43,8 +43,8 @@ def test_ring_grid():
     [
         (lambda: graded_line(0, 1, lambda x: x - 0.5), "positive"),
         (lambda: graded_line(1, 1, lambda x: x), "length"),
-        (lambda: tensor_grid([0, 1], [1, 0]), "y must be an increasing row"),
-        (lambda: ring_grid(circle(5), circle(6), [0, 1]), "alike"),
+        (lambda: tensor_grid([0, 1], [1, 0]), "y must be a one-dimensional array of at least two increasing"),
+        (lambda: ring_grid(circle(5), circle(6), [0, 1]), "both have shape"),
         (lambda: ring_grid(circle(5), circle(5, 2), [0, 0.5]), "from 0 to 1"),
     ],
 )

@@ -316,7 +316,7 @@ def test_quality_histograms_share_bins_and_tell_what_is_not_finite():
     flat = SimpleNamespace(quality=lambda name: np.array([30.0, np.inf]))
     ax = view.plot_quality({"fine": fine, "flat": flat}, "min_angle")
     shown = [t.get_text() for t in ax.get_legend().get_texts()]
-    assert shown == ["fine: least 10, mean 30", "flat: least 30, mean 30, 1 not finite"]
+    assert shown == ["fine: minimum 10, mean 30", "flat: minimum 30, mean 30, 1 not finite"]
     assert "degrees" in ax.get_xlabel() and len(ax.patches) == 4
 
 
