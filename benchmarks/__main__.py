@@ -25,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("suite", choices=sorted(SUITES))
     parser.add_argument("--max", type=float, default=1e6, help="largest number of points (default 1e6)")
     parser.add_argument("--repeats", type=int, default=3, help="runs of each contestant (default 3)")
-    limit = "seconds for one case (default 300; 0: no limit)"
+    limit = "seconds for one case (default 300; 0 means no limit)"
     parser.add_argument("--timeout", type=float, default=300.0, help=limit)
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder for rows, table and plot")
     options = parser.parse_args(arguments)

@@ -1,10 +1,10 @@
 """Sines, arctangents and exponentials that are equal, bit for bit, on every processor.
 
-The functions of the C library round differently with and without fused multiplication, and numpy's also with
-the width of its vectors, so a mesh of a region with arcs would depend on the machine. Those here consist of
-single additions, multiplications, divisions and square roots in a fixed order, each rounded as IEEE 754 says,
-compiled or not. The error of sines, cosines and exponentials is below one unit in the last place, that of
-arctangents and arcsines below two.
+The rounding of the functions of the C library depends on whether multiplications are fused, and that of numpy
+also on the width of its vectors. A mesh of a region with arcs would then depend on the machine. The functions
+here consist of single additions, multiplications, divisions and square roots in a fixed order. Each of these
+is rounded according to IEEE 754, compiled or not. The error of sines, cosines and exponentials is below one
+unit in the last place, and that of arctangents and arcsines is below two.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ __all__ = ["angle_of", "arcsine", "cosine", "cosines", "exponentials", "sine", "
 
 Array = NDArray[np.float64]
 
-# A number and its rest beyond the first doubles. The parts of pi / 2 have 33 bits, so that whole multiples
-# of them below 2^19 are exact.
+# Constants as sums of doubles. The parts of pi / 2 have 33 bits, so that their multiples by integers below
+# 2^19 are exact.
 TWO_OVER_PI = 0.6366197723675814
 HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
 HALF_PI, HALF_PI_REST = 1.5707963267948966, 6.123233995736766e-17
 LN2_HIGH, LN2_LOW, INVERSE_LN2 = 0.6931471803691238, 1.9082149292705877e-10, 1.4426950408889634
-FAR = 524288.0  # angles beyond, in right angles, are brought into the circle by the remainder of a division
-STEPS = 16  # the table of arctangents: those of k / 16, with the rest beyond double precision
+FAR = 524288.0  # larger angles, in right angles, are first reduced by the remainder of a division
+STEPS = 16  # the table contains the arctangents of k / 16, and their rests beyond double precision
 TANGENTS = np.arange(STEPS + 1) / STEPS
 ARCTANGENTS = np.array([
     0.0, 0.06241880999595735, 0.12435499454676144, 0.18534794999569476,
@@ -48,7 +48,7 @@ RESTS = np.array([
 
 @inline
 def _sine_near(x, rest):
-    """sin(x + rest), |x| a little above pi / 4 at most, by its Taylor polynomial of degree 17."""
+    """sin(x + rest) for |x| up to a little above pi / 4, by its Taylor polynomial of degree 17."""
     z = x * x
     p = -1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0)
     p = -1.0 / 39916800.0 + z * (1.0 / 6227020800.0 + z * p)
@@ -58,7 +58,7 @@ def _sine_near(x, rest):
 
 @inline
 def _cosine_near(x, rest):
-    """cos(x + rest), |x| a little above pi / 4 at most, by its Taylor polynomial of degree 18."""
+    """cos(x + rest) for |x| up to a little above pi / 4, by its Taylor polynomial of degree 18."""
     z = x * x
     p = 1.0 / 20922789888000.0 + z * (-1.0 / 6402373705728000.0)
     p = 1.0 / 479001600.0 + z * (-1.0 / 87178291200.0 + z * p)
@@ -70,9 +70,9 @@ def _cosine_near(x, rest):
 
 @inline
 def _reduced(x):
-    """(quarter, y, rest): x is y + rest, at most about pi / 4, beyond a whole number of right angles."""
+    """(quarter, y, rest): x minus a whole number of right angles is y + rest, at most about pi / 4."""
     turns = np.floor(x * TWO_OVER_PI + 0.5)
-    if abs(turns) > FAR:  # nobody's angle: within rounding of the angle itself, but in the circle
+    if abs(turns) > FAR:  # for such angles the error is within the rounding of the angle itself
         x = np.fmod(x, 4.0 * HALF_PI)
         turns = np.floor(x * TWO_OVER_PI + 0.5)
     first = x - turns * HALF_PI_1
@@ -101,7 +101,7 @@ def cosine(x):
 
 @inline
 def _arctangent(y, x):
-    """The angle of (x, y), 0 <= y <= x, 0 < x: from the next entry of the table on by its Taylor series."""
+    """The angle of (x, y) for 0 <= y <= x, 0 < x: the nearest entry of the table plus a Taylor series."""
     k = int(STEPS * (y / x) + 0.5)
     if k == 0:
         t = y / x
@@ -109,7 +109,7 @@ def _arctangent(y, x):
         p = -1.0 / 11.0 + z * (1.0 / 13.0 + z * (-1.0 / 15.0))
         p = -1.0 / 3.0 + z * (1.0 / 5.0 + z * (-1.0 / 7.0 + z * (1.0 / 9.0 + z * p)))
         return t + t * z * p
-    c = TANGENTS[k]  # four bits: the products with it lose little
+    c = TANGENTS[k]  # it has few bits, so that products with it have small errors
     t = (y - c * x) / (x + c * y)
     z = t * t
     p = -1.0 / 3.0 + z * (1.0 / 5.0 + z * (-1.0 / 7.0 + z * (1.0 / 9.0 + z * (-1.0 / 11.0 + z / 13.0))))
@@ -118,13 +118,13 @@ def _arctangent(y, x):
 
 @lean
 def angle_of(y, x):
-    """The angle of the vector (x, y), between -pi and pi, as `math.atan2`."""
+    """The angle of the vector (x, y), between -pi and pi, like `math.atan2`."""
     a, b = abs(x), abs(y)
     most = max(a, b)
     if most == 0.0:
         angle = 0.0
     else:
-        shrink = 1.0 if 1e-150 < most < 1e150 else 1.0 / most  # sums of two shall not overflow
+        shrink = 1.0 if 1e-150 < most < 1e150 else 1.0 / most  # so that sums of two do not overflow
         if most == math.inf:
             a, b, shrink = 1.0 if a == most else 0.0, 1.0 if b == most else 0.0, 1.0
         if shrink == math.inf:
@@ -144,7 +144,7 @@ def arcsine(x):
 
 @inline
 def _exponential(x):
-    """e to the power of x, by e^r = 1 + r + ..., with a power of two taken out."""
+    """e to the power of x: a power of two times e^r, with e^r by its Taylor series."""
     if x > 709.782712893384:
         return math.inf
     if x < -750.0:
@@ -205,7 +205,7 @@ def cosines(x: ArrayLike) -> Array:
 
 
 def turns(y: ArrayLike, x: ArrayLike) -> Array:
-    """The angles of vectors (x, y), between -pi and pi, as `numpy.arctan2`, for arrays of equal shapes."""
+    """The angles of vectors (x, y), between -pi and pi, like `numpy.arctan2`, for arrays of equal shapes."""
     return _each(_turns, y, x)
 
 
