@@ -86,11 +86,11 @@ def _solve(rows: Floats, right: Floats) -> Floats:
 
 
 def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """Determinants and solutions by elimination with the largest pivots: in one order on every processor."""
+    """Determinants and solutions by elimination with the largest pivots, in one order on all processors."""
     table = np.concatenate([rows, right[..., None]], axis=2)
     m, d = right.shape
     every, volume = np.arange(m), np.ones(m)
-    with np.errstate(all="ignore"):  # singular: the determinant is 0, the solution not finite
+    with np.errstate(all="ignore"):  # if singular: determinant 0, solution not finite
         for k in range(d):
             best = k + np.abs(table[:, k:, k]).argmax(axis=1)
             volume *= np.where(best == k, 1.0, -1.0)

@@ -90,7 +90,7 @@ def grow_rounded(points: NDArray[np.float64]) -> NDArray[np.int64] | None:
 
 
 def _product(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``a @ b``, with sums in the same order on every processor, so that ties do not depend on the machine."""
+    """``a @ b``, summed in the same order on every processor, so that ties do not depend on the machine."""
     return np.asarray((a[:, :, None] * b).sum(axis=1))
 
 
