@@ -21,7 +21,7 @@ from . import card, files
 from .complex import CellComplex
 from .embedding import boundary_is_convex
 from .locate import Locator
-from .marked import remaining
+from .marked import selected
 from .measures import cell_volumes, summarize
 
 __all__ = ["Mesh", "is_planar"]
@@ -155,6 +155,12 @@ class Mesh(CellComplex):
         Mesh
             `origin` still points to the input vertices; per-cell markers and the named faces that remain
             are kept; `duplicates` has nothing to tell any more and is empty.
+
+        Notes
+        -----
+        Cells of several kinds stay grouped by kind, the kinds in their order and numbers in the order asked
+        for within each kind; markers of cells follow. Kinds of which no cell is kept are left out (all stay,
+        empty, where no cell is kept at all), so that the triangles alone of a mixed mesh are simplices.
         """
         chosen = np.asarray(mask)
         if chosen.dtype == bool and chosen.shape != (self.size,):
@@ -164,16 +170,7 @@ class Mesh(CellComplex):
         if chosen.dtype != bool and chosen.size and not 0 <= chosen.min() <= chosen.max() < self.size:
             raise InputError(f"cell numbers must lie in 0..{self.size - 1}")
         chosen = np.nonzero(chosen)[0] if chosen.dtype == bool else chosen.astype(np.int64)
-        simplices = self.simplices[chosen]
-        used, simplices = np.unique(simplices, return_inverse=True)
-        simplices = simplices.reshape(len(chosen), self.dimension + 1).astype(np.int32)
-        number = np.full(len(self.points), -1, dtype=np.int32)
-        number[used] = np.arange(len(used))
-        markers = {
-            name: values[chosen] if values.ndim == 1 else remaining(number[values], simplices)
-            for name, values in self.markers.items()
-        }
-        return Mesh(self.points[used], simplices, origin=self.origin[used], markers=markers)
+        return Mesh(**selected(self, chosen))
 
     # ------------------------------------------------------------------ pictures and files
 
