@@ -60,7 +60,7 @@ def ring_coefficients(x: np.ndarray) -> np.ndarray:
 def pyramid_coefficients(x: np.ndarray) -> np.ndarray:
     """D at the corners of the base (see the top of this module): (m, 4)."""
     base = [
-        _dot(_cross(x[:, (i + 1) % 4] - x[:, i], x[:, i - 1] - x[:, i]), x[:, 4] - x[:, i]) for i in range(4)
+        _dot(_cross(x[:, (i + 1) % 4] - x[:, i], x[:, (i + 3) % 4] - x[:, i]), x[:, 4] - x[:, i]) for i in range(4)
     ]
     return np.stack(base, axis=1)
 
@@ -274,7 +274,7 @@ def _halve(boxes: np.ndarray, bound: np.ndarray) -> np.ndarray:
         boxes = np.concatenate([np.moveaxis(np.stack(half), 0, 1 + level % 3) for half in (left, right)])
         bound, owner = 4 * np.concatenate([bound, bound]), np.concatenate([owner, owner])
         if not exact:  # the rounding of the halving itself, with room
-            bound = bound * (1 + 2.0**-40)
+            bound = bound * (1 + 2.0**-5)
         ends = boxes[:, ::2, ::2, ::2].reshape(len(boxes), 8).min(axis=1)
         found[owner[ends <= -bound]] = 0
         every = boxes.reshape(len(boxes), 27).min(axis=1)

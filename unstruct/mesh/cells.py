@@ -5,7 +5,7 @@ A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ __all__ = [
     "cell_dimension",
     "cell_rows",
     "counted",
+    "equal_rows",
     "incident_edges",
     "incident_facets",
     "simplex_type",
@@ -168,6 +169,18 @@ def cell_rows(cells: Mapping) -> tuple[np.ndarray, np.ndarray]:
             pieces.append(np.ravel(block))
             sizes.append(np.full(len(block), block.shape[1], dtype=np.int64))
     return np.cumsum(np.concatenate(sizes)), np.concatenate(pieces)
+
+
+def equal_rows(block: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The rows of one kind, by their lengths: pairs (which rows, these as an array (r, corners))."""
+    if isinstance(block, np.ndarray):
+        if len(block):
+            yield np.arange(len(block)), block
+        return
+    sizes = np.array([len(row) for row in block], dtype=np.int64)
+    for size in np.unique(sizes).tolist():
+        which = np.nonzero(sizes == size)[0]
+        yield which, np.array([block[i] for i in which.tolist()])
 
 
 def _incident(cells: Mapping, *, facets: bool) -> tuple[np.ndarray, np.ndarray]:

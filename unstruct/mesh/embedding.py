@@ -18,7 +18,7 @@ from . import topology
 from .complex import CellComplex
 from .topology import group_rows
 
-__all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets"]
+__all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets", "segments_meet"]
 
 
 class RidgeFans:
@@ -94,7 +94,7 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
     d = points.shape[1]
     if d == 2:
         first, second = _near_pairs(points, facets, facets)
-        hit = _segments_meet(points, facets[first], facets[second])
+        hit = segments_meet(points, facets[first], facets[second])
         found = np.column_stack([first[hit], second[hit]])
     else:
         sides = np.array([(0, 1), (1, 2), (2, 0)])
@@ -112,7 +112,7 @@ def _near_pairs(points: np.ndarray, rows: np.ndarray, others: np.ndarray) -> tup
     return tree.pairs(queries.min(axis=1), queries.max(axis=1))
 
 
-def _segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:
+def segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Whether segments s = pq and t = ab (closed) meet in more than a common end."""
     p, q, a, b = s[:, 0], s[:, 1], t[:, 0], t[:, 1]
     signs = [orient_rows(points, np.column_stack(v)) for v in ((p, q, a), (p, q, b), (a, b, p), (a, b, q))]
@@ -164,7 +164,7 @@ def _meet_in_plane(points: np.ndarray, edge: np.ndarray, triangle: np.ndarray) -
         local = np.array([label[name] for name in names.tolist()])
         s = np.repeat(local[None, :2], 3, axis=0)
         t = np.array([(local[u], local[v]) for u, v in sides])
-        return bool(_segments_meet(plane, s, t).any())
+        return bool(segments_meet(plane, s, t).any())
     return True  # a flat facet with a segment in its line
 
 
