@@ -286,8 +286,7 @@ def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report:
         )
         return
     markers = {name: values if values.ndim == 2 else values[owner] for name, values in mesh.markers.items()}
-    own = mesh.points.shape[1]
-    markers = {name: v for name, v in markers.items() if v.ndim == 1 or v.shape[1] <= own}
+    markers = {name: values for name, values in markers.items() if values.ndim == 1 or values.shape[1] == 2}
     parts = Mesh(mesh.points, rows, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers)
     found = Report(report.title)
     if mesh.dimension == 3:

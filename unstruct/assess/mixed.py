@@ -229,7 +229,5 @@ def _plane(mesh: Mesh, report: Report) -> bool:
     pair = np.repeat(np.arange(len(cells)), counts)
     place = np.arange(len(pair)) + np.repeat(indptr[cells] - (np.cumsum(counts) - counts), counts)
     own = np.bincount(pair, weights=corners[place] == vertices[query][pair], minlength=len(cells)) > 0
-    wrong = problem(
-        "overlap", "cells that hold a vertex of others", cells[~own], vertices[query[~own]]
-    )
+    wrong = problem("overlap", "cells that hold a vertex of others", cells[~own], vertices[query[~own]])
     return report.note("no cell holds a foreign vertex", wrong)

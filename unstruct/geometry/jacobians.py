@@ -60,7 +60,8 @@ def ring_coefficients(x: np.ndarray) -> np.ndarray:
 def pyramid_coefficients(x: np.ndarray) -> np.ndarray:
     """D at the corners of the base (see the top of this module): (m, 4)."""
     base = [
-        _dot(_cross(x[:, (i + 1) % 4] - x[:, i], x[:, (i + 3) % 4] - x[:, i]), x[:, 4] - x[:, i]) for i in range(4)
+        _dot(_cross(x[:, (i + 1) % 4] - x[:, i], x[:, (i + 3) % 4] - x[:, i]), x[:, 4] - x[:, i])
+        for i in range(4)
     ]
     return np.stack(base, axis=1)
 

@@ -11,7 +11,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from .edge_vectors import angle_between, as_corners, content, cross, determinant, exponents, local_edges, quiet
+from .edge_vectors import (
+    angle_between,
+    as_corners,
+    content,
+    cross,
+    determinant,
+    exponents,
+    local_edges,
+    quiet,
+)
 
 __all__ = ["frame_jacobians", "ring_angles", "ring_jacobian", "scaled_jacobian", "unit_scaled"]
 

@@ -83,7 +83,9 @@ class PlanarCells:
         a, b = self.points[self.corners[place]], self.points[self.corners[self.after[place]]]
         # Sides that do not reach the height of the point, or end on its left, have no say.
         y, right = x[pair, 1], np.maximum(a[:, 0], b[:, 0]) >= x[pair, 0]
-        near = np.nonzero(right & (np.minimum(a[:, 1], b[:, 1]) <= y) & (y <= np.maximum(a[:, 1], b[:, 1])))[0]
+        near = np.nonzero(right & (np.minimum(a[:, 1], b[:, 1]) <= y) & (y <= np.maximum(a[:, 1], b[:, 1])))[
+            0
+        ]
         pair, a, b = pair[near], a[near], b[near]
         q = x[pair]
         turn = orient(np.stack([a, b, q], axis=1)) if len(q) else np.empty(0, dtype=np.int8)
