@@ -24,7 +24,7 @@ __all__ = ["array_faults", "check_mixed"]
 
 
 def array_faults(mesh: Mesh) -> list[Problem | None]:
-    """Numbers that are no vertices, and vertices that a cell has twice: the arrays may have been written to."""
+    """Numbers that are no vertices, and vertices that a cell has twice: arrays may have been written to."""
     indptr, corners = cell_rows(mesh.cells)
     n, owner = len(mesh.points), np.repeat(np.arange(mesh.size), np.diff(indptr))
     outside = owner[(corners < 0) | (corners >= n)]
@@ -172,7 +172,7 @@ def _pinched_edges(
 
 
 def _bad_links(mesh: Mesh, corners: np.ndarray) -> np.ndarray:
-    """As `manifold.bad_vertex_links`: the Euler characteristic of the link, 2 inside and 1 on the boundary."""
+    """As `manifold.bad_vertex_links`: the link's Euler characteristic is 2 inside and 1 on the boundary."""
     n = len(mesh.points)
     link = np.bincount(mesh.edges.ravel(), minlength=n) - np.bincount(_vertices(mesh.facets), minlength=n)
     link += np.bincount(corners, minlength=n)

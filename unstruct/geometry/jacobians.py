@@ -10,8 +10,8 @@ coefficient, and equals the coefficients at the corners. For the three simple ki
   D = det(Q_u, Q_v, apex - Q) with Q = p + e u + f v + g u v, w = apex - p, leaves
   D = det(e, f, w) + u det(e, g, w) + v det(g, f, w) + u v det(e, f, g): bilinear, so that its four corners
   decide. (At the apex itself J is 0 for every pyramid; it is left out.)
-* wedge, x = sum l_i (p_i + t v_i): J = A(t) . sum l_i v_i with A(t) = (e + t e') x (f + t f'), linear in l. It
-  is positive everywhere exactly when the three quadratics A(t) . v_i are positive on [0, 1], that is, with
+* wedge, x = sum l_i (p_i + t v_i): J = A(t) . sum l_i v_i with A(t) = (e + t e') x (f + t f'), linear in l.
+  It is positive everywhere exactly when the three quadratics A(t) . v_i are positive on [0, 1], that is, with
   Bernstein coefficients b0, b1, b2: b0 > 0, b2 > 0, and b1 >= 0 or b1^2 < b0 b2.
 * hexahedron: J has degree 2 in each variable, 27 coefficients. Positive ones suffice; where they do not
   decide, the cube is halved again and again, in one direction after the other (de Casteljau). A cell is

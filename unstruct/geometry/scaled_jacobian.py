@@ -1,10 +1,10 @@
 """The scaled Jacobian: how far the corners of a cell are from those of the ideal one, in one number.
 
 At a corner the edges that leave it, made unit vectors, have a determinant between -1 and 1; the scaled
-Jacobian of a cell is the least over its corners, divided by the value of the ideal cell (P. M. Knupp, *Algebraic
-mesh quality metrics*, SIAM J. Sci. Comput. 23 (2001) 193-218; C. D. Stimpson and others, *The Verdict library
-reference manual*, Sandia report SAND2007-1751). It is 1 for the ideal cell, 0 or less for a cell that is flat
-or turned at a corner.
+Jacobian of a cell is the least over its corners, divided by the value of the ideal cell. It is 1 for the
+ideal cell, 0 or less for a cell that is flat or turned at a corner. Sources: P. M. Knupp, *Algebraic mesh
+quality metrics*, SIAM J. Sci. Comput. 23 (2001) 193-218; C. D. Stimpson and others, *The Verdict library
+reference manual*, Sandia report SAND2007-1751.
 """
 
 from __future__ import annotations

@@ -100,7 +100,7 @@ def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
 
 
 def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
-    """The arguments of a mesh of some cells (their numbers), on the vertices that they use; see `Mesh.select`.
+    """The arguments of a mesh of some cells (numbers), on the vertices that they use; see `Mesh.select`.
 
     O(m + n) and, for cells of other kinds than simplices, a hash table of all faces where faces are named.
     """

@@ -47,11 +47,13 @@ class Mesh(CellComplex):
         Rows (copy, kept): vertex ``copy`` equals vertex ``kept`` and is used by no cell.
     markers : dict of str to array, optional
         A one-dimensional array of length m gives a value to each cell. An integer array of shape (c, j)
-        names c faces by their j vertices: (c, 1) vertices, (c, 2) edges, (c, 3) triangles.
+        names c faces by their j vertices: (c, 1) vertices, (c, 2) edges, (c, 3) triangles, (c, 4)
+        quadrilaterals; beside cells that are no simplices, shorter rows end in -1, as in `boundary`.
     cells : dict of str to array, optional
         Instead of ``simplices``: kind -> rows of vertices, by meshio's names ("triangle", "quad", "tetra",
         "hexahedron", "wedge", "pyramid", "polygon", ...), all of one dimension; "polygon" may be a list of
-        rows of different lengths.
+        rows of different lengths. Cells are numbered through the kinds in their order; the first three
+        corners of a wedge turn left seen from the other three.
 
     Raises
     ------
@@ -258,6 +260,8 @@ class Mesh(CellComplex):
 
         In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`): "region 0", ... for cells; a face
         of several markers is in the first but "facets" and "inner", which follow from where the mesh ends.
+        A format that has no cells of some kind in the mesh, as .msh has no polygons, is refused by name;
+        .vtu and .vtk hold all kinds, polygons in their order too.
         """
         files.write(self, path)
 

@@ -1,4 +1,4 @@
-"""Which cells are positive, which are turned inside out, and which are neither: exact, for cells of all kinds.
+"""Which cells are positive, which are turned inside out, and which are neither: exact, for all kinds.
 
 The Jacobians are those of `unstruct.geometry.jacobians`; here they are taken kind by kind, polygons are told
 simple or not, and negative cells are turned. See the book, chapters 1 and 12.5.
