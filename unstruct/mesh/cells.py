@@ -126,7 +126,7 @@ def _polygons(block: Any, vertices: int) -> tuple[np.ndarray, ...]:
     rows = [np.asarray(row) for row in block]
     if any(row.ndim != 1 or len(row) < 3 or row.dtype.kind not in "iu" for row in rows):
         return tuple(_polygon(row, i, vertices) for i, row in enumerate(rows))
-    ends = np.cumsum([len(row) for row in rows])
+    ends = np.cumsum(np.array([len(row) for row in rows], dtype=np.int64))
     flat = np.concatenate([np.empty(0, dtype=np.int64), *rows])
     owner = np.repeat(np.arange(len(rows)), np.diff(ends, prepend=0))
     order = np.lexsort((flat, owner))
