@@ -63,6 +63,9 @@ def check_mixed(mesh: Mesh, report: Report, pinches: np.ndarray) -> bool:
         problem("orientation", text, owner[pairs[same]].ravel(), _vertices(rows[pairs[same, 0]])),
         problem("facet", across, owner[pairs[twisted]].ravel(), _vertices(rows[pairs[twisted, 0]])),
     )
+    if twisted.any():
+        report.skipped.append("everything that needs sound adjacency, the domain included")
+        return False
     _manifold(mesh, rows, owner[pairs], rows[pairs[:, 0]], report, pinches)
     if mesh.dimension < mesh.points.shape[1]:
         _surface(mesh, report)

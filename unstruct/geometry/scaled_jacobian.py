@@ -36,23 +36,23 @@ def scaled_jacobian(simplices: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (...)
-        k! V over the greatest product of the k edges at a corner, times sqrt(2^k / (k + 1)); unsigned
-        where k < d. 0 where corners coincide.
+        The least of k! V over the product of the k edges at a corner, times sqrt(2^k / (k + 1)); V has
+        no sign where k < d. 0 where corners coincide.
     """
     points = as_corners(simplices)
     rows, _ = local_edges(points)
     k, d = rows.shape[-2:]
     size = determinant(rows) if k == d else content(rows)
     local = np.concatenate([np.zeros_like(rows[..., :1, :]), rows], axis=-2)
-    greatest = np.zeros(rows.shape[:-2])
+    least = np.full(rows.shape[:-2], np.inf)
     for i in range(k + 1):
         edges = np.delete(local, i, axis=-2) - local[..., i : i + 1, :]
-        greatest = np.maximum(greatest, np.sqrt((edges**2).sum(axis=-1)).prod(axis=-1))
-    return _ratio(size, greatest) * np.sqrt(2.0**k / (k + 1))
+        least = np.minimum(least, _ratio(size, np.sqrt((edges**2).sum(axis=-1)).prod(axis=-1)))
+    return least * np.sqrt(2.0**k / (k + 1))
 
 
-def _ratio(size: np.ndarray, greatest: np.ndarray) -> np.ndarray:
-    return np.where(greatest > 0, size / np.where(greatest > 0, greatest, 1.0), 0.0)
+def _ratio(size: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    return np.where(lengths > 0, size / np.where(lengths > 0, lengths, 1.0), 0.0)
 
 
 def unit_scaled(corners: np.ndarray) -> np.ndarray:

@@ -22,6 +22,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     ".f3grid": SOLID,
     **dict.fromkeys([".mesh", ".meshb", ".su2", ".tec", ".dat", ".bdf"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".msh", ".avs"], ("line", *FLAT, *SOLID)),
+    ".inp": ("line", *FLAT, "tetra", "wedge", "hexahedron"),
 }
 ALONE = (".xml", ".tec", ".dat")  # they hold cells of one kind only
 
@@ -36,11 +37,10 @@ def fits(kinds: Sequence[str], suffix: str) -> None:
     """
     known = KINDS.get(suffix, tuple(kinds))
     lost = [name for name in kinds if name not in known]
+    why = ""
     if lost:
-        raise InputError(
-            f"{suffix} holds cells of kind {', '.join(known)}, not {', '.join(lost)}: write .vtu, which does"
-        )
-    if suffix in ALONE and len(kinds) > 1:
-        raise InputError(
-            f"{suffix} holds cells of one kind only, not {', '.join(kinds)}: write .vtu, which does"
-        )
+        why = f"it holds cells of kind {', '.join(known)}, not {', '.join(lost)}"
+    elif suffix in ALONE and len(kinds) > 1:
+        why = f"it holds cells of one kind only, not {', '.join(kinds)}"
+    if why:
+        raise InputError(f"meshio cannot write this mesh as {suffix!r}: {why}; .vtu holds all")

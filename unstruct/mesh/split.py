@@ -16,7 +16,7 @@ import numpy as np
 
 from .cells import CELL_TYPES, cell_dimension, equal_rows
 
-__all__ = ["cut_facets", "simplices_of_cells", "surface_triangles"]
+__all__ = ["simplices_of_cells", "surface_triangles"]
 
 
 def _from_lowest(rows: np.ndarray) -> np.ndarray:
@@ -37,24 +37,6 @@ def surface_triangles(kind: str, block: np.ndarray) -> np.ndarray:
         else:
             parts.append(rows)
     return np.stack(parts, axis=1)
-
-
-def cut_facets(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles and quadrilaterals, rows padded by -1, as triangles.
-
-    Returns
-    -------
-    triangles : ndarray of int, shape (t, 3)
-    row : ndarray of int64, shape (t,)
-        The row that each is a part of.
-    """
-    if rows.shape[1] == 3:
-        return rows, np.arange(len(rows))
-    quads = np.nonzero(rows[:, 3] >= 0)[0]
-    others = np.nonzero(rows[:, 3] < 0)[0]
-    turned = _from_lowest(rows[quads])
-    triangles = np.concatenate([rows[others, :3], turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
-    return triangles, np.concatenate([others, quads, quads])
 
 
 def simplices_of_cells(cells: Mapping) -> tuple[np.ndarray, np.ndarray]:
