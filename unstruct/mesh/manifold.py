@@ -140,7 +140,7 @@ def fans_of_faces(
     """
     keys = np.unique(incident[0].astype(np.int64) * count + incident[1])
     ends = [np.searchsorted(keys, cells[:, i].astype(np.int64) * count + faces) for i in (0, 1)]
-    graph = csr_array((np.ones(len(faces), dtype=np.int8), (ends[0], ends[1])), shape=(len(keys), len(keys)))
+    graph = csr_array((np.ones(len(faces), dtype=np.int32), (ends[0], ends[1])), shape=(len(keys), len(keys)))
     fans, label = connected_components(graph, directed=False)
     first = np.empty(fans, dtype=np.int64)
     first[label] = keys % count
