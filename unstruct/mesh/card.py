@@ -40,15 +40,18 @@ def _picture(mesh: CellComplex) -> str:
 
 def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
-    cells = [row for block in mesh.cells.values() for row in block]
+    number = np.arange(mesh.size)
     pairs: set[tuple[int, int]] = set()
-    if len(cells) > MOST:
-        cells = [cells[i] for i in np.linspace(0, len(cells) - 1, MOST).astype(int)]
-        if mesh.is_simplicial and mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
+    if len(number) > MOST:
+        number = np.linspace(0, len(number) - 1, MOST).astype(int)
+        if mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
             outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST)]
             pairs |= {(min(a, b), max(a, b)) for a, b in outline.tolist()}
-    for row in cells:
-        pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(row.tolist(), mesh)}
+    start = 0
+    for name, block in mesh.cells.items():
+        for i in number[(start <= number) & (number < start + len(block))]:
+            pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(name, block[i - start].tolist())}
+        start += len(block)
     ends = _project(mesh.points)[np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)]
     if len(ends) == 0:
         return np.empty((0, 2, 2)), 0
@@ -56,14 +59,13 @@ def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     span = (high - low).max()
     scale = (SIZE - 2 * MARGIN) / span if span > 0 else 1.0
     pixels = (ends - (low + high) / 2) * scale * [1, -1] + SIZE / 2
-    return np.round(pixels, 1), len(cells)
+    return np.round(pixels, 1), len(number)
 
 
-def _edges_of(row: list[int], mesh: CellComplex) -> list[tuple[int, int]]:
-    for name, block in mesh.cells.items():
-        if name in CELL_TYPES and block.shape[1] == len(row):
-            return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]
-    if "polygon" in mesh.cells:
+def _edges_of(name: str, row: list[int]) -> list[tuple[int, int]]:
+    if name in CELL_TYPES:
+        return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]
+    if name == "polygon":
         return list(zip(row, [*row[1:], row[0]]))
     return [(a, b) for i, a in enumerate(row) for b in row[i + 1 :]]
 

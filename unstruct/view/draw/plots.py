@@ -41,7 +41,8 @@ def plot(
     Parameters
     ----------
     mesh : Mesh
-        In one, two or three dimensions; of tetrahedra the boundary is shown.
+        In one, two or three dimensions; of large solids, and of those with other cells than tetrahedra,
+        the boundary is shown.
     ax : matplotlib axes, optional
         Where to draw; new ones by default.
     role : str
@@ -51,7 +52,8 @@ def plot(
     vertices : bool, optional
         Draw the vertices; by default up to 400 of them.
     values : array (cells,), optional
-        Color the cells by these, with a color bar called ``label`` (planar meshes and surfaces).
+        Color the cells by these, with a color bar called ``label`` (planar meshes, surfaces, and the faces of
+        solids).
     **view
         ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
 
