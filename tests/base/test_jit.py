@@ -6,12 +6,17 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from alone import run
 
+import unstruct
 import unstruct.base.jit
+from unstruct.base.jit import inline, kernel, lean
 
 MISSING = "import sys; sys.modules['numba'] = None\n"
 LATTICE = """
@@ -122,3 +127,34 @@ def test_the_exact_stage_makes_its_arrays_whoever_asks_first(tmp_path: Path) -> 
     }
     done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True)
     assert done.stdout.split() == ["0", "1"], done.stderr
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+@pytest.mark.parametrize("declare", [kernel, lean, inline])
+def test_kernels_let_go_of_the_lock(declare: Any) -> None:
+    options = declare(lambda x: x).targetoptions
+    assert options["nogil"] is True and options["cache"] is True
+
+
+def refined(size: float) -> list[bytes]:
+    """The arrays of a mesh with small angles, curves and a size; made anew, domain and all."""
+    domain = unstruct.Domain.polygon(
+        [(0, 0), (3, 0), (3, 1), (1.2, 0.2), (0, 2)], holes=[[(0.3, 0.3), (0.6, 0.3), (0.4, 0.6)]]
+    )
+    mesh = unstruct.refine(domain, size=size, min_angle=25)
+    spread = unstruct.voronoi_segment(domain, 2 * size)
+    space = unstruct.delaunay(np.random.default_rng(5).random((400, 3)))
+    return [
+        np.ascontiguousarray(a).tobytes()
+        for m in (mesh, spread, space)
+        for a in (m.points, m.simplices, m.neighbors)
+    ]
+
+
+def test_threads_at_once_make_the_same_meshes() -> None:
+    """No kernel keeps anything between calls that another thread could find half done."""
+    sizes = [0.05, 0.04, 0.05, 0.06]
+    one_by_one = [refined(size) for size in sizes]
+    with ThreadPoolExecutor(max_workers=len(sizes)) as pool:
+        at_once = list(pool.map(refined, sizes))
+    assert at_once == one_by_one

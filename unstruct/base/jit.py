@@ -30,13 +30,10 @@ if numba is not None and not getattr(numba.config, "DISABLE_JIT", False):
 
 def kernel(function: Callable) -> Any:
     """Compile a module-level function on first call, and cache the machine code on disk."""
-    if numba is None:
-        return function
     # said outright: numba lets an option that is not set be inherited from whoever calls it first, and then
     # the whole exact stage would be copied into every place where an inlined predicate stands, or could make
     # no arrays where a `lean` function asked for it first
-    options: dict[str, Any] = {"cache": True, "forceinline": False, "_nrt": True}
-    return _stamped(numba.njit(**options)(function))
+    return _compiled(function, forceinline=False, _nrt=True)
 
 
 def lean(function: Callable) -> Any:
@@ -45,16 +42,23 @@ def lean(function: Callable) -> Any:
     numba counts a reference to each array at each call, atomically, unless its optimizer sees that this is in
     vain; in kernels that call each other once a point this took two thirds of the time.
     """
-    if numba is None:
-        return function
-    return _stamped(numba.njit(cache=True, forceinline=False, _nrt=False)(function))  # type: ignore[call-overload]
+    return _compiled(function, forceinline=False, _nrt=False)
 
 
 def inline(function: Callable) -> Any:
     """Compile a small helper, inlined by LLVM into every kernel that calls it."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable, **options: Any) -> Any:
+    """The kernel under these options; the function itself where there is no numba.
+
+    Kernels touch the arrays that they are given and nothing else. So Python's lock is let go while one runs,
+    and threads may mesh different domains at once; no two of them may work on the arrays of one mesh.
+    """
     if numba is None:
         return function
-    return _stamped(numba.njit(cache=True, forceinline=True)(function))
+    return _stamped(numba.njit(cache=True, nogil=True, **options)(function))
 
 
 def _stamped(dispatcher: Any) -> Any:
