@@ -169,13 +169,13 @@ class Pair:
 
     def step(self) -> tuple[set[str], dict[str, float]]:
         run, c = self.run, self.run.complex
-        stack, cells, rim, _, _ = run.scratch
-        table = run.table
-        x, y, f, p, q, d = kernel.point_for(c.xy, c.vertex, *table, run.rule, self.e, run.counts)
+        plane, rim = c.plane(), run.scratch.rim
+        point = kernel.point_for(plane, run.front(), self.e, run.counts)
+        x, y, f, p, q, d = point
         # not `attempt`: the outer sides of so small a world are in the way
-        _, k = find_cavity(c.xy, c.vertex, c.twin, c.mark, self.e // 3, x, y, stack, cells, rim)
+        _, k = find_cavity(plane, run.scratch, self.e // 3, x, y)
         assert blocked_by(c.xy, c.vertex, rim, k, x, y) == -1
-        case = kernel.case_of(c.xy, c.vertex, c.twin, c.mark, self.e, rim, k, x, y, p, q, d, run.counts)
+        case = kernel.case_of(plane, self.e, rim, k, point, run.counts)
         s = c.factor
         names = {name for name, bit in CASES.items() if case & bit} - {"points"}
         return names, {"x": x / s, "y": y / s, "f": f / s, "p": p / s, "q": q / s, "d": d / s}

@@ -28,7 +28,7 @@ import numpy as np
 from ...base.jit import inline, lean
 from ...predicates.kernels import orientation
 from ..insertion.halfedges import GHOST, next_edge, prev_edge
-from .filling import fill, load, swap_all
+from .filling import Chain, fill, load, swap_all
 
 __all__ = [
     "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
@@ -136,24 +136,25 @@ def aim(xy, vertex, twin, corner, a, b):
 
 
 @lean
-def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
+def march(plane, filling, e, a, b):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
     Returns the lengths of both chains, and -1; or, as the last value, the half-edge that is in the way: that
     of an earlier segment, or one with a ghost behind it. Of a chain the half-edges within the crossed
     triangles are noted, from a on.
     """
+    vertex, left, right, cells = plane.vertex, filling.left, filling.right, filling.cells
     cells[0] = e // 3
     left[0], right[0] = next_edge(e), prev_edge(e)
     m = above = below = 1
     while True:
-        o = np.int64(twin[e])
+        o = np.int64(plane.twin[e])
         c = vertex[o]
-        if mark[e] >= 0 or c == GHOST:
+        if plane.mark[e] >= 0 or c == GHOST:
             return above, below, e
         cells[m] = o // 3
         m += 1
-        side = 0 if c == b else orientation(xy, a, b, c)
+        side = 0 if c == b else orientation(plane.xy, a, b, c)
         if side >= 0:
             left[above] = prev_edge(o)
             above += 1
@@ -166,76 +167,51 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
 
 
 @lean
-def replace(
-    xy,
-    vertex,
-    twin,
-    mark,
-    corner,
-    left,
-    right,
-    cells,
-    above,
-    below,
-    scratch,
-    stack,
-    i,
-    patience,
-    where,
-    pending,
-):
+def replace(plane, filling, above, below, i, patience):
     """Fill what is above and below segment i after a march, and mark it; its half-edge, from a on."""
+    vertex, twin, mark, right, rows = plane.vertex, plane.twin, plane.mark, filling.right, filling.chains
     for k in range(below // 2):  # the lower polygon is on the left of b a
         right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
-    load(vertex, twin, mark, left, above, scratch[0], scratch[1], scratch[2], scratch[3])
-    load(vertex, twin, mark, right, below, scratch[4], scratch[5], scratch[6], scratch[7])
-    upper, first = fill(
-        xy, vertex, twin, mark, corner, cells, scratch[0], scratch[1], scratch[2], scratch[3],
-        above, stack, patience, left, right,
-    )  # fmt: skip
+    upper_chain = Chain(rows[0], rows[1], rows[2], rows[3])
+    lower_chain = Chain(rows[4], rows[5], rows[6], rows[7])
+    load(plane, filling.left, above, upper_chain)
+    load(plane, right, below, lower_chain)
+    cells = filling.cells
+    upper, first = fill(plane, filling, cells, upper_chain, above, patience)
     rest = cells[above - 1 :]
-    lower, second = fill(
-        xy, vertex, twin, mark, corner, rest, scratch[4], scratch[5], scratch[6], scratch[7],
-        below, stack, patience, left, right,
-    )  # fmt: skip
+    lower, second = fill(plane, filling, rest, lower_chain, below, patience)
     twin[upper], twin[lower] = lower, upper
     mark[upper], mark[lower] = i, i
     if first >= above - 1 and second >= below - 1:
         return upper
     a, b = vertex[next_edge(upper)], vertex[prev_edge(upper)]
-    swap_all(xy, vertex, twin, mark, where, corner, cells, first, above - 1, pending)
-    swap_all(xy, vertex, twin, mark, where, corner, rest, second, below - 1, pending)
-    return find_edge(vertex, twin, corner, a, b)
+    swap_all(plane, filling, cells, first, above - 1)
+    swap_all(plane, filling, rest, second, below - 1)
+    return find_edge(vertex, twin, filling.corner, a, b)
 
 
 @lean
-def insert_segments(
-    xy, vertex, twin, mark, corner, ends, order, start, stop, crossed, patience, left, right, cells, scratch,
-    stack, where, pending,
-):  # fmt: skip
-    """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one.
+def insert_segments(plane, filling, ends, order, crossed, patience):
+    """Insert the segments ``order``; (DONE, -1, -1), or why not, the segment, and the other one.
 
     ``crossed[i]`` gets the number of triangles that segment i crossed; ``patience``: tests of a corner, per
-    corner, after which `fill` cuts ears. The rest is work space.
+    corner, after which `fill` cuts ears.
     """
-    for at in range(start, stop):
-        i = order[at]
+    vertex, twin, mark = plane.vertex, plane.twin, plane.mark
+    for i in order:
         a, b = ends[i, 0], ends[i, 1]
         crossed[i] = 0
         on = True
         while on:
-            e, kind = aim(xy, vertex, twin, corner, a, b)
+            e, kind = aim(plane.xy, vertex, twin, filling.corner, a, b)
             if e < 0:
                 return LOST, i, np.int64(-1)
             if kind == 0:
-                above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
+                above, below, wall = march(plane, filling, e, a, b)
                 if wall >= 0:
                     return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
                 crossed[i] += above + below - 2
-                e = replace(
-                    xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack, i,
-                    patience, where, pending,
-                )  # fmt: skip
+                e = replace(plane, filling, above, below, i, patience)
             elif mark[e] >= 0:
                 return OVERLAPS, i, np.int64(mark[e])
             else:

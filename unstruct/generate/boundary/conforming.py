@@ -213,15 +213,14 @@ class _Run:
         c, before = self.complex, self.complex.size
         points, t = self._places(rows)
         c.reserve(c.size + len(rows), c.segments + len(rows))
-        refused, stamp = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=np.int32)
-        touched, count, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.scratch()
+        refused, seen = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=bool)
+        touched, count, plane, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.plane(), c.scratch()
         piece = c.piece[rows]
         for start in range(0, len(rows), CHUNK):
             part = slice(start, start + CHUNK)
             count += split_all(
-                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-                rows[part], points[part], t[part], c.size, refused[part], *scratch, stamp, 1, touched[count:],
-            )  # fmt: skip
+                plane, scratch, rows[part], points[part], t[part], refused[part], seen, touched[count:]
+            )
         self.why[rows[refused]] = REFUSED
         self.added += np.bincount(piece[~refused], minlength=len(self.added))
         self.made.append(c.size - before)

@@ -142,9 +142,10 @@ def _guard(
         for start in range(0, count, CHUNK):
             stop = min(start + CHUNK, count)
             c.reserve(c.size + stop - start, c.segments)
+            part = slice(start, stop)
             guard_all(
-                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.state, scaled, parts, gaps, discs, start,
-                stop, c.size, *c.scratch(), verdict, culprit,
+                c.plane(), c.scratch(), scaled[part], parts[part], gaps[part], discs, verdict[part],
+                culprit[part],
             )  # fmt: skip
             bar.update(stop - start)
     return verdict, culprit
@@ -153,8 +154,7 @@ def _guard(
 def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray[np.int64]:
     """Slots of the triangles that these points would replace; with a size, only those above it."""
     hit = np.zeros(c.triangles, dtype=bool)
-    stack, cells, rim = c.scratch()[:3]
-    hit_all(c.xy, c.vertex, c.twin, c.mark, c.region, c.state[LAST], rows * c.factor, stack, cells, rim, hit)
+    hit_all(c.plane(), c.scratch(), c.state[LAST], rows * c.factor, hit)
     slots = np.flatnonzero(hit & (c.region[: c.triangles] >= 0))
     if field is not None and len(slots):
         corners = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]] / c.factor

@@ -168,12 +168,8 @@ class _Run(Contest):
             self.scratch = k.scratch()
         self.make_room(slots, len(k.xy) - self.first)
 
-    def _judges(self) -> tuple:
-        return self.rule, self.tree, self.watch, self.why
-
     def _enter(self, slots: NDArray) -> None:
-        k = self.complex
-        enter_slots(k.xy, k.vertex, k.region, np.asarray(slots, dtype=np.int64), *self._judges())
+        enter_slots(self.complex.plane(), self.entries(), np.asarray(slots, dtype=np.int64), self.why)
 
     def advance(self, budget: int, progress: bool) -> None:
         """Insert until nothing is bad that can be mended, or the budget is used up."""
@@ -183,11 +179,9 @@ class _Run(Contest):
             before = k.size
             stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
             self._reserve(stop)
-            stack, cells, rim, hold, fresh = self.scratch
             self.end = insert_centers(
-                k.xy, k.vertex, k.twin, k.mark, k.region, k.where, k.state, *self._judges(), self.split, stop,
-                self.first, stack, cells, rim, hold, fresh, self.rows, self.events, self.ask,
-            )  # fmt: skip
+                k.plane(), self.scratch, self.entries(), self.why, self.split, stop, self.first, self.ask
+            )
             if self.end == SPLIT:
                 self._reserve(k.size + 1)
                 self._split(int(self.ask[0]), int(self.ask[1]))
@@ -197,7 +191,7 @@ class _Run(Contest):
     def _split(self, e: int, t: int) -> None:
         """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""
         k = self.complex
-        stack, cells, rim, hold, fresh = self.scratch
+        plane, scratch = k.plane(), self.scratch
         s = int(k.mark[e])
         a, b = k.xy[k.ends[s]]
         piece, middle, p = int(k.piece[s]), float(k.span[s].mean()), k.size
@@ -205,22 +199,19 @@ class _Run(Contest):
             point = self.domain.at(piece, [middle])[0] * k.factor
         else:
             point = (a + b) / 2
-        m, n, h = find_split(k.xy, k.vertex, k.twin, k.mark, e, *point, stack, cells, rim)
+        m, n, h = find_split(plane, scratch, e, *point)
         short = np.hypot(*(b - a)) < SHORTEST
-        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, rim, n, *point) >= 0:
+        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, scratch.rim, n, *point) >= 0:
             self.why[t] = REFUSED
             put(self.tree, t, NONE)
             return
         if len(self.watch):
             radius = measures(*k.xy[k.vertex[3 * t : 3 * t + 3]].ravel())[0]
-            note(k.vertex, t, p, self.first, self.tree, self.watch, radius, 1.0, 0.0, self.rows, self.events)
+            note(self.entries(), k.vertex, t, p - self.first, radius, 1.0, 0.0)
         k.xy[p] = point
-        commit_split(
-            k.vertex, k.twin, k.mark, k.region, k.where, k.ends, k.piece, k.span, k.state, e,
-            cells, m, rim, n, h, p, middle, hold, fresh,
-        )  # fmt: skip
+        commit_split(plane, scratch, e, m, n, h, p, middle)
         self.splits += 1
-        self._enter(fresh[:n])
+        self._enter(scratch.fresh[:n])
 
     # ------------------------------------------------------------------ what is told
 

@@ -17,7 +17,7 @@ from ...base.progress import progress_bar
 from ...connect.insertion.engine import COUNT, grown
 from ...sizing import as_size
 from .periodic import PeriodicMesh, half_edge_twins, periodic_delaunay
-from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
+from .torus_steps import FULL, ROUNDED, VERTICES, Torus, TorusScratch, enter_all, insert_on_torus
 from .worst import Contest, Rule, make_rule
 
 __all__ = ["periodic_circumcenters"]
@@ -93,10 +93,10 @@ class _Run(Contest):
         self.state = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[VERTICES] = 2 * n, n
         self._reserve(2 * n)
-        enter_all(self.xy, self.vertex, self.shift, 2 * n, *self._judges())
+        enter_all(self._torus(), self.entries())
 
-    def _judges(self) -> tuple:
-        return self.rule, self.tree, self.watch
+    def _torus(self) -> Torus:
+        return Torus(self.xy, self.vertex, self.twin, self.shift, self.state)
 
     def _reserve(self, points: int) -> None:
         self.xy = grown(self.xy, points)
@@ -117,12 +117,8 @@ class _Run(Contest):
             room = 2 * len(self.xy) + 8
             stack, spare, fresh = (np.empty(room, dtype=np.int32) for _ in range(3))
             frame = np.empty((room, 2), dtype=np.int32)
-            end = int(
-                insert_on_torus(
-                    self.xy, self.vertex, self.twin, self.shift, self.state, *self._judges(), stop,
-                    stack, frame, spare, fresh, self.rows, self.events,
-                )
-            )  # fmt: skip
+            scratch = TorusScratch(stack, frame, spare, fresh)
+            end = int(insert_on_torus(self._torus(), scratch, self.entries(), stop))
             bar.update(int(self.state[VERTICES]) - before)
         bar.close()
         return end

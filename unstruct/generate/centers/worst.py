@@ -45,6 +45,16 @@ class Rule(NamedTuple):
     order: Nodes
 
 
+class Entries(NamedTuple):
+    """What kernels are handed of a `Contest`."""
+
+    rule: Rule
+    tree: NDArray[np.float64]
+    watch: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    events: NDArray[np.float64]
+
+
 @lean
 def put(tree, slot, value):
     """Give a slot a value."""
@@ -145,11 +155,11 @@ def watch_triangle(watch, slot, ax, ay, bx, by, cx, cy):
 
 
 @inline
-def enter(slot, rule, tree, watch, ax, ay, bx, by, cx, cy):
+def enter(contest, slot, ax, ay, bx, by, cx, cy):
     """Judge the triangle in a slot, and put it into the tournaments."""
-    put(tree, slot, judge(rule, ax, ay, bx, by, cx, cy))
-    if len(watch) > 0:
-        watch_triangle(watch, slot, ax, ay, bx, by, cx, cy)
+    put(contest.tree, slot, judge(contest.rule, ax, ay, bx, by, cx, cy))
+    if len(contest.watch) > 0:
+        watch_triangle(contest.watch, slot, ax, ay, bx, by, cx, cy)
 
 
 @lean
@@ -160,11 +170,12 @@ def unwatch(watch, slot):
 
 
 @lean
-def record(vertex, t, i, radius, tree, watch, rows, events):
+def record(contest, vertex, t, i, radius):
     """Row i of a record: the state before a step; circumradius, value and vertices of its triangle t."""
+    watch, events = contest.watch, contest.events
     for k in range(len(watch)):
-        rows[i, k] = watch[k][1]
-    events[i, 0], events[i, 1] = radius, tree[1]
+        contest.rows[i, k] = watch[k][1]
+    events[i, 0], events[i, 1] = radius, contest.tree[1]
     for k in range(3):
         events[i, 2 + k] = vertex[3 * t + k]
 
@@ -232,6 +243,10 @@ class Contest:
         self.rule, self.tree = rule, np.full(2, NONE)
         self.watch = np.full((len(WATCHED) if history else 0, 2), NONE)
         self.rows, self.events = np.empty((0, len(WATCHED))), np.empty((0, columns))
+
+    def entries(self) -> Entries:
+        """The arrays as they are now, in one record for the kernels."""
+        return Entries(self.rule, self.tree, self.watch, self.rows, self.events)
 
     def make_room(self, slots: int, steps: int) -> None:
         """For triangles in so many slots, and so many steps of the record."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.stars import legalize_moved, opposite_half_edges
+from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
 from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
@@ -59,35 +59,35 @@ def smooth_poor(
     todo, moved = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
     stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
-    arrays = (c.xy, c.vertex, c.twin, c.mark, c.where, at, still, todo, moved)
-    scratch = (np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2)), stack, counts)
+    ring, places = np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2))
+    stars = Stars(c.xy, c.vertex, c.twin, c.mark, c.where, at, still, ring, places, stack, counts)
     before: dict[str, float] = {}
     if since:
         look_for(c.xy, c.vertex, c.region, count, np.inf, np.arange(n) >= since, todo)
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
-        if _rounds(arrays, NEARLY, False, STEPS, scratch):
-            counts[1] += legalize_moved(*arrays[:4], c.region, c.where, at, count, moved, stack)
+        if _rounds(stars, todo, moved, NEARLY, False, STEPS):
+            counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
         # the others are as they were, beyond NEARLY
         look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
-    _rounds(arrays, POOR, True, SEARCHES, scratch)
+    _rounds(stars, todo, moved, POOR, True, SEARCHES)
     swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
     moved[corners.reshape(-1, 3)[swapped]] = True
     return int(counts[0]), int(counts[1]), moved, before
 
 
 def _rounds(
-    arrays: tuple[NDArray, ...], threshold: float, patterns: bool, rounds: int, scratch: tuple[NDArray, ...]
+    stars: Stars, todo: NDArray, moved: NDArray, threshold: float, patterns: bool, rounds: int
 ) -> int:
     """Rounds of `improve` until nothing moves, but no more than so many; how many moves."""
-    n, moves = len(arrays[-1]), 0
+    n, moves = len(todo), 0
     for _ in range(rounds):
         before = moves
         for start in range(0, n, CHUNK):
-            moves += improve(*arrays, threshold, patterns, start, min(start + CHUNK, n), *scratch)
+            moves += improve(stars, todo, moved, threshold, patterns, start, min(start + CHUNK, n))
         if moves == before:
             break
     return moves

@@ -11,7 +11,6 @@ worth its time.
 
 ``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
 empty; the second half of the buckets is that of the batch, ``turn[0]`` its steps left plus one.
-(Arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
 """
 
 from __future__ import annotations

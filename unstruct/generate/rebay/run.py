@@ -83,14 +83,9 @@ class Run:
             self.log = np.concatenate([self.log, np.tile(np.array([-1, -1, -1, -1, 0], np.int32), (more, 1))])
             self.numbers = np.concatenate([self.numbers, np.full((more, 6), np.nan)])
 
-    @property
-    def _plane(self) -> tuple[NDArray, ...]:
-        c = self.complex
-        return c.xy, c.vertex, c.twin, c.mark, c.region
-
-    @property
-    def _sizes(self) -> tuple[Any, ...]:
-        return self.links, self.gates, self.turn, *self.table, *self.order, self.rule
+    def front(self) -> k.Front:
+        """The queue and what decides about it, as they are now."""
+        return k.Front(self.links, self.gates, self.turn, self.table, self.order, self.rule)
 
     def insert(self, budget: int | None, bar: Any) -> None:
         """Insert points until no waiting triangle is left at the front, or the budget is spent."""
@@ -107,9 +102,8 @@ class Run:
                 self.spent = True
                 return
             status = k.advance(
-                *self._plane, c.where, c.state, *self._sizes, *self.scratch,
-                self.counts, self.log, self.numbers, self.ask, limit,
-            )  # fmt: skip
+                c.plane(), self.front(), self.scratch, self.counts, self.log, self.numbers, self.ask, limit
+            )
             if status == k.SPLIT:
                 self.split(int(self.ask[0]))
             elif status == k.ROOM:
@@ -126,26 +120,24 @@ class Run:
         s = int(c.mark[e])
         t = float(c.span[s].mean())
         x, y = self.domain.points_at(c.piece[s : s + 1], np.array([t]))[0] * c.factor
-        stack, cells, rim, hold, fresh = self.scratch
-        m, n, h = find_split(c.xy, c.vertex, c.twin, c.mark, e, x, y, stack, cells, rim)
-        if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, rim, n, x, y) >= 0:
+        plane, scratch = c.plane(), self.scratch
+        m, n, h = find_split(plane, scratch, e, x, y)
+        if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, scratch.rim, n, x, y) >= 0:
             self.counts[k.REFUSED] += 1
             return False
-        for slot in cells[:m]:
+        for slot in scratch.cells[:m]:
             if self.links[slot, STATUS] >= 0:
                 unlink(self.links, self.gates, slot, WAITING)
         p = c.size
         c.xy[p] = x, y
         if self.history:
             self.log[p], self.numbers[p, :2] = (*c.ends[s], -1, -1, 1 << k.SPLITS), (x, y)
-        commit_split(
-            c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-            e, cells, m, rim, n, h, p, t, hold, fresh,
-        )  # fmt: skip
-        inside = c.region[fresh[:n]] >= 0
-        self.links[fresh[:n][~inside], STATUS] = ACCEPTED
-        seen = fresh[:n][inside]
-        k.settle(c.xy, c.vertex, c.twin, c.mark, *self._sizes, seen, len(seen))
+        commit_split(plane, scratch, e, m, n, h, p, t)
+        fresh = scratch.fresh[:n]
+        inside = c.region[fresh] >= 0
+        self.links[fresh[~inside], STATUS] = ACCEPTED
+        seen = fresh[inside]
+        k.settle(plane, self.front(), seen, len(seen))
         self.counts[k.SPLITS] += 1
         return True
 
@@ -153,7 +145,7 @@ class Run:
 
     def start(self, moved: NDArray[np.bool_]) -> None:
         """Look at all triangles that have a corner among these: which are accepted, which wait."""
-        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes, moved)
+        k.start(self.complex.plane(), self.front(), moved)
 
     def restart(self) -> None:
         """Look at all triangles anew, with an empty queue."""

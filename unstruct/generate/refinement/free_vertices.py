@@ -115,7 +115,7 @@ def remove_free(w, tally, limits, e):
         s = w.mark[o]
         if s >= 0:
             w.where[s] = o
-    record(w, tally, REMOVED, v, -1, -1, -1, w.xy[v, 0], w.xy[v, 1])
+    record(w, tally, REMOVED, v, (-1, -1, -1), w.xy[v, 0], w.xy[v, 1])
     _put(w.vertex, w.twin, w.mark, w.polygon, degree, count)
     for i in range(count):
         t = w.polygon[i, SLOT]

@@ -123,7 +123,7 @@ class Run:
         """The arrays as they are now."""
         c = self.complex
         arrays: list[NDArray] = [
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+            *c.plane(),
             *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
             self.polygon, self.event, self.place,
         ]  # fmt: skip

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS
+from ...connect.planar.records import Plane, Scratch
 from .encroachment import encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
@@ -80,6 +81,18 @@ class Work(NamedTuple):
     # the record: (what, vertex, three more) and the place; of length 0 where none is kept
     event: NDArray[np.int32]
     place: NDArray[np.float64]
+
+
+@inline
+def plane_of(w):
+    """The arrays of the triangulation alone, for kernels of `cavity` that are not inlined."""
+    return Plane(w.xy, w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state)
+
+
+@inline
+def scratch_of(w):
+    """The scratch for cavities alone."""
+    return Scratch(w.stack, w.cells, w.rim, w.hold, w.fresh)
 
 
 @inline
@@ -261,12 +274,12 @@ def look_at_all(w, tally, limits):
 
 
 @inline
-def record(w, tally, what, p, a, b, c, px, py):
-    """Note an event, where a record is kept."""
+def record(w, tally, what, p, corners, px, py):
+    """Note an event, where a record is kept; ``corners``: three vertices, or what stands for them."""
     if len(w.event) > 0:
         i = tally[EVENTS]
         w.event[i, 0], w.event[i, 1] = what, p
-        w.event[i, 2], w.event[i, 3], w.event[i, 4] = a, b, c
+        w.event[i, 2], w.event[i, 3], w.event[i, 4] = corners
         w.place[i, 0], w.place[i, 1] = px, py
         tally[EVENTS] = i + 1
 

@@ -70,7 +70,9 @@ from .state import (
     look_at_segment,
     look_at_star,
     next_triangle,
+    plane_of,
     record,
+    scratch_of,
     settle,
 )
 
@@ -112,9 +114,7 @@ def _wanted(w, limits, s, px, py):
 @inline
 def _find(w, s, px, py):
     """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
-    m, k, h = find_split(
-        w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim
-    )
+    m, k, h = find_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), px, py)
     if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
         k = -1
     return m, k, h
@@ -157,11 +157,8 @@ def split_next(w, tally, limits):
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = w.piece[s], floor
-    record(w, tally, SPLITS, p, a, b, s, px, py)
-    new = commit_split(
-        w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state, np.int64(w.where[s]),
-        w.cells, m, w.rim, k, h, p, t, w.hold, w.fresh,
-    )  # fmt: skip
+    record(w, tally, SPLITS, p, (a, b, s), px, py)
+    new = commit_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), m, k, h, p, t)
     tally[SPLITS] += 1
     if w.apexes[s] == FIRST or w.apexes[s] == SECOND:
         tally[SHELLS] += 1
@@ -234,8 +231,11 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
 
 
 @lean
-def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
-    """The subsegment of the rim that the way from g, in the cavity, to p crosses; -1 for none."""
+def _hidden_by(plane, rim, k, t, px, py):
+    """The subsegment of the rim that the way from the middle of triangle t to p crosses; -1 for none."""
+    xy, vertex, mark = plane.xy, plane.vertex, plane.mark
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    gx, gy = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     for i in range(k):
         e = np.int64(rim[i])
         if mark[e] >= 0:
@@ -251,19 +251,18 @@ def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
 
 
 @inline
-def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+def _step_aside(w, tally, limits, t, k, center, by, floor):
     """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
 
     A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
     Delaunay triangulation, and need not be tested.
     """
+    px, py, sure = center
     marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
-        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
-        gx, gy = (w.xy[a, 0] + w.xy[b, 0] + w.xy[c, 0]) / 3.0, (w.xy[a, 1] + w.xy[b, 1] + w.xy[c, 1]) / 3.0
-        s = _hidden_by(w.xy, w.vertex, w.mark, w.rim, k, gx, gy, px, py)
+        s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
             if ask(w, tally, s, by, floor):
@@ -272,7 +271,8 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
                 why = w.lock[s]
     if asked > 0:
         tally[REJECTED] += 1
-        record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
+        corners = (w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2])
+        record(w, tally, REJECTED, -1, corners, px, py)
         settle(w, tally, t, SIZE if by == BY_SIZE else ANGLE)
     else:
         give_up(w, tally, t, why)
@@ -311,19 +311,17 @@ def improve_next(w, tally, limits, offset):
     if not sure and not _in_circle(w.xy, a, b, c, px, py):
         give_up(w, tally, t, PRECISION)
         return
-    m, k = find_cavity_here(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
+    m, k = find_cavity_here(w, w, t, px, py)
     if k < 0:
         give_up(w, tally, t, PRECISION)
         return
-    if not _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+    if not _step_aside(w, tally, limits, t, k, (px, py, sure), by, floor):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = FREE_VERTEX, floor
-    record(w, tally, CENTERS, p, a, b, c, px, py)
-    commit_here(
-        w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh
-    )
+    record(w, tally, CENTERS, p, (a, b, c), px, py)
+    commit_here(w, w, m, k, p)
     tally[CENTERS] += 1
     look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
 
