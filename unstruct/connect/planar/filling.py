@@ -39,8 +39,12 @@ class Chain(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """What the insertion of segments keeps beside the `Plane`."""
+    """What the insertion of segments works on: the triangulation, and scratch for one segment at a time."""
 
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    mark: NDArray[np.int32]
     corner: NDArray[np.int32]  # for each vertex a slot that shows it
     where: NDArray[np.int32]  # for each segment a half-edge along it
     left: NDArray[np.int64]  # half-edges of the chain above a segment; then scratch
@@ -51,17 +55,17 @@ class Filling(NamedTuple):
     pending: NDArray[np.int32]  # edges that wait to be looked at
 
 
-@lean
-def load(plane, half_edges, n, chain):
+@inline
+def load(w, half_edges, n, chain):
     """Note what a chain of n half-edges borders on, before its triangles are overwritten.
 
     Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
     """
-    vertex, twin, corners, beyond = plane.vertex, plane.twin, chain.corners, chain.beyond
+    vertex, twin, corners, beyond = w.vertex, w.twin, chain.corners, chain.beyond
     for k in range(n):
         h = np.int64(half_edges[k])
         corners[k], beyond[k] = vertex[prev_edge(h)], twin[h]
-        chain.marks[k], chain.fresh[k] = plane.mark[h], -1
+        chain.marks[k], chain.fresh[k] = w.mark[h], -1
     corners[n] = vertex[next_edge(np.int64(half_edges[n - 1]))]
     for k in range(n):
         twin[beyond[k]] = -2 - k
@@ -71,11 +75,11 @@ def load(plane, half_edges, n, chain):
 
 
 @inline
-def close(plane, chain, g, k):
+def close(w, chain, g, k):
     """Let half-edge g take the place of edge k of the chain."""
-    twin, fresh = plane.twin, chain.fresh
+    twin, fresh = w.twin, chain.fresh
     o = chain.beyond[k]
-    plane.mark[g] = chain.marks[k]
+    w.mark[g] = chain.marks[k]
     fresh[k] = g
     if o < 0:  # a dangling edge: joined when its other side is there
         o = fresh[-2 - o]
@@ -84,9 +88,9 @@ def close(plane, chain, g, k):
 
 
 @inline
-def write(plane, corner, slot, a, b, c):
+def write(w, slot, a, b, c):
     """The triangle on the base a b with apex c: its base half-edge s; b c is s + 1, c a is s + 2."""
-    vertex, mark = plane.vertex, plane.mark
+    vertex, mark, corner = w.vertex, w.mark, w.corner
     s = 3 * np.int64(slot)
     vertex[s], vertex[s + 1], vertex[s + 2] = c, a, b
     corner[c], corner[a], corner[b] = s, s + 1, s + 2
@@ -95,13 +99,13 @@ def write(plane, corner, slot, a, b, c):
 
 
 @lean
-def cut_ears(plane, filling, cells, used, chain, i, j):
+def cut_ears(w, cells, used, chain, i, j):
     """Triangulate the polygon of the chain from V_i to V_j; triangles used, and the base half-edge.
 
     A pile of corners: as long as the last three turn right, the middle one is an ear. ``links`` has for
     each the half-edge towards the one before, -1 for an edge of the chain.
     """
-    xy, twin, corners, places, links = plane.xy, plane.twin, chain.corners, filling.left, filling.right
+    xy, twin, corners, places, links = w.xy, w.twin, chain.corners, w.left, w.right
     places[0] = i
     top = 0
     for k in range(i + 1, j + 1):
@@ -111,12 +115,12 @@ def cut_ears(plane, filling, cells, used, chain, i, j):
             a, b, c = corners[places[top - 2]], corners[places[top - 1]], corners[k]
             if orientation(xy, a, b, c) >= 0:
                 break
-            s = write(plane, filling.corner, cells[used], a, c, b)
+            s = write(w, cells[used], a, c, b)
             used += 1
             for g, at in ((s + 2, top - 1), (s + 1, top)):
                 h = links[at]
                 if h < 0:
-                    close(plane, chain, g, places[at - 1])
+                    close(w, chain, g, places[at - 1])
                 else:
                     twin[g], twin[h] = h, g
             top -= 1
@@ -125,7 +129,7 @@ def cut_ears(plane, filling, cells, used, chain, i, j):
 
 
 @lean
-def fill(plane, filling, cells, chain, n, patience):
+def fill(w, cells, chain, n, patience):
     """Triangulate the polygon on the left of V_0 V_n; its base half-edge, and from which cell on there are
     edges that may not be Delaunay.
 
@@ -134,7 +138,7 @@ def fill(plane, filling, cells, chain, n, patience):
     s + 2 /  s  \\              come next, on s + 2 and s + 1.
         V_i-----V_j
     """
-    xy, twin, corners, stack = plane.xy, plane.twin, chain.corners, filling.stack
+    xy, twin, corners, stack = w.xy, w.twin, chain.corners, w.stack
     base = np.int64(-1)
     stack[0, 0], stack[0, 1], stack[0, 2] = 0, n, -1
     depth, used, asked, rough = 1, 0, 0, n
@@ -142,11 +146,11 @@ def fill(plane, filling, cells, chain, n, patience):
         depth -= 1
         i, j, g = stack[depth, 0], stack[depth, 1], stack[depth, 2]
         if j == i + 1:
-            close(plane, chain, g, i)
+            close(w, chain, g, i)
             continue
         if asked > patience * n and g >= 0:
             rough = min(rough, used)
-            used, s = cut_ears(plane, filling, cells, used, chain, i, j)
+            used, s = cut_ears(w, cells, used, chain, i, j)
             twin[s], twin[g] = g, s
             continue
         a, b, c = corners[i], corners[j], i + 1
@@ -156,7 +160,7 @@ def fill(plane, filling, cells, chain, n, patience):
             if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[v, 0], xy[v, 1], xy[p, 0], xy[p, 1]) > 0:
                 c, v = k, p
         asked += j - i
-        s = write(plane, filling.corner, cells[used], a, b, v)
+        s = write(w, cells[used], a, b, v)
         used += 1
         if g < 0:
             base = s
@@ -169,20 +173,14 @@ def fill(plane, filling, cells, chain, n, patience):
 
 
 @lean
-def swap_all(plane, filling, cells, first, last):
+def swap_all(w, cells, first, last):
     """Swap the edges of ``cells[first:last]``, and what follows, until all are locally Delaunay."""
-    pending = filling.pending
+    xy, vertex, twin, mark, pending = w.xy, w.vertex, w.twin, w.mark, w.pending
     again = True
     while again:
         again = False
         for k in range(first, last):
             for e in range(3 * np.int64(cells[k]), 3 * np.int64(cells[k]) + 3):
                 pending[0] = e
-                if (
-                    legalize(
-                        plane.xy, plane.vertex, plane.twin, plane.mark, filling.where, filling.corner,
-                        pending, np.int64(1),
-                    )
-                    < 0
-                ):  # fmt: skip
+                if legalize(xy, vertex, twin, mark, w.where, w.corner, pending, np.int64(1)) < 0:
                     again = True

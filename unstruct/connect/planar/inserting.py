@@ -73,14 +73,15 @@ def insert_all(
     left, right, cells = (np.empty(count + 2, dtype=np.int64) for _ in range(3))
     crossed = np.zeros(len(ends), dtype=np.int64)
     sides, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
-    filling = Filling(corner, where, left, right, cells, sides, stack, pending)
+    c = complex_
+    filling = Filling(
+        c.xy, c.vertex, c.twin, c.mark, corner, where, left, right, cells, sides, stack, pending
+    )
     bar = progress_bar(progress, " segments", total=len(ends))
     bar.update(len(ends) - len(order))
     for start in range(0, len(order), CHUNK):
         stop = min(start + CHUNK, len(order))
-        status, i, other = insert_segments(
-            complex_.plane(), filling, ends, order[start:stop], crossed, PATIENCE
-        )
+        status, i, other = insert_segments(filling, ends, order[start:stop], crossed, PATIENCE)
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)
         bar.update(stop - start)

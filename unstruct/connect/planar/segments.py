@@ -135,26 +135,26 @@ def aim(xy, vertex, twin, corner, a, b):
             return np.int64(-1), 1
 
 
-@lean
-def march(plane, filling, e, a, b):
+@inline
+def march(w, e, a, b):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
     Returns the lengths of both chains, and -1; or, as the last value, the half-edge that is in the way: that
     of an earlier segment, or one with a ghost behind it. Of a chain the half-edges within the crossed
     triangles are noted, from a on.
     """
-    vertex, left, right, cells = plane.vertex, filling.left, filling.right, filling.cells
+    vertex, left, right, cells = w.vertex, w.left, w.right, w.cells
     cells[0] = e // 3
     left[0], right[0] = next_edge(e), prev_edge(e)
     m = above = below = 1
     while True:
-        o = np.int64(plane.twin[e])
+        o = np.int64(w.twin[e])
         c = vertex[o]
-        if plane.mark[e] >= 0 or c == GHOST:
+        if w.mark[e] >= 0 or c == GHOST:
             return above, below, e
         cells[m] = o // 3
         m += 1
-        side = 0 if c == b else orientation(plane.xy, a, b, c)
+        side = 0 if c == b else orientation(w.xy, a, b, c)
         if side >= 0:
             left[above] = prev_edge(o)
             above += 1
@@ -166,52 +166,51 @@ def march(plane, filling, e, a, b):
         e = next_edge(o) if side > 0 else prev_edge(o)
 
 
-@lean
-def replace(plane, filling, above, below, i, patience):
+@inline
+def replace(w, above, below, i, patience):
     """Fill what is above and below segment i after a march, and mark it; its half-edge, from a on."""
-    vertex, twin, mark, right, rows = plane.vertex, plane.twin, plane.mark, filling.right, filling.chains
+    vertex, twin, mark, cells, right = w.vertex, w.twin, w.mark, w.cells, w.right
     for k in range(below // 2):  # the lower polygon is on the left of b a
         right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
-    upper_chain = Chain(rows[0], rows[1], rows[2], rows[3])
-    lower_chain = Chain(rows[4], rows[5], rows[6], rows[7])
-    load(plane, filling.left, above, upper_chain)
-    load(plane, right, below, lower_chain)
-    cells = filling.cells
-    upper, first = fill(plane, filling, cells, upper_chain, above, patience)
+    one = Chain(w.chains[0], w.chains[1], w.chains[2], w.chains[3])
+    two = Chain(w.chains[4], w.chains[5], w.chains[6], w.chains[7])
+    load(w, w.left, above, one)
+    load(w, right, below, two)
+    upper, first = fill(w, cells, one, above, patience)
     rest = cells[above - 1 :]
-    lower, second = fill(plane, filling, rest, lower_chain, below, patience)
+    lower, second = fill(w, rest, two, below, patience)
     twin[upper], twin[lower] = lower, upper
     mark[upper], mark[lower] = i, i
     if first >= above - 1 and second >= below - 1:
         return upper
     a, b = vertex[next_edge(upper)], vertex[prev_edge(upper)]
-    swap_all(plane, filling, cells, first, above - 1)
-    swap_all(plane, filling, rest, second, below - 1)
-    return find_edge(vertex, twin, filling.corner, a, b)
+    swap_all(w, cells, first, above - 1)
+    swap_all(w, rest, second, below - 1)
+    return find_edge(vertex, twin, w.corner, a, b)
 
 
 @lean
-def insert_segments(plane, filling, ends, order, crossed, patience):
+def insert_segments(w, ends, order, crossed, patience):
     """Insert the segments ``order``; (DONE, -1, -1), or why not, the segment, and the other one.
 
     ``crossed[i]`` gets the number of triangles that segment i crossed; ``patience``: tests of a corner, per
     corner, after which `fill` cuts ears.
     """
-    vertex, twin, mark = plane.vertex, plane.twin, plane.mark
+    vertex, twin, mark = w.vertex, w.twin, w.mark
     for i in order:
         a, b = ends[i, 0], ends[i, 1]
         crossed[i] = 0
         on = True
         while on:
-            e, kind = aim(plane.xy, vertex, twin, filling.corner, a, b)
+            e, kind = aim(w.xy, vertex, twin, w.corner, a, b)
             if e < 0:
                 return LOST, i, np.int64(-1)
             if kind == 0:
-                above, below, wall = march(plane, filling, e, a, b)
+                above, below, wall = march(w, e, a, b)
                 if wall >= 0:
                     return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
                 crossed[i] += above + below - 2
-                e = replace(plane, filling, above, below, i, patience)
+                e = replace(w, above, below, i, patience)
             elif mark[e] >= 0:
                 return OVERLAPS, i, np.int64(mark[e])
             else:
