@@ -1,8 +1,8 @@
 """How kernels are compiled: numba, lazily, cached on disk; plain Python where numba is missing.
 
 numba's own cache looks at one file only, so that after an edit of ``predicates.py`` a kernel in
-another file would silently run old machine code. Here the stamp of a kernel covers its own file and
-the files of all the kernels that it can call.
+another file would silently run old machine code. Here the stamp of a kernel covers its own file, the
+files of all the kernels that it can call, and the numbers that all these take from elsewhere by name.
 """
 
 from __future__ import annotations
@@ -65,7 +65,11 @@ def _stamped(dispatcher: Any) -> Any:
     """Let the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
     index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if index is not None:  # None with NUMBA_DISABLE_JIT
-        index._source_stamp = tuple(sorted(_file_stamp(f) for f in _source_files(dispatcher, set())))
+        reachable: dict[int, Any] = {}
+        _reach(dispatcher, reachable)
+        files = {d.py_func.__code__.co_filename for d in reachable.values()}
+        numbers = set().union(*(_numbers(d.py_func) for d in reachable.values()))
+        index._source_stamp = (*sorted(_file_stamp(f) for f in files), *sorted(numbers))
         index._load_index = partial(_entries, index._load_index)
     return dispatcher
 
@@ -78,14 +82,18 @@ def _entries(load: Callable[[], dict]) -> dict:
         return {}
 
 
-def _source_files(dispatcher: Any, seen: set[int]) -> set[str]:
-    function = dispatcher.py_func
-    files = {function.__code__.co_filename}
-    for value in list(function.__globals__.values()):
-        if isinstance(value, Dispatcher) and id(value) not in seen:
-            seen.add(id(value))
-            files |= _source_files(value, seen)
-    return files
+def _reach(dispatcher: Any, reachable: dict[int, Any]) -> None:
+    """Add the kernel and all those that it can call."""
+    reachable[id(dispatcher)] = dispatcher
+    for value in list(dispatcher.py_func.__globals__.values()):
+        if isinstance(value, Dispatcher) and id(value) not in reachable:
+            _reach(value, reachable)
+
+
+def _numbers(function: Any) -> set[tuple[str, str]]:
+    """The constants that a function reads, with their values: they may come from files without kernels."""
+    read = ((name, function.__globals__.get(name)) for name in function.__code__.co_names)
+    return {(name, repr(value)) for name, value in read if isinstance(value, (int, float))}
 
 
 def _file_stamp(path: str) -> tuple[str, int, int]:

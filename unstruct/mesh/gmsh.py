@@ -21,7 +21,7 @@ from .topology import group_rows
 
 __all__ = ["coded", "decoded", "from_groups", "is_ours", "to_groups"]
 
-OWN = ("facets", "inner")
+OWN_NAMES = ("facets", "inner")
 FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 
 
@@ -67,10 +67,10 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
     count = dict.fromkeys(range(3), 0)
     for width in sorted(FACE_NAMES):
         some = [k for k, v in faces.items() if v.shape[1] == width and k not in lost]
-        some.sort(key=lambda name: name in OWN)
+        some.sort(key=lambda name: name in OWN_NAMES)
         groups = _split({name: faces[name] for name in some})
         for name, rows in groups.items():
-            if len(rows) < len(faces[name]) and len(rows) == 0 and name not in OWN:
+            if len(rows) < len(faces[name]) and len(rows) == 0 and name not in OWN_NAMES:
                 continue  # better no name than one of nothing
             dimension = min(width - 1, 2)
             count[dimension] += 1
@@ -98,9 +98,9 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
     """The markers "facets" and "inner" with the faces of other groups, where the mesh ends and where not."""
     result = dict(groups)
     for name, rows in groups.items():
-        if name not in OWN and len(border) and rows.shape[1] == border.shape[1]:
+        if name not in OWN_NAMES and len(border) and rows.shape[1] == border.shape[1]:
             ends = marked_facets(rows, border, n)
-            for own, part in zip(OWN, (rows[ends], rows[~ends])):
+            for own, part in zip(OWN_NAMES, (rows[ends], rows[~ends])):
                 if own in groups:
                     result[own] = np.concatenate([result[own], part])
     return result

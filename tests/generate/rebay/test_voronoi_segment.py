@@ -242,7 +242,7 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
     with monkeypatch.context() as patch:
         patch.setattr(Domain, "points_at", lambda self, piece, t: np.array([[2.0, 1.5]]))
         assert not run.split(int(complex_.where[0]))
-    assert run.counts[kernel.REFUSED] == 1 and run.counts[kernel.SPLITS] == 0
+    assert run.counts[kernel.SPLIT_REFUSED] == 1 and run.counts[kernel.BY_SPLIT] == 0
     np.testing.assert_array_equal(before, complex_.vertex[: 3 * complex_.triangles])
     assert run.split(int(complex_.where[0]))
     assert check(run.result(), domain=domain, delaunay="constrained")

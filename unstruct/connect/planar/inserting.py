@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...geometry.ordering import draws, radix_argsort
 from .complex import SEGMENTS, PlanarComplex
 from .filling import Filling
-from .segments import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
+from .segments import CROSSES, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
 
 if TYPE_CHECKING:
     pass
@@ -23,7 +24,7 @@ __all__ = ["insert_all"]
 PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
 
 
-CHUNK = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
+SEGMENTS_A_CALL = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
 
 
 def insert_all(
@@ -79,8 +80,8 @@ def insert_all(
     )
     bar = progress_bar(progress, " segments", total=len(ends))
     bar.update(len(ends) - len(order))
-    for start in range(0, len(order), CHUNK):
-        stop = min(start + CHUNK, len(order))
+    for start in range(0, len(order), SEGMENTS_A_CALL):
+        stop = min(start + SEGMENTS_A_CALL, len(order))
         status, i, other = insert_segments(filling, ends, order[start:stop], crossed, PATIENCE)
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)

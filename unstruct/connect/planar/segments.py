@@ -25,17 +25,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE
 from ...base.jit import inline, lean
 from ...predicates.kernels import orientation
 from ..insertion.halfedges import GHOST, next_edge, prev_edge
 from .filling import Chain, fill, load, swap_all
 
 __all__ = [
-    "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
+    "CROSSES", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
     "find_edge", "insert_segments", "mark_present",
 ]  # fmt: skip
 
-DONE, CROSSES, OVERLAPS, LOST, LEAVES = 0, 1, 2, 3, 4  # how `insert_segments` ends
+CROSSES, OVERLAPS, LOST, LEAVES = 8, 9, 10, 11  # how `insert_segments` ends, besides DONE
 
 
 @lean

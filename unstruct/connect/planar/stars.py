@@ -32,7 +32,7 @@ EASY = 0.77  # beyond it every angle is above 30 degrees: the extreme triangle h
 SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
 GIVE = 1e-6  # the least gain of fairness for which a vertex is moved
 FAIR = 0.85  # a triangle beyond it may become less fair if the others of its star gain more
-CERTAIN, TINY = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
+CERTAIN, TINY_AREA = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
 COMPASS = (
     (1.0, 0.0),
     (0.7, 0.7),
@@ -205,7 +205,7 @@ def star_measures(places, k, x, y, floor, judge):
         v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
         around, below = u + v + w, u * v * w
         if (
-            double <= CERTAIN * around + TINY  # else the filter of the predicate would be satisfied, too
+            double <= CERTAIN * around + TINY_AREA  # else the filter of the predicate would be satisfied, too
             and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
         ):
             return -1.0, -1.0, -1.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import HIDDEN, INSERTED, OUTSIDE
 from ...base.jit import lean
 from ...connect.insertion.engine import LAST
 from ...connect.insertion.halfedges import (
@@ -24,9 +25,9 @@ from ...connect.planar.cavity import blocked_by, commit, find_cavity, walk
 from ...predicates.diametral import in_disc
 from ...predicates.kernels import orient2
 
-__all__ = ["BREAKS", "CROWDED", "HIDDEN", "INSERTED", "OUTSIDE", "REPEATED", "guard_all", "hit_all"]
+__all__ = ["BREAKS", "CROWDED", "REPEATED", "guard_all", "hit_all"]
 
-INSERTED, OUTSIDE, REPEATED, BREAKS, CROWDED, HIDDEN = 0, 1, 2, 3, 4, 5  # what happened to a point
+REPEATED, BREAKS, CROWDED = 8, 9, 10  # what happened to a point, besides INSERTED, OUTSIDE and HIDDEN
 
 
 @lean

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import finite
 from ...base.arrays import as_points
+from ...base.codes import HIDDEN, INSERTED, OUTSIDE
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import LAST
@@ -29,11 +30,11 @@ from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from .conforming import conform
 from .constrained import complex_of
-from .guarded import BREAKS, CROWDED, HIDDEN, INSERTED, OUTSIDE, REPEATED, guard_all, hit_all
+from .guarded import BREAKS, CROWDED, REPEATED, guard_all, hit_all
 
 __all__ = ["Guarded", "Skeleton", "insert_without_breaking", "skeleton_points"]
 
-CHUNK = 50_000  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
+POINTS_A_CALL = 50_000  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
 HEIGHT = np.sqrt(0.75)  # of an equilateral triangle on a side of length 1
 
 
@@ -139,8 +140,8 @@ def _guard(
     gaps = np.zeros(count) if gaps is None else gaps * c.factor
     verdict, culprit = np.empty(count, dtype=np.int8), np.full(count, -1, dtype=np.int64)
     with progress_bar(progress, " points", total=count) as bar:
-        for start in range(0, count, CHUNK):
-            stop = min(start + CHUNK, count)
+        for start in range(0, count, POINTS_A_CALL):
+            stop = min(start + POINTS_A_CALL, count)
             c.reserve(c.size + stop - start, c.segments)
             part = slice(start, stop)
             guard_all(

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import as_count
 from ...base.arrays import as_points
+from ...base.codes import DONE, MORE, SPLIT
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.delaunay import delaunay
@@ -22,14 +23,13 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
-from .steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
-from .worst import NONE, Contest, Rule, make_rule, measures, put
+from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
+from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
 
-CHUNK = 20_000  # insertions a kernel call: a fraction of a second
-MOST = 1_000_000  # insertions, where nothing but a limit of shape could end the run
-SHORTEST = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
+MOST_CENTERS = 1_000_000  # insertions, where nothing but a limit of shape could end the run
+SHORTEST_SPLIT = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
 STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
 
 
@@ -110,7 +110,7 @@ def circumcenter_insertion(
     sampled = domain.sampled(field if origin is None else None, step=step)
     complex_ = complex_of(domain, sampled)
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
-    most = MOST if limit is not None else int(np.iinfo(np.int32).max)
+    most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
     run = _Run(complex_, domain, rule, boundary == "split", history)
     run.advance(most, progress)
@@ -153,7 +153,7 @@ class _Run(Contest):
         self.complex, self.domain, self.split = complex_, domain, split
         self.first = complex_.size
         self.splits = 0
-        self.end = FULL
+        self.end = MORE
         self.why = np.zeros(0, dtype=np.int8)
         self.ask = np.zeros(2, dtype=np.int64)
         self._reserve(self.first + 64)
@@ -177,7 +177,7 @@ class _Run(Contest):
         bar = progress_bar(progress, " points")
         while self.end != DONE and k.size < last:
             before = k.size
-            stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
+            stop = min(last, before + CENTERS_A_CALL, 2 * before)  # no more room than needed
             self._reserve(stop)
             self.end = insert_centers(
                 k.plane(), self.scratch, self.entries(), self.why, self.split, stop, self.first, self.ask
@@ -200,9 +200,9 @@ class _Run(Contest):
         else:
             point = (a + b) / 2
         m, n, h = find_split(plane, scratch, e, *point)
-        short = np.hypot(*(b - a)) < SHORTEST
+        short = np.hypot(*(b - a)) < SHORTEST_SPLIT
         if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, scratch.rim, n, *point) >= 0:
-            self.why[t] = REFUSED
+            self.why[t] = UNSPLIT
             put(self.tree, t, NONE)
             return
         if len(self.watch):

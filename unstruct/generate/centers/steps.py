@@ -9,22 +9,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE, HIDDEN, MORE, ROUNDED, SPLIT
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import VERTICES, end_of, next_edge, prev_edge, start_of
 from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
 from .worst import NONE, enter, measures, put, record, top, unwatch
 
-DONE, FULL, SPLIT = 0, 1, 2  # why a run of steps ends
-HIDDEN, ROUNDED, REFUSED = 1, 2, 3  # why a triangle is left as it is
+UNSPLIT = 8  # why a triangle is left as it is, or HIDDEN, ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "its circumcenter cannot be told from the triangle's own edges by doubles",
-    REFUSED: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
+    UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
     0: "budget",
 }
-FAR = 4.0  # a center this far away is only a direction (the domain lies within 1)
+FAR_CENTER = 4.0  # a center this far away is only a direction (the domain lies within 1)
 
 
 @inline
@@ -87,14 +87,14 @@ def judge_center(plane, scratch, t, px, py):
     far = max(abs(px), abs(py))
     if not far < np.inf:
         return nothing, nothing, np.int64(-1)
-    if far <= FAR:
+    if far <= FAR_CENTER:
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], px, py) > 0:
             m, k = find_cavity(plane, scratch, t, px, py)
             if k > 0 and blocked_by(xy, vertex, scratch.rim, k, px, py) < 0:
                 return np.int64(m), np.int64(k), np.int64(-1)
     else:
-        px, py = px * (FAR / far), py * (FAR / far)
+        px, py = px * (FAR_CENTER / far), py * (FAR_CENTER / far)
     return nothing, nothing, first_marked(xy, vertex, plane.twin, plane.mark, t, px, py)
 
 
@@ -122,7 +122,7 @@ def note(contest, vertex, t, i, radius, kind, close):
 
 @lean
 def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
-    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or SPLIT.
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or SPLIT.
 
     SPLIT (only with ``split``): the marked half-edge ``ask[0]`` hides the center of triangle ``ask[1]``, or
     has it in its open diametral disk. Vertices from ``first`` on are recorded.
@@ -150,4 +150,4 @@ def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
         commit(plane, scratch, m, k, p)
         for i in range(k):
             _enter(plane, contest, np.int64(scratch.fresh[i]), why)
-    return FULL if tree[1] > NONE else DONE
+    return MORE if tree[1] > NONE else DONE

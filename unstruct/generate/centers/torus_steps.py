@@ -17,15 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE, MORE, ROUNDED
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.insertion.halfedges import next_edge, prev_edge
+from ...connect.insertion.halfedges import VERTICES, next_edge, prev_edge
 from ...predicates.kernels import incircle
 from .worst import NONE, enter, measures, record, top
 
 GRID = 2.0**-50  # of the coordinates; a corner in [-2, 3) is then a double, and a quarter of it below 1
-VERTICES = 8
-DONE, FULL, ROUNDED = 0, 1, 2  # why a run of steps ends
 
 
 class Torus(NamedTuple):
@@ -159,7 +158,7 @@ def star(torus, scratch, p, t, px, py):
 
 @lean
 def insert_on_torus(torus, scratch, contest, stop):
-    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or ROUNDED.
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or ROUNDED.
 
     The contest's ``rows`` and ``events`` take the record of each step, where they have room: the state before
     it, and circumradius, value and vertices of the triangle.
@@ -182,4 +181,4 @@ def insert_on_torus(torus, scratch, contest, stop):
         k = star(torus, scratch, p, t, px, py)
         for i in range(k):
             _enter(torus, contest, scratch.fresh[i])
-    return FULL if tree[1] > NONE else DONE
+    return MORE if tree[1] > NONE else DONE

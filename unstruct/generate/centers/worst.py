@@ -19,13 +19,13 @@ from ...base.errors import InputError
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
 from ...sizing import as_size
-from ...sizing.table import Nodes, size_at
+from ...sizing.table import ROOT3, Nodes, size_at
 
 NONE = -np.inf
-ROOT3 = math.sqrt(3.0)
+CENTERS_A_CALL = 20_000  # insertions a kernel call: a fraction of a second, so that Ctrl-C is heard
 # The definitions of "worst", greater is worse: the numbers that kernels know them by.
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
-KIND, HAS_SIZE, HAS_LIMIT, LIMIT = 0, 1, 2, 3  # entries of a rule
+KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of a rule
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle as the largest negative
 
 
@@ -134,7 +134,7 @@ def judge(rule, ax, ay, bx, by, cx, cy):
         value = big / small
     else:
         value = area
-    if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT]:
+    if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT_ENTRY]:
         return value
     if rule.test[HAS_SIZE] > 0.0:
         if big == np.inf or ROOT3 * big >= size_at(rule.size.child, rule.size.values, rule.size.box, qx, qy):
@@ -214,7 +214,7 @@ def make_rule(
     if limit is not None:
         most = finite(limit, "limit")
         scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
-        test[LIMIT] = most * scale.get(name, 1.0)
+        test[LIMIT_ENTRY] = most * scale.get(name, 1.0)
     tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]
     return Rule(test, *tables)
 

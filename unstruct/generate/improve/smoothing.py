@@ -22,7 +22,7 @@ from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, S
 __all__ = ["smooth"]
 
 METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
-CHUNK = 200_000  # vertices between two looks at Ctrl-C
+VISITS_A_CALL = 200_000  # vertices between two looks at Ctrl-C
 COUNTED = {"moved": MOVED, "invalid": INVALID, "worse": WORSE, "swaps": FLIPS, "examined": LOOKED}
 
 
@@ -111,8 +111,8 @@ def smooth(
     done = 0
     for number in _rounds(rounds, progress):
         done, before = number, counts[MOVED]
-        for start in range(0, len(xy), CHUNK):
-            stop = min(start + CHUNK, len(xy))
+        for start in range(0, len(xy), VISITS_A_CALL):
+            stop = min(start + VISITS_A_CALL, len(xy))
             smooth_round(stars, METHODS[method], smart, swap, limit, start, stop)
         if counts[MOVED] == before:
             break

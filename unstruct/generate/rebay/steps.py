@@ -24,23 +24,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE, INSERTED, MORE, OUTSIDE, ROOM, ROUNDED, SPLIT
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import commit_here, find_cavity_here
 from ...connect.planar.stars import touched
 from ...predicates.kernels import incircle, orient2
-from ...sizing.table import Nodes, size_at
+from ...sizing.table import ROOT3, Nodes, size_at
 from .queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 
-# how a call of `advance` ends
-DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
-# what becomes of one attempt
-INSERTED, OUTSIDE, ENCROACHES, TOO_NEAR, ROUNDED = 0, 1, 2, 3, 4
+ENCROACHES, TOO_NEAR = 8, 9  # what becomes of one attempt, or INSERTED, OUTSIDE, ROUNDED
 # places in the counts; the first eight are also the bits of the case that a step records
-POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, CENTERS, SPLITS = range(8)
-MOVED, WIDE, HIDDEN, FLAT, COLLISIONS, LOST, GIVEN_UP, REFUSED, COUNTS = range(8, 17)
-ROOT3 = sqrt(3.0)
+POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, AT_CENTER, BY_SPLIT = range(8)
+SIZE_MOVED, WIDE_ANGLE, WAS_OUTSIDE, WAS_FLAT, COLLISIONS, WAS_ROUNDED = range(8, 14)
+GIVEN_UP, SPLIT_REFUSED, COUNTS = range(14, 17)
 
 
 class Rule(NamedTuple):
@@ -187,7 +185,7 @@ def point_for(plane, front, e, counts):
     if rule.at_center and rule.constant == 0.0:
         g = wanted(front, mx + nx * d / 3.0, my + ny * d / 3.0)
         if abs(g - f) > 0.1 * f:
-            counts[MOVED] += 1
+            counts[SIZE_MOVED] += 1
         f = g
         d = min(far_point(max(f, p), p), q)
     return mx + d * nx, my + d * ny, f, p, q, d
@@ -219,7 +217,7 @@ def judge(plane, rim, k, x, y, f, counts):
         if square < 0.49 * f * f:
             return TOO_NEAR, i
     if wide:
-        counts[WIDE] += 1
+        counts[WIDE_ANGLE] += 1
     return INSERTED, -1
 
 
@@ -264,9 +262,9 @@ def next_active(xy, vertex, twin, mark, links, t, tried):
 def blame(xy, vertex, rim, outcome, i, f, counts):
     """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, or -1."""
     if outcome == TOO_NEAR or outcome == ROUNDED:
-        counts[COLLISIONS if outcome == TOO_NEAR else LOST] += 1
+        counts[COLLISIONS if outcome == TOO_NEAR else WAS_ROUNDED] += 1
         return np.int64(-1)
-    counts[HIDDEN if outcome == OUTSIDE else FLAT] += 1
+    counts[WAS_OUTSIDE if outcome == OUTSIDE else WAS_FLAT] += 1
     e = np.int64(rim[i])
     a, b = start_of(vertex, e), end_of(vertex, e)
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
@@ -307,7 +305,7 @@ def last_resort(plane, front, scratch, t, counts):
         return ROUNDED, 0, 0, -1, x, y, f
     outcome, m, k, i = attempt(plane, scratch, t, x, y, f, counts)
     if outcome == INSERTED:
-        counts[CENTERS] += 1
+        counts[AT_CENTER] += 1
     return outcome, m, k, i, x, y, f
 
 
@@ -340,7 +338,7 @@ def advance(plane, front, scratch, counts, log, numbers, ask, limit):
                     c = -1 if mark[e] >= 0 else vertex[twin[e]]
             else:
                 outcome, m, k, i, x, y, f = last_resort(plane, front, scratch, t, counts)
-                case = 1 << CENTERS
+                case = 1 << AT_CENTER
             if outcome != INSERTED:
                 blamed = blame(xy, vertex, rim, outcome, i, f, counts)
                 to_split = blamed if to_split < 0 else to_split

@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from ...base.codes import DONE, MORE, ROOM
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import blocked_by, commit_here, commit_split, find_cavity_here, find_split
@@ -37,32 +38,29 @@ from .encroachment import (
     split_arc,
     split_straight,
 )
-from .free_vertices import MOST, clear_disc
+from .free_vertices import MOST_CORNERS, clear_disc
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
 from .state import (
     BUDGET,
-    CENTERS,
+    CIRCUMCENTERS,
     CURVE,
     CURVES,
     EVENTS,
-    FINISHED,
     FLOOR,
     FRACTION,
     LARGE_ONES,
-    LEAST,
-    LIMIT,
+    LEAST_SQUARE,
     LINKED,
     LOCKED,
-    MORE,
     OPEN,
     PRECISION,
     REJECTED,
     REMOVED,
-    ROOM,
     SEGMENT_TOP,
     SHELLS,
     SMALL_ANGLE,
     SPLITS,
+    VERTEX_LIMIT,
     WANTED,
     ask,
     give_up,
@@ -76,7 +74,7 @@ from .state import (
     settle,
 )
 
-FAR = 1e30  # a circumcenter beyond this cannot be judged
+FAR_FROM_ALL = 1e30  # a circumcenter beyond this cannot be judged
 
 
 # --- subsegments -----------------------------------------------------------------------------------
@@ -136,7 +134,7 @@ def split_next(w, tally, limits):
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
-    rounding = LEAST * max(px * px, py * py)
+    rounding = LEAST_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
     least = floor
@@ -294,7 +292,7 @@ def improve_next(w, tally, limits, offset):
         a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
         offset = 0.0
     px, py, square, sure = _center(w.xy, a, b, c, offset)
-    rounding = LEAST * max(px * px, py * py)
+    rounding = LEAST_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
     if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
@@ -305,7 +303,7 @@ def improve_next(w, tally, limits, offset):
             return
     else:
         floor = min(floor, max(FRACTION * square, rounding))
-    if not (abs(px) < FAR and abs(py) < FAR):
+    if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)
         return
     if not sure and not _in_circle(w.xy, a, b, c, px, py):
@@ -320,9 +318,9 @@ def improve_next(w, tally, limits, offset):
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = FREE_VERTEX, floor
-    record(w, tally, CENTERS, p, (a, b, c), px, py)
+    record(w, tally, CIRCUMCENTERS, p, (a, b, c), px, py)
     commit_here(w, w, m, k, p)
-    tally[CENTERS] += 1
+    tally[CIRCUMCENTERS] += 1
     look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
 
 
@@ -335,11 +333,11 @@ def advance(w, tally, limits, offset, steps):
     for _ in range(steps):
         if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
             return ROOM
-        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST + 8 > len(w.event):
+        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST_CORNERS + 8 > len(w.event):
             return ROOM
         if tally[SEGMENT_TOP] + tally[WANTED] + tally[LARGE_ONES] + tally[LINKED] == 0:
-            return FINISHED
-        if w.state[VERTICES] - tally[REMOVED] >= tally[LIMIT]:
+            return DONE
+        if w.state[VERTICES] - tally[REMOVED] >= tally[VERTEX_LIMIT]:
             return BUDGET
         if tally[SEGMENT_TOP] > 0:
             split_next(w, tally, limits)
