@@ -17,15 +17,14 @@ from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets,
 from ..mesh.marked import marked_facets
 from ..mesh.mesh import Mesh
 from ..mesh.split import simplices_of_cells
-from ..predicates.batch import in_sphere, orient_rows
+from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
 from .brute import check_brute
 from .mixed import array_faults, check_mixed
 from .region import check_domain, pinch_points
 
 __all__ = ["Problem", "Report", "check"]
 
-CHUNK = 1 << 19
-SMALL = 100_000  # points times cells, up to which the brute-force tests run by default
+BRUTE_LIMIT = 100_000  # points times cells, up to which the brute-force tests run by default
 
 
 def check(
@@ -95,7 +94,7 @@ def check(
         report.skipped.append("overlap, spheres and domain, which need positively oriented cells")
         return report
     if brute is None:
-        brute = len(mesh.points) * mesh.size <= SMALL
+        brute = len(mesh.points) * mesh.size <= BRUTE_LIMIT
     fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
     locally_well = fans is None or _local_overlap(fans, report)
     if delaunay is True and manifold:
@@ -292,7 +291,7 @@ def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report:
     if mesh.dimension == 3:
         well = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
         if well:
-            everything = len(mesh.points) * parts.size <= SMALL if brute is None else brute
+            everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
             _overlap(parts, found, everything=everything)
     if domain is not None:
         check_domain(parts, domain, found)
@@ -319,8 +318,8 @@ def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
     # The vertex across: that of the other cell which is not on the facet. Sums avoid a search.
     across = simplices[others].sum(axis=1) - simplices[cells].sum(axis=1) + simplices[cells, corner]
     inside = np.empty(len(cells), dtype=bool)
-    for i in range(0, len(cells), CHUNK):
-        part = slice(i, i + CHUNK)
+    for i in range(0, len(cells), SIGNS_AT_ONCE):
+        part = slice(i, i + SIGNS_AT_ONCE)
         inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
     text = "spheres of cells that hold the vertex across a facet"
     report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))

@@ -9,7 +9,7 @@ from .complex import CellComplex
 
 __all__ = ["html"]
 
-SIZE, MARGIN, MOST = 200, 6, 400  # pixels, pixels, cells drawn
+PIXELS, MARGIN, MOST_CELLS = 200, 6, 400  # pixels, pixels, cells drawn
 
 
 def html(mesh: CellComplex) -> str:
@@ -32,7 +32,8 @@ def _picture(mesh: CellComplex) -> str:
     label = f"Mesh of {mesh.size} cells" + ("" if shown == mesh.size else f", {shown} of them drawn")
     lines = " ".join(f"M{a:g} {b:g}L{c:g} {d:g}" for (a, b), (c, d) in segments.tolist())
     return (
-        f"<svg role='img' aria-label='{label}' width='{SIZE}' height='{SIZE}' viewBox='0 0 {SIZE} {SIZE}' "
+        f"<svg role='img' aria-label='{label}' width='{PIXELS}' height='{PIXELS}' "
+        f"viewBox='0 0 {PIXELS} {PIXELS}' "
         f"style='background:white'><title>{label}</title>"
         f"<path d='{lines}' stroke='#333333' stroke-width='0.7' fill='none'/></svg>"
     )
@@ -42,10 +43,10 @@ def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
     number = np.arange(mesh.size)
     pairs: set[tuple[int, int]] = set()
-    if len(number) > MOST:
-        number = np.linspace(0, len(number) - 1, MOST).astype(int)
+    if len(number) > MOST_CELLS:
+        number = np.linspace(0, len(number) - 1, MOST_CELLS).astype(int)
         if mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
-            outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST)]
+            outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST_CELLS)]
             pairs |= {(min(a, b), max(a, b)) for a, b in outline.tolist()}
     start = 0
     for name, block in mesh.cells.items():
@@ -57,8 +58,8 @@ def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
         return np.empty((0, 2, 2)), 0
     low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
     span = (high - low).max()
-    scale = (SIZE - 2 * MARGIN) / span if span > 0 else 1.0
-    pixels = (ends - (low + high) / 2) * scale * [1, -1] + SIZE / 2
+    scale = (PIXELS - 2 * MARGIN) / span if span > 0 else 1.0
+    pixels = (ends - (low + high) / 2) * scale * [1, -1] + PIXELS / 2
     return np.round(pixels, 1), len(number)
 
 

@@ -21,7 +21,7 @@ from .topology import group_rows
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
-FACES = "faces:"
+FACES_HEADER = "faces:"
 SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
 WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
 ORDER = "polygon:number"  # data of cells: where polygons of different sizes stood, which files group by size
@@ -71,7 +71,9 @@ def to_meshio(mesh: CellComplex) -> Any:
             missing = np.zeros(1, dtype=values.dtype)
             data[name] = [values[r] for r in rows] + [np.repeat(missing, len(a)) for _, a in faces]
     for i, (name, _) in enumerate(faces):
-        flags = data.setdefault(FACES + name, [np.zeros(len(block), dtype=np.int8) for _, block in blocks])
+        flags = data.setdefault(
+            FACES_HEADER + name, [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
+        )
         flags[len(rows) + i][:] = 1
     if sum(name == "polygon" for name, _ in blocks) > 1:
         data[ORDER] = [r.astype(np.int32) for r in rows] + [
@@ -79,7 +81,9 @@ def to_meshio(mesh: CellComplex) -> Any:
         ]
     for name, array in named.items():
         if len(array) == 0:
-            data[FACES + name] = [np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks]
+            data[FACES_HEADER + name] = [
+                np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks
+            ]
     kept = np.arange(len(mesh.points), dtype=np.int32)
     kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]
     return meshio.Mesh(
@@ -144,7 +148,7 @@ def _drop(mesh: CellComplex, why: str, names: Any) -> None:
 def _for_gmsh(mesh: CellComplex, other: Any) -> None:
     """Regions and named faces become physical groups; data must be real numbers, of one block of cells."""
     faces = _named_faces(mesh)
-    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES)}
+    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES_HEADER)}
     held, lost = to_groups(mesh, other, faces)
     _drop(mesh, ".msh holds each face in one group, by the first marker that is not facets or inner", lost)
     rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
@@ -194,7 +198,7 @@ def read(path: str | Path) -> dict[str, Any]:
         place = _in_order(cells, number)
         markers = {name: values[place] if values.ndim == 1 else values for name, values in markers.items()}
     bare = CellComplex(points, cells=cells)
-    if not any(name.startswith(FACES) for name in other.cell_data):
+    if not any(name.startswith(FACES_HEADER) for name in other.cell_data):
         markers |= from_groups(bare, other, order, dimensions)
     return {
         "points": points,
@@ -238,11 +242,11 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
         if name == "gmsh:physical" or (ours and name == "gmsh:geometrical"):
             continue  # see `from_groups`
         column = np.concatenate([np.asarray(values[i]) for i in main])
-        if name.startswith(FACES):
+        if name.startswith(FACES_HEADER):
             chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
             width = -int(column.min(initial=0))  # of a marker without faces
             chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
-            markers[name.removeprefix(FACES)] = stacked(chosen)
+            markers[name.removeprefix(FACES_HEADER)] = stacked(chosen)
         elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
             warnings.warn(
                 f"cell data {name!r} of shape {column.shape} is not read: one value a cell", stacklevel=4

@@ -21,7 +21,7 @@ from .topology import group_rows
 
 __all__ = ["coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
 
-OWN = ("facets", "inner")
+OWN_NAMES = ("facets", "inner")
 FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 
 
@@ -87,10 +87,10 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
         part = {k: v for k, v in faces.items() if v.shape[1] == width and len(v) == 0}
         part |= {k: v for k, v in blocks if v.shape[1] == width}
         some = [name for name in faces if name in part and name not in lost]
-        some.sort(key=lambda name: name in OWN)
+        some.sort(key=lambda name: name in OWN_NAMES)
         groups = _split({name: part[name] for name in some})
         for name, rows in groups.items():
-            if len(rows) < len(part[name]) and len(rows) == 0 and name not in OWN:
+            if len(rows) < len(part[name]) and len(rows) == 0 and name not in OWN_NAMES:
                 continue  # better no name than one of nothing
             dimension = min(width - 1, 2)
             if coded(name) not in other.field_data:  # else its triangles are there, and these are its quads
@@ -119,9 +119,9 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
     """The markers "facets" and "inner" with the faces of other groups, where the mesh ends and where not."""
     result = dict(groups)
     for name, rows in groups.items():
-        if name not in OWN and len(border) and rows.shape[1] == border.shape[1]:
+        if name not in OWN_NAMES and len(border) and rows.shape[1] == border.shape[1]:
             ends = marked_facets(rows, border, n)
-            for own, part in zip(OWN, (rows[ends], rows[~ends])):
+            for own, part in zip(OWN_NAMES, (rows[ends], rows[~ends])):
                 if own in groups:
                     result[own] = np.concatenate([result[own], part])
     return result

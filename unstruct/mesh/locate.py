@@ -18,7 +18,7 @@ from .holding import PlanarCells, SimplexCells, SolidCells
 
 __all__ = ["Locator"]
 
-CHUNK = 1 << 16  # queries at a time: bounds the memory
+QUERIES_AT_ONCE = 1 << 16  # queries at a time: bounds the memory
 
 
 class Locator:
@@ -50,8 +50,8 @@ class Locator:
             raise InputError(f"x[{row}] = {rows[row].tolist()} is not finite; drop or mend it")
         none = self.size
         result = np.full(len(rows), none, dtype=np.int64)
-        for i in range(0, len(rows), CHUNK):
-            query, cells = self.holding(rows[i : i + CHUNK])
+        for i in range(0, len(rows), QUERIES_AT_ONCE):
+            query, cells = self.holding(rows[i : i + QUERIES_AT_ONCE])
             np.minimum.at(result, query + i, cells)
         result[result == none] = -1
         return result.astype(np.int32).reshape(queries.shape[:-1])

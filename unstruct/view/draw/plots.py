@@ -22,7 +22,7 @@ from .strips import draw_items, fit, flat_axes, marks
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
 FEW = 250  # cells, above which lines become thinner, down to a third
-MANY = 400  # vertices, above which markers would hide the cells
+CROWD = 400  # vertices, above which markers would hide the cells
 
 
 def plot(
@@ -85,7 +85,7 @@ def plot(
         for drawn in ax.collections[before:]:
             drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
-    if vertices or (vertices is None and len(used) <= MANY):
+    if vertices or (vertices is None and len(used) <= CROWD):
         marks(ax, points[used], "vertex", z=5, scale=1.0 if len(used) <= 60 else 0.6)
     if names:
         draw_items(ax, [fr.labels("vertex", points[used], used)])

@@ -30,9 +30,9 @@ from .strips import label as write_label
 
 __all__ = ["Space", "item3", "mesh_items3", "picture", "view3d"]
 
-HERE = Path(__file__).parent
-KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
-FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
+DRAW_FOLDER = Path(__file__).parent
+SPACE_KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
+TETRAHEDRON_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 MANY_CELLS = 2500  # tetrahedra, above which only the boundary is drawn
 MOST_FACES = 20000  # for the widget: beyond, turning is no longer smooth
 THIN = 0.6  # edges of faces in space, in parts of a role's width: many are seen at once
@@ -42,8 +42,8 @@ Item = dict[str, Any]
 class Space(anywidget.AnyWidget):
     """A scene in space, turned by dragging and by the arrow keys; see `view3d`."""
 
-    _esm = HERE / "space.js"
-    _css = HERE / "player.css"
+    _esm = DRAW_FOLDER / "space.js"
+    _css = DRAW_FOLDER / "player.css"
     scene = traitlets.Dict().tag(sync=True)
     azimuth = traitlets.Float(-55.0).tag(sync=True)
     elevation = traitlets.Float(22.0).tag(sync=True)
@@ -76,8 +76,8 @@ def item3(
         For an unknown kind, an index outside ``points``, or coordinates that are not finite.
     """
     style_of(role)
-    if kind not in KINDS:
-        raise InputError(f"no kind {kind!r} in space; use one of {', '.join(KINDS)}")
+    if kind not in SPACE_KINDS:
+        raise InputError(f"no kind {kind!r} in space; use one of {', '.join(SPACE_KINDS)}")
     places = np.asarray(points, dtype=float).reshape(-1, 3)
     if kind in ("cells", "polygons", "segments"):
         rows = [[int(v) for v in row] for row in data]
@@ -299,7 +299,7 @@ def _things(
             kind, extra = item["kind"], item.get("colors", [None] * (j + 1))[j]
             if kind == "cells":
                 moved = points[row] + explode * (points[row].mean(axis=0) - center)
-                parts = [("polygons", moved[list(face)], extra) for face in FACES]
+                parts = [("polygons", moved[list(face)], extra) for face in TETRAHEDRON_FACES]
             elif kind in ("polygons", "segments"):
                 parts = [(kind, points[row], extra)]
             else:
