@@ -9,8 +9,8 @@
 Linear algebra (OpenBLAS), numpy, the C library and numba each choose their code by the processor, and what
 they compute may differ in the last bits. Environment variables make them choose as on other, mostly older,
 processors; those that this one cannot run are left out. Each run compares every stored output strictly
-(`pytest --nbval`), and the meshes of all methods bit for bit (`tests/mesh_hashes.py`). The first run under
-the setting "generic code" compiles every kernel anew: minutes.
+(`pytest --nbval`), and the meshes of all methods bit for bit (`tests/helpers/mesh_hashes.py`). The first run
+under the setting "generic code" compiles every kernel anew: minutes.
 """
 
 from __future__ import annotations

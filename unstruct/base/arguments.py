@@ -9,13 +9,13 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["DEFAULT_BUDGET", "MOST", "as_count", "as_mapping", "finite", "positive"]
+__all__ = ["DEFAULT_BUDGET", "MOST_VERTICES", "as_count", "as_mapping", "finite", "positive"]
 
 
 DEFAULT_BUDGET = 10_000_000  # the largest number of vertices unless the caller gives one; some gigabytes
 
 
-MOST = 2**31 // 6 - 4  # the largest number of vertices of a planar mesh whose half-edges have 32-bit numbers
+MOST_VERTICES = 2**31 // 6 - 4  # the largest number of vertices of a planar mesh with 32-bit half-edges
 
 
 def finite(value: Any, name: str) -> float:

@@ -18,8 +18,8 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # Tables of cells that are tried in turn. The first number of each is how many cells a segment of mean length
 # spans. The second is how many comparisons per segment are allowed before the table is given up. The third is
 # the crowd (see `_Grid`) from which on the table is not tried. Wide cells suit chains of segments, and narrow
-# cells suit segments side by side. LAST is the table that is tried after a sweep, with many comparisons.
-TABLES, LAST = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
+# cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
+TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
 SLACK = 1e-15  # a relative bound above the rounding errors of the few operations below
 
 
@@ -203,7 +203,7 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
             return pairs
     if any_meeting(points, segments) is False:
         return np.empty((0, 2), dtype=np.int64)
-    pairs = grid.pairs(*LAST)
+    pairs = grid.pairs(*LAST_TABLE)
     return _tree_candidates(grid.ends, segments) if pairs is None else pairs
 
 

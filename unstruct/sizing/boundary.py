@@ -15,7 +15,7 @@ from ..base.arrays import as_points
 from ..base.elementary import turns
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
-from ..geometry.boxes import LEAF
+from ..geometry.boxes import BOXES_IN_LEAF
 from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
@@ -25,8 +25,8 @@ __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FINE = np.radians(6.0)  # curves are cut into segments that turn by no more than this, if possible
-ROUNDS = 12  # the largest number of times that segments are halved; at a kink halving would never end
+TURN_STEP = np.radians(6.0)  # curves are cut into segments that turn by no more than this, if possible
+KINK_HALVINGS = 12  # the largest number of times that segments are halved; at a kink halving would never end
 AROUND = np.pi / 2  # parts of a curve with a turn of more than this between them count as different features
 
 
@@ -38,10 +38,10 @@ class Chain(NamedTuple):
     total: float  # the total turn of the whole piece
 
 
-def _chain(domain: Outline, piece: int, fine: float = FINE) -> Chain:
+def _chain(domain: Outline, piece: int, fine: float = TURN_STEP) -> Chain:
     """The curve of a piece, cut into segments that turn by at most ``fine``, if possible."""
     t = np.linspace(0.0, 1.0, 17)
-    for _ in range(ROUNDS):
+    for _ in range(KINK_HALVINGS):
         joint = _joints(domain.at(piece, t))
         steep = np.maximum(np.append(joint, 0.0), np.insert(joint, 0, 0.0)) > fine
         if not steep.any():
@@ -179,8 +179,8 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result
                     if d <= bound:
                         size = _push(heap, what, size, d, child)
             else:
-                first = (w - leaves) * LEAF
-                for k in range(first, min(first + LEAF, order.shape[0])):
+                first = (w - leaves) * BOXES_IN_LEAF
+                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                     d = to_segment(x, q, segments, order[k])
                     if d <= bound:
                         size = _push(heap, what, size, d, -1 - np.int64(order[k]))
@@ -334,7 +334,7 @@ def from_curvature(
             raise InputError(f"{name} must be positive, not {value!r}")
     rows, sizes = [], []
     for piece in domain.curves:
-        points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps per edge
+        points = _chain(domain, piece, min(TURN_STEP, np.pi / 4 / per_turn)).points  # eight steps per edge
         joint = _joints(points)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1)
         # This is the curvature at the joints. The curvature of a step is the mean of that at its two ends,

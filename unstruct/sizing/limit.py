@@ -35,7 +35,7 @@ COARSER = 4.0
 JUMP = 0.6
 # A size in a leaf that was not seen is assumed to be below the smallest one that was seen by at most this
 # fraction of their range.
-HIDDEN = 0.25
+UNSEEN_SHARE = 0.25
 # Every straight valley along a side of a leaf is within this fraction of the side of a place that was seen.
 SPACING = 0.125
 
@@ -171,7 +171,7 @@ class _Looks:
         least, span = values.min(axis=1), np.ptp(values, axis=1)
         jump = np.diff(np.sort(values, axis=1), axis=1).max(axis=1) > JUMP * span
         finest = np.where(jump, COARSER * FINEST, FINEST) * self.tolerance * least
-        hidden = HIDDEN * span
+        hidden = UNSEEN_SHARE * span
         if self.field.growth is not None:
             hidden = np.minimum(hidden, SPACING * side * self.field.growth)
         steep = (

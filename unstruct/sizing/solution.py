@@ -19,7 +19,7 @@ __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
 Array = NDArray[np.float64]
 ENOUGH = 10  # vertices of a patch; a quadratic has six coefficients, and a few more points smooth noise
 RANK = 1e-7  # a fit is not determined if a pivot is smaller than this, relative to the largest
-CHUNK = 1 << 14  # how many fits are computed at a time, to bound the memory
+FITS_AT_ONCE = 1 << 14  # how many fits are computed at a time, to bound the memory
 
 
 def _plane(mesh: Mesh) -> None:
@@ -201,8 +201,8 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
         full = reach.nnz == before  # all patches are whole components of the mesh
         ready = np.nonzero((count >= ENOUGH) | full)[0]
         done = []
-        for i in range(0, len(ready), CHUNK):
-            rows = ready[i : i + CHUNK]
+        for i in range(0, len(ready), FITS_AT_ONCE):
+            rows = ready[i : i + FITS_AT_ONCE]
             second, determined = _fit(mesh.points, u, todo[rows], reach[rows])
             result[todo[rows[determined]]] = second[determined]
             done.append(rows[determined])

@@ -7,7 +7,7 @@ import numpy as np
 from ...base.jit import inline, kernel
 from ...predicates.batch import orient_at
 from ...predicates.kernels import incircle, orient2
-from .engine import COUNT, FREE, LAST
+from .engine import COUNT, FREE, GHOST, LAST
 
 __all__ = [
     "GHOST",
@@ -24,9 +24,6 @@ __all__ = [
     "prev_edge",
     "start_of",
 ]
-
-
-GHOST = -1
 
 
 @inline

@@ -21,6 +21,7 @@ from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.triangulation import Triangulation
 from .cavity import GHOST
+from .records import Plane, Scratch
 
 __all__ = ["PlanarComplex"]
 
@@ -47,14 +48,15 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces, spans):
+def extract_segments(plane, number, place, rows, pieces, spans):
     """Write the subsegments that bound a triangle with a number; how many."""
+    twin, ends, span = plane.twin, plane.ends, plane.span
     count = 0
-    for s in range(len(where)):
-        e = np.int64(where[s])
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
         if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
             rows[count, 0], rows[count, 1] = place[ends[s, 0]], place[ends[s, 1]]
-            pieces[count] = piece[s]
+            pieces[count] = plane.piece[s]
             spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
             count += 1
     return count
@@ -170,12 +172,19 @@ class PlanarComplex:
         self.ends, self.piece = grown(self.ends, segments), grown(self.piece, segments)
         self.span, self.where = grown(self.span, segments), grown(self.where, segments)
 
-    def scratch(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
-        """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
+    def plane(self) -> Plane:
+        """The arrays as they are now, in one record for the kernels."""
+        return Plane(
+            self.xy, self.vertex, self.twin, self.mark, self.region, self.where, self.ends, self.piece,
+            self.span, self.state,
+        )  # fmt: skip
+
+    def scratch(self) -> Scratch:
+        """Arrays that fit any cavity of the present triangulation."""
         # a search that goes round is given up when the cells are full: the rim has two edges more than cells
         room = len(self.region) + 8
         stack, cells, rim, fresh = (np.empty(room + more, dtype=np.int32) for more in (8, 0, 8, 8))
-        return stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh
+        return Scratch(stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh)
 
     # ------------------------------------------------------------------ the result
 
@@ -262,7 +271,5 @@ class PlanarComplex:
         """Ends, piece and span of the subsegments that bound a triangle with a number."""
         s = self.segments
         rows, pieces, spans = np.empty((s, 2), np.int32), np.empty(s, np.int32), np.empty((s, 2))
-        many = extract_segments(
-            self.twin, number, self.where[:s], self.ends, self.piece, self.span, place, rows, pieces, spans
-        )
+        many = extract_segments(self.plane(), number, place, rows, pieces, spans)
         return rows[:many], pieces[:many], spans[:many]

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...geometry.ordering import draws, radix_argsort
 from .complex import SEGMENTS, PlanarComplex
-from .segments import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
+from .filling import Filling
+from .segments import CROSSES, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
 
 if TYPE_CHECKING:
     pass
@@ -22,7 +24,7 @@ __all__ = ["insert_all"]
 PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
 
 
-CHUNK = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
+SEGMENTS_A_CALL = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
 
 
 def insert_all(
@@ -69,16 +71,18 @@ def insert_all(
         raise _refusal(status, int(i), int(other), ends, piece, facets)
     rows = np.flatnonzero(missing)
     order = rows[_order(corner[ends[rows, 0]], count)]
-    chains, crossed = np.empty((3, count + 2), dtype=np.int64), np.zeros(len(ends), dtype=np.int64)
-    scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    left, right, cells = (np.empty(count + 2, dtype=np.int64) for _ in range(3))
+    crossed = np.zeros(len(ends), dtype=np.int64)
+    sides, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    c = complex_
+    filling = Filling(
+        c.xy, c.vertex, c.twin, c.mark, corner, where, left, right, cells, sides, stack, pending
+    )
     bar = progress_bar(progress, " segments", total=len(ends))
     bar.update(len(ends) - len(order))
-    for start in range(0, len(order), CHUNK):
-        stop = min(start + CHUNK, len(order))
-        status, i, other = insert_segments(
-            complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
-            crossed, PATIENCE, *chains, scratch, stack, where, pending,
-        )  # fmt: skip
+    for start in range(0, len(order), SEGMENTS_A_CALL):
+        stop = min(start + SEGMENTS_A_CALL, len(order))
+        status, i, other = insert_segments(filling, ends, order[start:stop], crossed, PATIENCE)
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)
         bar.update(stop - start)

@@ -18,7 +18,7 @@ __all__ = ["local_circumcenters", "outward_normals", "volumes"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
+NEARLY_FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
 
 
 def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
@@ -38,7 +38,7 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
         square = (rows**2).sum(axis=2)
         size = np.sqrt(square).prod(axis=1)
-        solid = (np.abs(_determinants(rows)) > FLAT * size) & (size > 1e-200)
+        solid = (np.abs(_determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
         done = todo[solid]
         base[done] = corner[solid]
         offset[done] = _solve(rows[solid], square[solid] / 2)
@@ -130,7 +130,7 @@ def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], 
         normal[:, k] = (-1) ** k * _determinants(np.delete(rows, k, axis=2))
     size = np.sqrt((rows**2).sum(axis=2)).prod(axis=1)
     length = np.sqrt((normal**2).sum(axis=1))
-    weak = ~((length > FLAT * size) & (size > 1e-100))
+    weak = ~((length > NEARLY_FLAT * size) & (size > 1e-100))
     for r in np.flatnonzero(weak).tolist():
         normal[r] = _exact_normal(points[sites[r]].tolist())
         length[r] = math.hypot(*normal[r])

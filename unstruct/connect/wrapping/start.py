@@ -21,12 +21,11 @@ from numpy.typing import NDArray
 
 from ...base.errors import DegenerateInputError
 from ...predicates.batch import in_sphere, orient
+from ...predicates.filters import EPS
+from ..insertion.first import FLATS
 from ..insertion.general import exact_integers
 
 __all__ = ["first_cell", "suspects"]
-
-EPS = 2.0**-53
-FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
 
 
 def first_cell(points: NDArray[np.float64]) -> NDArray[np.int64]:

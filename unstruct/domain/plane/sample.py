@@ -24,13 +24,13 @@ from .corners import crossings_at_corners
 __all__ = ["Sampled"]
 
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
-FINE = len(SAMPLES) - 1  # chords within a chord
+CHORDS_WITHIN = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
-ROUNDS = 40  # halvings, after which curves that still conflict do meet,
-SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
-SAME = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
-MANY = 1 << 16  # chords in conflict: curves that cross do so in points, those that lie on each other in all
-MOST = 1 << 25  # subsegments, and
+HALVINGS = 40  # halvings, after which curves that still conflict do meet,
+SHORTEST_CHORD = 2.0**-28  # of the largest coordinate: and so do those whose chords are shorter
+SAME_CURVE = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
+CONFLICTS = 1 << 16  # chords: curves that cross do so in points, those that lie on each other in all
+MOST_SUBSEGMENTS = 1 << 25  # subsegments, and
 STRETCH = 1 << 20  # parameter intervals at once, and
 SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
 
@@ -97,9 +97,11 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
-    """Points (r, FINE + 1, 2) along the stretches of curve over the subsegments ``rows``."""
+    """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of curve over the subsegments ``rows``."""
     t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
-    chains = outline.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
+    chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
+        -1, CHORDS_WITHIN + 1, 2
+    )
     chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
     return chains
 
@@ -125,14 +127,14 @@ def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.n
 
 def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Stretches of curve that meet other stretches or other subsegments."""
-    n, k = len(sampled.points), FINE - 1
+    n, k = len(sampled.points), CHORDS_WITHIN - 1
     inner = n + np.arange(len(rows) * k).reshape(-1, k)
     vertices = np.column_stack([sampled.ends[rows, 0], inner, sampled.ends[rows, 1]])
     segments = np.stack([vertices[:, :-1], vertices[:, 1:]], axis=2).reshape(-1, 2)
     points = np.concatenate([sampled.points, chains[:, 1:-1].reshape(-1, 2)])
     long = (points[segments[:, 0]] != points[segments[:, 1]]).any(axis=1)
     segments = np.concatenate([segments[long], sampled.ends])
-    owner = np.concatenate([np.repeat(rows, FINE)[long], np.arange(len(sampled.ends))])
+    owner = np.concatenate([np.repeat(rows, CHORDS_WITHIN)[long], np.arange(len(sampled.ends))])
     pairs = owner[meetings(points, segments)[0]]
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
@@ -161,7 +163,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
     """
     bent = np.zeros(len(outline.pieces), dtype=bool)
     bent[list(outline.curves)] = True
-    for _ in range(ROUNDS):
+    for _ in range(HALVINGS):
         sampled = assemble(outline, piece, t0, t1)
         curved = bent[sampled.piece]
         rows = np.nonzero(curved)[0]
@@ -176,7 +178,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
             cut[pairs.ravel()] = True
             straight = np.isin(sampled.piece, sampled.piece[cut & ~curved]) & ~curved
             cut &= curved
-            if cut.sum() > MANY + SHARE * len(outline.curves):
+            if cut.sum() > CONFLICTS + SHARE * len(outline.curves):
                 break
             if not cut.any():
                 if not ((sampled.span[straight] != [0.0, 1.0]).any()):
@@ -186,7 +188,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
                 t1[straight[~whole]] = 1.0
                 continue
         a, b = sampled.points[sampled.ends[cut]].transpose(1, 0, 2)
-        if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
+        if (np.abs(b - a).max(axis=1) < SHORTEST_CHORD * np.abs(sampled.points).max()).any():
             break
         piece, t0, t1 = halve(sampled, cut)
     raise InputError(_meeting_text(outline, sampled, conflicts(outline, sampled, rows, chains)))
@@ -222,7 +224,7 @@ def _refuse_repeated(outline: Outline) -> None:
         for one, two in combinations(pieces, 2):
             turned = outline.pieces[one, 0] != outline.pieces[two, 0]
             x, y = outline.at(one, SAMPLES), outline.at(two, SAMPLES)[:: -1 if turned else 1]
-            if np.abs(x - y).max() <= SAME * np.abs(x).max():
+            if np.abs(x - y).max() <= SAME_CURVE * np.abs(x).max():
                 names = f"{outline.name(one)} and {outline.name(two)}"
                 raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
 
@@ -248,7 +250,7 @@ def sized(outline: Outline, size: Any, step: float) -> Sampled:
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
     amount = np.append(begin[1:], total[-1]) - begin if len(start) else np.empty(0)
-    if amount.sum() / step > MOST:
+    if amount.sum() / step > MOST_SUBSEGMENTS:
         raise InputError(_too_small(outline, int(np.argmax(amount)), 0.5))
     count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
     owner = np.repeat(np.arange(len(count)), count)

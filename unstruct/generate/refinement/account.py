@@ -10,7 +10,7 @@ from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
 from .encroachment import across_small_angle
 from .limits import ANGLE, Limits, misses
-from .state import CENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
+from .state import CIRCUMCENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
 from .steps import shortest_first
 
 __all__ = ["account", "history_of"]
@@ -20,7 +20,7 @@ TEXTS = {
     PRECISION: "precision: the point needed is no double between its neighbors",
     CURVE: "curve: a split of a curve would meet another feature",
 }
-EVENT_NAMES = {CENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
+EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
 @lean

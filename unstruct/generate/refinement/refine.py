@@ -12,7 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...base.arguments import DEFAULT_BUDGET, MOST
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES
+from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
 from ...base.errors import InputError
 from ...base.progress import progress_bar
@@ -25,7 +26,7 @@ from .account import account, history_of
 from .limits import make_limits
 from .remeshing import carry, plan_mesh
 from .run import Planned, Run
-from .state import BUDGET, EVENTS, FINISHED, MORE, REFUSED
+from .state import BUDGET, EVENTS, REFUSALS
 
 __all__ = ["refine"]
 
@@ -124,7 +125,7 @@ def refine(
     run = Run(planned, limits, offset, _budget(budget), history)
     run.start()
     code = _loop(run, progress)
-    slots, reasons, missed = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
+    slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))
@@ -163,7 +164,7 @@ def _budget(budget: int | None) -> int:
         return DEFAULT_BUDGET
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
-    return min(int(budget), MOST)
+    return min(int(budget), MOST_VERTICES)
 
 
 def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
@@ -191,5 +192,5 @@ def _loop(run: Run, progress: bool) -> int:
             before = run.vertices
             code = run.advance()
             bar.update(run.vertices - before)
-    assert code in (FINISHED, BUDGET)
+    assert code in (DONE, BUDGET)
     return code

@@ -9,24 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import MORE, ROOM
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from .acute import apexes
 from .encroachment import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
-from .free_vertices import MOST
+from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
-    CENTERS,
+    CIRCUMCENTERS,
     CURVES,
     EVENTS,
     FRACTION,
     LARGE,
-    LIMIT,
-    MORE,
     REMOVED,
-    ROOM,
     SEGMENT_TOP,
+    VERTEX_LIMIT,
     WANTED,
     Work,
     look_at_all,
@@ -36,7 +35,7 @@ from .steps import advance
 
 __all__ = ["Planned", "Run"]
 
-STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+REFINE_STEPS_A_CALL = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
 PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
@@ -64,7 +63,7 @@ class Run:
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
         self.tally = np.zeros(16, dtype=np.int64)
-        self.tally[LIMIT] = budget
+        self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
         self.kind = np.full(n, INPUT_VERTEX, dtype=np.int32)
         inner = np.ones(n, dtype=bool)  # vertices that cut a piece, and were no vertices of the input
@@ -86,7 +85,7 @@ class Run:
         self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
         self.joints = planned.joints.astype(np.int32)
         self.arc[:, :3] *= c.factor
-        self.polygon = np.empty((MOST, 7), dtype=np.int64)
+        self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
         self._make_room(min(self._expected(), budget) + 2 * n + 64, 2 * s + 64)
@@ -123,7 +122,7 @@ class Run:
         """The arrays as they are now."""
         c = self.complex
         arrays: list[NDArray] = [
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+            *c.plane(),
             *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
             self.polygon, self.event, self.place,
         ]  # fmt: skip
@@ -134,8 +133,8 @@ class Run:
         look_at_all(self.work(), self.tally, self.limits)
 
     def advance(self) -> int:
-        """Some thousand steps; FINISHED, MORE or BUDGET."""
-        code = advance(self.work(), self.tally, self.limits, self.offset, STEPS)
+        """Some thousand steps; DONE, MORE or BUDGET."""
+        code = advance(self.work(), self.tally, self.limits, self.offset, REFINE_STEPS_A_CALL)
         if code == ROOM:
             c = self.complex
             vertices = len(c.xy) if c.size + 1 <= len(c.xy) else 2 * len(c.xy)
@@ -187,5 +186,5 @@ class Run:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
         return {"removed": int(self.tally[REMOVED])} | {
-            k: int(self.tally[CENTERS + i]) for i, k in enumerate(names)
+            k: int(self.tally[CIRCUMCENTERS + i]) for i, k in enumerate(names)
         }

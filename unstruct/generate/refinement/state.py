@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS
+from ...connect.planar.records import Plane, Scratch
 from .encroachment import encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
@@ -26,14 +27,13 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 OPEN, LARGE = 0, 250
 SMALL_ANGLE, FLOOR, PRECISION, CURVE = 251, 252, 253, 254
 STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
-# what `advance` returns
-FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
+CURVES, BUDGET = 8, 9  # what `advance` returns, besides DONE, MORE and ROOM
 # entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
-SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
-REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 8, 9, 10, 11, 12, 13, 14
+SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, VERTEX_LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
+REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS = 8, 9, 10, 11, 12, 13, 14
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
-LEAST = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
+LEAST_SQUARE = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
 
 
 class Work(NamedTuple):
@@ -83,6 +83,18 @@ class Work(NamedTuple):
 
 
 @inline
+def plane_of(w):
+    """The arrays of the triangulation alone, for kernels of `cavity` that are not inlined."""
+    return Plane(w.xy, w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state)
+
+
+@inline
+def scratch_of(w):
+    """The scratch for cavities alone."""
+    return Scratch(w.stack, w.cells, w.rim, w.hold, w.fresh)
+
+
+@inline
 def ask(w, tally, s, by, floor):
     """Put subsegment s on the stack, unless it is there or locked; whether it is there now.
 
@@ -128,7 +140,7 @@ def unlink(w, tally, t, k):
 def give_up(w, tally, t, why):
     """Note why triangle t, which waits no longer, was not refined."""
     w.status[t] = (w.status[t] & STACKED) | why
-    tally[REFUSED] += 1
+    tally[REFUSALS] += 1
 
 
 @inline
@@ -261,12 +273,12 @@ def look_at_all(w, tally, limits):
 
 
 @inline
-def record(w, tally, what, p, a, b, c, px, py):
-    """Note an event, where a record is kept."""
+def record(w, tally, what, p, corners, px, py):
+    """Note an event, where a record is kept; ``corners``: three vertices, or what stands for them."""
     if len(w.event) > 0:
         i = tally[EVENTS]
         w.event[i, 0], w.event[i, 1] = what, p
-        w.event[i, 2], w.event[i, 3], w.event[i, 4] = a, b, c
+        w.event[i, 2], w.event[i, 3], w.event[i, 4] = corners
         w.place[i, 0], w.place[i, 1] = px, py
         tally[EVENTS] = i + 1
 

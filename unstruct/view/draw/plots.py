@@ -22,7 +22,7 @@ from .strips import draw_items, fit, flat_axes, marks
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
 FEW = 250  # with more cells than this, lines become thinner, down to 0.3 of their width
-MANY = 400  # with more vertices than this, no markers are drawn, because they would hide the cells
+CROWD = 400  # with more vertices than this, no markers are drawn, because they would hide the cells
 
 
 def plot(
@@ -41,7 +41,8 @@ def plot(
     Parameters
     ----------
     mesh : Mesh
-        A mesh in one, two or three dimensions.
+        A mesh in one, two or three dimensions. Large solids, and solids with cells other than tetrahedra, are
+        shown by their boundary.
     ax : matplotlib axes, optional
         Where to draw; by default in a new figure.
     role : str
@@ -51,7 +52,8 @@ def plot(
     vertices : bool, optional
         Whether to draw the vertices; by default only if there are at most 400.
     values : array (cells,), optional
-        Color the cells by these values, with a color bar called ``label`` (planar meshes and surfaces).
+        Color the cells by these values, with a color bar called ``label`` (planar meshes, surfaces, and the
+        faces of solids).
     **view
         ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
 
@@ -86,7 +88,7 @@ def plot(
         for drawn in ax.collections[before:]:
             drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
-    if vertices or (vertices is None and len(used) <= MANY):
+    if vertices or (vertices is None and len(used) <= CROWD):
         marks(ax, points[used], "vertex", z=5, scale=1.0 if len(used) <= 60 else 0.6)
     if names:
         draw_items(ax, [fr.labels("vertex", points[used], used)])
