@@ -1,9 +1,11 @@
 """Overlaps against an oracle that knows no adjacency: separating planes, in integers."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from unstruct import Mesh
 from unstruct.assess.check import check
@@ -144,3 +146,58 @@ def test_triangles_with_common_corners(other, meets):
     )
     found = crossing_facets(points, np.array([(0, 1, 2), other]))
     assert (len(found) > 0) is meets
+
+
+def meet_in_their_plane(p: list[tuple[int, int]], s: tuple[int, ...], t: tuple[int, ...]) -> bool:
+    """Whether two triangles of integer corners meet in more than a common corner or side."""
+
+    def turn(a: int, b: int, c: int) -> int:
+        value = (p[b][0] - p[a][0]) * (p[c][1] - p[a][1]) - (p[b][1] - p[a][1]) * (p[c][0] - p[a][0])
+        return (value > 0) - (value < 0)
+
+    def holds(triangle: tuple[int, ...], v: int) -> bool:
+        signs = {turn(triangle[k], triangle[k - 2], v) for k in range(3)}
+        return not {1, -1} <= signs
+
+    def between(a: int, b: int, c: int) -> bool:
+        return turn(a, b, c) == 0 and all(
+            min(p[a][i], p[b][i]) <= p[c][i] <= max(p[a][i], p[b][i]) for i in (0, 1)
+        )
+
+    if any(v not in t and holds(t, v) for v in s) or any(v not in s and holds(s, v) for v in t):
+        return True
+    for i, j in product(range(3), repeat=2):
+        a, b, c, d = s[i], s[i - 1], t[j], t[j - 1]
+        common = {a, b} & {c, d}
+        if len(common) == 2:
+            continue
+        ends = ((a, b, c), (a, b, d), (c, d, a), (c, d, b))
+        if any(three[2] not in common and between(*three) for three in ends):
+            return True
+        if not common and turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0:
+            return True
+    return False
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 3), st.integers(0, 3)), min_size=6, max_size=9, unique=True), st.data()
+)
+def test_triangles_in_one_plane_of_space(corners: list[tuple[int, int]], data: st.DataObject) -> None:
+    """Sides and corners in common, on each other, through each other; the plane in three positions."""
+    flat = [
+        t
+        for t in combinations(range(len(corners)), 3)
+        if np.linalg.det([[1, *corners[v]] for v in t]).round() != 0
+    ]
+    if len(flat) < 2:
+        return
+    chosen = data.draw(st.lists(st.sampled_from(flat), min_size=2, max_size=8, unique=True))
+    wanted = [
+        [i, j]
+        for i, j in combinations(range(len(chosen)), 2)
+        if meet_in_their_plane(corners, chosen[i], chosen[j])
+    ]
+    x, y = np.array(corners, dtype=float).T
+    for points in ((x, y, 0 * x), (x, 0 * x, y), (0 * x, x, y), (x, y, x + 2 * y + 1)):
+        assert crossing_facets(np.column_stack(points), np.array(chosen)).tolist() == wanted
