@@ -37,6 +37,37 @@ DOORS = {
     "unstruct.view:plot",
     "unstruct.view:plot_voronoi",
 }
+# Kernels take at most eight arguments, a record counting as one. Predicates take coordinates, as numbers. The
+# others here are those that do not do so yet: this list may only shrink.
+ARGUMENTS = 8
+MORE_ARGUMENTS = {
+    "connect/baker/generalized_cavity:replace": 13,
+    "connect/baker/generalized_cavity:insert_vertices": 13,
+    "connect/baker/generalized_cavity:build_star": 12,
+    "connect/insertion/plane:insert2": 9,
+    "connect/insertion/removal:fill": 10,
+    "connect/insertion/removal:remove2": 9,
+    "connect/insertion/space:cavity3": 12,
+    "connect/insertion/space:star3": 11,
+    "connect/insertion/space:insert3": 11,
+    "connect/swapping:_legalize": 9,
+    "connect/voronoi/clip:_clip": 12,
+    "connect/wrapping/apex:find_apex": 11,
+    "connect/wrapping/faces:wrap": 16,
+    "connect/wrapping/faces:join": 11,
+    "geometry/boxes:_candidates": 9,
+    "geometry/ordering:hilbert_keys": 10,
+    "geometry/segment_pairs:_cell_pairs": 11,
+    "geometry/segment_tree:_search": 10,
+    "geometry/sweep:_sweep": 10,
+    "predicates/filters:filter_insphere": 15,
+    "predicates/filters:filter_orient3": 12,
+    "predicates/kernels:insphere": 15,
+    "predicates/kernels:orient3": 12,
+    "sizing/boundary:_feature_sizes": 10,
+    "sizing/boundary:_apart": 9,
+    "sizing/boundary:_stands_apart": 9,
+}
 
 
 def run(*command: str) -> subprocess.CompletedProcess[str]:
@@ -218,6 +249,71 @@ def test_sizes(path: Path) -> None:
                 body = body[1:]
             lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
             assert lines <= limit, f"{node.name} has {lines} lines"
+
+
+def kernels(path: Path) -> list[tuple[str, int]]:
+    """Names of the kernels in a file, and how many arguments they take."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [
+        (node.name, len(node.args.args))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and any(isinstance(d, ast.Name) and d.id in ("kernel", "lean", "inline") for d in node.decorator_list)
+    ]
+
+
+def test_kernels_take_records() -> None:
+    found = {}
+    for path in MODULES:
+        place = path.relative_to(PACKAGE).with_suffix("").as_posix()
+        found |= {f"{place}:{name}": count for name, count in kernels(path) if count > ARGUMENTS}
+    more = {name: count for name, count in found.items() if count > MORE_ARGUMENTS.get(name, ARGUMENTS)}
+    assert not more, f"hand these a record (a NamedTuple of arrays): {more}"
+    gone = {name: found.get(name, 0) for name in MORE_ARGUMENTS if found.get(name) != MORE_ARGUMENTS[name]}
+    assert not gone, f"these take fewer now: lower their numbers, or take them from the list: {gone}"
+
+
+def assigned(path: Path) -> set[str]:
+    """The constants of a file: names in capitals that are assigned at its top."""
+    found: set[str] = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        if isinstance(node, ast.AnnAssign):
+            targets = [node.target]
+        for target in targets:
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            found |= {
+                n.id for n in names if isinstance(n, ast.Name) and re.fullmatch(r"[A-Z][A-Z0-9_]*", n.id)
+            }
+    return found
+
+
+def test_a_constant_has_one_meaning() -> None:
+    """What means the same is imported from one place; what does not, has another name."""
+    places: dict[str, list[str]] = {}
+    for path in MODULES:
+        if path.parent != PACKAGE / "plain":  # the oracle shares nothing with what it judges
+            for name in assigned(path):
+                places.setdefault(name, []).append(relative(path))
+    twice = {name: found for name, found in places.items() if len(found) > 1}
+    assert not twice, twice
+
+
+def test_private_attributes_stay_in_their_file() -> None:
+    """What another file reads has a public name; `jit` alone looks into numba."""
+    for path in MODULES:
+        if path == PACKAGE / "base" / "jit.py":
+            continue
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        own = {node.name for node in nodes if isinstance(node, ast.FunctionDef)} | {"_replace"}
+        read = set()
+        for node in nodes:
+            if isinstance(node, ast.Attribute) and re.match(r"_[a-z]", node.attr):
+                if isinstance(node.value, ast.Name) and node.value.id in ("self", "cls"):
+                    own.add(node.attr)
+                else:
+                    read.add(node.attr)
+        assert not read - own, f"{relative(path)} reads {read - own}"
 
 
 def public() -> list[tuple[str, object]]:

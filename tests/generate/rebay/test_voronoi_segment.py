@@ -23,7 +23,7 @@ from unstruct.examples.running import running_region, running_size
 from unstruct.generate.boundary.constrained import planar_complex
 from unstruct.generate.rebay import queue as queue
 from unstruct.generate.rebay import steps as kernel
-from unstruct.generate.rebay.run import COUNT_NAMES, Run, rule_of
+from unstruct.generate.rebay.run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 from unstruct.generate.rebay.voronoi_segment import CASES, epsilon_chains, voronoi_segment
 from unstruct.plain import rebay_step
 
@@ -158,7 +158,9 @@ class Pair:
         self.corners, self.f = tuple(np.array(x, dtype=float) for x in (a, b, c, d)), f
         domain = Domain.polygon([a, d, b, c])
         complex_ = planar_complex(domain)
-        self.run = Run(domain, complex_, ROOT3 * f, None, rule_of(1.35, "center", "first", None, True), False)
+        self.run = VoronoiSegmentRun(
+            domain, complex_, ROOT3 * f, None, rule_of(1.35, "center", "first", None, True), False
+        )
         vertex = complex_.vertex
         (self.e,) = [
             e for e in range(3 * complex_.triangles)
@@ -234,7 +236,7 @@ def test_points_that_are_rejected() -> None:
 def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     domain = Domain.rectangle((0, 0), (4, 1))
     complex_ = planar_complex(domain)
-    run = Run(domain, complex_, 3.0, None, rule_of(1.35, "center", "first", None, True), True)
+    run = VoronoiSegmentRun(domain, complex_, 3.0, None, rule_of(1.35, "center", "first", None, True), True)
     run.start(np.ones(complex_.size, dtype=bool))
     before = complex_.vertex[: 3 * complex_.triangles].copy()
     with monkeypatch.context() as patch:
@@ -249,7 +251,9 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
 def test_after_finishing_it_is_known_of_all_triangles_whether_they_are_small_enough() -> None:
     domain = lake()
     complex_ = planar_complex(domain, running_size)
-    run = Run(domain, complex_, running_size, None, rule_of(1.35, "center", "first", None, True), False)
+    run = VoronoiSegmentRun(
+        domain, complex_, running_size, None, rule_of(1.35, "center", "first", None, True), False
+    )
     run.insert(None, None)
     counts = run.finish(None)["counts"]
     assert (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.errors import DegenerateInputError
 from ...base.jit import kernel
 from ...predicates.batch import orient_at
 from ...predicates.kernels import orient2, orient3
@@ -65,3 +66,17 @@ def first_simplex(rows: NDArray[np.float64], *, compiled: bool) -> list[int]:
     if found[-1] >= 0 and rows.shape[1] == 3:
         found.append(int(_not_coplanar(rows, found[1], found[2], found[2] + 1)))
     return found[:-1] if found[-1] < 0 else found
+
+
+def not_spanning(rows: NDArray[np.float64], flat: int) -> DegenerateInputError:
+    """What is wrong with points that lie in a flat of lower dimension."""
+    n, d = rows.shape
+    if n == 0:
+        return DegenerateInputError("there are no points yet: insert some", -1)
+    where = FLATS.get(flat, f"in a flat of dimension {flat}")
+    what = f"the only point is {rows[0].tolist()}" if n == 1 else f"all {n} points are {where}"
+    return DegenerateInputError(
+        f"{what} (dimension {flat}): a triangulation in {d} dimensions needs points that span the "
+        "space; add others, or drop the coordinates that carry nothing",
+        flat,
+    )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...predicates.batch import orient_at
@@ -14,6 +17,7 @@ __all__ = [
     "SEGMENTS",
     "UNUSED",
     "VERTICES",
+    "HalfEdges",
     "conflict_across",
     "end_of",
     "free_slot",
@@ -24,6 +28,19 @@ __all__ = [
     "prev_edge",
     "start_of",
 ]
+
+
+class HalfEdges(NamedTuple):
+    """A triangulation of the plane in half-edges (see `plane`), whose vertices are numbered as the input was.
+
+    `GHOST` is the third vertex beyond each hull edge. ``xy`` is the input times ``factor``, a power of two
+    that takes it to |xy| <= 1.
+    """
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    factor: float
 
 
 @inline

@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import as_points
-from ...base.errors import DegenerateInputError, InputError, MeshError
+from ...base.errors import InputError, MeshError
 from ...base.progress import progress_bar
 from ...geometry.ordering import brio, hilbert_order
 from ...mesh.cells import counted, simplex_type
 from ...mesh.mesh import Mesh
 from ...predicates.batch import in_sphere, orient, power_of_two
-from .engine import Compiled, gather, grown
-from .first import FLATS, first_simplex
+from .engine import COUNT, GHOST, Compiled, gather, grown
+from .first import first_simplex, not_spanning
 from .general import General
+from .halfedges import HalfEdges
 from .plane import Planar
 from .space import Spatial
 
@@ -231,6 +232,21 @@ class Triangulation:
         pairs = pairs[pairs[:, 0] != pairs[:, 1]]
         return labels, pairs[np.argsort(pairs[:, 0])].astype(np.int32)
 
+    @property
+    def duplicates(self) -> NDArray[np.int32]:
+        """Points that equal others, as rows (copy, kept): of several the one of least number is kept."""
+        return np.empty((0, 2), dtype=np.int32) if not self.spans else self._labels()[1]
+
+    def half_edges(self) -> HalfEdges | None:
+        """The triangles for kernels, in the plane; None where there are none, or no one scale serves."""
+        self._update(False)
+        engine, factor = self._engine, self._factor
+        if not isinstance(engine, Planar):
+            return None
+        slots, labels = 3 * int(engine.state[COUNT]), np.append(self._labels()[0], np.int32(GHOST))
+        vertex, twin = labels[engine.vertex[:slots]], engine.across[:slots].copy()
+        return HalfEdges(self._rows[: self._size] * factor, vertex, twin, factor)
+
     def mesh(self) -> Mesh:
         """The triangulation as a `Mesh` (kept until the next change).
 
@@ -244,7 +260,7 @@ class Triangulation:
         """
         self._update(False)
         if self._engine is None:
-            raise self._degenerate()
+            raise not_spanning(self._rows[: self._size][~self._removed[: self._size]], self._flat)
         if self._mesh is None:
             labels, duplicates = self._labels()
             simplices, neighbors, number = self._engine.cells(labels)
@@ -256,18 +272,6 @@ class Triangulation:
             mesh = Mesh(rows, simplices, neighbors=neighbors, origin=origin, duplicates=duplicates)
             self._number, self._mesh = number, mesh
         return self._mesh
-
-    def _degenerate(self) -> DegenerateInputError:
-        n, d = self._size - int(self._removed[: self._size].sum()), self.dimension
-        if n == 0:
-            return DegenerateInputError("there are no points yet: insert some", -1)
-        where = FLATS.get(self._flat, f"in a flat of dimension {self._flat}")
-        what = f"the only point is {self._rows[0].tolist()}" if n == 1 else f"all {n} points are {where}"
-        return DegenerateInputError(
-            f"{what} (dimension {self._flat}): a triangulation in {d} dimensions needs points that span the "
-            "space; add others, or drop the coordinates that carry nothing",
-            self._flat,
-        )
 
     # ------------------------------------------------------------------ queries
 

@@ -17,10 +17,9 @@ from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
-from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
+from ..insertion.engine import BUSY, COUNT, FREE, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.triangulation import Triangulation
-from .cavity import GHOST
 from .records import Plane, Scratch
 
 __all__ = ["PlanarComplex"]
@@ -113,21 +112,19 @@ class PlanarComplex:
         delaunay = Triangulation(rows, progress=progress)
         if not delaunay.spans:
             delaunay.mesh()  # raises, and says which flat holds the points
-        engine = delaunay._engine
-        if not isinstance(engine, Compiled):
+        start = delaunay.half_edges()
+        if start is None:
             raise InputError(
                 "the exponents of the coordinates span too much for one scale: drop or move points that are "
                 "nearer to each other than 1e-300 of the largest coordinate"
             )
-        if (engine.copy_of[: engine.size] >= 0).any():
-            copy, kept = delaunay.mesh().duplicates[0]
+        for copy, kept in delaunay.duplicates[:1].tolist():
             raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")
-        count = int(engine.state[COUNT])
-        self.factor: float = delaunay._factor
-        self.xy: NDArray[np.float64] = rows * self.factor
-        label = np.append(delaunay._input, np.int32(GHOST))  # the ghost, -1, is the last entry
-        self.vertex: NDArray[np.int32] = label[engine.vertex[: 3 * count]]
-        self.twin: NDArray[np.int32] = engine.across[: 3 * count].copy()
+        count = len(start.vertex) // 3
+        self.factor: float = start.factor
+        self.xy: NDArray[np.float64] = start.xy
+        self.vertex: NDArray[np.int32] = start.vertex
+        self.twin: NDArray[np.int32] = start.twin
         self.mark: NDArray[np.int32] = np.full(3 * count, -1, dtype=np.int32)
         self.region: NDArray[np.int32] = np.full(count, -1, dtype=np.int32)
         self.ends: NDArray[np.int32] = np.empty((0, 2), dtype=np.int32)

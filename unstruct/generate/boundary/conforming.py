@@ -153,16 +153,16 @@ def conform(
     shells: bool | str = "auto",
     budget: int | None = None,
     progress: bool = False,
-) -> _Run:
+) -> ConformingRun:
     """`conforming_delaunay` for a complex that stands already, in place."""
-    run = _Run(domain, complex_, test, shells, budget)
+    run = ConformingRun(domain, complex_, test, shells, budget)
     with progress_bar(progress, "", desc="splits") as bar:
         while len(run.queue):
             bar.update(run.round())
     return run
 
 
-class _Run:
+class ConformingRun:
     """One run: the queue of subsegments to be looked at, and what has been found out."""
 
     def __init__(

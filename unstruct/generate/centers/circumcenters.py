@@ -112,7 +112,7 @@ def circumcenter_insertion(
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
     most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
-    run = _Run(complex_, domain, rule, boundary == "split", history)
+    run = CircumcenterRun(complex_, domain, rule, boundary == "split", history)
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
     return complex_.mesh(
@@ -145,7 +145,7 @@ def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
     return Domain(rows[kept], place[mesh.boundary]), kept.astype(np.int32), len(mesh.duplicates)
 
 
-class _Run(Contest):
+class CircumcenterRun(Contest):
     """A run over a complex: the tournament, the record, and the splits."""
 
     def __init__(self, complex_: PlanarComplex, domain: Domain, rule: Rule, split: bool, history: bool):

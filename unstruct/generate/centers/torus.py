@@ -68,7 +68,7 @@ def periodic_circumcenters(
     most = MOST_ON_TORUS if budget is None else as_count(budget, "budget")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
-    run = _Run(start, rule, history)
+    run = TorusRun(start, rule, history)
     end = run.advance(len(start.points) + most, progress)
     return run.result(end)
 
@@ -79,7 +79,7 @@ def _wrapped(size: Any) -> Any:
     return field if field.constant is not None else as_size(lambda x: field(x - np.floor(x)))
 
 
-class _Run(Contest):
+class TorusRun(Contest):
     """The arrays of a run on the torus."""
 
     def __init__(self, start: PeriodicMesh, rule: Rule, history: bool):

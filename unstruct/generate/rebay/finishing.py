@@ -18,8 +18,7 @@ from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
-from ..refinement.run import Planned
-from ..refinement.run import Run as Refinement
+from ..refinement.run import Planned, RefineRun
 from ..refinement.state import REFUSALS
 
 __all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
@@ -147,7 +146,7 @@ def refine_angles(
         complex_, names, domain.pieces, cuts.kind, cuts.arc, domain.points_at,
         {"inputs": np.arange(len(domain.points))},
     )  # fmt: skip
-    run = Refinement(planned, limits, 0.0, most, False)
+    run = RefineRun(planned, limits, 0.0, most, False)
     free = run.kind[given : complex_.size]
     free[free == INPUT_VERTEX] = FREE_VERTEX
     run.start()

@@ -30,7 +30,7 @@ BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the 
 ORDER_BUCKETS = 96  # of any other measure
 
 
-class Run:
+class VoronoiSegmentRun:
     """The state of one run.
 
     Parameters

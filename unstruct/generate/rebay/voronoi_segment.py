@@ -13,7 +13,7 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.constrained import planar_complex
-from .run import COUNT_NAMES, Run, rule_of
+from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
 
@@ -120,7 +120,7 @@ def voronoi_segment(
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
-    run = Run(domain, complex_, size, priority if rule.general else None, rule, history)
+    run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, history)
     with progress_bar(progress, " points") as bar:
         run.insert(budget, bar)
     return run.result(run.finish(budget) if finish and not run.spent else None)

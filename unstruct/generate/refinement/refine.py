@@ -25,7 +25,7 @@ from ..boundary.constrained import planar_complex
 from .account import account, history_of
 from .limits import make_limits
 from .remeshing import carry, plan_mesh
-from .run import Planned, Run
+from .run import Planned, RefineRun
 from .state import BUDGET, EVENTS, REFUSALS
 
 __all__ = ["refine"]
@@ -122,7 +122,7 @@ def refine(
     limits = make_limits(
         planned.names, box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
-    run = Run(planned, limits, offset, _budget(budget), history)
+    run = RefineRun(planned, limits, offset, _budget(budget), history)
     run.start()
     code = _loop(run, progress)
     slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
@@ -185,7 +185,7 @@ def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
     )  # fmt: skip
 
 
-def _loop(run: Run, progress: bool) -> int:
+def _loop(run: RefineRun, progress: bool) -> int:
     code = MORE
     with progress_bar(progress, " vertices", desc="refine") as bar:
         while code == MORE:

@@ -33,7 +33,7 @@ from .state import (
 )
 from .steps import advance
 
-__all__ = ["Planned", "Run"]
+__all__ = ["Planned", "RefineRun"]
 
 REFINE_STEPS_A_CALL = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
 PER_VERTEX = ("kind", "floor")
@@ -56,7 +56,7 @@ class Planned:
     rest: dict[str, Any] = field(default_factory=dict)  # for `PlanarComplex.mesh`
 
 
-class Run:
+class RefineRun:
     """The arrays of a run beside those of its `PlanarComplex`, and the loop around the kernel."""
 
     def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
