@@ -140,7 +140,7 @@ COBWEBS: dict[str, tuple[float, float]] = {  # the factor of f per step, and p /
     "no rest, no pair": (0.75, 0.8),
     "nasty: f shrinks faster than p": (0.69, 0.8),
 }
-GROWTH, START, STEPS = (0.65, 1.4), (0.5, 1.5), 24
+GROWTH, START, COBWEB_STEPS = (0.65, 1.4), (0.5, 1.5), 24
 WINDOW_LOW, WINDOW_HIGH = -0.62, 0.88  # the range of epsilon in the window
 IDEAL = 2 / sqrt(3)
 
@@ -207,7 +207,7 @@ def _next(deviation: float, growth: float) -> float:
 def _web(growth: float, start: float) -> tuple[list[float], list[Any]]:
     """The deviations of a chain of edges, and the segments between the curve and the diagonal."""
     orbit = [1 / start - IDEAL]
-    for _ in range(STEPS):
+    for _ in range(COBWEB_STEPS):
         orbit.append(_next(orbit[-1], growth))
     web, here = [], [orbit[0], 0.0]
     for now, then in pairwise(orbit):
@@ -239,7 +239,7 @@ def _fate(growth: float, orbit: list[float]) -> tuple[str, str]:
     rest, slope = _rest(growth)
     if rest == -inf:
         return "f shrinks faster than the edges: p / f grows without bound", f"p/f = {_ratio(orbit):.3g}"
-    number = f"after {STEPS} steps ε − ε* = {orbit[-1] - rest:.0e}; slope at ε* {slope:.3f}"
+    number = f"after {COBWEB_STEPS} steps ε − ε* = {orbit[-1] - rest:.0e}; slope at ε* {slope:.3f}"
     away = [abs(deviation - rest) for deviation in orbit]
     if away[-1] < 1e-3 or (abs(slope) < 1 and away[-1] < 0.7 * away[-9]):
         return "all later triangles tend to one shape", number
