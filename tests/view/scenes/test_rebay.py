@@ -87,7 +87,7 @@ def test_the_cobweb_over_its_whole_range(growth):
             assert isclose(across[0][0], rs.epsilon(x, 1.0), abs_tol=1e-9)
             x = rs.next_ratio(x, growth)
             assert isclose(across[1][1], rs.epsilon(x, 1.0), abs_tol=1e-9)
-        assert len(web) == 2 * rb.STEPS
+        assert len(web) == 2 * rb.COBWEB_STEPS
         assert points(frame, "accepted") == ([(0.1, -0.05)] if abs(growth - 1) < 1e-9 else [])
         if growth < sqrt(0.5):
             assert "without bound" in frame["caption"]
