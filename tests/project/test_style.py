@@ -41,32 +41,13 @@ DOORS = {
 # others here are those that do not do so yet: this list may only shrink.
 ARGUMENTS = 8
 MORE_ARGUMENTS = {
-    "connect/baker/generalized_cavity:replace": 13,
-    "connect/baker/generalized_cavity:insert_vertices": 13,
-    "connect/baker/generalized_cavity:build_star": 12,
-    "connect/insertion/plane:insert2": 9,
-    "connect/insertion/removal:fill": 10,
-    "connect/insertion/removal:remove2": 9,
-    "connect/insertion/space:cavity3": 12,
-    "connect/insertion/space:star3": 11,
-    "connect/insertion/space:insert3": 11,
-    "connect/swapping:_legalize": 9,
-    "connect/voronoi/clip:_clip": 12,
-    "connect/wrapping/apex:find_apex": 11,
-    "connect/wrapping/faces:wrap": 16,
-    "connect/wrapping/faces:join": 11,
-    "geometry/boxes:_candidates": 9,
     "geometry/ordering:hilbert_keys": 10,
     "geometry/segment_pairs:_cell_pairs": 11,
-    "geometry/segment_tree:_search": 10,
     "geometry/sweep:_sweep": 10,
     "predicates/filters:filter_insphere": 15,
     "predicates/filters:filter_orient3": 12,
     "predicates/kernels:insphere": 15,
     "predicates/kernels:orient3": 12,
-    "sizing/boundary:_feature_sizes": 10,
-    "sizing/boundary:_apart": 9,
-    "sizing/boundary:_stands_apart": 9,
 }
 
 

@@ -93,14 +93,14 @@ def _suspect_all(N, queued, stack):
 
 
 @kernel
-def _legalize(P, T, N, queued, stack, top, events, steps, wide):
-    """Examine at most ``steps`` edges of the stack; return its height and the number of swaps.
+def _legalize(P, T, N, queued, stack, top, events, wide):
+    """Examine as many edges of the stack as ``events`` has room for; its height, and the number of swaps.
 
     A slot (t, i) stands for the edge that is there at the time. After a swap, the four edges around it are
     put on the stack by their new slots; an old entry of the stack only tests a legal edge again.
     """
     count = 0
-    for _ in range(steps):
+    for _ in range(len(events)):
         if top == 0:
             break
         top -= 1
@@ -295,7 +295,7 @@ def _run(P: NDArray, T: NDArray, N: NDArray, wide: bool, history: bool, progress
     top = _suspect_all(N, queued, stack)
     with progress_bar(progress, "", desc="swaps") as bar:
         while top:
-            top, count = _legalize(P, T, N, queued, stack, top, buffer, len(buffer), wide)
+            top, count = _legalize(P, T, N, queued, stack, top, buffer, wide)
             if history:
                 events.append(buffer[:count].copy())
             bar.update(count)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
@@ -21,13 +24,24 @@ def _touch(low, high, other_low, other_high):
     return True
 
 
+class Boxes(NamedTuple):
+    """Boxes in a tree: those of its nodes, the order of the boxes in its leaves, the boxes."""
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    order: NDArray[np.int64]
+    box_low: NDArray[np.float64]
+    box_high: NDArray[np.float64]
+
+
 @kernel
-def _candidates(query_low, query_high, low, high, order, box_low, box_high, start, boxes):
+def _candidates(query_low, query_high, tree, start, boxes):
     """The boxes that meet each query box. If ``boxes`` is empty, they are only counted.
 
     Node i of the tree has the children 2 i and 2 i + 1; the second half of the nodes are leaves.
     ``start[q + 1]`` receives the number of pairs of the queries 0 to q.
     """
+    low, high, order, box_low, box_high = tree
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     count = 0
@@ -100,10 +114,10 @@ class BoxTree:
     def pairs(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All pairs of a query box and a box of the tree that meet, sorted by query."""
         queries = (np.ascontiguousarray(low), np.ascontiguousarray(high))
-        tree = (self.low, self.high, self.order, self.box_low, self.box_high)
+        tree = Boxes(self.low, self.high, self.order, self.box_low, self.box_high)
         start = np.zeros(len(low) + 1, dtype=np.int64)
-        _candidates(*queries, *tree, start, np.empty(0, dtype=np.int64))
+        _candidates(*queries, tree, start, np.empty(0, dtype=np.int64))
         boxes = np.empty(start[-1], dtype=np.int64)
         if len(boxes):
-            _candidates(*queries, *tree, start, boxes)
+            _candidates(*queries, tree, start, boxes)
         return np.repeat(np.arange(len(low)), np.diff(start)), boxes

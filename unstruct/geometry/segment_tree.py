@@ -6,6 +6,8 @@ change linearly along its segment. See the book, chapter 2.3.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -84,13 +86,25 @@ def _from_segment(x, q, segments, weights, i, growth):
     return (weights[i, 1] if t == 1.0 else weights[i, 0] + t * rise) + growth * np.sqrt(total)
 
 
+class SegmentNodes(NamedTuple):
+    """The arrays of a `SegmentTree`: boxes, the least weight below each, the order of the segments."""
+
+    low: Array
+    high: Array
+    least: Array
+    order: Integers
+    segments: Array
+    weights: Array
+
+
 @kernel
-def _search(x, low, high, least, order, segments, weights, growth, best, which):
+def _search(x, tree, growth, best, which):
     """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
 
     A box is skipped if its minimum weight at its nearest point would not be lower. Queries that follow each
     other are often close, so the answer of the previous query is tried first.
     """
+    low, high, least, order, segments, weights = tree
     leaves = low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     for q in range(x.shape[0]):
@@ -154,9 +168,8 @@ class SegmentTree:
             raise InputError(f"weights must be {len(array)} finite numbers, not shape {given.shape}")
         self.weights: Array = given if given.ndim == 2 else np.repeat(given[:, None], 2, axis=1)
         tree = BoxTree(self.segments.min(axis=1), self.segments.max(axis=1))
-        self.boxes = tree.low, tree.high
-        self.order = tree.order
-        self._lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
+        lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
+        self.nodes = SegmentNodes(tree.low, tree.high, lowest, tree.order, self.segments, self.weights)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
         """The minimum of weight + growth * distance over all segments.
@@ -183,8 +196,7 @@ class SegmentTree:
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
         which = np.full(len(points), -1, dtype=np.int64)
         scaled = np.ascontiguousarray(points * self.factor)
-        tree = *self.boxes, self._lowest, self.order, self.segments, self.weights
-        _search(scaled, *tree, growth / self.factor, best, which)
+        _search(scaled, self.nodes, growth / self.factor, best, which)
         return best, which
 
     def distance(self, x: ArrayLike) -> Array:

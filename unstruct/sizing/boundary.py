@@ -67,13 +67,22 @@ def _near(v, i, ends, turn):
     return (ends[i, 0] == v and turn[i, 0] <= AROUND) or (ends[i, 1] == v and turn[i, 1] <= AROUND)
 
 
+class Features(NamedTuple):
+    """What is known of each feature: its piece, the ends of that, the turn before it and after it."""
+
+    piece: Integers
+    ends: Integers
+    turn: Array
+
+
 @inline
-def _apart(j, group, b, found, least, most, piece, ends, turn):
+def _apart(j, group, b, found, least, most, features):
     """Whether feature j is apart from one of a group, which consists of the nearer features of one piece.
 
     One feature of the group is known, and the smallest and the largest turn of all. The other features are
     examined only if the piece shares both its ends with feature j and turns far.
     """
+    piece, ends, turn = features
     i = group
     if piece[i] == piece[j]:
         return turn[j, 0] - least > AROUND or most - turn[j, 0] > AROUND
@@ -120,17 +129,18 @@ def _pop(heap, what, count):
 
 
 @inline
-def _stands_apart(b, found, many, groups, least, most, piece, ends, turn):
+def _stands_apart(b, found, many, groups, least, most, features):
     """Whether the feature at place b in the order of distance is apart from a nearer one.
 
     If it is not, it is added to the group of its piece. The second result is the number of groups.
     """
+    piece, turn = features.piece, features.turn
     j = found[b]
     own = -1
     for g in range(many):
         if piece[groups[g]] == piece[j]:
             own = g
-        if _apart(j, groups[g], b, found, least[g], most[g], piece, ends, turn):
+        if _apart(j, groups[g], b, found, least[g], most[g], features):
             return True, many
     if own < 0:
         own = many
@@ -142,12 +152,13 @@ def _stands_apart(b, found, many, groups, least, most, piece, ends, turn):
 
 
 @kernel
-def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result):
+def _feature_sizes(x, tree, features, far, result):
     """The smallest radius of a disk around x[q] that touches two features which are apart.
 
     It is infinite if there is no such disk, or if its radius would be larger than ``far``. A heap of boxes
     and features (feature i is stored as -1 - i) gives the features one by one, the nearest first.
     """
+    low, high, order, segments = tree.low, tree.high, tree.order, tree.segments
     leaves, many_features = low.shape[0] // 2, segments.shape[0]
     heap = np.empty(low.shape[0] + many_features + 2)
     what = np.empty(low.shape[0] + many_features + 2, dtype=np.int64)
@@ -168,7 +179,7 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result
                 break
             if w < 0:
                 found[count] = -1 - w
-                apart, many = _stands_apart(count, found, many, groups, least, most, piece, ends, turn)
+                apart, many = _stands_apart(count, found, many, groups, least, most, features)
                 if apart:
                     result[q] = d
                     break
@@ -203,12 +214,12 @@ class FeatureSize:
         blocks += [np.stack([c.points[:-1], c.points[1:]], axis=1) for c in chains]
         number = np.concatenate([straight, np.repeat(list(domain.curves), [len(c.turn) for c in chains])])
         number = number.astype(np.int64)
-        self._piece = np.concatenate([-1 - vertices, number])  # a vertex is a piece of its own
-        self._ends = np.concatenate([np.stack([vertices] * 2, axis=1), domain.pieces[number]], dtype=np.int64)
+        piece = np.concatenate([-1 - vertices, number])  # a vertex is a piece of its own
+        ends = np.concatenate([np.stack([vertices] * 2, axis=1), domain.pieces[number]], dtype=np.int64)
         flat = np.zeros(len(vertices) + len(straight))
         turn = np.concatenate([flat, *[c.turn for c in chains]])
         rest = np.concatenate([flat, *[c.total - c.turn for c in chains]])
-        self._turn = np.stack([turn, rest], axis=1)
+        self._features = Features(piece, ends, np.stack([turn, rest], axis=1))
         self._tree = SegmentTree(np.concatenate(blocks))
 
     def __call__(self, x: ArrayLike, far: float = np.inf) -> Array:
@@ -223,8 +234,7 @@ class FeatureSize:
             raise InputError(f"x must have shape (k, 2), not {points.shape}")
         result = np.empty(len(points))
         scaled = np.ascontiguousarray(points * tree.factor)
-        boxes = *tree.boxes, tree.order, tree.segments
-        _feature_sizes(scaled, *boxes, self._piece, self._ends, self._turn, far * tree.factor, result)
+        _feature_sizes(scaled, tree.nodes, self._features, far * tree.factor, result)
         return result / tree.factor
 
 

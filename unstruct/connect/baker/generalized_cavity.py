@@ -7,7 +7,10 @@ ridge is (cell, {j, k}), the face of the cell without corners j and k.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.codes import DONE, HIDDEN, OUTSIDE, ROOM
 from ...base.jit import inline, kernel
@@ -20,6 +23,29 @@ HELD = 8  # `insert_vertices` stops because of a fixed cell; its other results a
 OUT, IN, DROPPED, PENDING, FIXED = 0, 1, 2, 3, 4
 # The columns of the records; see `modernized.Record`.
 TWIN, COMPONENT, HIDDEN_FACETS, DROP_ROUNDS, CELLS_LOST, CELLS_KEPT, CELLS_MADE = range(7)
+
+
+class Growing(NamedTuple):
+    """The arrays of a triangulation that grows, and what an insertion notes of its cells."""
+
+    cells: NDArray[np.int64]
+    neighbors: NDArray[np.int64]
+    source: NDArray[np.int64]  # the cell of the beginning that each comes from
+    state: NDArray[np.int8]
+    sides: NDArray[np.int8]
+    place: NDArray[np.int64]
+    free: NDArray[np.int64]  # rows that are free
+    counters: NDArray[np.int64]
+
+
+class Star(NamedTuple):
+    """The new cells, written aside: which facet has which, their rows, and what they have beyond them."""
+
+    slot: NDArray[np.int64]
+    number: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    links: NDArray[np.int64]
+    back: NDArray[np.int64]
 
 
 @kernel
@@ -234,12 +260,14 @@ def number_facets(cells, neighbors, state, sides, kept, size, place, slot):
 
 
 @kernel
-def build_star(cells, neighbors, state, kept, size, p, place, slot, number, rows, links, back):
+def build_star(grown, star, kept, size, p):
     """Write the new cells and their neighbors to work arrays, without changing the old cells.
 
     Cell (c, k) of the star is c with corner k moved to p. Its neighbor across the ridge (c, {j, k}) is the
     cell of the star on the boundary facet to which the turn around the ridge leads.
     """
+    cells, neighbors, state, place = grown.cells, grown.neighbors, grown.state, grown.place
+    slot, number, rows, links, back = star
     width = cells.shape[1]
     for i in range(size):
         c = kept[i]
@@ -262,8 +290,10 @@ def build_star(cells, neighbors, state, kept, size, p, place, slot, number, rows
 
 
 @kernel
-def replace(cells, neighbors, source, kept, size, made, slot, number, rows, links, back, free, counters):
+def replace(grown, star, kept, size, made):
     """Replace the cavity by the star."""
+    cells, neighbors, source = grown.cells, grown.neighbors, grown.source
+    slot, number, rows, links, back = star
     origin = np.empty(made, dtype=np.int64)
     for i in range(size):
         for k in range(cells.shape[1]):
@@ -280,8 +310,8 @@ def replace(cells, neighbors, source, kept, size, made, slot, number, rows, link
             neighbors[c, k] = links[q, k]
     for q in range(made, size):  # if the star has fewer cells than the cavity, rows become free
         cells[kept[q], 0] = -1
-        free[counters[1]] = kept[q]
-        counters[1] += 1
+        grown.free[grown.counters[1]] = kept[q]
+        grown.counters[1] += 1
 
 
 @kernel
@@ -323,15 +353,14 @@ def first_hidden(cells, neighbors, state, sides, cavity, size):
 
 
 @kernel
-def insert_vertices(
-    points, first, last, reduce, cells, neighbors, source, state, sides, place, free, counters, records
-):
+def insert_vertices(points, first, last, reduce, grown, records):
     """Insert vertices first..last - 1; return the vertex where it stopped, the reason, a cell and a corner.
 
     The cell and the corner are the hidden facet for HIDDEN; the cell is the fixed one for HELD. ``counters``
     are the number of used rows of ``cells``, the number of free rows among them, and a cell near the previous
     vertex. A vertex that cannot be inserted leaves the triangulation unchanged.
     """
+    cells, neighbors, _, state, sides, place, free, counters = grown
     width = cells.shape[1]
     cavity = np.empty(cells.shape[0], dtype=np.int64)
     for p in range(first, last):
@@ -364,11 +393,9 @@ def insert_vertices(
         if status == DONE:
             number = allot(kept, left, made, free, counters)
             rows, links = np.empty((made, width), np.int64), np.empty((made, width), np.int64)
-            back = np.empty(made, np.int64)
-            build_star(cells, neighbors, state, kept, left, p, place, slot, number, rows, links, back)
-            replace(
-                cells, neighbors, source, kept, left, made, slot, number, rows, links, back, free, counters
-            )
+            star = Star(slot, number, rows, links, np.empty(made, np.int64))
+            build_star(grown, star, kept, left, p)
+            replace(grown, star, kept, left, made)
             record[CELLS_KEPT], record[CELLS_MADE] = left, made
             counters[2] = number[0]
         paint(state, cavity, size, OUT)

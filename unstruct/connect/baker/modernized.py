@@ -177,10 +177,13 @@ class Baker:
         p = first
         while p < first + len(new):
             p, status, cell, corner = kernels.insert_vertices(
-                self._scaled, p, min(p + VERTICES_A_CALL, first + len(new)), reduce, self._cells,
-                self._neighbors, self._source, self._state, self._sides, self._place, self._free,
-                self._counters, records[p - first :],
-            )  # fmt: skip
+                self._scaled,
+                p,
+                min(p + VERTICES_A_CALL, first + len(new)),
+                reduce,
+                self._growing(),
+                records[p - first :],
+            )
             if status == ROOM:
                 self._grow()
             elif status != DONE:
@@ -260,6 +263,13 @@ class Baker:
             f"points[{row}] = {point.tolist()} is refused: the facet {facet} of cell {vertices} in its "
             "principal component is hidden from it; use reduce=True, or choose another point"
         )
+
+    def _growing(self) -> kernels.Growing:
+        """The arrays as they are now."""
+        return kernels.Growing(
+            self._cells, self._neighbors, self._source, self._state, self._sides, self._place, self._free,
+            self._counters,
+        )  # fmt: skip
 
     def _work(self) -> None:
         """Create the work arrays, with one entry for each row of cells."""

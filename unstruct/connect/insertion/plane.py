@@ -32,15 +32,15 @@ from .removal import remove2
 
 
 @kernel
-def insert2(xy, vertex, twin, state, stack, spare, copy_of, start, stop):
-    """Insert the points ``start <= p < stop``; a point equal to a vertex is noted in ``copy_of``.
+def insert2(xy, vertex, twin, state, stack, spare, copy_of, stop):
+    """Insert the next points, as far as ``p < stop``; a point equal to a vertex is noted in ``copy_of``.
 
     For each point: locate, turn through the cavity counterclockwise, and join every boundary edge
     to p as soon as it is met. The slots of the cavity are used again at once: a star has two triangles
     more than its cavity.
     """
     count, last = state[COUNT], state[LAST]
-    for p in range(start, stop):
+    for p in range(state[REACHED], stop):
         px, py = xy[p, 0], xy[p, 1]
         t = locate2(xy, vertex, twin, last, px, py)
         copy = -1
@@ -123,11 +123,10 @@ class Planar(Compiled):
 
     def advance(self) -> None:
         """Insert the next chunk of the points that were added."""
-        done = self.done
-        stop = min(self.size, done + self.chunk)
+        stop = min(self.size, self.done + self.chunk)
         room = 2 * stop + 4
         stack, spare = np.empty(room, dtype=np.int32), np.empty(room, dtype=np.int32)
-        insert2(self.rows, self.vertex, self.across, self.state, stack, spare, self.copy_of, done, stop)
+        insert2(self.rows, self.vertex, self.across, self.state, stack, spare, self.copy_of, stop)
 
     def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
         """For each row the slot of a triangle that contains it, or of a ghost beyond whose edge it lies."""
@@ -150,4 +149,4 @@ class Planar(Compiled):
     def remove(self, rank: int) -> bool:
         """Remove a vertex; False, and nothing changed, where the rest would be collinear."""
         scratch = np.empty((4, 2 * self.size + 4), dtype=np.int64)
-        return bool(remove2(self.rows, self.vertex, self.across, self.state, rank, *scratch))
+        return bool(remove2(self.rows, self.vertex, self.across, self.state, rank, scratch))

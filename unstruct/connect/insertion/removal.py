@@ -50,8 +50,9 @@ def _put(vertex, twin, slot, a, b, c, beyond):
 
 
 @kernel
-def fill(xy, vertex, twin, ring, outer, slots, used, low, high, beyond):
-    """Fill the polygon ring[low], ..., ring[high], whose last edge has the half-edge ``beyond`` outside."""
+def fill(xy, vertex, twin, ring, outer, slots, used, polygon):
+    """Fill ring[low], ..., ring[high], whose last edge has the half-edge ``beyond`` outside."""
+    low, high, beyond = polygon
     waiting = np.empty((high - low + 1, 3), dtype=np.int64)
     waiting[0, 0], waiting[0, 1], waiting[0, 2] = low, high, beyond
     size = 1
@@ -115,21 +116,22 @@ def fill_on_hull(xy, vertex, twin, ring, outer, slots, degree, hull):
         if q == p + 1:
             twin[ghost], twin[outer[p]] = outer[p], ghost
         else:
-            used = fill(xy, vertex, twin, ring, outer, slots, used, p, q, ghost)
+            used = fill(xy, vertex, twin, ring, outer, slots, used, (p, q, ghost))
     last = outer[degree - 1]
     twin[before], twin[last] = last, before
     return True
 
 
 @kernel
-def remove2(xy, vertex, twin, state, v, ring, outer, slots, hull):
+def remove2(xy, vertex, twin, state, v, scratch):
     """Remove vertex v; False, and nothing changed, where no triangle would be left."""
+    ring, outer, slots, hull = scratch[0], scratch[1], scratch[2], scratch[3]
     degree = star_of(xy, vertex, twin, state, v, ring, outer, slots)
     if ring[0] == GHOST:
         if not fill_on_hull(xy, vertex, twin, ring, outer, slots, degree, hull):
             return False
     else:
-        fill(xy, vertex, twin, ring, outer, slots, 0, 0, degree - 1, outer[degree - 1])
+        fill(xy, vertex, twin, ring, outer, slots, 0, (0, degree - 1, outer[degree - 1]))
     # two slots are left: the last triangles move into them, so that slots stay dense
     x, y = slots[degree - 2], slots[degree - 1]
     for slot in (max(x, y), min(x, y)):

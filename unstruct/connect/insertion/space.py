@@ -20,16 +20,37 @@ that walks never run in circles either.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
-from ...base.jit import inline, kernel
+from ...base.jit import inline, kernel, lean
 from ...predicates.batch import orient_at
 from ...predicates.kernels import insphere, orient3
 from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown
 
 WELL, MORE_CELLS, MORE_SCRATCH = 0, 1, 2  # why insert3 returned
+
+
+class Space(NamedTuple):
+    """The triangulation: points, cells, what is known of them, slots that are free."""
+
+    xyz: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    across: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    free: NDArray[np.int32]
+    state: NDArray[np.int64]
+
+
+class Cavity(NamedTuple):
+    """What a search for a cavity is written into: its cells, its faces, and how many there are of both."""
+
+    cells: NDArray[np.int32]
+    faces: NDArray[np.int32]
+    sizes: NDArray[np.int64]
 
 
 @inline
@@ -114,12 +135,15 @@ def locate_all3(xyz, vertex, across, t, rows, found):
         found[i] = t
 
 
-@kernel
-def cavity3(xyz, vertex, across, t, px, py, pz, mark, stamp, cells, faces, sizes):
+@lean
+def cavity3(space, cavity, t, px, py, pz, stamp):
     """Breadth-first search from t: the cells of the cavity, and its faces as 4 t + k seen from within.
 
     ``mark`` becomes 2 stamp in the cavity and 2 stamp + 1 in tested cells beside it. False: no room.
     """
+    xyz, vertex, across, mark, cells, faces = (
+        space.xyz, space.vertex, space.across, space.mark, cavity.cells, cavity.faces,
+    )  # fmt: skip
     inside, outside = 2 * stamp, 2 * stamp + 1
     cells[0] = t
     mark[t] = inside
@@ -142,7 +166,7 @@ def cavity3(xyz, vertex, across, t, px, py, pz, mark, stamp, cells, faces, sizes
                 mark[u] = outside
             faces[walls] = 4 * t + k
             walls += 1
-    sizes[0], sizes[1] = size, walls
+    cavity.sizes[0], cavity.sizes[1] = size, walls
     return True
 
 
@@ -164,9 +188,11 @@ def _turn(vertex, across, mark, inside, t, k, j):
     return beyond, enter
 
 
-@kernel
-def star3(vertex, across, mark, stamp, faces, walls, cells, size, free, state, p):
+@lean
+def star3(space, cavity, p, stamp):
     """Replace the cavity by the tetrahedra that join p to its walls."""
+    vertex, across, mark, free, state = space.vertex, space.across, space.mark, space.free, space.state
+    cells, faces, size, walls = cavity.cells, cavity.faces, cavity.sizes[0], cavity.sizes[1]
     count, unused, inside = state[COUNT], state[FREE], 2 * stamp
     for i in range(walls):  # one tetrahedron on each wall: its inner cell with p in place of a vertex
         face = np.int64(faces[i])
@@ -201,15 +227,15 @@ def star3(vertex, across, mark, stamp, faces, walls, cells, size, free, state, p
     return new
 
 
-@kernel
-def insert3(xyz, vertex, across, mark, free, cells, faces, state, copy_of, start, stop):
-    """Insert the points ``start <= p < stop``: locate, cavity, star.
+@lean
+def insert3(space, cavity, copy_of, stop):
+    """Insert the next points, as far as ``p < stop``: locate, cavity, star.
 
     Returns WELL, or what there is not enough of; the state is consistent in each case.
     """
-    sizes = np.zeros(2, dtype=np.int64)
-    capacity = mark.shape[0]
-    for p in range(start, stop):
+    xyz, vertex, across, state = space.xyz, space.vertex, space.across, space.state
+    capacity = space.mark.shape[0]
+    for p in range(state[REACHED], stop):
         px, py, pz = xyz[p, 0], xyz[p, 1], xyz[p, 2]
         t = locate3(xyz, vertex, across, state[LAST], px, py, pz)
         copy = -1
@@ -223,12 +249,12 @@ def insert3(xyz, vertex, across, mark, free, cells, faces, state, copy_of, start
             continue
         stamp = state[STAMP]
         state[STAMP] = stamp + 1
-        if not cavity3(xyz, vertex, across, t, px, py, pz, mark, stamp, cells, faces, sizes):
+        if not cavity3(space, cavity, t, px, py, pz, stamp):
             return MORE_SCRATCH
-        if state[COUNT] + sizes[1] > capacity:
+        if state[COUNT] + cavity.sizes[1] > capacity:
             return MORE_CELLS
         state[BUSY] = 1
-        state[LAST] = star3(vertex, across, mark, stamp, faces, sizes[1], cells, sizes[0], free, state, p)
+        state[LAST] = star3(space, cavity, p, stamp)
         state[REACHED], state[BUSY] = p + 1, 0
     return WELL
 
@@ -262,6 +288,12 @@ class Spatial(Compiled):
         cavity, faces = np.empty(cells, dtype=np.int32), np.empty(4 * cells, dtype=np.int32)
         self.cavity_cells, self.faces = cavity, faces
 
+    def _space(self) -> Space:
+        return Space(self.rows, self.vertex, self.across, self.mark, self.free, self.state)
+
+    def _cavity(self) -> Cavity:
+        return Cavity(self.cavity_cells, self.faces, np.zeros(2, dtype=np.int64))
+
     def _start(self) -> None:
         start3(self.rows, self.vertex, self.across, self.state)
 
@@ -269,10 +301,7 @@ class Spatial(Compiled):
         """Insert the next chunk of the points that were added."""
         stop = min(self.size, self.done + self.chunk)
         while True:
-            lacking = insert3(
-                self.rows, self.vertex, self.across, self.mark, self.free, self.cavity_cells, self.faces,
-                self.state, self.copy_of, self.done, stop,
-            )  # fmt: skip
+            lacking = insert3(self._space(), self._cavity(), self.copy_of, stop)
             if lacking == WELL:
                 return
             if lacking == MORE_CELLS:
@@ -293,13 +322,10 @@ class Spatial(Compiled):
         v = self.vertex[4 * t : 4 * t + 4]
         if (self.rows[v[v >= 0]] == x).all(axis=1).any():
             return np.empty(0, dtype=np.int32)
-        sizes = np.zeros(2, dtype=np.int64)
         while True:
             stamp = int(self.state[STAMP])
             self.state[STAMP] = stamp + 1
-            if cavity3(
-                self.rows, self.vertex, self.across, t, x[0], x[1], x[2],
-                self.mark, stamp, self.cavity_cells, self.faces, sizes,
-            ):  # fmt: skip
-                return self.cavity_cells[: sizes[0]].copy()
+            found = self._cavity()
+            if cavity3(self._space(), found, t, x[0], x[1], x[2], stamp):
+                return found.cells[: found.sizes[0]].copy()
             self._reserve_scratch(2 * len(self.cavity_cells))

@@ -5,7 +5,7 @@ Each cell is computed relative to its site, so that large coordinates cause no l
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,14 +95,26 @@ def _inside(x, y, size, window, px, py):
     return True
 
 
+class Cells(NamedTuple):
+    """The cells of a planar diagram: rings of Voronoi vertices, where these are, neighbors of sites."""
+
+    start: NDArray[Any]
+    ring: Ints
+    base: Ints
+    offset: Floats
+    link: NDArray[Any]
+    linked: Ints
+
+
 @kernel
-def _clip(points, window, start, ring, base, offset, link, linked, v, ends, corners, moments):
+def _clip(points, window, cells, v, ends, corners, moments):
     """Write the cells from site ``v`` on, until ``corners`` is full; return the first site that is left.
 
     A bounded cell inside the window keeps its own corners. Any other cell is the window, cut by the bisectors
     between the site and its neighbors. ``moments`` receives the area and the integrals of x, y and |x|^2,
     all relative to the site.
     """
+    start, ring, base, offset, link, linked = cells
     w = window.shape[0]
     most = 0
     for u in range(v, points.shape[0]):
@@ -193,12 +205,13 @@ def clip_cells(
     n = len(points)
     moments, polygons = np.empty((n, 4)), []
     room = max(6 * min(n, 200_000), 2 * len(window) + 2 * int(np.diff(links[0]).max(initial=0)) + 2)
+    cells = Cells(*rings, *centers, *links)
     v = 0
     # Cells are cut in parts, so that the computation can be interrupted and windows with many corners do not
     # need more memory.
     while v < n:
         corners, ends = np.empty((room, 2)), np.empty(n, dtype=np.int64)
-        last = _clip(points, window, *rings, *centers, *links, v, ends, corners, moments)
+        last = _clip(points, window, cells, v, ends, corners, moments)
         polygons += np.split(corners[: ends[last - 1]], ends[v : last - 1])
         v = last
     return polygons, moments

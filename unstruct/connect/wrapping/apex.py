@@ -7,7 +7,10 @@ boxes and points that are certainly outside, by the error bounds below.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...geometry.kd_tree import beyond, distance2
@@ -139,13 +142,25 @@ def ball_of(points, row, center):
     )
 
 
+class Sites(NamedTuple):
+    """The vertices in the order of their tree (see `kd_tree`), their ranks, and the tree."""
+
+    points: NDArray[np.float64]
+    rank: NDArray[np.int64]
+    start: NDArray[np.int64]
+    size: NDArray[np.int64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
 @kernel
-def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, work):
+def find_apex(sites, row, k, cells, obstacles, work):
     """The vertex for slot k of the row, or NO_APEX, or SEEN; ``obstacles`` are open half-faces, or None.
 
     The tree is searched depth first, and the child nearer to the face comes first. A box is skipped if it is
     completely behind the face or outside the ball of the best vertex found so far.
     """
+    points, rank, start, size, low, high = sites
     d = points.shape[1]
     stack, middle, normal, center = work
     a = row[(k + 1) % (d + 1)]

@@ -8,7 +8,10 @@ the next cell with the same vertices finds them. A face of a prescribed front is
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.codes import DONE, ROOM
 from ...base.jit import inline, kernel
@@ -104,13 +107,25 @@ def opposite(cells, c, k, other, i):
     return inversions % 2 == 1
 
 
+class Open(NamedTuple):
+    """The open half-faces: a hash table, a list with the place of each in it, and the queue."""
+
+    heads: NDArray[np.int64]
+    following: NDArray[np.int64]
+    opened: NDArray[np.int64]
+    position: NDArray[np.int64]
+    queue: NDArray[np.int64]
+    counters: NDArray[np.int64]
+
+
 @kernel
-def join(cells, neighbors, c, k, bases, heads, following, opened, position, queue, counters):
+def join(cells, neighbors, c, k, bases, waiting):
     """Join facet k of the new cell c to the open half-faces with its vertices, or put it into the queue.
 
     A base on this facet is done if c lies on its free side; a cell may still come from behind, so the facet
     stays open, but it is not queued. If c lies behind the base, the facet takes the place of the base.
     """
+    heads, following, opened, position, queue, counters = waiting
     w = cells.shape[1]
     linked, served, taken = False, False, False
     h = find_open(cells, c, k, heads, following)
@@ -137,15 +152,13 @@ def join(cells, neighbors, c, k, bases, heads, following, opened, position, queu
 
 
 @kernel
-def wrap(
-    points, rank, start, size, low, high, cells, neighbors, front,
-    heads, following, opened, position, queue, counters, steps,
-):  # fmt: skip
+def wrap(sites, cells, neighbors, front, waiting, steps):
     """Process up to ``steps`` half-faces of the queue; return why it stopped, and for STUCK the half-face.
 
     ``front`` has the faces of the bases, or is None.
     """
-    d = points.shape[1]
+    heads, following, opened, position, queue, counters = waiting
+    d = sites.points.shape[1]
     bases = 0 if front is None else len(front)
     work = (np.empty(256, np.int64), np.empty(d), np.empty(d), np.empty(d))
     row = np.empty(d + 1, np.int64)
@@ -164,10 +177,10 @@ def wrap(
         i, j = (k + 1) % (d + 1), (k + 2) % (d + 1)
         row[i], row[j] = row[j], row[i]  # seen from the free side
         if front is None:  # decided at compilation: without a front there are no obstacles
-            q = find_apex(points, rank, start, size, low, high, row, k, cells, None, work)
+            q = find_apex(sites, row, k, cells, None, work)
         else:
             obstacles = opened[: counters[OPEN_FACES]]
-            q = find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, work)
+            q = find_apex(sites, row, k, cells, obstacles, work)
         if q == NO_APEX:
             neighbors[c, k] = HULL
             close_face(cells, h, heads, following, opened, position, counters)
@@ -180,5 +193,5 @@ def wrap(
                 cells[new, j] = row[j]
             cells[new, k] = q
             for j in range(d + 1):
-                join(cells, neighbors, new, j, bases, heads, following, opened, position, queue, counters)
+                join(cells, neighbors, new, j, bases, waiting)
     return DONE, -1

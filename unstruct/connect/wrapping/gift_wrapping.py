@@ -33,6 +33,7 @@ from ...geometry.kd_tree import Tree
 from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, scaled
 from . import faces as kernels
+from .apex import Sites
 from .general import wrap_general
 from .start import first_cell
 
@@ -186,15 +187,12 @@ def _wrap(
         if d == 2:
             base_rows[:, [0, 1]] = base_rows[:, [1, 0]]
     state = _State(base_rows, bases, n)
+    sites = Sites(points[tree.order], rank[tree.order], tree.start, tree.size, tree.low, tree.high)
     status = ROOM
     while status == ROOM or state.counters[1] < state.counters[2]:
         if status == ROOM:
             state.grow()
-        status, h = kernels.wrap(
-            points[tree.order], rank[tree.order], tree.start, tree.size, tree.low, tree.high,
-            state.cells, state.neighbors, front, state.heads, state.following, state.opened, state.position,
-            state.queue, state.counters, FACES_A_CALL,
-        )  # fmt: skip
+        status, h = kernels.wrap(sites, state.cells, state.neighbors, front, state.waiting(), FACES_A_CALL)
         if status == kernels.STUCK:
             raise _stuck(kept[tree.order], state, int(h), kept[front])
     cells = state.cells[bases : state.counters[0]]
@@ -242,6 +240,10 @@ class _State:
                     self.position,
                     self.counters,
                 )
+
+    def waiting(self) -> kernels.Open:
+        """The open half-faces, as they are now."""
+        return kernels.Open(self.heads, self.following, self.opened, self.position, self.queue, self.counters)
 
     def grow(self, more: int = 0) -> None:
         """Make room for ``more`` further cells, or for twice as many cells as now if ``more`` is 0."""
