@@ -126,10 +126,18 @@ def meshed(case: dict) -> list[dict]:
     return rows
 
 
-JOBS = {"timed": timed, "meshed": meshed, "memory": memory, "start": start}
+def threads(case: dict) -> dict[str, Any]:
+    """Two meshes one after the other, and at once."""
+    from .threads import both_ways
+
+    return both_ways(case)
+
+
+JOBS = {"timed": timed, "meshed": meshed, "memory": memory, "start": start, "threads": threads}
 
 if __name__ == "__main__":
     os.environ.update(ONE)
-    pin()
     job = json.loads(sys.argv[1])
+    if job["job"] != "threads":
+        pin()
     print("\n" + json.dumps(JOBS[job["job"]](job)))

@@ -21,6 +21,7 @@ from benchmarks import (
     quality,
     regions,
     report,
+    threads,
 )
 from benchmarks.run import RESULTS, Workers
 
@@ -82,6 +83,16 @@ def test_a_tiny_run(tmp_path, monkeypatch, capsys):
     assert "unstruct µs/point" in text and text.strip() == capsys.readouterr().out.strip()
 
 
+def test_two_threads(tmp_path, monkeypatch, capsys):
+    """That they make the same meshes is tested elsewhere; what they gain depends on who else works here."""
+    monkeypatch.setattr(threads, "SIZES", (400,))
+    assert __main__.main(["threads", *RUN, str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "threads.json").read_text())["rows"]
+    assert [row["work"] for row in rows] == list(threads.WORKS)
+    assert all(len(row["at once"]) == len(row["one by one"]) == 2 and row["ratio"] > 0 for row in rows)
+    assert "one by one ÷ at once" in capsys.readouterr().out
+
+
 def made_up(name: str, n: int, seconds: float, **more: Any) -> dict[str, Any]:
     case = {"measure": "time", "dimension": 2, "kind": "uniform", "n": n}
     return {**case, "contestant": name, "seconds": seconds, **more}
@@ -103,7 +114,7 @@ def test_ratios_growth_and_bold_losses():
     assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
-@pytest.mark.parametrize("reporter", [report, planar_report])
+@pytest.mark.parametrize("reporter", [report, planar_report, threads])
 def test_a_run_without_a_case_has_no_plot(tmp_path, reporter):
     result = {"suite": "none", "machine": "it", "load": [0, 0], "versions": {}, "failures": [], "rows": []}
     paths = report.write(result, tmp_path, reporter)
