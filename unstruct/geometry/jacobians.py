@@ -16,7 +16,7 @@ coefficient, and equals the coefficients at the corners. For the three simple ki
 * hexahedron: J has degree 2 in each variable, 27 coefficients. Positive ones suffice; where they do not
   decide, the cube is halved again and again, in one direction after the other (de Casteljau). A cell is
   bad as soon as the Jacobian is not positive at a corner of some part. Only where its least value inside is
-  0, or some 2^-60 of the greatest, the budget ends before that: such cells are told as undecided.
+  0, or some 2^-60 of the greatest, the budget ends before that: such cells are reported as undecided.
 
 All is done in doubles with a bound on their error, and what that does not decide in integers, without
 rounding: every double is an integer times a power of two. See the book, 12.5; for hexahedra in Bernstein form
@@ -32,12 +32,12 @@ from math import comb
 
 import numpy as np
 
+from ..predicates.filters import TINY, UNDECIDED
+
 __all__ = ["COEFFICIENTS", "content_signs", "hexahedron_signs", "integers", "signs_of", "wedge_signs"]
 
-CHUNK = 1 << 13  # cells at a time: their coefficients stay in the cache
+JACOBIANS_PER_PART = 1 << 13  # cells at a time: their coefficients stay in the cache
 ERROR = 2.0**-42  # of the product of the extents of a cell: far above the rounding of any coefficient
-TINY = 1e-300  # all that underflow can do, for coordinates of at most 1
-UNDECIDED = 2  # beside -1, 0 and 1
 LEVELS = {True: 96, False: 24}  # halvings of a hexahedron, in integers and in doubles
 BOXES = 1024  # parts of one hexahedron, above which it is left undecided
 
@@ -137,13 +137,13 @@ def signs_of(corners: np.ndarray, decide: Callable[[np.ndarray, np.ndarray], np.
     ndarray of int8, shape (m,)
     """
     signs = np.empty(len(corners), dtype=np.int8)
-    for i in range(0, len(corners), CHUNK):
-        part = corners[i : i + CHUNK]
+    for i in range(0, len(corners), JACOBIANS_PER_PART):
+        part = corners[i : i + JACOBIANS_PER_PART]
         found = decide(*_scaled(part))
         rest = np.nonzero(found == UNDECIDED)[0]
         if len(rest):
             found[rest] = decide(integers(part[rest]), np.zeros(len(rest), dtype=np.int64))
-        signs[i : i + CHUNK] = found
+        signs[i : i + JACOBIANS_PER_PART] = found
     return signs
 
 

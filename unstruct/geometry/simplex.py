@@ -396,6 +396,5 @@ def quality(name: str, simplices: np.ndarray) -> np.ndarray:
         For a name that is not in `QUALITIES`, or an array of the wrong shape.
     """
     if name not in QUALITIES:
-        names = ", ".join(map(repr, QUALITIES))
-        raise InputError(f"no quality measure is called {name!r}; use one of {names}")
+        raise InputError(f"no quality measure is called {name!r}; use one of {', '.join(QUALITIES)}")
     return QUALITIES[name](simplices)

@@ -13,7 +13,7 @@ __all__ = ["fits"]
 
 FLAT = ("triangle", "quad")
 SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
-KINDS: dict[str, tuple[str, ...]] = {
+WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     ".stl": ("triangle",),
     ".off": ("triangle",),
     ".obj": (*FLAT, "polygon"),
@@ -35,7 +35,7 @@ def fits(kinds: Sequence[str], suffix: str) -> None:
     InputError
         Where it does not; the message names the kinds.
     """
-    known = KINDS.get(suffix, tuple(kinds))
+    known = WRITABLE_KINDS.get(suffix, tuple(kinds))
     lost = [name for name in kinds if name not in known]
     why = ""
     if lost:

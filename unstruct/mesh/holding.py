@@ -19,7 +19,7 @@ from .split import surface_triangles
 
 __all__ = ["PlanarCells", "SimplexCells", "SolidCells"]
 
-CHUNK = 1 << 14  # pairs of points and cells at a time
+QUERIES_PER_PART = 1 << 14  # pairs of points and cells at a time
 PLANES = ((1, 2), (2, 0), (0, 1))  # coordinates that are kept, the dropped one being the place in this list
 
 
@@ -71,8 +71,8 @@ class PlanarCells:
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
         """As `SimplexCells.holds`: on a side, or a ray to the right crosses an odd number of sides."""
         found = np.zeros(len(cells), dtype=bool)
-        for i in range(0, len(cells), CHUNK):
-            part = slice(i, i + CHUNK)
+        for i in range(0, len(cells), QUERIES_PER_PART):
+            part = slice(i, i + QUERIES_PER_PART)
             found[part] = self._holds(x[part], cells[part])
         return found & self.solid[cells]
 
@@ -118,8 +118,8 @@ class SolidCells:
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
         """As `SimplexCells.holds`: on a triangle, or a ray along the first axis meets an odd number."""
         found = np.zeros(len(cells), dtype=bool)
-        for i in range(0, len(cells), CHUNK):
-            part = slice(i, i + CHUNK)
+        for i in range(0, len(cells), QUERIES_PER_PART):
+            part = slice(i, i + QUERIES_PER_PART)
             found[part] = self._holds(x[part], cells[part])
         return found & self.solid[cells]
 

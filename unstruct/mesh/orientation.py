@@ -20,8 +20,8 @@ from .embedding import crossing_facets, segments_meet
 
 __all__ = ["cell_signs", "jacobian_signs", "polygon_signs", "turned_cells"]
 
-SMALL = 64  # corners of a polygon, up to which all pairs of its sides are compared
-CHUNK = 1 << 19  # pairs of sides at a time
+FEW_CELLS = 64  # corners of a polygon, up to which all pairs of its sides are compared
+CELLS_PER_PART = 1 << 19  # pairs of sides at a time
 
 # How the corners of a negative cell are listed to make it positive; simplices swap their first two.
 MIRRORED = {
@@ -160,12 +160,12 @@ def _crossed(points: np.ndarray, polygons: list[np.ndarray]) -> np.ndarray:
     crossed = np.zeros(len(polygons), dtype=bool)
     for which, block in equal_rows(polygons):
         size = block.shape[1]
-        if size > SMALL:
+        if size > FEW_CELLS:
             for i, row in zip(which.tolist(), block):
                 crossed[i] = len(crossing_facets(points, np.column_stack([row, np.roll(row, -1)]))) > 0
             continue
         first, second = np.triu_indices(size, 1)
-        step = max(1, CHUNK // len(first))
+        step = max(1, CELLS_PER_PART // len(first))
         for k in range(0, len(block), step):
             part = block[k : k + step]
             sides = np.stack([part, np.roll(part, -1, axis=1)], axis=2)

@@ -33,7 +33,7 @@ FRAMES = {
         *((4, 3, 1, 0), (4, 0, 2, 1), (4, 1, 3, 2), (4, 2, 0, 3)),
     ],
 }
-IDEAL = {"wedge": np.sqrt(3) / 2, "hexahedron": 1.0, "pyramid": np.sqrt(0.5)}
+IDEAL_JACOBIAN = {"wedge": np.sqrt(3) / 2, "hexahedron": 1.0, "pyramid": np.sqrt(0.5)}
 
 
 def cell_quality(mesh: CellComplex, name: str) -> np.ndarray:
@@ -76,7 +76,7 @@ def _of_rings(name: str, x: np.ndarray) -> np.ndarray:
 def _of_solids(name: str, kind: str, x: np.ndarray) -> np.ndarray:
     if name == "scaled_jacobian":
         found = frame_jacobians(x, np.array(FRAMES[kind]))
-        return found.min(axis=1) / IDEAL[kind]
+        return found.min(axis=1) / IDEAL_JACOBIAN[kind]
     faces = [x[:, facet] for facet in CELL_TYPES[kind][3]]
     angles = [np.minimum(found, 2 * np.pi - found) for found in map(ring_angles, faces)]
     return np.degrees(_extreme(name)(np.concatenate(angles, axis=1), axis=1))

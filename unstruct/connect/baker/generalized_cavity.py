@@ -7,14 +7,12 @@ ridge is (cell, {j, k}), the face of the cell without corners j and k.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.codes import DONE, HIDDEN, OUTSIDE, ROOM
 from ...base.jit import inline, kernel
 from ...predicates.kernels import conflict, moved
+from .records import Star
 
 __all__ = ["FIXED", "HELD", "insert_vertices"]
 
@@ -23,29 +21,6 @@ HELD = 8  # `insert_vertices` stops because of a fixed cell; its other results a
 OUT, IN, DROPPED, PENDING, FIXED = 0, 1, 2, 3, 4
 # The columns of the records; see `modernized.Record`.
 TWIN, COMPONENT, HIDDEN_FACETS, DROP_ROUNDS, CELLS_LOST, CELLS_KEPT, CELLS_MADE = range(7)
-
-
-class Growing(NamedTuple):
-    """The arrays of a triangulation that grows, and what an insertion notes of its cells."""
-
-    cells: NDArray[np.int64]
-    neighbors: NDArray[np.int64]
-    source: NDArray[np.int64]  # the cell of the beginning that each comes from
-    state: NDArray[np.int8]
-    sides: NDArray[np.int8]
-    place: NDArray[np.int64]
-    free: NDArray[np.int64]  # rows that are free
-    counters: NDArray[np.int64]
-
-
-class Star(NamedTuple):
-    """The new cells, written aside: which facet has which, their rows, and what they have beyond them."""
-
-    slot: NDArray[np.int64]
-    number: NDArray[np.int64]
-    rows: NDArray[np.int64]
-    links: NDArray[np.int64]
-    back: NDArray[np.int64]
 
 
 @kernel

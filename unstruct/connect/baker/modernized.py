@@ -35,6 +35,7 @@ from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, power_of_two
 from . import generalized_cavity as kernels
 from .fixed import as_cells
+from .records import Growing
 
 __all__ = ["Baker", "Record", "insert"]
 
@@ -264,9 +265,9 @@ class Baker:
             "principal component is hidden from it; use reduce=True, or choose another point"
         )
 
-    def _growing(self) -> kernels.Growing:
+    def _growing(self) -> Growing:
         """The arrays as they are now."""
-        return kernels.Growing(
+        return Growing(
             self._cells, self._neighbors, self._source, self._state, self._sides, self._place, self._free,
             self._counters,
         )  # fmt: skip

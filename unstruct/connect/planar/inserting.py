@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +12,6 @@ from ...geometry.ordering import draws, radix_argsort
 from .complex import SEGMENTS, PlanarComplex
 from .filling import Filling
 from .segments import CROSSES, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["insert_all"]
 
