@@ -8,15 +8,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import delaunay, machine, planar, planar_report, report
+from . import delaunay, machine, planar, planar_report, report, small, small_report
 from .run import RESULTS, Workers
 
 # A suite: a function of workers, the largest size and the number of repeats, that returns rows.
 SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "delaunay": delaunay.run,
     "planar": planar.run,
+    "small": small.run,
 }
-REPORTS: dict[str, Any] = {"delaunay": report, "planar": planar_report}  # with markdown(result), plot(rows)
+REPORTS: dict[str, Any] = {  # with markdown(result), plot(rows)
+    "delaunay": report,
+    "planar": planar_report,
+    "small": small_report,
+}
 
 
 def main(arguments: list[str] | None = None) -> int:
