@@ -75,7 +75,7 @@ class Outline:
 
     @cached_property
     def _pieces(self) -> np.ndarray:
-        return frozen(np.concatenate([self.facets, self.inner]))
+        return frozen(np.concatenate([self.facets, self.inner])) if len(self.inner) else self.facets
 
     @cached_property
     def loose(self) -> np.ndarray:

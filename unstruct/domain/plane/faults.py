@@ -10,12 +10,14 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
-from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
+from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
 from ...geometry.sweep import lexicographic
 
 __all__ = ["Fault", "check_ends", "find_faults", "first_copies"]
 
-ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads bits: 2^64 by the golden ratio
+HALF = 2**32 - 1
+MIX = (0x5BD1E995, 0x7ED55D17, 0x6B43A9B5, 0x4CF5AD43)  # odd numbers below 2^31
+MANY = 1 << 12  # pieces up to which one look is tried before the stages, which have better means for more
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,7 @@ class Fault:
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
     first = np.arange(len(points))
-    x, y = (points + 0.0).view(np.uint64).T  # -0.0 becomes 0.0
-    bits = max(2 * len(points), 2).bit_length()
-    key = x * ODD
-    key = ((key ^ (key >> np.uint64(32))) + y) * ODD >> np.uint64(64 - bits)
-    if not _any_equal(points, key.view(np.int64), np.full(1 << bits, -1, dtype=np.int32)):
+    if not _any_equal(np.ascontiguousarray(points)):
         return first
     order = lexicographic(points)
     head = np.ones(len(points), dtype=bool)
@@ -49,15 +47,26 @@ def first_copies(points: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def _any_equal(points, slots, table):
-    """Whether two points are equal: each is put in the first free place of the table from its slot on."""
+def _any_equal(points):
+    """Whether two points are equal: each is put in the first free place of a table from its slot on.
+
+    The slot mixes the halves of both coordinates' bits, by products that 64 bits hold.
+    """
+    bits = (points + 0.0).view(np.int64)  # -0.0 becomes 0.0
+    size = 4
+    while size < 2 * points.shape[0]:
+        size *= 2
+    table = np.full(size, -1, dtype=np.int32)
     for i in range(points.shape[0]):
-        slot = slots[i]
+        x, y = bits[i, 0], bits[i, 1]
+        key = ((x & HALF) * MIX[0]) ^ (((x >> 32) & HALF) * MIX[1])
+        key ^= ((y & HALF) * MIX[2]) ^ (((y >> 32) & HALF) * MIX[3])
+        slot = (key >> 28) & (size - 1)
         while table[slot] >= 0:
             j = table[slot]
             if points[j, 0] == points[i, 0] and points[j, 1] == points[i, 1]:
                 return True
-            slot = (slot + 1) & (table.shape[0] - 1)
+            slot = (slot + 1) & (size - 1)
         table[slot] = i
     return False
 
@@ -79,6 +88,32 @@ def _any_repeated(segments, head, after, seen):
     return False
 
 
+@kernel
+def _sound(points, pieces, facets, straight):
+    """Whether one look finds that no stage of `find_faults` would find a fault; if in doubt, no.
+
+    ``straight`` has the straight ones of the pieces.
+    """
+    n = points.shape[0]
+    meet, used = np.zeros(n, dtype=np.int32), 0
+    for i in range(pieces.shape[0]):
+        a, b = pieces[i, 0], pieces[i, 1]
+        if a < 0 or b < 0 or a >= n or b >= n or a == b:
+            return False
+        for v in (a, b):
+            used += meet[v] == 0
+            meet[v] += 1 if i < facets else 2**16  # of facets an even number must meet
+    alone = np.empty(n - used, dtype=np.int32)
+    k = 0
+    for v in range(n):
+        if meet[v] & 1:
+            return False
+        if meet[v] == 0:
+            alone[k] = v
+            k += 1
+    return not _any_equal(points) and none_meet(points, straight, alone)
+
+
 def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
     """Where the lines of two crossing segments meet: rational arithmetic, rounded once."""
     (px, py), (qx, qy), (ax, ay), (bx, by) = (
@@ -97,6 +132,10 @@ def find_faults(outline: Outline) -> list[Fault]:
 
     Curved pieces are left to the sampling, but for their vertices.
     """
+    if len(outline.pieces) <= MANY:
+        straight = _straight(outline)[1] if outline.curves else outline.pieces
+        if _sound(outline.points, outline.pieces, len(outline.facets), straight):
+            return []
     for stage in (_indices, _duplicates, _zero_length, _repeated, _crossings, _open_vertices):
         faults = stage(outline)
         if faults:

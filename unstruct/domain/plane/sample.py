@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import counted_off
 from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
@@ -228,12 +229,15 @@ def _refuse_repeated(outline: Outline) -> None:
 
 def coarse(outline: Outline) -> Sampled:
     """Straight pieces whole, curves as coarsely as is safe."""
-    _refuse_repeated(outline)
-    whole = np.arange(len(outline.pieces))
+    many = len(outline.pieces)
     if not outline.curves:  # validated as they stand
-        number, span = np.arange(len(outline.points), dtype=np.int32), np.empty((len(whole), 2))
-        span[:, 0], span[:, 1] = 0.0, 1.0
-        return Sampled(outline.points, number, outline.pieces, whole.astype(np.int32), span)
+        span = np.zeros((many, 2))
+        span[:, 1] = 1.0
+        return Sampled(
+            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span
+        )
+    _refuse_repeated(outline)
+    whole = np.arange(many)
     pairs, places = crossings_at_corners(outline)
     if len(pairs):
         raise InputError(_told(outline, *pairs[0].tolist(), *places[0].tolist()))
