@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import as_points, distinct, frozen, refrozen
+from ..base.arrays import INT32, as_points, counted_off, distinct, frozen, refrozen, within
 from ..base.errors import InputError, MeshError
 from . import topology
 from .cells import (
@@ -25,6 +25,8 @@ from .cells import (
 )
 
 __all__ = ["CellComplex"]
+
+NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 class CellComplex:
@@ -55,14 +57,12 @@ class CellComplex:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
         if neighbors is not None:
             self.__dict__["neighbors"] = self._integers(neighbors, "neighbors", self.simplices.shape)
-        self.origin: np.ndarray = self._integers(
-            np.arange(n, dtype=np.int32) if origin is None else origin, "origin", (n,)
-        )
-        self.duplicates: np.ndarray = self._integers(
-            np.empty((0, 2), dtype=np.int32) if duplicates is None else duplicates, "duplicates", (None, 2)
-        )
-        if self.duplicates.size and not 0 <= self.duplicates.min() <= self.duplicates.max() < n:
-            raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
+        self.origin: np.ndarray = counted_off(n) if origin is None else self._integers(origin, "origin", (n,))
+        self.duplicates: np.ndarray = NO_PAIRS
+        if duplicates is not None:
+            self.duplicates = self._integers(duplicates, "duplicates", (None, 2))
+            if not within(self.duplicates, n):
+                raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
         self.markers: dict[str, np.ndarray] = {
             name: self._marker(name, values) for name, values in (markers or {}).items()
         }
@@ -70,6 +70,8 @@ class CellComplex:
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
         array = np.asarray(values)
+        if array.dtype is INT32 and array.shape == shape and array.flags.c_contiguous:
+            return frozen(array)
         if array.ndim != len(shape) or any(s is not None and s != a for s, a in zip(shape, array.shape)):
             raise InputError(f"{name} must have shape {shape}, not {array.shape}")
         if array.size and array.dtype.kind not in "iu":
@@ -85,7 +87,7 @@ class CellComplex:
                 f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
-        if array.size and not 0 <= array.min() <= array.max() < len(self.points):
+        if not within(array, len(self.points)):
             row = int(np.argmax(((array < 0) | (array >= len(self.points))).any(axis=1)))
             raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
         return frozen(array.astype(np.int32))

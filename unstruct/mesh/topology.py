@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ..base.arrays import INT32
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
 
@@ -43,6 +44,10 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
     InputError
         Wrong shape or type, an index out of range, or a vertex repeated within a cell.
     """
+    limit = 2**31 if vertices is None else vertices
+    if type(simplices) is np.ndarray and simplices.dtype is INT32 and simplices.flags.c_contiguous:
+        if simplices.ndim == 2 and simplices.shape[1] > 1 and _first_wrong(simplices, limit)[0] < 0:
+            return simplices
     rows = np.asarray(simplices)
     if rows.ndim != 2 or rows.shape[1] < 2:
         raise InputError(f"simplices must have shape (m, k + 1) with k >= 1, not {rows.shape}")
@@ -51,7 +56,6 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
     if np.ma.isMaskedArray(simplices) and np.ma.getmaskarray(simplices).any():
         row = int(np.nonzero(np.ma.getmaskarray(simplices).any(axis=1))[0][0])
         raise InputError(f"simplices[{row}] has masked entries; fill or drop it")
-    limit = 2**31 if vertices is None else vertices
     table = np.ascontiguousarray(rows, dtype=np.int32 if rows.dtype == np.int32 else np.int64)
     row, twice = _first_wrong(table, limit)
     if row >= 0:
