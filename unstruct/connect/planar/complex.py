@@ -17,10 +17,9 @@ from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
-from ..insertion.engine import BUSY, COUNT, FREE, Compiled, extract_cells, grown
+from ..insertion.engine import BUSY, COUNT, FREE, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
-from ..insertion.triangulation import Triangulation
-from .cavity import GHOST
+from ..insertion.whole import half_edges
 
 __all__ = ["PlanarComplex"]
 
@@ -60,12 +59,44 @@ def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces
     return count
 
 
-def parted(rows: NDArray, first: NDArray[np.bool_]) -> tuple[NDArray, NDArray]:
-    """The rows that are marked, and the others."""
-    one = np.flatnonzero(first)
-    if len(one) in (0, len(rows)):
-        return (rows, rows[:0]) if len(one) else (rows[:0], rows)
-    return rows[one], rows[np.flatnonzero(~first)]
+@kernel
+def count_below(values, limit):
+    """How many values are below a limit."""
+    count = 0
+    for value in values:
+        count += value < limit
+    return count
+
+
+@kernel
+def part(rows, piece, facets, one, two):
+    """Write the rows of facets, and the others."""
+    i = j = 0
+    for s in range(rows.shape[0]):
+        if piece[s] < facets:
+            one[i, 0], one[i, 1] = rows[s, 0], rows[s, 1]
+            i += 1
+        else:
+            two[j, 0], two[j, 1] = rows[s, 0], rows[s, 1]
+            j += 1
+
+
+def parted(rows: NDArray[np.int32], piece: NDArray[np.int32], facets: int) -> tuple[NDArray, NDArray]:
+    """The rows of facets, whose pieces are below their number, and the others."""
+    many = count_below(piece, facets)
+    if many in (0, len(rows)):
+        return (rows, rows[:0]) if many else (rows[:0], rows)
+    one, two = np.empty((many, 2), np.int32), np.empty((len(rows) - many, 2), np.int32)
+    part(rows, piece, facets, one, two)
+    return one, two
+
+
+@kernel
+def extract_regions(region, number, found):
+    """Write the regions of the triangles with a number."""
+    for t in range(number.shape[0]):
+        if number[t] >= 0:
+            found[number[t]] = region[t]
 
 
 class PlanarComplex:
@@ -108,26 +139,16 @@ class PlanarComplex:
         rows = as_points(points)
         if rows.shape[1] != 2:
             raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
-        delaunay = Triangulation(rows, progress=progress)
-        if not delaunay.spans:
-            delaunay.mesh()  # raises, and says which flat holds the points
-        engine = delaunay._engine
-        if not isinstance(engine, Compiled):
-            raise InputError(
-                "the exponents of the coordinates span too much for one scale: drop or move points that are "
-                "nearer to each other than 1e-300 of the largest coordinate"
-            )
-        if (engine.copy_of[: engine.size] >= 0).any():
-            copy, kept = delaunay.mesh().duplicates[0]
-            raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")
-        count = int(engine.state[COUNT])
-        self.factor: float = delaunay._factor
-        self.xy: NDArray[np.float64] = rows * self.factor
-        label = np.append(delaunay._input, np.int32(GHOST))  # the ghost, -1, is the last entry
-        self.vertex: NDArray[np.int32] = label[engine.vertex[: 3 * count]]
-        self.twin: NDArray[np.int32] = engine.across[: 3 * count].copy()
-        self.mark: NDArray[np.int32] = np.full(3 * count, -1, dtype=np.int32)
-        self.region: NDArray[np.int32] = np.full(count, -1, dtype=np.int32)
+        made = half_edges(rows, progress=progress)
+        count = len(made.vertex) // 3
+        self.factor: float = made.factor
+        self.xy: NDArray[np.float64] = made.xy
+        self.vertex: NDArray[np.int32] = made.vertex
+        self.twin: NDArray[np.int32] = made.twin
+        self.mark: NDArray[np.int32] = np.empty(3 * count, dtype=np.int32)
+        self.mark.fill(-1)
+        self.region: NDArray[np.int32] = np.empty(count, dtype=np.int32)
+        self.region.fill(-1)
         self.ends: NDArray[np.int32] = np.empty((0, 2), dtype=np.int32)
         self.piece: NDArray[np.int32] = np.empty(0, dtype=np.int32)
         self.span: NDArray[np.float64] = np.empty((0, 2))
@@ -230,20 +251,24 @@ class PlanarComplex:
         cells, vertices = number_kept(self.vertex, self.region, count, number, place)
         simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
         extract_cells(self.vertex, self.twin, 3, count, place, number, simplices, neighbors)
-        known = np.empty((0, 2)) if points is None else points
-        rows = np.concatenate([known, self.xy[len(known) : n] / self.factor])
-        source = np.full(n, -1, dtype=np.int32)
-        if origin is not None:
-            source[: len(origin)] = origin
+        rows = self._unscaled(points)
+        if origin is not None and len(origin) == n:
+            source = origin
+        else:
+            source = np.empty(n, dtype=np.int32)
+            source.fill(-1)
+            if origin is not None:
+                source[: len(origin)] = origin
         if vertices < n:
             used = place >= 0
             rows, source = rows[used], source[used]
         ends, piece, span = self._segments(number, place)
-        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece < facets)))
+        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece, facets)))
         for name, pieces in (markers or {}).items():
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
-            named["region"] = self.region[np.flatnonzero(number >= 0)]
+            named["region"] = np.empty(cells, dtype=np.int32)
+            extract_regions(self.region, number, named["region"])
         if rest.get("unrefined") is not None:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return DomainMesh(
@@ -257,6 +282,13 @@ class PlanarComplex:
             span=span,
             **rest,
         )
+
+    def _unscaled(self, known: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        """Coordinates of all vertices as the domain has them, the first of which are known."""
+        n = self.size
+        if known is None:
+            return self.xy[:n] / self.factor
+        return known if len(known) == n else np.concatenate([known, self.xy[len(known) : n] / self.factor])
 
     def _segments(self, number: NDArray[np.int32], place: NDArray[np.int32]) -> tuple[NDArray, ...]:
         """Ends, piece and span of the subsegments that bound a triangle with a number."""
