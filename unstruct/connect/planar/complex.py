@@ -92,6 +92,25 @@ def parted(rows: NDArray[np.int32], piece: NDArray[np.int32], facets: int) -> tu
 
 
 @kernel
+def bounds(xy, n, box):
+    """Write the least x and y, and the greatest, of the first n rows."""
+    box[0] = box[1] = np.inf
+    box[2] = box[3] = -np.inf
+    for i in range(n):
+        box[0], box[1] = min(box[0], xy[i, 0]), min(box[1], xy[i, 1])
+        box[2], box[3] = max(box[2], xy[i, 0]), max(box[3], xy[i, 1])
+
+
+@kernel
+def greatest(values, count):
+    """The greatest of the first values; -1 for none."""
+    most = -1
+    for i in range(count):
+        most = max(most, values[i])
+    return most
+
+
+@kernel
 def extract_regions(region, number, found):
     """Write the regions of the triangles with a number."""
     for t in range(number.shape[0]):
@@ -172,6 +191,16 @@ class PlanarComplex:
     def segments(self) -> int:
         """How many subsegments there are."""
         return int(self.state[SEGMENTS])
+
+    def box(self) -> NDArray[np.float64]:
+        """The least x and y of all vertices and the greatest, as the input has them."""
+        found = np.empty(4)
+        bounds(self.xy, self.size, found)
+        return found / self.factor
+
+    def parts(self) -> int:
+        """How many numbers of regions there are: one more than the greatest."""
+        return int(greatest(self.region, self.triangles)) + 1
 
     @property
     def broken(self) -> bool:

@@ -13,7 +13,7 @@ from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from .acute import apexes
-from .encroachment import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
+from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST
 from .limits import Limits
 from .state import (
@@ -29,8 +29,11 @@ from .state import (
     SEGMENT_TOP,
     WANTED,
     Work,
+    expected,
     look_at_all,
     set_floors,
+    set_idle,
+    set_kinds,
 )
 from .steps import advance
 
@@ -41,6 +44,12 @@ PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
+TYPES: dict[str, Any] = {"floor": float, "need": float, "given": float, "status": np.uint16}
+TYPES |= dict.fromkeys(("apexes", "lock", "asked"), np.uint8)
+EMPTY = {
+    name: np.empty((0, *{"given": (3,), "gates": (2,)}.get(name, ())), TYPES.get(name, np.int32))
+    for name in OWN
+}
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -66,41 +75,26 @@ class Run:
         self.tally = np.zeros(16, dtype=np.int64)
         self.tally[LIMIT] = budget
         n, s = c.size, c.segments
-        self.kind = np.full(n, INPUT_VERTEX, dtype=np.int32)
-        inner = np.ones(n, dtype=bool)  # vertices that cut a piece, and were no vertices of the input
-        inner[planned.rest["inputs"]] = False
-        for column in (0, 1):
-            rows = inner[c.ends[:s, column]]
-            self.kind[c.ends[:s][rows, column]] = c.piece[:s][rows]
-        self.floor = np.full(n, np.inf)
-        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor)
-        self.floor *= FRACTION
-        self.apexes = apexes(c, planned.curve != STRAIGHT)
-        self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
-        self.need, self.given = np.full(s, np.inf), np.full((s, 3), np.nan)
-        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
-        self.status, self.large = np.zeros(0, dtype=np.uint16), np.empty(0, dtype=np.int32)
-        self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
-        self.gates = np.full((LARGE, 2), -1, dtype=np.int32)
-        # copies, so that none is read-only: that would be another type, and a second compilation
-        self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
-        self.joints = planned.joints.astype(np.int32)
-        self.arc[:, :3] *= c.factor
         self.polygon = np.empty((MOST, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
-        self._make_room(min(self._expected(), budget) + 2 * n + 64, 2 * s + 64)
-
-    def _expected(self) -> int:
-        """About how many vertices the limits will lead to, as far as they are constant."""
-        c, limits = self.complex, self.limits
-        rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
-        part = c.region[: c.triangles][c.kept()]
-        a, b, d = (c.xy[rows[:, k]] for k in range(3))
-        twice = (b - a)[:, 0] * (d - a)[:, 1] - (b - a)[:, 1] * (d - a)[:, 0]
-        # as counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length
-        number = np.maximum(1.6 * twice / limits.twice_area[part], 0.75 * twice / limits.radius2[part])
-        return int(min(0.52 * number.sum(), 2.0**25))
+        # copies, so that none is read-only: that would be another type, and a second compilation
+        self.arc, self.curve, self.joints = planned.arc.copy(), planned.curve.copy(), planned.joints.copy()
+        if c.factor != 1.0:
+            self.arc[:, :3] *= c.factor
+        wanted = min(expected(c.xy, c.vertex, c.region, c.triangles, limits), 2.0**25)
+        for name in OWN:
+            setattr(self, name, EMPTY[name])
+        self._make_room(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
+        self.gates = np.empty((LARGE, 2), dtype=np.int32)
+        self.gates.fill(-1)
+        inputs = np.array(planned.rest["inputs"], dtype=np.int32)
+        set_kinds(inputs, c.ends[:s], c.piece[:s], self.kind[:n])
+        set_idle(self.lock[:s], self.asked[:s], self.need[:s], self.given[:s])
+        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor[:n])
+        apexes(
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.ends, c.piece, c.where, self.curve, self.apexes[:s]
+        )
 
     def _make_room(self, vertices: int, segments: int) -> None:
         c = self.complex
@@ -118,16 +112,18 @@ class Run:
             self.event = grown(self.event, 2 * len(self.event))
             self.place = grown(self.place, len(self.event))
         self.scratch = c.scratch()
+        self._work: Work | None = None
 
     def work(self) -> Work:
         """The arrays as they are now."""
-        c = self.complex
-        arrays: list[NDArray] = [
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-            *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
-            self.polygon, self.event, self.place,
-        ]  # fmt: skip
-        return Work(*arrays)
+        if self._work is None:
+            c = self.complex
+            self._work = Work(
+                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+                *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
+                self.polygon, self.event, self.place,
+            )  # fmt: skip
+        return self._work
 
     def start(self) -> None:
         """Look at all subsegments and triangles."""
