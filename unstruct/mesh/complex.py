@@ -48,11 +48,12 @@ class CellComplex:
         if (simplices is None) == (cells is None):
             raise InputError("give either simplices or cells")
         if simplices is not None:
-            rows = topology.as_simplices(simplices, vertices=n)
-            self.cells: dict[str, Any] = {simplex_type(rows.shape[1] - 1): frozen(rows)}
+            rows = frozen(topology.as_simplices(simplices, vertices=n))
+            self.dimension: int = rows.shape[1] - 1
+            self.cells: dict[str, Any] = {simplex_type(self.dimension): rows}
         else:
             self.cells = as_cells(cells or {}, n)
-        self.dimension: int = cell_dimension(next(iter(self.cells)))
+            self.dimension = cell_dimension(next(iter(self.cells)))
         if self.dimension > d:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
         if neighbors is not None:
@@ -63,9 +64,10 @@ class CellComplex:
             self.duplicates = self._integers(duplicates, "duplicates", (None, 2))
             if not within(self.duplicates, n):
                 raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
-        self.markers: dict[str, np.ndarray] = {
-            name: self._marker(name, values) for name, values in (markers or {}).items()
-        }
+        self.markers: dict[str, np.ndarray] = {}
+        if markers:
+            size = self.size
+            self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
 
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -78,13 +80,13 @@ class CellComplex:
             raise InputError(f"{name} must be integers, not {array.dtype}")
         return frozen(np.ascontiguousarray(array, dtype=np.int32))
 
-    def _marker(self, name: str, values: Any) -> np.ndarray:
+    def _marker(self, name: str, values: Any, size: int) -> np.ndarray:
         array = np.asarray(values)
-        if array.ndim == 1 and len(array) == self.size:
+        if array.ndim == 1 and len(array) == size:
             return frozen(array)
         if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(
-                f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
+                f"markers[{name!r}] must be one value a cell, shape ({size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
         if not within(array, len(self.points)):
@@ -97,7 +99,7 @@ class CellComplex:
     @property
     def size(self) -> int:
         """The number of cells."""
-        return sum(len(block) for block in self.cells.values())
+        return sum(map(len, self.cells.values()))
 
     @property
     def is_simplicial(self) -> bool:

@@ -76,10 +76,13 @@ class DomainMesh(Mesh):
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
-        self.segments: np.ndarray = frozen(
-            np.asarray(() if segments is None else segments, np.int32).reshape(-1, 2)
-        )
+        self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
         self.piece: np.ndarray = NONE if piece is None else frozen(np.asarray(piece, np.int32))
-        self.span: np.ndarray = frozen(np.asarray(() if span is None else span, np.float64).reshape(-1, 2))
+        self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
         if not len(self.segments) == len(self.piece) == len(self.span):
             raise InputError("segments, piece and span must have one row a subsegment")
+
+
+def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:
+    rows = np.asarray(values, kind)
+    return frozen(rows if rows.ndim == 2 and rows.shape[1] == 2 else rows.reshape(-1, 2))

@@ -46,49 +46,46 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract_segments(twin, number, where, ends, piece, span, place, rows, pieces, spans):
-    """Write the subsegments that bound a triangle with a number; how many."""
-    count = 0
+def survey(vertex, twin, region, count, where, piece, facets, number, place):
+    """`number_kept`; and how many subsegments bound a triangle with a number, how many of them of facets."""
+    cells, vertices = number_kept(vertex, region, count, number, place)
+    kept = outer = 0
     for s in range(len(where)):
         e = np.int64(where[s])
         if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
-            rows[count, 0], rows[count, 1] = place[ends[s, 0]], place[ends[s, 1]]
-            pieces[count] = piece[s]
-            spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
-            count += 1
-    return count
+            kept += 1
+            outer += piece[s] < facets
+    return cells, vertices, kept, outer
 
 
 @kernel
-def count_below(values, limit):
-    """How many values are below a limit."""
-    count = 0
-    for value in values:
-        count += value < limit
-    return count
+def extract(
+    vertex, twin, region, count, number, place, where, ends, piece, span, facets, simplices, neighbors,
+    regions, rows, pieces, spans, one, two,
+):  # fmt: skip
+    """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
 
-
-@kernel
-def part(rows, piece, facets, one, two):
-    """Write the rows of facets, and the others."""
+    ``one`` gets those of facets once more, ``two`` the others.
+    """
+    extract_cells(vertex, twin, 3, count, place, number, simplices, neighbors)
+    for t in range(count):
+        if number[t] >= 0:
+            regions[number[t]] = region[t]
     i = j = 0
-    for s in range(rows.shape[0]):
+    for s in range(len(where)):
+        e = np.int64(where[s])
+        if number[e // 3] < 0 and number[twin[e] // 3] < 0:
+            continue
+        a, b = place[ends[s, 0]], place[ends[s, 1]]
+        k = i + j
+        rows[k, 0], rows[k, 1], pieces[k] = a, b, piece[s]
+        spans[k, 0], spans[k, 1] = span[s, 0], span[s, 1]
         if piece[s] < facets:
-            one[i, 0], one[i, 1] = rows[s, 0], rows[s, 1]
+            one[i, 0], one[i, 1] = a, b
             i += 1
         else:
-            two[j, 0], two[j, 1] = rows[s, 0], rows[s, 1]
+            two[j, 0], two[j, 1] = a, b
             j += 1
-
-
-def parted(rows: NDArray[np.int32], piece: NDArray[np.int32], facets: int) -> tuple[NDArray, NDArray]:
-    """The rows of facets, whose pieces are below their number, and the others."""
-    many = count_below(piece, facets)
-    if many in (0, len(rows)):
-        return (rows, rows[:0]) if many else (rows[:0], rows)
-    one, two = np.empty((many, 2), np.int32), np.empty((len(rows) - many, 2), np.int32)
-    part(rows, piece, facets, one, two)
-    return one, two
 
 
 @kernel
@@ -108,14 +105,6 @@ def greatest(values, count):
     for i in range(count):
         most = max(most, values[i])
     return most
-
-
-@kernel
-def extract_regions(region, number, found):
-    """Write the regions of the triangles with a number."""
-    for t in range(number.shape[0]):
-        if number[t] >= 0:
-            found[number[t]] = region[t]
 
 
 class PlanarComplex:
@@ -224,7 +213,8 @@ class PlanarComplex:
         """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
         # a search that goes round is given up when the cells are full: the rim has two edges more than cells
         room = len(self.region) + 8
-        stack, cells, rim, fresh = (np.empty(room + more, dtype=np.int32) for more in (8, 0, 8, 8))
+        stack, cells = np.empty(room + 8, dtype=np.int32), np.empty(room, dtype=np.int32)
+        rim, fresh = np.empty(room + 8, dtype=np.int32), np.empty(room + 8, dtype=np.int32)
         return stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh
 
     # ------------------------------------------------------------------ the result
@@ -277,9 +267,21 @@ class PlanarComplex:
         """
         count, n = self.triangles, self.size
         number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
-        cells, vertices = number_kept(self.vertex, self.region, count, number, place)
-        simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
-        extract_cells(self.vertex, self.twin, 3, count, place, number, simplices, neighbors)
+        where = self.where[: self.segments]
+        cells, vertices, kept, outer = survey(
+            self.vertex, self.twin, self.region, count, where, self.piece, facets, number, place
+        )
+        simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
+        ends, piece = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
+        span, region = np.empty((kept, 2)), np.empty(cells, dtype=np.int32)
+        named: dict[str, NDArray] = {
+            "facets": np.empty((outer, 2), dtype=np.int32),
+            "inner": np.empty((kept - outer, 2), dtype=np.int32),
+        }
+        extract(
+            self.vertex, self.twin, self.region, count, number, place, where, self.ends, self.piece,
+            self.span, facets, simplices, neighbors, region, ends, piece, span, *named.values(),
+        )  # fmt: skip
         rows = self._unscaled(points)
         if origin is not None and len(origin) == n:
             source = origin
@@ -291,13 +293,10 @@ class PlanarComplex:
         if vertices < n:
             used = place >= 0
             rows, source = rows[used], source[used]
-        ends, piece, span = self._segments(number, place)
-        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece, facets)))
         for name, pieces in (markers or {}).items():
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
-            named["region"] = np.empty(cells, dtype=np.int32)
-            extract_regions(self.region, number, named["region"])
+            named["region"] = region
         if rest.get("unrefined") is not None:
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return DomainMesh(
@@ -318,12 +317,3 @@ class PlanarComplex:
         if known is None:
             return self.xy[:n] / self.factor
         return known if len(known) == n else np.concatenate([known, self.xy[len(known) : n] / self.factor])
-
-    def _segments(self, number: NDArray[np.int32], place: NDArray[np.int32]) -> tuple[NDArray, ...]:
-        """Ends, piece and span of the subsegments that bound a triangle with a number."""
-        s = self.segments
-        rows, pieces, spans = np.empty((s, 2), np.int32), np.empty(s, np.int32), np.empty((s, 2))
-        many = extract_segments(
-            self.twin, number, self.where[:s], self.ends, self.piece, self.span, place, rows, pieces, spans
-        )
-        return rows[:many], pieces[:many], spans[:many]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
-from .acute import apexes
 from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST
 from .limits import Limits
@@ -20,7 +19,6 @@ from .state import (
     CENTERS,
     CURVES,
     EVENTS,
-    FRACTION,
     LARGE,
     LIMIT,
     MORE,
@@ -29,11 +27,9 @@ from .state import (
     SEGMENT_TOP,
     WANTED,
     Work,
+    begin,
     expected,
     look_at_all,
-    set_floors,
-    set_idle,
-    set_kinds,
 )
 from .steps import advance
 
@@ -44,12 +40,6 @@ PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
-TYPES: dict[str, Any] = {"floor": float, "need": float, "given": float, "status": np.uint16}
-TYPES |= dict.fromkeys(("apexes", "lock", "asked"), np.uint8)
-EMPTY = {
-    name: np.empty((0, *{"given": (3,), "gates": (2,)}.get(name, ())), TYPES.get(name, np.int32))
-    for name in OWN
-}
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -83,36 +73,43 @@ class Run:
         if c.factor != 1.0:
             self.arc[:, :3] *= c.factor
         wanted = min(expected(c.xy, c.vertex, c.region, c.triangles, limits), 2.0**25)
-        for name in OWN:
-            setattr(self, name, EMPTY[name])
-        self._make_room(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
-        self.gates = np.empty((LARGE, 2), dtype=np.int32)
-        self.gates.fill(-1)
+        c.reserve(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
+        self._allocate(len(c.xy), len(c.where), len(c.region) + 1)
         inputs = np.array(planned.rest["inputs"], dtype=np.int32)
-        set_kinds(inputs, c.ends[:s], c.piece[:s], self.kind[:n])
-        set_idle(self.lock[:s], self.asked[:s], self.need[:s], self.given[:s])
-        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor[:n])
-        apexes(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.ends, c.piece, c.where, self.curve, self.apexes[:s]
-        )
+        begin(
+            c.xy, c.vertex, c.twin, c.mark, c.region, c.ends, c.piece, c.where, n, s, c.triangles, inputs,
+            self.curve, self.kind, self.floor, self.apexes, self.lock, self.asked, self.need, self.given,
+        )  # fmt: skip
+
+    def _allocate(self, n: int, s: int, t: int) -> None:
+        """Arrays for so many vertices, subsegments and slots."""
+        self.kind, self.floor = np.empty(n, dtype=np.int32), np.empty(n)
+        self.apexes, self.lock = np.empty(s, dtype=np.uint8), np.empty(s, dtype=np.uint8)
+        self.asked, self.need, self.given = np.empty(s, dtype=np.uint8), np.empty(s), np.empty((s, 3))
+        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
+        self.status = np.zeros(t, dtype=np.uint16)  # zeroed pages that are not touched cost nothing
+        self.large, self.ahead = np.empty(t, dtype=np.int32), np.empty(t, dtype=np.int32)
+        self.behind, self.gates = np.empty(t, dtype=np.int32), np.empty((LARGE, 2), dtype=np.int32)
+        self.gates.fill(-1)
+        self.scratch = self.complex.scratch()
+        self._work: Work | None = None
 
     def _make_room(self, vertices: int, segments: int) -> None:
         c = self.complex
         c.reserve(vertices, segments)
         n, s, t = len(c.xy), len(c.where), len(c.region)
-        before = len(self.status)
         for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t + 1)):
             for name in names:
                 setattr(self, name, grown(getattr(self, name), size))
-        if t > before:  # zeroed pages that are not touched cost nothing
+        if t >= len(self.status):
             status = np.zeros(len(self.large), dtype=np.uint16)
-            status[:before] = self.status
+            status[: len(self.status)] = self.status
             self.status = status
         if self.tally[EVENTS] + 256 > len(self.event) > 0:
             self.event = grown(self.event, 2 * len(self.event))
             self.place = grown(self.place, len(self.event))
         self.scratch = c.scratch()
-        self._work: Work | None = None
+        self._work = None
 
     def work(self) -> Work:
         """The arrays as they are now."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS
+from .acute import apexes
 from .encroachment import INPUT_VERTEX, encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
@@ -291,12 +292,6 @@ def set_kinds(inputs, ends, piece, kind):
 
 
 @lean
-def set_idle(lock, asked, need, given):
-    """Nobody has asked for a subsegment yet."""
-    lock[:], asked[:], need[:], given[:] = 0, 0, np.inf, np.nan
-
-
-@lean
 def expected(xy, vertex, region, count, limits):
     """About how many vertices the limits will lead to, as far as they are constant.
 
@@ -336,3 +331,17 @@ def set_floors(xy, vertex, mark, region, count, floor):
                 floor[a] = min(floor[a], height)
     for v in range(floor.shape[0]):
         floor[v] *= FRACTION
+
+
+@lean
+def begin(
+    xy, vertex, twin, mark, region, ends, piece, where, n, s, count, inputs, curve, kind, floor, apex, lock,
+    asked, need, given,
+):  # fmt: skip
+    """Write what a run begins with, for n vertices, s subsegments and so many slots."""
+    set_kinds(inputs, ends[:s], piece, kind[:n])
+    set_floors(xy, vertex, mark, region, count, floor[:n])
+    apexes(xy, vertex, twin, mark, region, ends, piece, where, curve, apex[:s])
+    for i in range(s):  # nobody has asked for a subsegment yet
+        lock[i], asked[i], need[i] = 0, 0, np.inf
+        given[i, 0] = given[i, 1] = given[i, 2] = np.nan
