@@ -10,7 +10,7 @@ import numpy as np
 from ..base.arguments import as_mapping
 from ..base.arrays import INT32, as_points, frozen
 from ..base.errors import InputError
-from ..geometry.curves import CurveLike
+from ..geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..geometry.outline import Outline
 
 __all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
@@ -50,7 +50,7 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
     for piece in sorted(curves):
         if not 0 <= piece < many:
             raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
-        if not isinstance(curves[piece], CurveLike):
+        if not isinstance(curves[piece], Arc | Bezier | Curve | CurveLike):  # the last takes its time
             raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
         result[int(piece)] = curves[piece]
     return result

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.arrays import as_numbers, frozen
 from ..base.errors import InputError
-from .curves import Arc, CurveLike
+from .curves import Batch, CurveLike
 
 __all__ = ["Cuts", "Outline", "piece_name"]
 
@@ -114,25 +114,21 @@ class Outline:
         a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
         x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
         if self.curves:
-            for number, rows in self._curved_rows(piece):
-                x[rows] = self.curves[number].point(t[rows])
+            rows, x_on_curves = self.batch.points(piece, t)
+            x[rows] = x_on_curves
             x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
         return x
 
-    def _curved_rows(self, piece: np.ndarray) -> list[tuple[int, np.ndarray]]:
-        rows = np.nonzero(np.isin(piece, list(self.curves)))[0]
-        rows = rows[np.argsort(piece[rows], kind="stable")]
-        heads = np.nonzero(np.diff(piece[rows], prepend=-1))[0]
-        return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
+    @cached_property
+    def batch(self) -> Batch:
+        """All curves, to be asked together."""
+        return Batch(self.curves, len(self.pieces))
 
     def cuts(self) -> Cuts:
         """Kind and arc of every piece as plain arrays, for kernels."""
-        kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
-        for piece, curve in self.curves.items():
-            kind[piece] = 1 if isinstance(curve, Arc) else 2
-            if isinstance(curve, Arc):
-                arc[piece] = *curve.center, curve.radius, curve.start, curve.sweep
-        return Cuts(kind, arc)
+        if not self.curves:
+            return Cuts(np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5)))
+        return Cuts(np.minimum(self.batch.kind, 2).astype(np.int8), self.batch.arc.copy())
 
 
 def piece_name(piece: int, facets: int) -> str:

@@ -214,6 +214,10 @@ def _told(outline: Outline, first: int, second: int, x: float, y: float) -> str:
 
 def _refuse_repeated(outline: Outline) -> None:
     """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
+    curved = np.sort(outline.pieces[list(outline.curves)], axis=1)
+    curved = curved[np.lexsort(curved.T)]
+    if not (curved[1:] == curved[:-1]).all(axis=1).any():
+        return
     with_ends: dict[tuple[int, int], list[int]] = {}
     for piece in outline.curves:
         a, b = outline.pieces[piece].tolist()

@@ -83,8 +83,13 @@ def make_limits(
     lens: float,
 ) -> Limits:  # fmt: skip
     """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates."""
+    sine2 = math.sin(math.radians(min_angle)) ** 2
     if max_area is None and size is None:
-        return Limits(math.sin(math.radians(min_angle)) ** 2, lens, *_unlimited(len(names)), box * factor)
+        far, none = np.empty(len(names)), np.empty(len(names), dtype=np.int64)
+        far.fill(np.inf)
+        none.fill(-1)
+        no_child, no_values = np.empty(0, dtype=np.int32), np.empty((0, 4))
+        return Limits(sine2, lens, far, far, none, none, no_child, no_values, box * factor)
     areas = [
         _positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")
     ]
@@ -108,17 +113,9 @@ def make_limits(
             rows += len(nodes.child)
         first[r], last[r] = made[id(one)]
     return Limits(
-        math.sin(math.radians(min_angle)) ** 2, lens, np.array(areas), radius2, first, last,
-        np.concatenate(child), np.concatenate(values), box * factor,
+        sine2, lens, np.array(areas), radius2, first, last, np.concatenate(child), np.concatenate(values),
+        box * factor,
     )  # fmt: skip
-
-
-def _unlimited(parts: int) -> tuple[NDArray, ...]:
-    """The arrays of `Limits` but for the box, where there is no limit but the angle."""
-    far, none = np.empty(parts), np.empty(parts, dtype=np.int64)
-    far.fill(np.inf)
-    none.fill(-1)
-    return far, far, none, none, np.empty(0, dtype=np.int32), np.empty((0, 4))
 
 
 def per_region(value: Any, names: list[str], what: str) -> list[Any]:

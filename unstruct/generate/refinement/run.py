@@ -115,11 +115,12 @@ class Run:
         """The arrays as they are now."""
         if self._work is None:
             c = self.complex
-            self._work = Work(
+            arrays: list[NDArray] = [
                 c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
                 *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
                 self.polygon, self.event, self.place,
-            )  # fmt: skip
+            ]  # fmt: skip
+            self._work = Work(*arrays)
         return self._work
 
     def start(self) -> None:
