@@ -225,7 +225,8 @@ class Batch:
                 rows.append(some)
                 which = piece[some]
                 if k == 1:
-                    blocks.append(arc_points(*self.arc[which].T, t[some]))
+                    x, y, radius, start, sweep = self.arc[which].T
+                    blocks.append(arc_points(x, y, radius, start, sweep, t[some]))
                 else:
                     blocks.append(bezier_points(self.controls[k][self.row[which]], t[some]))
         others = np.flatnonzero(kind == 2)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.arrays import as_numbers, frozen
 from ..base.errors import InputError
+from ..base.jit import kernel
 from .curves import Batch, CurveLike
 
 __all__ = ["Cuts", "Outline", "piece_name"]
@@ -111,12 +112,13 @@ class Outline:
 
     def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Points of many pieces by parameter: piece (k,), t (k,) to (k, 2); nothing is checked."""
-        a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
-        x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
+        x, bent = np.empty((len(t), 2)), np.zeros(len(t), dtype=bool)
         if self.curves:
-            rows, x_on_curves = self.batch.points(piece, t)
-            x[rows] = x_on_curves
-            x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
+            rows, on_curves = self.batch.points(piece, t)
+            x[rows], bent[rows] = on_curves, True
+        _between(
+            self.points, self.pieces, np.asarray(piece, dtype=np.int64), np.ascontiguousarray(t), bent, x
+        )
         return x
 
     @cached_property
@@ -129,6 +131,20 @@ class Outline:
         if not self.curves:
             return Cuts(np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5)))
         return Cuts(np.minimum(self.batch.kind, 2).astype(np.int8), self.batch.arc.copy())
+
+
+@kernel
+def _between(points, pieces, piece, t, bent, x):
+    """Write the points of straight pieces by parameter; of all pieces the vertices at 0 and 1."""
+    for i in range(len(t)):
+        a, b = pieces[piece[i], 0], pieces[piece[i], 1]
+        for k in range(2):
+            p, q = points[a, k], points[b, k]
+            if bent[i]:
+                if t[i] == 0.0 or t[i] == 1.0:
+                    x[i, k] = p if t[i] == 0.0 else q
+            else:
+                x[i, k] = p + t[i] * (q - p) if t[i] < 0.5 else q - (1.0 - t[i]) * (q - p)
 
 
 def piece_name(piece: int, facets: int) -> str:

@@ -7,6 +7,7 @@ them, as the curves do.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -15,6 +16,7 @@ import numpy as np
 
 from ...base.arrays import counted_off
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import meetings
@@ -106,10 +108,42 @@ def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndar
 
 def turning(chains: np.ndarray) -> np.ndarray:
     """The total turn of each chain of points; that within its short first and last chords is left out."""
-    d = np.diff(chains, axis=1)
-    cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
-    dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
-    return np.abs(np.arctan2(cross, dot)).sum(axis=1)
+    turns = np.empty(len(chains))
+    _turns(chains, turns)
+    return turns
+
+
+@kernel
+def _turns(chains, turns):
+    for r in range(chains.shape[0]):
+        turns[r] = 0.0
+        for i in range(1, chains.shape[1] - 1):
+            ux, uy = chains[r, i, 0] - chains[r, i - 1, 0], chains[r, i, 1] - chains[r, i - 1, 1]
+            vx, vy = chains[r, i + 1, 0] - chains[r, i, 0], chains[r, i + 1, 1] - chains[r, i, 1]
+            turns[r] += abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@kernel
+def _boxes(chains, low, high):
+    """The least and the greatest coordinates of each chain of points."""
+    for r in range(chains.shape[0]):
+        for k in range(2):
+            low[r, k] = high[r, k] = chains[r, 0, k]
+            for i in range(1, chains.shape[1]):
+                low[r, k], high[r, k] = min(low[r, k], chains[r, i, k]), max(high[r, k], chains[r, i, k])
+
+
+@kernel
+def _enclosed(at, chains, query, hit, inside):
+    """Whether points lie within the polygons of chains and their chords, even-odd, up to rounding."""
+    for q in range(query.shape[0]):
+        x, y, chain = at[query[q], 0], at[query[q], 1], chains[hit[q]]
+        for i in range(chain.shape[0]):
+            j = i + 1 if i + 1 < chain.shape[0] else 0
+            ax, ay, bx, by = chain[i, 0], chain[i, 1], chain[j, 0], chain[j, 1]
+            if (ay <= y) != (by <= y):
+                turn = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+                inside[q] ^= (turn > 0) == (by > ay)
 
 
 def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
@@ -140,16 +174,13 @@ def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np
 def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
     at = np.concatenate([sampled.points, *outline.regions.values()])
-    query, hit = BoxTree(chains.min(axis=1), chains.max(axis=1)).pairs(at, at)
+    low, high = np.empty((2, len(chains), 2))
+    _boxes(chains, low, high)
+    query, hit = BoxTree(low, high).pairs(at, at)
     own = (sampled.ends[rows[hit]] == query[:, None]).any(axis=1)
     query, hit = query[~own], hit[~own]
-    polygon, x = chains[hit], at[query][:, None]
-    a, b = polygon, np.roll(polygon, -1, axis=1)
-    over = (a[..., 1] <= x[..., 1]) != (b[..., 1] <= x[..., 1])
-    turn = (b[..., 0] - a[..., 0]) * (x[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
-        x[..., 0] - a[..., 0]
-    )
-    inside = (over & ((turn > 0) == (b[..., 1] > a[..., 1]))).sum(axis=1) % 2 == 1
+    inside = np.zeros(len(query), dtype=bool)
+    _enclosed(at, chains, query, hit, inside)
     cut = rows[hit[inside]]
     return np.column_stack([cut, cut])
 
