@@ -283,7 +283,7 @@ class PlanarComplex:
             self.span, facets, simplices, neighbors, region, ends, piece, span, *named.values(),
         )  # fmt: skip
         rows = self._unscaled(points)
-        if origin is not None and len(origin) == n:
+        if origin is not None and len(origin) == n and origin.dtype == np.int32:
             source = origin
         else:
             source = np.empty(n, dtype=np.int32)
@@ -308,6 +308,7 @@ class PlanarComplex:
             segments=ends,
             piece=piece,
             span=span,
+            _ready=True,
             **rest,
         )
 
