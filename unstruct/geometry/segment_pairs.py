@@ -157,19 +157,8 @@ def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, p
 def none_meet(points, segments, alone):
     """Whether floating point proves it all: segments meet in common ends at most, and hold no lone vertex.
 
-    Parameters
-    ----------
-    points : (n, 2) float64
-        All different.
-    segments : (s, 2) int32
-        None of zero length.
-    alone : (k,) int32
-        Vertices that are no segment's end.
-
-    Returns
-    -------
-    bool
-        False where anything meets, and where it would take more than one coarse look to tell.
+    Points are all different, no segment has zero length, ``alone`` are vertices that are no segment's end.
+    False also where it would take more than one coarse look to tell.
     """
     s = segments.shape[0]
     ends = np.empty((s, 4))

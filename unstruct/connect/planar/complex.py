@@ -89,6 +89,18 @@ def extract(
 
 
 @kernel
+def copy_all(
+    xy, vertex, twin, mark, region, ends, piece, span, where, xy1, vertex1, twin1, mark1, region1, ends1,
+    piece1, span1, where1,
+):  # fmt: skip
+    """Copy the arrays of a `PlanarComplex` to the beginnings of larger ones."""
+    xy1[: len(xy)], vertex1[: len(vertex)], twin1[: len(twin)] = xy, vertex, twin
+    mark1[: len(mark)], region1[: len(region)] = mark, region
+    ends1[: len(ends)], piece1[: len(piece)] = ends, piece
+    span1[: len(span)], where1[: len(where)] = span, where
+
+
+@kernel
 def bounds(xy, n, box):
     """Write the least x and y, and the greatest, of the first n rows."""
     box[0] = box[1] = np.inf
@@ -202,12 +214,32 @@ class PlanarComplex:
         Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels go on as
         long as there are rows of ``xy``, and it may have grown by more than was asked for: so all rows count.
         """
+        # the usual case, all arrays grow by half at least, needs fewer calls
+        before, slots, s = len(self.region), 2 * vertices, len(self.where)
+        fit = len(self.vertex) == len(self.mark) == 3 * before and len(self.ends) == len(self.span) == s
+        if fit and 3 * max(before, 2 * len(self.xy)) <= 2 * slots and 3 * s <= 2 * segments:
+            self._enlarge(vertices, slots, segments)
+            return
         self.xy = grown(self.xy, vertices)
         slots = max(2 * len(self.xy), self.triangles)
         self.vertex, self.twin = grown(self.vertex, 3 * slots), grown(self.twin, 3 * slots)
         self.mark, self.region = grown(self.mark, 3 * slots), grown(self.region, slots)
         self.ends, self.piece = grown(self.ends, segments), grown(self.piece, segments)
         self.span, self.where = grown(self.span, segments), grown(self.where, segments)
+
+    def _enlarge(self, vertices: int, slots: int, segments: int) -> None:
+        """`reserve` where all arrays grow: they are copied in one call."""
+        xy, span = np.empty((vertices, 2)), np.empty((segments, 2))
+        vertex, twin = np.empty(3 * slots, dtype=np.int32), np.empty(3 * slots, dtype=np.int32)
+        mark, region = np.empty(3 * slots, dtype=np.int32), np.empty(slots, dtype=np.int32)
+        ends, piece = np.empty((segments, 2), dtype=np.int32), np.empty(segments, dtype=np.int32)
+        where = np.empty(segments, dtype=np.int32)
+        copy_all(
+            self.xy, self.vertex, self.twin, self.mark, self.region, self.ends, self.piece, self.span,
+            self.where, xy, vertex, twin, mark, region, ends, piece, span, where,
+        )  # fmt: skip
+        self.xy, self.vertex, self.twin, self.mark, self.region = xy, vertex, twin, mark, region
+        self.ends, self.piece, self.span, self.where = ends, piece, span, where
 
     def scratch(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
@@ -297,7 +329,7 @@ class PlanarComplex:
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
             named["region"] = region
-        if rest.get("unrefined") is not None:
+        if rest.get("unrefined") is not None and len(rest["unrefined"]):
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return DomainMesh(
             rows,

@@ -117,10 +117,9 @@ def refine(
     planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
     c = planned.complex_
     limits = make_limits(
-        planned.names, c.box(), c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
+        planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
     run = Run(planned, limits, offset, _budget(budget), history)
-    run.start()
     code = _loop(run, progress)
     slots, reasons, missed = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
     steps = None

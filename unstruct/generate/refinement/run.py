@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,6 @@ from .state import (
     Work,
     begin,
     expected,
-    look_at_all,
 )
 from .steps import advance
 
@@ -40,6 +40,7 @@ PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
+OWN_OF = attrgetter(*OWN)
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -117,15 +118,11 @@ class Run:
             c = self.complex
             arrays: list[NDArray] = [
                 c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-                *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
+                *OWN_OF(self), self.curve, self.arc, self.joints, *self.scratch,
                 self.polygon, self.event, self.place,
             ]  # fmt: skip
             self._work = Work(*arrays)
         return self._work
-
-    def start(self) -> None:
-        """Look at all subsegments and triangles."""
-        look_at_all(self.work(), self.tally, self.limits)
 
     def advance(self) -> int:
         """Some thousand steps; FINISHED, MORE or BUDGET."""
@@ -180,6 +177,5 @@ class Run:
     def counts(self) -> dict[str, int]:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
-        return {"removed": int(self.tally[REMOVED])} | {
-            k: int(self.tally[CENTERS + i]) for i, k in enumerate(names)
-        }
+        tally = self.tally.tolist()
+        return {"removed": tally[REMOVED], **dict(zip(names, tally[CENTERS:]))}

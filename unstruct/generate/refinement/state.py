@@ -31,7 +31,7 @@ STACKED = 256  # a bit beside it: the slot has an entry on the stack of those th
 FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
 # entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
 SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
-REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED = 8, 9, 10, 11, 12, 13, 14
+REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
 UNKNOWN = -9  # no kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
