@@ -69,7 +69,7 @@ def insert_all(
     if status != DONE:
         raise _refusal(status, int(i), int(other), ends, piece, facets)
     crossed = np.zeros(len(ends), dtype=np.int64)
-    if i == 0:  # none is left
+    if i == 0 and not progress:  # none is left
         _enter(complex_, ends, piece, span, where, known=True)
         return crossed
     order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
