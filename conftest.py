@@ -22,6 +22,8 @@ def pytest_configure(config: pytest.Config) -> None:
         getattr(config.option, "nbval_sanitize_with", "") is None
     ):  # a relative name in addopts would depend on the folder
         config.option.nbval_sanitize_with = str(ROOT / "book" / "nbval_sanitize.cfg")
+    # on a busy machine a kernel may start slowly, and compiled code is not in the cache at first
+    config.option.nbval_kernel_startup_timeout = config.option.nbval_cell_timeout = 36_000
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

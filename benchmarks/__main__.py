@@ -30,10 +30,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("suite", choices=sorted(SUITES))
     parser.add_argument("--max", type=float, default=1e6, help="largest number of points (default 1e6)")
     parser.add_argument("--repeats", type=int, default=3, help="runs of each contestant (default 3)")
-    parser.add_argument("--timeout", type=float, default=300.0, help="seconds for one case (default 300)")
+    limit = "seconds for one case (default 300; 0: no limit)"
+    parser.add_argument("--timeout", type=float, default=300.0, help=limit)
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder for rows, table and plot")
     options = parser.parse_args(arguments)
-    workers = Workers(options.timeout)
+    workers = Workers(options.timeout or None)
     before = machine.load()
     rows = SUITES[options.suite](workers, int(options.max), options.repeats)
     versions = {row["contestant"]: row["version"] for row in rows if row["measure"] == "time"}

@@ -16,9 +16,12 @@ SLOW = 12.0  # seconds: what would take longer is run once; what would take thre
 
 
 class Workers:
-    """Ask for one job at a time; a job that fails or takes too long is told and gives None."""
+    """Ask for one job at a time; a job that fails or takes too long is told and gives None.
 
-    def __init__(self, timeout: float = 600.0):
+    ``timeout``: the seconds a job may take, the compilation of kernels counted in; None for no limit.
+    """
+
+    def __init__(self, timeout: float | None = None):
         self.timeout = timeout
         self.failures: list[str] = []
 

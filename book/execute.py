@@ -99,7 +99,8 @@ def run(path: Path) -> float:
     start = time.perf_counter()
     client = NotebookClient(
         notebook,
-        timeout=600,
+        timeout=None,  # on a busy machine anything may take long
+        startup_timeout=36_000,
         kernel_name="python3",
         record_timing=False,
         coalesce_streams=True,  # where a stream is cut in pieces depends on the clock

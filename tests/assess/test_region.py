@@ -296,7 +296,9 @@ def test_space_and_other_cells_are_refused() -> None:
     tetra = Mesh(np.vstack([np.zeros(3), np.eye(3)]), [[0, 1, 2, 3]])
     assert {p.kind for p in check(tetra, domain=square).problems} == {"domain"}
     quad = Mesh(square.points, cells={"quad": [[0, 1, 2, 3]]})
-    assert any("domain" in text for text in check(quad, domain=square).skipped)
+    assert "boundary" in {p.kind for p in check(quad, domain=square).problems}, "no edges are marked"
+    plain = Domain.polygon(square.points)
+    assert check(Mesh(square.points, cells=quad.cells, markers={"facets": quad.boundary}), domain=plain)
 
 
 def test_a_domain_without_facets() -> None:

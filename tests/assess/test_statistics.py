@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from mixed_cells import planar, spatial
 
 from unstruct import InputError, Mesh, MeshError, delaunay
 from unstruct.assess.statistics import angle_histogram, compare, statistics
@@ -64,10 +65,36 @@ def test_side_by_side() -> None:
     assert "| edges within √2 of the size | 100.0% | 100.0% |" in lines
 
 
+def test_tetrahedra_and_mixtures() -> None:
+    mesh = delaunay(np.random.default_rng(0).random((20, 3)))
+    found = statistics(mesh)
+    assert found.kinds == {"tetra": mesh.size} and found.cells == mesh.size
+    assert found.mean_round == pytest.approx(mesh.quality("2r/R").mean())
+    assert found.least_scaled == mesh.quality("scaled_jacobian").min() > 0
+    assert ("tetrahedra", str(mesh.size)) in found.rows()
+    for mixed in (planar(4, jitter=0.2), spatial(2, jitter=0.1)):
+        found = statistics(mixed, 1.0)
+        assert found.kinds == {kind: len(block) for kind, block in mixed.cells.items()}
+        assert found.cells == mixed.size and math.isnan(found.mean_round)
+        assert found.mean_scaled == pytest.approx(mixed.quality("scaled_jacobian").mean())
+        assert found.least_angle == mixed.quality("min_angle").min()
+        ends = mixed.points[mixed.edges]
+        assert found.long == pytest.approx(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).max())
+        assert "2r/R" not in str(found) and "mean scaled Jacobian" in str(found)
+    squares = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells={"quad": [[0, 1, 2, 3]]})
+    text = compare({"flat": SQUARE, "square": squares, "solid": spatial(2)})
+    lines = text.splitlines()
+    assert "| quads |  | 1 |  |" in lines and "| triangles | 2 |  |  |" in lines
+    assert "| least angle | 45.0° | 90.0° |" in text and "| least scaled Jacobian |  | 1.000 |" in text
+    assert all(line.count("|") == 5 for line in lines)
+
+
 def test_other_meshes_are_refused() -> None:
     with pytest.raises(MeshError, match="triangle"):
-        statistics(delaunay(np.random.default_rng(0).random((20, 3))))
+        statistics(delaunay([[0.0], [1.0]]))
     with pytest.raises(MeshError, match="this is None"):
         statistics(None)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="meshes must be a dict"):
         compare([SQUARE])  # type: ignore[arg-type]
+    with pytest.raises(MeshError, match="triangle meshes"):
+        angle_histogram(spatial(2))

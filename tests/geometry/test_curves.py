@@ -120,7 +120,7 @@ def test_curves_that_lie_on_each_other_are_told_soon(monkeypatch: pytest.MonkeyP
     for second, end in (([1, 0], back), ([0, 1], there)):
         with pytest.raises(InputError, match="facet 0 and facet 1 are the same curve between points 0 and 1"):
             Domain([[0, 0], [1, 0]], [[0, 1], second], curves={0: there, 1: end})
-    monkeypatch.setattr(domain_sample, "MANY", 256)
+    monkeypatch.setattr(domain_sample, "CONFLICTS", 256)
     turns = np.array([0, 2, 1, 3])
     points = [*np.column_stack([np.cos(turns), np.sin(turns)]).tolist(), [0, -1]]
     arcs = {0: Arc((0, 0), 1, 0, 2), 3: Arc((0, 0), 1, 1, 2)}

@@ -26,6 +26,8 @@ from benchmarks import (
 )
 from benchmarks.run import RESULTS, Workers
 
+RUN = ["--repeats", "2", "--timeout", "0", "--results"]  # no limit: kernels may have to be compiled first
+
 
 @pytest.mark.parametrize("kind", inputs.KINDS)
 @pytest.mark.parametrize("d", [2, 3])
@@ -50,7 +52,7 @@ def test_the_machine_is_described_in_words():
 
 
 def test_a_job_that_fails_is_told(capsys):
-    workers = Workers(timeout=60)
+    workers = Workers()
     assert workers.ask("no such job", {}) is None
     assert len(workers.failures) == 1 and "KeyError" in workers.failures[0]
     assert "FAILED" in capsys.readouterr().err
@@ -61,7 +63,7 @@ def test_a_job_that_fails_is_told(capsys):
 def test_a_tiny_run(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(delaunay, "PLAN", {2: (("uniform", "lattice"), (100, 400)), 3: (("sphere",), (100,))})
     monkeypatch.setattr(delaunay, "MEMORY", {2: 400})
-    assert __main__.main(["delaunay", "--max", "400", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    assert __main__.main(["delaunay", "--max", "400", *RUN, str(tmp_path)]) == 0
     result = json.loads((tmp_path / "delaunay.json").read_text())
     cases = report.times(result["rows"])
     planar = {(2, kind, n) for kind in ("uniform", "lattice") for n in (100, 400)}
@@ -167,7 +169,7 @@ def test_a_tiny_planar_run(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         planar, "find", lambda work: [m for m in meshers.find(work) if m[0].package == "unstruct"]
     )
-    assert __main__.main(["planar", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    assert __main__.main(["planar", *RUN, str(tmp_path)]) == 0
     result = json.loads((tmp_path / "planar.json").read_text())
     cases = planar_report.times(result["rows"])
     assert set(cases) == {

@@ -11,19 +11,20 @@ from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain
 from ..mesh import topology
+from ..mesh.cells import cell_rows
 from ..mesh.embedding import RidgeFans, crossing_facets
 from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
 from ..mesh.marked import marked_facets
 from ..mesh.mesh import Mesh
-from ..predicates.batch import in_sphere, orient_rows
+from ..mesh.split import simplices_of_cells
+from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
 from .brute import check_brute
-from .mixed import check_mixed
+from .mixed import array_faults, check_mixed
 from .region import check_domain, pinch_points
 
 __all__ = ["Problem", "Report", "check"]
 
-CHUNK = 1 << 19
-SMALL = 100_000  # points times cells, up to which the brute-force tests run by default
+BRUTE_LIMIT = 100_000  # points times cells, up to which the brute-force tests run by default
 
 
 def check(
@@ -74,13 +75,13 @@ def check(
     report = Report(repr(mesh))
     if not _arrays(mesh, report):
         return report
-    if not mesh.is_simplicial:
-        report.skipped += ["the domain, which needs triangles"] if domain is not None else []
-
-        check_mixed(mesh, report)
-        return report
     _vertices(mesh, report)
     pinches = np.empty(0, dtype=np.int64) if domain is None else pinch_points(mesh, domain)
+    if not mesh.is_simplicial:
+        report.skipped += ["the Delaunay property, which needs simplices"] if delaunay else []
+        if check_mixed(mesh, report, pinches):
+            _by_simplices(mesh, domain, brute, report)
+        return report
     sound, manifold = _topology(mesh, report, pinches)
     if not sound:
         report.skipped.append("everything that needs sound adjacency, the domain included")
@@ -93,7 +94,7 @@ def check(
         report.skipped.append("overlap, spheres and domain, which need positively oriented cells")
         return report
     if brute is None:
-        brute = len(mesh.points) * mesh.size <= SMALL
+        brute = len(mesh.points) * mesh.size <= BRUTE_LIMIT
     fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
     locally_well = fans is None or _local_overlap(fans, report)
     if delaunay is True and manifold:
@@ -126,12 +127,14 @@ def _arrays(mesh: Mesh, report: Report) -> bool:
         problems.append(problem("repeated vertex", "within one cell", cells=np.nonzero(repeated)[0]))
         if mesh.size == 0:
             problems.append(Problem("empty", "the mesh has no cells"))
+    else:
+        problems += array_faults(mesh)
     return report.note("arrays: finite points, indices in range, distinct corners", *problems)
 
 
 def _vertices(mesh: Mesh, report: Report) -> None:
     used = np.zeros(len(mesh.points), dtype=bool)
-    used[mesh.simplices.ravel()] = True
+    used[cell_rows(mesh.cells)[1]] = True
     copies, kept = mesh.duplicates.T
     listed = np.zeros(len(mesh.points), dtype=bool)
     listed[copies] = True
@@ -268,6 +271,38 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
     report.note("no cell holds a foreign vertex", wrong)
 
 
+def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report: Report) -> None:
+    """What is decided for simplices, asked of the parts into which cells are cut; culprits are the cells."""
+    if mesh.dimension == 2 and domain is None:
+        return
+    rows, owner = simplices_of_cells(mesh.cells)
+    turned = np.unique(owner[orient_rows(mesh.points, rows) <= 0])
+    if len(turned):
+        report.skipped.append(
+            f"{'overlap' if mesh.dimension == 3 else 'the domain'}, which needs cells that are cut into "
+            f"positive simplices from their lowest vertices; cells {turned[:8].tolist()} are not "
+            f"({len(turned)} in all)"
+        )
+        return
+    markers = {name: values if values.ndim == 2 else values[owner] for name, values in mesh.markers.items()}
+    markers = {name: values for name, values in markers.items() if values.ndim == 1 or values.shape[1] == 2}
+    parts = Mesh(mesh.points, rows, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers)
+    found = Report(report.title)
+    if mesh.dimension == 3:
+        well = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
+        if well:
+            everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
+            _overlap(parts, found, everything=everything)
+    if domain is not None:
+        check_domain(parts, domain, found)
+    report.passed += found.passed
+    report.skipped += found.skipped
+    report.problems += [
+        Problem(p.kind, p.text, tuple(np.unique(owner[list(p.cells)]).tolist()), p.vertices)
+        for p in found.problems
+    ]
+
+
 # ---------------------------------------------------------------------- spheres
 
 
@@ -283,8 +318,8 @@ def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
     # The vertex across: that of the other cell which is not on the facet. Sums avoid a search.
     across = simplices[others].sum(axis=1) - simplices[cells].sum(axis=1) + simplices[cells, corner]
     inside = np.empty(len(cells), dtype=bool)
-    for i in range(0, len(cells), CHUNK):
-        part = slice(i, i + CHUNK)
+    for i in range(0, len(cells), SIGNS_AT_ONCE):
+        part = slice(i, i + SIGNS_AT_ONCE)
         inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
     text = "spheres of cells that hold the vertex across a facet"
     report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))

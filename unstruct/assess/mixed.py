@@ -1,131 +1,222 @@
-"""`unstruct.check` for meshes of polygons, quadrilaterals, hexahedra and mixtures."""
+"""`unstruct.check` for meshes of quadrilaterals, polygons, solids of several faces, and mixtures.
+
+What holds for simplices is asked of these cells too, in the same words: sound arrays, two cells at a facet
+that see it from opposite sides, vertices and edges around which the cells hang together, and the Euler
+characteristic. The shape of cells is decided by the exact sign of the Jacobian over the whole cell.
+"""
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
-from ..base.report import Report, problem
-from ..geometry.boxes import BoxTree
-from ..mesh.cells import CELL_TYPES, incident_facets
+from ..base.report import Problem, Report, problem
+from ..mesh.cells import cell_rows, incident_facets
 from ..mesh.embedding import crossing_facets
+from ..mesh.holding import PlanarCells
+from ..mesh.manifold import fans_of_faces
 from ..mesh.mesh import Mesh
-from ..predicates.batch import orient_rows
+from ..mesh.orientation import jacobian_signs
+from ..mesh.topology import group_rows
 
-__all__ = ["check_mixed"]
+__all__ = ["array_faults", "check_mixed"]
 
 
-def check_mixed(mesh: Mesh, report: Report) -> None:
-    """Facets, Euler characteristic; corners by exact signs; in the plane also crossings and overlaps."""
-    used = np.zeros(len(mesh.points), dtype=bool)
-    used[np.unique(mesh.edges)] = True
-    copies = mesh.duplicates[:, 0]
-    used[copies] = True
-    report.note(
-        "every vertex used, or listed as a duplicate",
-        problem("unused vertex", "in no cell and no duplicate", vertices=np.nonzero(~used)[0]),
-    )
+def array_faults(mesh: Mesh) -> list[Problem | None]:
+    """Numbers that are no vertices, and vertices that a cell has twice: arrays may have been written to."""
+    indptr, corners = cell_rows(mesh.cells)
+    n, owner = len(mesh.points), np.repeat(np.arange(mesh.size), np.diff(indptr))
+    outside = owner[(corners < 0) | (corners >= n)]
+    order = np.lexsort((corners, owner))
+    twice = (np.diff(corners[order]) == 0) & (np.diff(owner[order]) == 0)
+    return [
+        problem("index", f"vertices outside 0..{n - 1}", cells=outside),
+        problem("repeated vertex", "within one cell", cells=owner[order[1:]][twice]),
+        Problem("empty", "the mesh has no cells") if mesh.size == 0 else None,
+    ]
+
+
+def check_mixed(mesh: Mesh, report: Report, pinches: np.ndarray) -> bool:
+    """Adjacency, orientation and shape of cells; tells whether the mesh is fit for a test of overlap.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    report : Report
+    pinches : ndarray of int
+        Vertices where the cells may fall into several fans.
+    """
     rows, owner, group = incident_facets(mesh.cells)
     crowded = np.bincount(group)[group] > 2
     text = "shared by more than two cells"
-    vertices = rows[crowded].ravel()
-    if not report.note(
-        "at most two cells at a facet", problem("facet", text, owner[crowded], vertices[vertices >= 0])
-    ):
-        return
-    same = _same_direction(rows, group)
-    text = "two cells on the same side of a facet, or against its orientation"
-    vertices = rows[same].ravel()
-    report.note("coherent orientation", problem("orientation", text, owner[same], vertices[vertices >= 0]))
-    solid = mesh.points.shape[1] == mesh.dimension
-    if solid:
-        bad = turned_corners(mesh)
-        text = "turned, flat or crossed (polygons: of negative or no area)"
-        report.note("every cell of positive shape (exact)", problem("negative cell", text, bad))
-    if mesh.points.shape[1] == 2:
-        _plane(mesh, report)
-    else:
-        report.skipped.append("overlap (decided for simplices, and in the plane)")
-
-
-def _same_direction(rows: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Facets that two cells see in the same cyclic direction."""
-    same = np.zeros(len(rows), dtype=bool)
-    order = np.argsort(group, kind="stable")
-    twin = group[order[1:]] == group[order[:-1]]
-    first, second = order[:-1][twin], order[1:][twin]
-    for i, j in zip(first.tolist(), second.tolist()):
-        a, b = ([v for v in rows[r].tolist() if v >= 0] for r in (i, j))
-        if len(a) == 2:
-            same[[i, j]] = a == b
-        else:
-            at = b.index(a[0])
-            same[[i, j]] = b[(at + 1) % len(b)] == a[1] and len(a) > 2
-    return same
-
-
-def turned_corners(mesh: Mesh) -> np.ndarray:
-    """Cells with a corner that is not positive: quadrilaterals and solids by corners, polygons by area.
-
-    A quadrilateral with four left turns is convex. In space the corner of a hexahedron, wedge or pyramid
-    is the tetrahedron of a vertex and its three neighbors (the apex of a pyramid is left out).
-    """
-    bad, start = [], 0
-    for name, block in mesh.cells.items():
-        if name == "polygon":
-            bad += [start + i for i, row in enumerate(block) if not _positive_polygon(mesh.points, row)]
-        elif name == "quad":
-            corners = np.concatenate([np.roll(block, -i, axis=1)[:, :3] for i in range(4)])
-            wrong = (orient_rows(mesh.points, corners) <= 0).reshape(4, -1).any(axis=0)
-            bad += (start + np.nonzero(wrong)[0]).tolist()
-        elif name in ("hexahedron", "wedge", "pyramid"):
-            tetra = np.concatenate([block[:, corner] for corner in _solid_corners(name)])
-            wrong = (orient_rows(mesh.points, tetra) <= 0).reshape(-1, len(block)).any(axis=0)
-            bad += (start + np.nonzero(wrong)[0]).tolist()
-        else:
-            bad += (start + np.nonzero(orient_rows(mesh.points, block) <= 0)[0]).tolist()
-        start += len(block)
-    return np.array(bad, dtype=np.int64)
-
-
-def _solid_corners(name: str) -> list[list[int]]:
-    """(v, a, b, c) with a, b, c the neighbors of corner v such that a good cell is positive there."""
-    reference = {
-        "hexahedron": [
-            (0, 0, 0),
-            (1, 0, 0),
-            (1, 1, 0),
-            (0, 1, 0),
-            (0, 0, 1),
-            (1, 0, 1),
-            (1, 1, 1),
-            (0, 1, 1),
-        ],
-        "wedge": [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)],
-        "pyramid": [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (1, 1, 1)],
-    }[name]
-    result = []
-    for v in range(len(reference)):
-        around = [b if a == v else a for a, b in CELL_TYPES[name][2] if v in (a, b)]
-        if len(around) == 3:
-            a, b, c = (np.subtract(reference[w], reference[v]) for w in around)
-            if np.dot(a, np.cross(b, c)) < 0:
-                around[0], around[1] = around[1], around[0]
-            result.append([v, *around])
-    return result
-
-
-def _positive_polygon(points: np.ndarray, row: np.ndarray) -> bool:
-    """Simple and counterclockwise: no two sides cross, and the lowest corner turns left."""
-    k = len(row)
-    sides = np.column_stack([row, np.roll(row, -1)])
-    if len(crossing_facets(points, sides)):
+    wrong = problem("facet", text, owner[crowded], _vertices(rows[crowded]))
+    if not report.note("at most two cells at a facet", wrong):
+        report.skipped.append("everything that needs sound adjacency, the domain included")
         return False
-    lowest = min(range(k), key=lambda i: tuple(points[row[i]].tolist()))
-    # Skip collinear neighbors: in a simple polygon the extreme corner may be flat only with equal points.
-    return bool(orient_rows(points, row[[lowest - 1, lowest, (lowest + 1) % k]][None])[0] > 0)
+    pairs = _pairs(group)
+    same, twisted = _sides(rows[pairs[:, 0]], rows[pairs[:, 1]])
+    text = "two cells on the same side of a facet, or against its orientation"
+    across = "two cells list its corners in different cyclic orders"
+    well = report.note(
+        "coherent orientation: the two cells of a facet on opposite sides",
+        problem("orientation", text, owner[pairs[same]].ravel(), _vertices(rows[pairs[same, 0]])),
+        problem("facet", across, owner[pairs[twisted]].ravel(), _vertices(rows[pairs[twisted, 0]])),
+    )
+    if twisted.any():
+        report.skipped.append("everything that needs sound adjacency, the domain included")
+        return False
+    _manifold(mesh, rows, owner[pairs], rows[pairs[:, 0]], report, pinches)
+    if mesh.dimension < mesh.points.shape[1]:
+        _surface(mesh, report)
+        return False
+    signs, undecided = jacobian_signs(mesh)
+    zero = np.setdiff1d(np.nonzero(signs == 0)[0], undecided)
+    text = "the Jacobian is not positive everywhere (polygons: sides cross or touch)"
+    well &= report.note(
+        "every cell positively oriented: its Jacobian everywhere (exact)",
+        problem("negative cell", "turned inside out; Mesh.oriented() mends it", np.nonzero(signs < 0)[0]),
+        problem("negative cell", text, zero),
+    )
+    if len(undecided):
+        report.skipped.append(
+            f"whether the Jacobian of cells {undecided[:8].tolist()} ({len(undecided)} in all) is positive: "
+            "it comes too close to zero"
+        )
+    if mesh.dimension == 2 and well:
+        return _plane(mesh, report)
+    if not well:
+        report.skipped.append("overlap and domain, which need positively oriented cells")
+    return well
 
 
-def _plane(mesh: Mesh, report: Report) -> None:
+def _vertices(rows: np.ndarray) -> np.ndarray:
+    return rows[rows >= 0]
+
+
+def _pairs(group: np.ndarray) -> np.ndarray:
+    """The two incidences of each inner facet: (p, 2)."""
+    order = np.argsort(group, kind="stable")
+    twin = np.nonzero(group[order[1:]] == group[order[:-1]])[0]
+    return np.column_stack([order[twin], order[twin + 1]])
+
+
+def _sides(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Facets, as two cells list them, that go the same way round; and those that agree in no direction."""
+    sizes = (a >= 0).sum(axis=1)
+    same, twisted = np.zeros(len(a), dtype=bool), np.zeros(len(a), dtype=bool)
+    for size in np.unique(sizes).tolist():
+        which = np.nonzero(sizes == size)[0]
+        first, second = a[which, :size], b[which, :size]
+        place = (second == first[:, :1]).argmax(axis=1)[:, None]
+        step = np.arange(size)
+        along = (np.take_along_axis(second, (place + step) % size, axis=1) == first).all(axis=1)
+        against = (np.take_along_axis(second, (place - step) % size, axis=1) == first).all(axis=1)
+        if size == 2:  # the two directions of a segment differ by where it starts
+            along, against = first[:, 0] == second[:, 0], first[:, 0] != second[:, 0]
+        same[which], twisted[which] = along, ~along & ~against
+    return same, twisted
+
+
+# ---------------------------------------------------------------------- manifold
+
+
+def _manifold(
+    mesh: Mesh, rows: np.ndarray, cells: np.ndarray, shared: np.ndarray, report: Report, pinches: np.ndarray
+) -> None:
+    """Cells around vertices and edges hang together; links; the Euler characteristic."""
+    indptr, corners = cell_rows(mesh.cells)
+    owner = np.repeat(np.arange(mesh.size), np.diff(indptr))
+    facet, column = np.nonzero(shared >= 0)
+    fans = fans_of_faces((owner, corners), cells[facet], shared[facet, column], len(mesh.points))
+    bad = np.nonzero(fans > 1)[0]
+    allowed = np.isin(bad, pinches)
+    text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
+    problems = [problem("pinched vertex", text, vertices=bad[~allowed])]
+    if mesh.dimension == 3:
+        pinched, most = _pinched_edges(mesh, rows, cells, shared)
+        text = f"up to {most} separate fans of cells meet there"
+        problems.append(problem("pinched edge", text, vertices=pinched.ravel()))
+    manifold = report.note("cells around every vertex hang together", *problems)
+    if manifold and mesh.dimension == 3:
+        manifold = report.note(
+            "the link of every vertex is a sphere or a disc",
+            problem("link", "the cells around the vertex form neither a ball nor a half-ball",
+                    vertices=_bad_links(mesh, corners)),
+        )  # fmt: skip
+    if manifold and allowed.any():
+        report.skipped.append("the Euler characteristic, where facets of the domain meet at a vertex")
+    elif manifold:
+        _euler(mesh, report)
+
+
+def _facet_sides(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The sides (lower vertex first) of facets in space, and which facet each belongs to."""
+    sizes = (rows >= 0).sum(axis=1)
+    sides, which = [], []
+    for i in range(rows.shape[1]):
+        some = np.nonzero(sizes > i)[0]
+        sides.append(np.column_stack([rows[some, i], rows[some, (i + 1) % sizes[some]]]))
+        which.append(some)
+    return np.sort(np.concatenate(sides), axis=1), np.concatenate(which)
+
+
+def _pinched_edges(
+    mesh: Mesh, rows: np.ndarray, cells: np.ndarray, shared: np.ndarray
+) -> tuple[np.ndarray, int]:
+    # Each edge of a cell is a side of two of its facets: so it comes twice here, which does no harm.
+    own, facet = _facet_sides(rows)
+    owner = incident_facets(mesh.cells)[1][facet]
+    inner, which = _facet_sides(shared)
+    number, first = group_rows(np.concatenate([own, inner]))
+    fans = fans_of_faces((owner, number[: len(own)]), cells[which], number[len(own) :], len(first))
+    edges = np.concatenate([own, inner])[first]
+    return edges[fans > 1], int(fans.max(initial=0))
+
+
+def _bad_links(mesh: Mesh, corners: np.ndarray) -> np.ndarray:
+    """As `manifold.bad_vertex_links`: the link's Euler characteristic is 2 inside and 1 on the boundary."""
+    n = len(mesh.points)
+    link = np.bincount(mesh.edges.ravel(), minlength=n) - np.bincount(_vertices(mesh.facets), minlength=n)
+    link += np.bincount(corners, minlength=n)
+    wanted = np.full(n, 2)
+    wanted[_vertices(mesh.boundary)] = 1
+    used = np.zeros(n, dtype=bool)
+    used[corners] = True
+    return np.nonzero(used & (link != wanted))[0]
+
+
+def _euler(mesh: Mesh, report: Report) -> None:
+    """For every compact manifold of dimension k: chi(boundary) = (1 - (-1)^k) chi."""
+    boundary = mesh.boundary
+    inside, around = mesh.euler_characteristic, 0
+    if len(boundary):
+        around = len(np.unique(_vertices(boundary))) - len(boundary)
+        if mesh.dimension == 3:
+            around += 2 * len(boundary) - len(np.unique(_facet_sides(boundary)[0], axis=0))
+    text = f"{inside} inside and {around} on the boundary cannot go together"
+    wrong = None if around == (1 - (-1) ** mesh.dimension) * inside else Problem("Euler characteristic", text)
+    report.note(f"Euler characteristic: {inside}, boundary {around}", wrong)
+
+
+# ---------------------------------------------------------------------- geometry
+
+
+def _surface(mesh: Mesh, report: Report) -> None:
+    """Cells of surfaces in space: some projection to coordinate axes must be solid."""
+    flat = np.ones(mesh.size, dtype=bool)
+    indptr, corners = cell_rows(mesh.cells)
+    polygons = np.split(corners, indptr[1:-1])
+    for axes in combinations(range(mesh.points.shape[1]), 2):
+        rows = np.nonzero(flat)[0]
+        shadow = np.ascontiguousarray(mesh.points[:, axes])
+        flat[rows] = ~PlanarCells(shadow, [polygons[i] for i in rows.tolist()]).solid
+    wrong = problem("flat cell", "its corners lie in a lower dimension", cells=np.nonzero(flat)[0])
+    report.note("no flat cell", wrong)
+    report.skipped.append("whether the surface meets itself")
+
+
+def _plane(mesh: Mesh, report: Report) -> bool:
     """No two edges cross and no vertex lies in a foreign cell: then the cells do not overlap."""
     points = mesh.points
     pairs = crossing_facets(points, mesh.edges)
@@ -133,29 +224,13 @@ def _plane(mesh: Mesh, report: Report) -> None:
         "crossing", "edges meet in more than a common end", vertices=mesh.edges[pairs.ravel()].ravel()
     )
     if not report.note("no two edges cross", wrong):
-        return
-    rows, owner, _ = incident_facets(mesh.cells)
-    order = np.argsort(owner, kind="stable")
-    rows, owner = rows[order], owner[order]
-    firsts = np.searchsorted(owner, np.arange(mesh.size + 1))
-    low = np.minimum.reduceat(points[rows].min(axis=1), firsts[:-1])
-    high = np.maximum.reduceat(points[rows].max(axis=1), firsts[:-1])
+        return False
     vertices = np.unique(mesh.edges)
-    query, cells = BoxTree(low, high).pairs(points[vertices], points[vertices])
-    # Crossings of a ray to the right: sides a b with a below and b not, on the right of the vertex.
-    counts = np.diff(firsts)[cells]
+    query, cells = mesh.holding(points[vertices])
+    indptr, corners = cell_rows(mesh.cells)
+    counts = np.diff(indptr)[cells]
     pair = np.repeat(np.arange(len(cells)), counts)
-    side = np.arange(len(pair)) - np.repeat(np.cumsum(counts) - counts, counts) + firsts[cells][pair]
-    v, a, b = vertices[query][pair], rows[side, 0], rows[side, 1]
-    own = np.bincount(pair, weights=(v == a), minlength=len(cells)) > 0
-    y, ya, yb = points[v, 1], points[a, 1], points[b, 1]
-    up, down = (ya <= y) & (y < yb), (yb <= y) & (y < ya)
-    turn = np.zeros(len(pair), dtype=np.int64)
-    some = np.nonzero(up | down)[0]
-    turn[some] = orient_rows(points, np.column_stack([v, a, b])[some])
-    winding = np.bincount(
-        pair, weights=(up & (turn > 0)).astype(int) - (down & (turn < 0)), minlength=len(cells)
-    )
-    inside = (winding != 0) & ~own
-    wrong = problem("overlap", "cells that hold a vertex of others", cells[inside], vertices[query[inside]])
-    report.note("no cell holds a foreign vertex", wrong)
+    place = np.arange(len(pair)) + np.repeat(indptr[cells] - (np.cumsum(counts) - counts), counts)
+    own = np.bincount(pair, weights=corners[place] == vertices[query][pair], minlength=len(cells)) > 0
+    wrong = problem("overlap", "cells that hold a vertex of others", cells[~own], vertices[query[~own]])
+    return report.note("no cell holds a foreign vertex", wrong)

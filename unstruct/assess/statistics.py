@@ -1,4 +1,4 @@
-"""How good a planar mesh is, in one row: angles, roundness, and how well its edges have the wanted length.
+"""How good a mesh is, in one row: angles, roundness, and how well its edges have the wanted length.
 
 See the book, chapters 2.6b to 2.6d.
 """
@@ -6,14 +6,15 @@ See the book, chapters 2.6b to 2.6d.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from ..base.arrays import distinct
 from ..base.errors import InputError, MeshError
-from ..geometry.simplex import angles, quality
+from ..geometry.simplex import angles
+from ..mesh.cells import cell_rows, counted
 from ..mesh.mesh import Mesh
 from ..sizing.field import as_size
 
@@ -27,6 +28,8 @@ NAMES = {
     "greatest_angle": "greatest angle",
     "least_round": "least 2r/R",
     "mean_round": "mean 2r/R",
+    "least_scaled": "least scaled Jacobian",
+    "mean_scaled": "mean scaled Jacobian",
     "conforming": "edges within √2 of the size",
     "short": "shortest edge / size",
     "long": "longest edge / size",
@@ -37,22 +40,27 @@ DEGREES = ("least_angle", "low_angle", "greatest_angle")
 
 @dataclass(frozen=True)
 class Statistics:
-    """Figures of a triangle mesh, as `statistics` makes them.
+    """Figures of a mesh, as `statistics` makes them.
 
     Attributes
     ----------
     vertices, cells : int
-        How many vertices are used, and how many triangles there are.
+        How many vertices are used, and how many cells there are.
     least_angle, low_angle, greatest_angle : float
-        Degrees: the least of all angles; the value that the least angles of one triangle in a hundred do not
-        exceed; the greatest of all angles.
+        Degrees: the least of all angles; the value that the least angles of one cell in a hundred do not
+        exceed; the greatest of all angles. For solids, the angles of all faces.
     least_round, mean_round : float
-        2 r / R over the triangles: inradius over circumradius, 1 for equilateral ones.
+        2 r / R over triangles, 3 r / R over tetrahedra: inradius over circumradius, 1 for regular ones; NaN
+        where the mesh has other cells.
     conforming : float
         The share of edges whose length is within a factor sqrt(2) of the size at their midpoint; NaN without
         a size, as are the next three.
     short, long, median : float
         The least, greatest and median quotient of length and size.
+    least_scaled, mean_scaled : float
+        The scaled Jacobian (`Mesh.quality`), 1 for ideal cells; NaN for meshes of triangles alone.
+    kinds : dict of str to int
+        How many cells of each kind there are.
     """
 
     vertices: int
@@ -66,13 +74,20 @@ class Statistics:
     short: float
     long: float
     median: float
+    least_scaled: float = float("nan")
+    mean_scaled: float = float("nan")
+    kinds: dict[str, int] = field(default_factory=dict)
 
     def rows(self) -> list[tuple[str, str]]:
         """(name, value) in words, what is not known left out."""
         found = []
         for each in fields(self):
             value = getattr(self, each.name)
-            if isinstance(value, int):
+            if each.name == "cells" and self.kinds:
+                found += [(counted(2, kind)[2:], str(count)) for kind, count in self.kinds.items()]
+            elif isinstance(value, dict):
+                continue
+            elif isinstance(value, int):
                 found.append((NAMES[each.name], str(value)))
             elif not np.isnan(value):
                 digits = f"{value:.1f}°" if each.name in DEGREES else f"{value:.3f}"
@@ -93,48 +108,57 @@ def _triangles(mesh: Mesh) -> np.ndarray:
 
 
 def statistics(mesh: Mesh, size: Any = None) -> Statistics:
-    """Angles, roundness and size conformity of a triangle mesh.
+    """Angles, roundness and size conformity of a mesh.
 
     Parameters
     ----------
     mesh : Mesh
-        Triangles, in the plane or on a surface.
+        Cells of any kinds, of dimension 2 or more: in the plane, on a surface, in space.
     size : float, callable or SizeField, optional
         The wanted edge length; it is compared with the lengths of the edges at their midpoints.
 
     Returns
     -------
     Statistics
+        Roundness is told of simplices, the scaled Jacobian of everything but triangles.
 
     Raises
     ------
     MeshError
-        For meshes of other cells, and for empty ones.
+        For meshes of segments, and for empty ones.
 
     Notes
     -----
-    O(m). An edge counts once, however many triangles it has. Book: 2.6b.
+    O(m). An edge counts once, however many cells it has. Book: 2.6b.
     """
-    corners = _triangles(mesh)
-    least = quality("min_angle", corners)
-    rounds = quality("2r/R", corners)
-    quotients = np.full(1, np.nan)
+    if not isinstance(mesh, Mesh) or mesh.dimension < 2 or mesh.size == 0:
+        raise MeshError(
+            f"these statistics are for meshes of triangles or cells with more corners; this is {mesh!r}"
+        )
+    least = mesh.quality("min_angle")
+    nothing = np.full(1, np.nan)
+    rounds = mesh.quality("2r/R") if mesh.is_simplicial else nothing
+    scaled = nothing if list(mesh.cells) == ["triangle"] else mesh.quality("scaled_jacobian")
+    quotients = nothing
     if size is not None:
         ends = mesh.points[mesh.edges]
         quotients = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / as_size(size)(ends.mean(axis=1))
     close = np.abs(np.log2(quotients)) <= 0.5
     return Statistics(
-        vertices=len(distinct(mesh.simplices)),
+        vertices=len(distinct(cell_rows(mesh.cells)[1])),
         cells=mesh.size,
         least_angle=float(least.min()),
         low_angle=float(np.quantile(least, 0.01)),
-        greatest_angle=float(quality("max_angle", corners).max()),
+        greatest_angle=float(mesh.quality("max_angle").max()),
         least_round=float(rounds.min()),
         mean_round=float(rounds.mean()),
         conforming=float(close.mean()) if size is not None else float("nan"),
         short=float(quotients.min()),
         long=float(quotients.max()),
         median=float(np.median(quotients)),
+        least_scaled=float(scaled.min()),
+        mean_scaled=float(scaled.mean()),
+        kinds={kind: len(block) for kind, block in mesh.cells.items()},
     )
 
 
@@ -164,19 +188,31 @@ def compare(meshes: Mapping[str, Mesh], size: Any = None) -> str:
     Parameters
     ----------
     meshes : mapping of str to Mesh
-        Triangle meshes by the names of their columns.
+        Meshes by the names of their columns.
     size : float, callable or SizeField, optional
         As for `statistics`.
 
     Returns
     -------
     str
-        One line a figure, one column a mesh.
+        One line a figure that some mesh has, one column a mesh.
     """
     if not isinstance(meshes, Mapping):
         raise InputError(f"meshes must be a dict of names to meshes, not {type(meshes).__name__}")
     columns = {name: dict(statistics(mesh, size).rows()) for name, mesh in meshes.items()}
     lines = ["| | " + " | ".join(columns) + " |", "|---" + "|---:" * len(columns) + "|"]
-    for row in next(iter(columns.values()), {}):
-        lines.append(f"| {row} | " + " | ".join(column[row] for column in columns.values()) + " |")
+    for row in _merged([list(column) for column in columns.values()]):
+        lines.append(f"| {row} | " + " | ".join(column.get(row, "") for column in columns.values()) + " |")
     return "\n".join(lines)
+
+
+def _merged(lists: list[list[str]]) -> list[str]:
+    """All names once, each after the one that it follows in the first list that has it."""
+    result: list[str] = []
+    for names in lists:
+        place = 0
+        for name in names:
+            if name not in result:
+                result.insert(place, name)
+            place = result.index(name) + 1
+    return result

@@ -12,13 +12,13 @@ from .errors import InputError
 if TYPE_CHECKING:
     pass
 
-__all__ = ["DEFAULT_BUDGET", "MOST", "as_count", "as_mapping", "finite", "positive"]
+__all__ = ["DEFAULT_BUDGET", "MOST_VERTICES", "as_count", "as_mapping", "finite", "positive"]
 
 
 DEFAULT_BUDGET = 10_000_000  # vertices of a mesh, if nothing else is said: some gigabytes
 
 
-MOST = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
+MOST_VERTICES = 2**31 // 6 - 4  # vertices of a planar mesh: half-edges are numbered by 32 bits
 
 
 def finite(value: Any, name: str) -> float:

@@ -1,8 +1,8 @@
 """How kernels are compiled: numba, lazily, cached on disk; plain Python where numba is missing.
 
 numba's own cache looks at one file only, so that after an edit of ``predicates.py`` a kernel in
-another file would silently run old machine code. Here the stamp of a kernel covers its own file and
-the files of all the kernels that it can call.
+another file would silently run old machine code. Here the stamp of a kernel covers its own file, the
+files of all the kernels that it can call, and the numbers that all these take from elsewhere by name.
 """
 
 from __future__ import annotations
@@ -30,13 +30,10 @@ if numba is not None and not getattr(numba.config, "DISABLE_JIT", False):
 
 def kernel(function: Callable) -> Any:
     """Compile a module-level function on first call, and cache the machine code on disk."""
-    if numba is None:
-        return function
     # said outright: numba lets an option that is not set be inherited from whoever calls it first, and then
     # the whole exact stage would be copied into every place where an inlined predicate stands, or could make
     # no arrays where a `lean` function asked for it first
-    options: dict[str, Any] = {"cache": True, "forceinline": False, "_nrt": True}
-    return _stamped(numba.njit(**options)(function))
+    return _compiled(function, forceinline=False, _nrt=True)
 
 
 def lean(function: Callable) -> Any:
@@ -45,23 +42,34 @@ def lean(function: Callable) -> Any:
     numba counts a reference to each array at each call, atomically, unless its optimizer sees that this is in
     vain; in kernels that call each other once a point this took two thirds of the time.
     """
-    if numba is None:
-        return function
-    return _stamped(numba.njit(cache=True, forceinline=False, _nrt=False)(function))  # type: ignore[call-overload]
+    return _compiled(function, forceinline=False, _nrt=False)
 
 
 def inline(function: Callable) -> Any:
     """Compile a small helper, inlined by LLVM into every kernel that calls it."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable, **options: Any) -> Any:
+    """The kernel under these options; the function itself where there is no numba.
+
+    Kernels touch the arrays that they are given and nothing else. So Python's lock is let go while one runs,
+    and threads may mesh different domains at once; no two of them may work on the arrays of one mesh.
+    """
     if numba is None:
         return function
-    return _stamped(numba.njit(cache=True, forceinline=True)(function))
+    return _stamped(numba.njit(cache=True, nogil=True, **options)(function))
 
 
 def _stamped(dispatcher: Any) -> Any:
     """Let the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
     index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if index is not None:  # None with NUMBA_DISABLE_JIT
-        index._source_stamp = tuple(sorted(_file_stamp(f) for f in _source_files(dispatcher, set())))
+        reachable: dict[int, Any] = {}
+        _reach(dispatcher, reachable)
+        files = {d.py_func.__code__.co_filename for d in reachable.values()}
+        numbers = set().union(*(_numbers(d.py_func) for d in reachable.values()))
+        index._source_stamp = (*sorted(_file_stamp(f) for f in files), *sorted(numbers))
         index._load_index = partial(_entries, index._load_index)
     return dispatcher
 
@@ -74,14 +82,18 @@ def _entries(load: Callable[[], dict]) -> dict:
         return {}
 
 
-def _source_files(dispatcher: Any, seen: set[int]) -> set[str]:
-    function = dispatcher.py_func
-    files = {function.__code__.co_filename}
-    for value in list(function.__globals__.values()):
-        if isinstance(value, Dispatcher) and id(value) not in seen:
-            seen.add(id(value))
-            files |= _source_files(value, seen)
-    return files
+def _reach(dispatcher: Any, reachable: dict[int, Any]) -> None:
+    """Add the kernel and all those that it can call."""
+    reachable[id(dispatcher)] = dispatcher
+    for value in list(dispatcher.py_func.__globals__.values()):
+        if isinstance(value, Dispatcher) and id(value) not in reachable:
+            _reach(value, reachable)
+
+
+def _numbers(function: Any) -> set[tuple[str, str]]:
+    """The constants that a function reads, with their values: they may come from files without kernels."""
+    read = ((name, function.__globals__.get(name)) for name in function.__code__.co_names)
+    return {(name, repr(value)) for name, value in read if isinstance(value, (int, float))}
 
 
 def _file_stamp(path: str) -> tuple[str, int, int]:

@@ -29,7 +29,7 @@ from ..predicates.kernels import incircle, orient2
 
 __all__ = ["replay", "swap_diagonals"]
 
-STEPS = 1_000_000  # edges examined between two looks at Ctrl-C: about a fifth of a second
+EDGES_A_CALL = 1_000_000  # edges examined between two looks at Ctrl-C: about a fifth of a second
 
 
 # --- kernels ---------------------------------------------------------------------------------------
@@ -290,7 +290,7 @@ def _run(P: NDArray, T: NDArray, N: NDArray, wide: bool, history: bool, progress
     """Swap in place until the stack is empty; return the swaps, or nothing where they are not wanted."""
     queued = np.zeros(T.shape, dtype=np.bool_)
     stack = np.empty(T.size, dtype=np.int64)  # each slot is queued at most once
-    buffer = np.empty(min(STEPS, max(3 * T.size, 1024)), dtype=np.int64)
+    buffer = np.empty(min(EDGES_A_CALL, max(3 * T.size, 1024)), dtype=np.int64)
     events = [np.empty(0, dtype=np.int64)]
     top = _suspect_all(N, queued, stack)
     with progress_bar(progress, "", desc="swaps") as bar:

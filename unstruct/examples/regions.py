@@ -5,12 +5,14 @@ See the book, chapter 2.6d; `running_domain` goes through all chapters.
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.elementary import cosine, sines
 from ..domain.domain import Domain
 from ..geometry.curves import Arc, Curve, CurveLike
 from ..sizing import sources
@@ -89,7 +91,7 @@ def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
 
     data: Any = get_sample_data("topobathy.npz")
     relief, x, y = (np.asarray(data[name], dtype=float) for name in ("topo", "longitude", "latitude"))
-    x, y = (x - x[0]) * np.cos(np.radians(y.mean())), y - y[0]
+    x, y = (x - x[0]) * cosine(math.radians(y.mean())), y - y[0]
     lower, upper = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
     filled = contour_generator(x, y, relief, fill_type=FillType.OuterOffset).filled(relief.min() - 1, level)
     waters = [[points[a:b] for a, b in pairwise(offsets)] for points, offsets in zip(*filled, strict=True)]
@@ -138,7 +140,7 @@ def word(text: str = "mesh") -> Domain:
 
 
 def _wave(y: Array) -> Array:
-    return np.column_stack([1.5 + 0.2 * np.sin(np.pi * y), y])
+    return np.column_stack([1.5 + 0.2 * sines(np.pi * y), y])
 
 
 def plate() -> Domain:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
+from ..base.elementary import cosine, cosines, exponentials, sines
 from ..base.errors import DegenerateInputError, InputError
 from ..base.jit import kernel
 from ..connect.swapping import corner_facing, flip
@@ -46,18 +47,21 @@ COARSEST = 0.4  # above this spacing the polygon no longer resembles the lake
 def lake_shore(t: ArrayLike) -> Array:
     """The outer shore, counterclockwise, for parameters t in [0, 2 pi); shape (..., 2)."""
     t = np.asarray(t, dtype=float)
-    radius = 0.93 + 0.04 * np.cos(3.0 * t + 0.4) + 0.02 * np.sin(5.0 * t)
-    x = 1.5 + 1.48 * radius * np.cos(t)
-    y = 1.0 + 0.99 * radius * np.sin(t)
-    land = np.exp(-((np.abs(np.cos(t) - np.cos(1.95)) / 0.05) ** 4)) * (np.sin(t) > 0)  # 1 on the peninsula
-    return np.stack([x - 0.05 * land + land**4, y - 2.1 * land + 0.42 * land**3], axis=-1)
+    radius = 0.93 + 0.04 * cosines(3.0 * t + 0.4) + 0.02 * sines(5.0 * t)
+    cosine_t, sine_t = cosines(t), sines(t)
+    x = 1.5 + 1.48 * radius * cosine_t
+    y = 1.0 + 0.99 * radius * sine_t
+    away = ((cosine_t - cosine(1.95)) / 0.05) ** 2
+    land = exponentials(-away * away) * (sine_t > 0)  # 1 on the peninsula
+    square = land * land
+    return np.stack([x - 0.05 * land + square * square, y - 2.1 * land + 0.42 * (square * land)], axis=-1)
 
 
 def island_shore(t: ArrayLike) -> Array:
     """The shore of the island, clockwise (water on its left), for t in [0, 2 pi); shape (..., 2)."""
     t = -np.asarray(t, dtype=float)
-    radius = ISLAND_RADIUS * (1.15 + 0.15 * np.cos(2.0 * t + 0.7))
-    return ISLAND_CENTER + radius[..., None] * np.stack([1.15 * np.cos(t), 1.0 * np.sin(t)], axis=-1)
+    radius = ISLAND_RADIUS * (1.15 + 0.15 * cosines(2.0 * t + 0.7))
+    return ISLAND_CENTER + radius[..., None] * np.stack([1.15 * cosines(t), sines(t)], axis=-1)
 
 
 def running_size(x: ArrayLike) -> Array:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["BoxTree"]
 
 
-LEAF = 4  # boxes in a leaf of the tree
+BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
 
 
 @inline
@@ -49,8 +49,8 @@ def _candidates(query_low, query_high, low, high, order, box_low, box_high, star
                 stack[top + 1] = 2 * node + 1
                 top += 2
                 continue
-            first = (node - leaves) * LEAF
-            for i in range(first, min(first + LEAF, order.shape[0])):
+            first = (node - leaves) * BOXES_IN_LEAF
+            for i in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                 t = order[i]
                 if _touch(query_low[q], query_high[q], box_low[t], box_high[t]):
                     if boxes.shape[0] > 0:
@@ -88,11 +88,11 @@ class BoxTree:
         m, d = low.shape
         self.box_low, self.box_high = np.ascontiguousarray(low), np.ascontiguousarray(high)
         self.order = _curve_order(low / 2 + high / 2) if m else np.empty(0, dtype=np.int64)
-        blocks = -(-m // LEAF)
+        blocks = -(-m // BOXES_IN_LEAF)
         leaves = 1 << max(0, (blocks - 1).bit_length())
         self.low, self.high = np.full((2 * leaves, d), np.inf), np.full((2 * leaves, d), -np.inf)
         if blocks:
-            firsts = np.arange(0, m, LEAF)
+            firsts = np.arange(0, m, BOXES_IN_LEAF)
             self.low[leaves : leaves + blocks] = np.minimum.reduceat(self.box_low[self.order], firsts)
             self.high[leaves : leaves + blocks] = np.maximum.reduceat(self.box_high[self.order], firsts)
         while leaves > 1:

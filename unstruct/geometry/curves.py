@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_numbers
+from ..base.elementary import angle_of, cosines, sines
 from ..base.errors import InputError
 
 __all__ = ["Arc", "Batch", "Bezier", "Curve", "CurveLike"]
@@ -87,8 +88,8 @@ class Arc:
             raise InputError("first, middle and last lie on a line: leave the piece straight")
         u2, v2 = ux * ux + uy * uy, vx * vx + vy * vy
         x, y = (vy * u2 - uy * v2) / double, (ux * v2 - vx * u2) / double
-        start = math.atan2(-y, -x)
-        sweep = (math.atan2(vy - y, vx - x) - start) % (2 * math.pi)
+        start = angle_of(-y, -x)
+        sweep = (angle_of(vy - y, vx - x) - start) % (2 * math.pi)
         return cls((ax + x, ay + y), math.hypot(x, y), start, sweep if double > 0 else sweep - 2 * math.pi)
 
     def point(self, t: Array) -> Array:
@@ -105,7 +106,8 @@ class Curve:
     Parameters
     ----------
     function : callable, (k,) -> (k, 2)
-        Points for an array of parameters; must give the same points whenever it is asked.
+        Points for an array of parameters; must give the same points whenever it is asked. (The last bits of
+        numpy's sines and exponentials depend on the processor, and a mesh along such a curve with them.)
     t0, t1 : float
         Its parameters at the first and at the last end; t0 > t1 runs backwards.
 
@@ -169,7 +171,7 @@ class Bezier:
 def arc_points(x: Any, y: Any, radius: Any, start: Any, sweep: Any, t: Array) -> Array:
     """Points (k, 2) of one arc or of k, whose numbers are arrays then, for parameters (k,)."""
     angle = start + t * sweep
-    return np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=-1)
+    return np.stack([x + radius * cosines(angle), y + radius * sines(angle)], axis=-1)
 
 
 def bezier_points(controls: Array, t: Array) -> Array:

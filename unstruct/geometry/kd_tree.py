@@ -1,7 +1,7 @@
 """A k-d tree as flat arrays, for searches that shrink their ball as they go.
 
 Node i has the children 2 i + 1 and 2 i + 2 and covers the points ``start[i]`` to ``start[i] + size[i] - 1``
-of the order; a leaf holds at most ``LEAF`` points.
+of the order; a leaf holds at most ``POINTS_IN_LEAF`` points.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["LEAF", "Tree", "beyond", "distance2"]
+__all__ = ["POINTS_IN_LEAF", "Tree", "beyond", "distance2"]
 
-LEAF = 6
+POINTS_IN_LEAF = 6
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Tree:
         """Build by medians along the widest side of each box: O(n log^2 n)."""
         n, d = points.shape
         nodes = 1
-        while n > LEAF * (nodes + 1) // 2:  # nodes = 2^(j + 1) - 1: 2^j leaves
+        while n > POINTS_IN_LEAF * (nodes + 1) // 2:  # nodes = 2^(j + 1) - 1: 2^j leaves
             nodes = 2 * nodes + 1
         order = np.arange(n)
         start, size = np.zeros(nodes, dtype=np.int64), np.zeros(nodes, dtype=np.int64)

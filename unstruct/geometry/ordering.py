@@ -11,7 +11,6 @@ says which of the ``2**d`` subcells comes when, and in which state the curve run
 
 from __future__ import annotations
 
-import math
 from functools import cache
 
 import numpy as np
@@ -118,7 +117,7 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
 
 def curve(n: int, d: int) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
     """For n >= 2 points in d dimensions the levels of their grid, and the automaton: see `along_curve`."""
-    levels = min(KEY_BITS // d, math.ceil(math.log2(n) / d) + 8, 30)
+    levels = min(KEY_BITS // d, -(-(n - 1).bit_length() // d) + 8, 30)
     levels += levels % 2 if d == 2 else 0  # the plane goes by two levels at a time
     return levels, *_tables(d)
 

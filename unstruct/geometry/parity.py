@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "right_parity"]
 
 
-CHUNK = 1 << 14  # points at a time
+POINTS_AT_ONCE = 1 << 14  # points at a time
 
 
 def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -41,8 +41,8 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
     low, high = ends.min(axis=1), ends.max(axis=1)
     far = max(high[:, 0].max(initial=0.0), x[:, 0].max(initial=0.0))
     tree = BoxTree(low, high)
-    for i in range(0, len(x), CHUNK):
-        part = x[i : i + CHUNK]
+    for i in range(0, len(x), POINTS_AT_ONCE):
+        part = x[i : i + POINTS_AT_ONCE]
         reach = part.copy()
         reach[:, 0] = far
         query, hit = tree.pairs(part, reach)
@@ -53,7 +53,7 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
         simplices = np.stack([points[a], points[b], part[query]], axis=1)
         left = orient_rows(simplices.reshape(-1, 2), np.arange(3 * len(a)).reshape(-1, 3))
         over = (points[a, 1] <= y) & (y < points[b, 1]) & (left > 0)
-        odd[i : i + CHUNK] = np.bincount(query[over], minlength=len(part)) % 2 == 1
+        odd[i : i + POINTS_AT_ONCE] = np.bincount(query[over], minlength=len(part)) % 2 == 1
         flat = left == 0
         level = flat & (part[query] >= low[hit]).all(axis=1) & (part[query] <= high[hit]).all(axis=1)
         on[i + query[level]] = True

@@ -18,7 +18,7 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # Cells that a segment of mean length spans, looks at others for each segment up to which a table of such
 # cells is used, and the crowd from which on it is not tried: wide cells for chains, narrow ones for segments
 # side by side; after a sweep, with patience.
-TABLES, LAST = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
+TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
 FEW = 48  # segments up to which each is compared with each
 SLACK = 1e-15  # relative: above the rounding errors of the few operations below
 
@@ -264,7 +264,7 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
             return pairs
     if any_meeting(points, segments) is False:
         return np.empty((0, 2), dtype=np.int64)
-    pairs = grid.pairs(*LAST)
+    pairs = grid.pairs(*LAST_TABLE)
     return _tree_candidates(grid.ends, segments) if pairs is None else pairs
 
 

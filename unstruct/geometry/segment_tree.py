@@ -13,7 +13,7 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
-from .boxes import LEAF, BoxTree
+from .boxes import BOXES_IN_LEAF, BoxTree
 
 __all__ = ["SegmentTree", "to_box", "to_segment"]
 
@@ -113,8 +113,8 @@ def _search(x, low, high, least, order, segments, weights, growth, best, which):
                 stack[top + 1] = 2 * node + near
                 top += 2
                 continue
-            first = (node - leaves) * LEAF
-            for k in range(first, min(first + LEAF, order.shape[0])):
+            first = (node - leaves) * BOXES_IN_LEAF
+            for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                 i = order[k]
                 value = _from_segment(x, q, segments, weights, i, growth)
                 if value < best[q]:
@@ -205,9 +205,9 @@ class SegmentTree:
 
 
 def _minima(values: Array, leaves: int) -> Array:
-    """The least value below each node of the tree, whose leaves hold `LEAF` values each, in order."""
+    """The least value below each node of a tree whose leaves hold `BOXES_IN_LEAF` of them, in order."""
     result = np.full(2 * leaves, np.inf)
-    firsts = np.arange(0, len(values), LEAF)
+    firsts = np.arange(0, len(values), BOXES_IN_LEAF)
     result[leaves : leaves + len(firsts)] = np.minimum.reduceat(values, firsts)
     while leaves > 1:
         half = leaves // 2

@@ -29,6 +29,7 @@ from .edge_vectors import (
     local_edges,
     quiet,
 )
+from .scaled_jacobian import scaled_jacobian
 
 __all__ = [
     "QUALITIES",
@@ -61,8 +62,7 @@ def volume(simplices: np.ndarray) -> np.ndarray:
     """
     rows, exponent = local_edges(simplices)
     k, d = rows.shape[-2:]
-    size = determinant(rows) if k == d else content(rows)
-    return np.ldexp(size / factorial(k), k * exponent)
+    return np.ldexp((determinant(rows) if k == d else content(rows)) / factorial(k), k * exponent)
 
 
 @quiet
@@ -190,8 +190,7 @@ def circumradius(simplices: np.ndarray) -> np.ndarray:
 
 def _facet_contents(rows: np.ndarray) -> np.ndarray:
     """(k - 1)! times the measures of the facets opposite corner 0, 1, ..., k, in scaled units."""
-    k = rows.shape[-2]
-    if k == 1:
+    if (k := rows.shape[-2]) == 1:
         return np.ones((*rows.shape[:-2], 2))
     first = content(rows[..., 1:, :] - rows[..., :1, :])
     others = [content(np.delete(rows, i, axis=-2)) for i in range(k)]
@@ -370,6 +369,7 @@ QUALITIES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "aspect": _aspect,
     "min_dihedral": _extreme(dihedral_angles, np.min),
     "max_dihedral": _extreme(dihedral_angles, np.max),
+    "scaled_jacobian": scaled_jacobian,
 }
 
 
@@ -381,7 +381,8 @@ def quality(name: str, simplices: np.ndarray) -> np.ndarray:
     name : str
         "min_angle", "max_angle" (degrees, over all triangular faces), "min_dihedral", "max_dihedral"
         (degrees), "radius_ratio" (R/r, the chapter's mu; k at best), "2r/R" (k r/R; 1 at best),
-        "radius_edge" (R over the shortest edge), "aspect" (longest edge over r, scaled to 1 at best).
+        "radius_edge" (R over the shortest edge), "aspect" (longest edge over r, scaled to 1 at best),
+        "scaled_jacobian" (k! V over the edges at a corner, scaled to 1 at best, negative where turned).
     simplices : array_like, shape (..., k + 1, d)
 
     Returns
@@ -394,7 +395,6 @@ def quality(name: str, simplices: np.ndarray) -> np.ndarray:
         For a name that `QUALITIES` does not hold, or an array of the wrong shape.
     """
     if name not in QUALITIES:
-        raise InputError(
-            f"no quality measure is called {name!r}; there are {', '.join(map(repr, QUALITIES))}"
-        )
+        names = ", ".join(map(repr, QUALITIES))
+        raise InputError(f"no quality measure is called {name!r}; there are {names}")
     return QUALITIES[name](simplices)

@@ -9,7 +9,7 @@ from .complex import CellComplex
 
 __all__ = ["html"]
 
-SIZE, MARGIN, MOST = 200, 6, 400  # pixels, pixels, cells drawn
+PIXELS, MARGIN, MOST_CELLS = 200, 6, 400  # pixels, pixels, cells drawn
 
 
 def html(mesh: CellComplex) -> str:
@@ -32,7 +32,8 @@ def _picture(mesh: CellComplex) -> str:
     label = f"Mesh of {mesh.size} cells" + ("" if shown == mesh.size else f", {shown} of them drawn")
     lines = " ".join(f"M{a:g} {b:g}L{c:g} {d:g}" for (a, b), (c, d) in segments.tolist())
     return (
-        f"<svg role='img' aria-label='{label}' width='{SIZE}' height='{SIZE}' viewBox='0 0 {SIZE} {SIZE}' "
+        f"<svg role='img' aria-label='{label}' width='{PIXELS}' height='{PIXELS}' "
+        f"viewBox='0 0 {PIXELS} {PIXELS}' "
         f"style='background:white'><title>{label}</title>"
         f"<path d='{lines}' stroke='#333333' stroke-width='0.7' fill='none'/></svg>"
     )
@@ -40,30 +41,32 @@ def _picture(mesh: CellComplex) -> str:
 
 def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
-    cells = [row for block in mesh.cells.values() for row in block]
+    number = np.arange(mesh.size)
     pairs: set[tuple[int, int]] = set()
-    if len(cells) > MOST:
-        cells = [cells[i] for i in np.linspace(0, len(cells) - 1, MOST).astype(int)]
-        if mesh.is_simplicial and mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
-            outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST)]
+    if len(number) > MOST_CELLS:
+        number = np.linspace(0, len(number) - 1, MOST_CELLS).astype(int)
+        if mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
+            outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST_CELLS)]
             pairs |= {(min(a, b), max(a, b)) for a, b in outline.tolist()}
-    for row in cells:
-        pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(row.tolist(), mesh)}
+    start = 0
+    for name, block in mesh.cells.items():
+        for i in number[(start <= number) & (number < start + len(block))]:
+            pairs |= {(min(a, b), max(a, b)) for a, b in _edges_of(name, block[i - start].tolist())}
+        start += len(block)
     ends = _project(mesh.points)[np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)]
     if len(ends) == 0:
         return np.empty((0, 2, 2)), 0
     low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
     span = (high - low).max()
-    scale = (SIZE - 2 * MARGIN) / span if span > 0 else 1.0
-    pixels = (ends - (low + high) / 2) * scale * [1, -1] + SIZE / 2
-    return np.round(pixels, 1), len(cells)
+    scale = (PIXELS - 2 * MARGIN) / span if span > 0 else 1.0
+    pixels = (ends - (low + high) / 2) * scale * [1, -1] + PIXELS / 2
+    return np.round(pixels, 1), len(number)
 
 
-def _edges_of(row: list[int], mesh: CellComplex) -> list[tuple[int, int]]:
-    for name, block in mesh.cells.items():
-        if name in CELL_TYPES and block.shape[1] == len(row):
-            return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]
-    if "polygon" in mesh.cells:
+def _edges_of(name: str, row: list[int]) -> list[tuple[int, int]]:
+    if name in CELL_TYPES:
+        return [(row[i], row[j]) for i, j in CELL_TYPES[name][2]]
+    if name == "polygon":
         return list(zip(row, [*row[1:], row[0]]))
     return [(a, b) for i, a in enumerate(row) for b in row[i + 1 :]]
 

@@ -5,7 +5,7 @@ A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,9 @@ __all__ = [
     "CELL_TYPES",
     "as_cells",
     "cell_dimension",
+    "cell_rows",
     "counted",
+    "equal_rows",
     "incident_edges",
     "incident_facets",
     "simplex_type",
@@ -102,7 +104,7 @@ def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
         cell_dimension(name)
         try:
             if name == "polygon":
-                result[name] = tuple(_polygon(row, i, vertices) for i, row in enumerate(block))
+                result[name] = _polygons(block, vertices)
                 continue
             rows = as_simplices(np.asarray(block), vertices=vertices)
         except InputError as error:
@@ -119,8 +121,25 @@ def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
     return result
 
 
-def _polygon(row: Sequence[int], index: int, vertices: int) -> np.ndarray:
-    polygon = np.asarray(row)
+def _polygons(block: Any, vertices: int) -> tuple[np.ndarray, ...]:
+    """Read-only rows of int32; all are looked at together, and one by one only where something is wrong."""
+    rows = [np.asarray(row) for row in block]
+    if any(row.ndim != 1 or len(row) < 3 or row.dtype.kind not in "iu" for row in rows):
+        return tuple(_polygon(row, i, vertices) for i, row in enumerate(rows))
+    ends = np.cumsum(np.array([len(row) for row in rows], dtype=np.int64))
+    flat = np.concatenate([np.empty(0, dtype=np.int64), *rows])
+    owner = np.repeat(np.arange(len(rows)), np.diff(ends, prepend=0))
+    order = np.lexsort((flat, owner))
+    twice = (np.diff(flat[order]) == 0) & (np.diff(owner[order]) == 0)
+    if flat.size and (flat.min() < 0 or flat.max() >= vertices or twice.any()):
+        return tuple(_polygon(row, i, vertices) for i, row in enumerate(rows))
+    flat = flat.astype(np.int32)
+    flat.flags.writeable = False
+    return tuple(flat[a:b] for a, b in zip([0, *ends.tolist()], ends.tolist()))
+
+
+def _polygon(row: np.ndarray, index: int, vertices: int) -> np.ndarray:
+    polygon = row
     if polygon.ndim != 1 or len(polygon) < 3 or polygon.dtype.kind not in "iu":
         raise InputError(f"polygon {index} must be at least three integers, not {polygon.tolist()}")
     if polygon.min() < 0 or polygon.max() >= vertices:
@@ -132,19 +151,52 @@ def _polygon(row: Sequence[int], index: int, vertices: int) -> np.ndarray:
     return polygon
 
 
+def cell_rows(cells: Mapping) -> tuple[np.ndarray, np.ndarray]:
+    """The corners of all cells as compressed rows, numbered through the kinds in their order.
+
+    Returns
+    -------
+    indptr : ndarray of int64, shape (m + 1,)
+    corners : ndarray of int32, shape (indptr[-1],)
+        Cell t has the corners ``corners[indptr[t]:indptr[t + 1]]``, in the order of its kind.
+    """
+    pieces, sizes = [np.empty(0, dtype=np.int32)], [np.zeros(1, dtype=np.int64)]
+    for name, block in cells.items():
+        if name == "polygon":
+            pieces += block
+            sizes.append(np.array([len(row) for row in block], dtype=np.int64))
+        else:
+            pieces.append(np.ravel(block))
+            sizes.append(np.full(len(block), block.shape[1], dtype=np.int64))
+    return np.cumsum(np.concatenate(sizes)), np.concatenate(pieces)
+
+
+def equal_rows(block: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The rows of one kind, by their lengths: pairs (which rows, these as an array (r, corners))."""
+    if isinstance(block, np.ndarray):
+        if len(block):
+            yield np.arange(len(block)), block
+        return
+    sizes = np.array([len(row) for row in block], dtype=np.int64)
+    for size in np.unique(sizes).tolist():
+        which = np.nonzero(sizes == size)[0]
+        yield which, np.array([block[i] for i in which.tolist()])
+
+
 def _incident(cells: Mapping, *, facets: bool) -> tuple[np.ndarray, np.ndarray]:
     """Rows of vertices (padded by -1) of the edges or the facets, and their cells."""
     pieces, owners, start = [], [], 0
     for name, block in cells.items():
         if name == "polygon":
-            for row in block:
-                pieces.append(np.column_stack([row, np.roll(row, -1)]))
-                owners.append(np.full(len(row), start))
-                start += 1
-            continue
-        for face in CELL_TYPES[name][3] if facets else CELL_TYPES[name][2]:
-            pieces.append(block[:, face])
-            owners.append(np.arange(start, start + len(block)))
+            indptr, corners = cell_rows({name: block})
+            following = np.arange(1, len(corners) + 1)
+            following[indptr[1:] - 1] = indptr[:-1]
+            pieces.append(np.column_stack([corners, corners[following]]))
+            owners.append(start + np.repeat(np.arange(len(block)), np.diff(indptr)))
+        else:
+            for face in CELL_TYPES[name][3] if facets else CELL_TYPES[name][2]:
+                pieces.append(block[:, face])
+                owners.append(np.arange(start, start + len(block)))
         start += len(block)
     width = max((piece.shape[1] for piece in pieces), default=2)
     padded = [np.pad(p, ((0, 0), (0, width - p.shape[1])), constant_values=-1) for p in pieces]

@@ -14,6 +14,7 @@ import numpy as np
 from ..base.arrays import INT32, as_points, counted_off, distinct, frozen, refrozen, within
 from ..base.errors import InputError, MeshError
 from . import topology
+from .adjacency import facet_pairs, stars_of_cells, two_cells
 from .cells import (
     as_cells,
     cell_dimension,
@@ -107,8 +108,14 @@ class CellComplex:
                 f"markers[{name!r}] must be one value a cell, shape ({size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
-        if not within(array, len(self.points)):
-            row = int(np.argmax(((array < 0) | (array >= len(self.points))).any(axis=1)))
+        if within(array, len(self.points)):
+            return frozen(array.astype(np.int32))
+        wrong = (array < 0) | (array >= len(self.points))
+        if not self.is_simplicial and array.shape[1]:  # rows of fewer vertices end in -1, as in `boundary`
+            padding = np.cumprod(array[:, :0:-1] == -1, axis=1)[:, ::-1].astype(bool)
+            wrong[:, 1:] &= ~padding
+        if wrong.any():
+            row = int(np.argmax(wrong.any(axis=1)))
             raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
         return frozen(array.astype(np.int32))
 
@@ -133,7 +140,12 @@ class CellComplex:
 
     @cached_property
     def neighbors(self) -> np.ndarray:
-        """``neighbors[t, i]``: the cell across the facet opposite vertex i of cell t, -1 for none."""
+        """``neighbors[t, i]``: the cell across the facet opposite vertex i of cell t, -1 for none.
+
+        For simplices of one kind; `facet_cells` tells the same for cells of any kinds.
+        """
+        if not self.is_simplicial:
+            raise MeshError(f"this mesh holds cells of kind {', '.join(self.cells)}: use .facet_cells")
         return frozen(topology.neighbors(self.simplices))
 
     @cached_property
@@ -143,18 +155,37 @@ class CellComplex:
 
     @cached_property
     def facets(self) -> np.ndarray:
-        """Faces of codimension one, rows sorted, lexicographic: int32, shape (f, k)."""
+        """Faces of codimension one, rows sorted, lexicographic: int32, shape (f, k).
+
+        For other kinds than simplices the rows are as long as the largest facet that a cell may have, and
+        shorter ones are padded by -1 at the end, as in `boundary`: triangles among quadrilaterals are
+        (i, j, k, -1).
+        """
         if self.is_simplicial:
             return frozen(topology.facets(self.simplices))
-        rows, _, group = incident_facets(self.cells)
-        rows = np.sort(rows[np.unique(group, return_index=True)[1]], axis=1)
-        return frozen(rows[np.lexsort(rows.T[::-1])])
+        return frozen(facet_pairs(self.cells)[0])
+
+    @cached_property
+    def facet_cells(self) -> np.ndarray:
+        """The two cells of each facet: int32, shape (f, 2), in the order of `facets`.
+
+        For cells of any kinds, numbered through the kinds in their order. The lower number stands first; on
+        the boundary the second is -1.
+
+        Raises
+        ------
+        MeshError
+            Where more than two cells share a facet; the message names the facets.
+        """
+        facets, pairs = two_cells(self.cells)
+        self.__dict__.setdefault("facets", frozen(facets))
+        return frozen(pairs)
 
     @cached_property
     def boundary(self) -> np.ndarray:
         """Facets with one cell, outward for positively oriented cells (2D: the mesh on the left).
 
-        Rows of kinds with facets of several sizes are padded by -1.
+        Rows of kinds with facets of several sizes are padded by -1 at the end, as in `facets`.
         """
         if self.is_simplicial:
             return frozen(topology.boundary(self.simplices, self.neighbors))
@@ -171,7 +202,9 @@ class CellComplex:
     @cached_property
     def stars(self) -> tuple[np.ndarray, np.ndarray]:
         """(indptr, cells): vertex v belongs to the cells ``cells[indptr[v]:indptr[v + 1]]``, increasing."""
-        return topology.stars(self.simplices, len(self.points))
+        if self.is_simplicial:
+            return topology.stars(self.simplices, len(self.points))
+        return stars_of_cells(self.cells, len(self.points))
 
     def face_counts(self) -> tuple[int, ...]:
         """(f_0, ..., f_k): used vertices, edges, ..., cells."""
@@ -187,9 +220,18 @@ class CellComplex:
         return sum((-1) ** j * f for j, f in enumerate(self.face_counts()))
 
     @property
-    def corners(self) -> np.ndarray:
-        """Coordinates of the cells' corners, shape (m, k + 1, d), as `unstruct.simplex` takes them."""
-        return self.points[self.simplices]
+    def corners(self) -> Any:
+        """Coordinates of the cells' corners, shape (m, k + 1, d), as `unstruct.simplex` takes them.
+
+        For other or several kinds a dictionary: kind -> shape (m, corners, d); for "polygon" a list of
+        arrays (corners, d).
+        """
+        if self.is_simplicial:
+            return self.points[self.simplices]
+        return {
+            name: [self.points[row] for row in block] if name == "polygon" else self.points[block]
+            for name, block in self.cells.items()
+        }
 
     def __len__(self) -> int:
         return self.size

@@ -13,12 +13,12 @@ from itertools import combinations
 import numpy as np
 
 from ..geometry.boxes import BoxTree
-from ..predicates.batch import orient, orient_rows
+from ..predicates.batch import orient_rows
 from . import topology
 from .complex import CellComplex
 from .topology import group_rows
 
-__all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets"]
+__all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets", "segments_meet"]
 
 
 class RidgeFans:
@@ -94,7 +94,7 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
     d = points.shape[1]
     if d == 2:
         first, second = _near_pairs(points, facets, facets)
-        hit = _segments_meet(points, facets[first], facets[second])
+        hit = segments_meet(points, facets[first], facets[second])
         found = np.column_stack([first[hit], second[hit]])
     else:
         sides = np.array([(0, 1), (1, 2), (2, 0)])
@@ -112,7 +112,7 @@ def _near_pairs(points: np.ndarray, rows: np.ndarray, others: np.ndarray) -> tup
     return tree.pairs(queries.min(axis=1), queries.max(axis=1))
 
 
-def _segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:
+def segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Whether segments s = pq and t = ab (closed) meet in more than a common end."""
     p, q, a, b = s[:, 0], s[:, 1], t[:, 0], t[:, 1]
     signs = [orient_rows(points, np.column_stack(v)) for v in ((p, q, a), (p, q, b), (a, b, p), (a, b, q))]
@@ -121,15 +121,22 @@ def _segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarr
     shared = (s[:, :, None] == t[:, None, :]).any(axis=2).sum(axis=1)
     meet[(shared == 1) & ~flat] = False
     meet[shared == 2] = False
-    for i in np.nonzero(flat & (shared < 2))[0]:  # collinear: compare along the line
-        low = max(min(_key(points[v]) for v in s[i]), min(_key(points[v]) for v in t[i]))
-        high = min(max(_key(points[v]) for v in s[i]), max(_key(points[v]) for v in t[i]))
-        meet[i] = low < high or (low == high and shared[i] == 0)
+    rows = np.nonzero(flat & (shared < 2))[0]  # collinear: compare along the line
+    if len(rows):
+        ends = np.sort(_ranks(points, np.concatenate([s[rows], t[rows]], axis=1)).reshape(-1, 2, 2), axis=2)
+        low, high = ends[:, :, 0].max(axis=1), ends[:, :, 1].min(axis=1)
+        meet[rows] = (low < high) | ((low == high) & (shared[rows] == 0))
     return meet
 
 
-def _key(point: np.ndarray) -> tuple[float, ...]:
-    return tuple(point.tolist())
+def _ranks(points: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """Numbers in the lexicographic order of the places of vertices, equal for equal places."""
+    some = np.unique(vertices)
+    order = some[np.lexsort(points[some].T[::-1])]
+    step = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    rank = np.empty(len(points), dtype=np.int64)
+    rank[order] = np.concatenate([[0], np.cumsum(step)])
+    return rank[vertices]
 
 
 def _edges_meet_triangles(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -142,30 +149,41 @@ def _edges_meet_triangles(points: np.ndarray, edges: np.ndarray, triangles: np.n
     through = (volumes >= 0).all(axis=0) | (volumes <= 0).all(axis=0)
     plane = (sp == 0) & (sq == 0)
     meet = (sp * sq <= 0) & through & ~plane & (shared.sum(axis=1) == 0)
-    for i in np.nonzero(plane & (shared.sum(axis=1) < 2))[0]:
-        meet[i] = _meet_in_plane(points, edges[i], triangles[i])
+    rows = np.nonzero(plane & (shared.sum(axis=1) < 2))[0]
+    meet[rows] = _meet_in_plane(points, edges[rows], triangles[rows])
     return meet
 
 
-def _meet_in_plane(points: np.ndarray, edge: np.ndarray, triangle: np.ndarray) -> bool:
+def _meet_in_plane(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """The coplanar case, in a coordinate plane on which the triangle does not collapse."""
+    meet = np.ones(len(edges), dtype=bool)  # a flat facet with a segment in its line
+    rows = np.arange(len(edges))
     for axes in ((0, 1), (1, 2), (2, 0)):
-        plane = np.ascontiguousarray(points[:, axes][np.concatenate([edge, triangle])])
-        sign = orient(plane[2:])
-        if sign == 0:
-            continue
-        corners = np.array([2, 3, 4]) if sign > 0 else np.array([2, 4, 3])
-        names = np.concatenate([edge, triangle])
-        sides = [(corners[i], corners[(i + 1) % 3]) for i in range(3)]
-        for end in (0, 1):
-            if names[end] not in triangle and all(orient(plane[[u, v, end]]) >= 0 for u, v in sides):
-                return True
-        label = {name: i for i, name in reversed(list(enumerate(names.tolist())))}
-        local = np.array([label[name] for name in names.tolist()])
-        s = np.repeat(local[None, :2], 3, axis=0)
-        t = np.array([(local[u], local[v]) for u, v in sides])
-        return bool(_segments_meet(plane, s, t).any())
-    return True  # a flat facet with a segment in its line
+        if len(rows) == 0:
+            break
+        shadow = np.ascontiguousarray(points[:, axes])
+        sign = orient_rows(shadow, triangles[rows])
+        solid = sign != 0
+        here, rows = rows[solid], rows[~solid]
+        corners = np.where((sign[solid] > 0)[:, None], triangles[here], triangles[here][:, [0, 2, 1]])
+        meet[here] = _meets_positive(shadow, edges[here], corners)
+    return meet
+
+
+def _meets_positive(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """An end inside that is no corner, or a side that is met in more than a common end."""
+    sides = [triangles[:, [k, (k + 1) % 3]] for k in range(3)]
+    meet = np.zeros(len(edges), dtype=bool)
+    for end in (0, 1):
+        v = edges[:, end]
+        inside = (triangles != v[:, None]).all(axis=1)
+        for side in sides:
+            inside[inside] = orient_rows(points, np.column_stack([side, v])[inside]) >= 0
+        meet |= inside
+    for side in sides:
+        rows = np.nonzero(~meet)[0]
+        meet[rows] = segments_meet(points, edges[rows], side[rows])
+    return meet
 
 
 def boundary_is_convex(mesh: CellComplex) -> bool:

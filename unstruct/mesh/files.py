@@ -15,13 +15,16 @@ import numpy as np
 from ..base.errors import InputError, MeshError
 from .cells import cell_dimension
 from .complex import CellComplex
-from .gmsh import FACE_NAMES, coded, decoded, from_groups, is_ours, to_groups
+from .formats import fits
+from .gmsh import FACE_NAMES, coded, decoded, face_blocks, from_groups, is_ours, stacked, to_groups
 from .topology import group_rows
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
-FACES = "faces:"
+FACES_HEADER = "faces:"
+SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
 WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
+ORDER = "polygon:number"  # data of cells: where polygons of different sizes stood, which files group by size
 GMSH = {".msh"}  # meshio would take the suffix for Ansys; it writes other entities than groups in 2.2 only
 
 
@@ -31,7 +34,8 @@ def to_meshio(mesh: CellComplex) -> Any:
     Returns
     -------
     meshio.Mesh
-        Polygons are grouped by their number of corners. ``point_data`` holds "origin" and "kept" (the vertex
+        Polygons are grouped by their number of corners; where there are several, ``cell_data`` has the number
+        of each cell as "polygon:number". ``point_data`` holds "origin" and "kept" (the vertex
         itself, or the one of which it is a duplicate); ``cell_data`` the markers; named faces follow as
         blocks of lower dimension, with "faces:<name>" 1 on them and 0 elsewhere; a name without faces of
         k vertices is -k everywhere.
@@ -57,7 +61,7 @@ def to_meshio(mesh: CellComplex) -> Any:
             rows.append(start + np.arange(len(block)))
         start += len(block)
     named = _named_faces(mesh)
-    faces = [(name, array) for name, array in named.items() if len(array)]
+    faces = face_blocks(named)
     for _, array in faces:
         blocks.append((FACE_NAMES[array.shape[1]], np.asarray(array)))
     data: dict[str, list[np.ndarray]] = {}
@@ -67,12 +71,19 @@ def to_meshio(mesh: CellComplex) -> Any:
             missing = np.zeros(1, dtype=values.dtype)
             data[name] = [values[r] for r in rows] + [np.repeat(missing, len(a)) for _, a in faces]
     for i, (name, _) in enumerate(faces):
-        flags = [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
+        flags = data.setdefault(
+            FACES_HEADER + name, [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
+        )
         flags[len(rows) + i][:] = 1
-        data[FACES + name] = flags
+    if sum(name == "polygon" for name, _ in blocks) > 1:
+        data[ORDER] = [r.astype(np.int32) for r in rows] + [
+            np.zeros(len(a), dtype=np.int32) for _, a in faces
+        ]
     for name, array in named.items():
         if len(array) == 0:
-            data[FACES + name] = [np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks]
+            data[FACES_HEADER + name] = [
+                np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks
+            ]
     kept = np.arange(len(mesh.points), dtype=np.int32)
     kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]
     return meshio.Mesh(
@@ -95,6 +106,7 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     if path.suffix in (".node", ".ele"):
         return _write_node_ele(mesh, path)
     other = to_meshio(mesh)
+    fits(list(mesh.cells), path.suffix)
     if (
         mesh.points.shape[1] < 3
     ):  # most formats know only space; a zero third coordinate is dropped on reading
@@ -102,7 +114,7 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     if path.suffix not in WITH_DATA:
         _drop(mesh, f"{path.suffix} holds points and cells only", mesh.markers)
         other.point_data, other.cell_data = {}, {}
-        del other.cells[len(other.cells) - sum(len(rows) > 0 for rows in _named_faces(mesh).values()) :]
+        del other.cells[len(other.cells) - len(face_blocks(_named_faces(mesh))) :]
     elif path.suffix in GMSH:
         _for_gmsh(mesh, other)
     else:
@@ -136,7 +148,7 @@ def _drop(mesh: CellComplex, why: str, names: Any) -> None:
 def _for_gmsh(mesh: CellComplex, other: Any) -> None:
     """Regions and named faces become physical groups; data must be real numbers, of one block of cells."""
     faces = _named_faces(mesh)
-    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES)}
+    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES_HEADER)}
     held, lost = to_groups(mesh, other, faces)
     _drop(mesh, ".msh holds each face in one group, by the first marker that is not facets or inner", lost)
     rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
@@ -180,9 +192,13 @@ def read(path: str | Path) -> dict[str, Any]:
     kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
     copies = np.nonzero(kept != np.arange(n))[0]
     duplicates = np.column_stack([copies, kept[copies]])
-    bare = CellComplex(points, cells=cells)
     markers = _markers(other, order, dimensions, top)
-    if not any(name.startswith(FACES) for name in other.cell_data):
+    if is_ours(other) and ORDER in markers:
+        number = markers.pop(ORDER)
+        place = _in_order(cells, number)
+        markers = {name: values[place] if values.ndim == 1 else values for name, values in markers.items()}
+    bare = CellComplex(points, cells=cells)
+    if not any(name.startswith(FACES_HEADER) for name in other.cell_data):
         markers |= from_groups(bare, other, order, dimensions)
     return {
         "points": points,
@@ -191,6 +207,17 @@ def read(path: str | Path) -> dict[str, Any]:
         "duplicates": duplicates,
         "markers": markers,
     }
+
+
+def _in_order(cells: dict[str, Any], number: np.ndarray) -> np.ndarray:
+    """Put polygons back in their order; the place of each cell in the file."""
+    start = sum(len(block) for block in list(cells.values())[: list(cells).index("polygon")])
+    polygons = cells["polygon"]
+    order = np.argsort(number[start : start + len(polygons)], kind="stable")
+    cells["polygon"] = [polygons[i] for i in order.tolist()]
+    place = np.arange(len(number))
+    place[start : start + len(polygons)] = start + order
+    return place
 
 
 def _by_type(blocks: list[Any]) -> dict[str, Any]:
@@ -215,11 +242,11 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
         if name == "gmsh:physical" or (ours and name == "gmsh:geometrical"):
             continue  # see `from_groups`
         column = np.concatenate([np.asarray(values[i]) for i in main])
-        if name.startswith(FACES):
+        if name.startswith(FACES_HEADER):
             chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
             width = -int(column.min(initial=0))  # of a marker without faces
             chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
-            markers[name.removeprefix(FACES)] = np.concatenate(chosen)
+            markers[name.removeprefix(FACES_HEADER)] = stacked(chosen)
         elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
             warnings.warn(
                 f"cell data {name!r} of shape {column.shape} is not read: one value a cell", stacklevel=4
@@ -238,6 +265,9 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
 
 def _write_node_ele(mesh: CellComplex, path: Path) -> None:
     """`path`.node and `path`.ele, numbered from 0, with 17 significant digits: doubles survive."""
+    if not mesh.is_simplicial:
+        kinds = ", ".join(mesh.cells)
+        raise MeshError(f".node and .ele hold simplices of one kind, not {kinds}: write .vtu, or select them")
     simplices = mesh.simplices
     _drop(mesh, ".node and .ele hold points and cells only", mesh.markers)
     n, d = mesh.points.shape
@@ -296,6 +326,7 @@ def to_skfem(mesh: CellComplex) -> Any:
         ("triangle", 2): "MeshTri",
         ("quad", 2): "MeshQuad",
         ("tetra", 3): "MeshTet",
+        ("hexahedron", 3): "MeshHex",
     }
     name = next(iter(mesh.cells))
     kind = kinds.get((name, mesh.points.shape[1]))
@@ -310,7 +341,8 @@ def to_skfem(mesh: CellComplex) -> Any:
     used[mesh.cells[name]] = True
     number = np.cumsum(used) - 1
     number[~used] = -1
-    result = getattr(skfem, kind)(mesh.points[used].T.copy(), number[mesh.cells[name]].T.copy())
+    cells = mesh.cells[name][:, SKFEM_HEX] if name == "hexahedron" else mesh.cells[name]
+    result = getattr(skfem, kind)(mesh.points[used].T.copy(), number[cells].T.copy())
     boundaries, subdomains = _skfem_facets(mesh, result, number), {}
     for marker, values in mesh.markers.items():
         if values.ndim == 1 and values.dtype == bool:
@@ -330,7 +362,7 @@ def _skfem_facets(mesh: CellComplex, theirs: Any, number: np.ndarray) -> dict[st
     named = {
         name: number[rows]
         for name, rows in mesh.markers.items()
-        if rows.ndim == 2 and rows.shape[1] == mesh.dimension
+        if rows.ndim == 2 and rows.shape[1] == len(theirs.facets) and (rows >= 0).all()
     }
     if not named:
         return {}

@@ -19,9 +19,9 @@ from .complex import CellComplex
 from .marked import marked_facets
 from .topology import group_rows
 
-__all__ = ["coded", "decoded", "from_groups", "is_ours", "to_groups"]
+__all__ = ["coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
 
-OWN = ("facets", "inner")
+OWN_NAMES = ("facets", "inner")
 FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 
 
@@ -39,6 +39,23 @@ def decoded(name: str) -> str:
 def is_ours(other: Any) -> bool:
     """Whether `Mesh.write` wrote the file that meshio read."""
     return {"origin", "kept"} <= set(other.point_data)
+
+
+def face_blocks(faces: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray]]:
+    """Markers of faces as blocks without padding: (name, rows of equal length), none of them empty."""
+    blocks = []
+    for name, rows in faces.items():
+        sizes = (rows >= 0).sum(axis=1)
+        for size in np.unique(sizes).tolist():
+            blocks.append((name, np.ascontiguousarray(rows[sizes == size, :size])))
+    return blocks
+
+
+def stacked(parts: list[np.ndarray]) -> np.ndarray:
+    """Rows of different lengths in one array, the shorter ones padded by -1 at the end."""
+    width = max(part.shape[1] for part in parts)
+    pads = [((0, 0), (0, width - part.shape[1])) for part in parts]
+    return np.concatenate([np.pad(part, pad, constant_values=-1) for part, pad in zip(parts, pads)])
 
 
 def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tuple[list[str], list[str]]:
@@ -59,27 +76,31 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
     lost : list of str
         Markers of faces of which not all is in the file.
     """
-    top = len(other.cells) - sum(len(rows) > 0 for rows in faces.values())
+    blocks = face_blocks(faces)
+    top = len(other.cells) - len(blocks)
     tags, names, cells = _cell_groups(mesh, other, top)
     other.field_data = {name: np.array([i + 1, mesh.dimension]) for i, name in enumerate(names)}
     del other.cells[top:]
     lost = [name for name in faces if coded(name) in other.field_data]
     count = dict.fromkeys(range(3), 0)
     for width in sorted(FACE_NAMES):
-        some = [k for k, v in faces.items() if v.shape[1] == width and k not in lost]
-        some.sort(key=lambda name: name in OWN)
-        groups = _split({name: faces[name] for name in some})
+        part = {k: v for k, v in faces.items() if v.shape[1] == width and len(v) == 0}
+        part |= {k: v for k, v in blocks if v.shape[1] == width}
+        some = [name for name in faces if name in part and name not in lost]
+        some.sort(key=lambda name: name in OWN_NAMES)
+        groups = _split({name: part[name] for name in some})
         for name, rows in groups.items():
-            if len(rows) < len(faces[name]) and len(rows) == 0 and name not in OWN:
+            if len(rows) < len(part[name]) and len(rows) == 0 and name not in OWN_NAMES:
                 continue  # better no name than one of nothing
             dimension = min(width - 1, 2)
-            count[dimension] += 1
-            other.field_data[coded(name)] = np.array([count[dimension], dimension])
+            if coded(name) not in other.field_data:  # else its triangles are there, and these are its quads
+                count[dimension] += 1
+                other.field_data[coded(name)] = np.array([count[dimension], dimension])
             if len(rows):
                 other.cells.append(type(other.cells[0])(FACE_NAMES[width], rows))
-                tags.append(np.full(len(rows), count[dimension]))
+                tags.append(np.full(len(rows), other.field_data[coded(name)][0]))
         again = _joined(groups, _border(mesh, width), len(mesh.points))
-        lost += [name for name in some if _keys(again[name]) != _keys(faces[name])]
+        lost += [name for name in some if _keys(again[name]) != _keys(part[name])]
     other.cell_data = {"gmsh:physical": tags, "gmsh:geometrical": [np.maximum(tag, 1) for tag in tags]}
     return cells, lost
 
@@ -98,9 +119,9 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
     """The markers "facets" and "inner" with the faces of other groups, where the mesh ends and where not."""
     result = dict(groups)
     for name, rows in groups.items():
-        if name not in OWN and len(border) and rows.shape[1] == border.shape[1]:
+        if name not in OWN_NAMES and len(border) and rows.shape[1] == border.shape[1]:
             ends = marked_facets(rows, border, n)
-            for own, part in zip(OWN, (rows[ends], rows[~ends])):
+            for own, part in zip(OWN_NAMES, (rows[ends], rows[~ends])):
                 if own in groups:
                     result[own] = np.concatenate([result[own], part])
     return result
@@ -171,10 +192,10 @@ def from_groups(
             name = names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}")
             part = rows[tags == tag]
             known = name in faces and len(faces[name])
-            faces[name] = np.concatenate([faces[name], part]) if known else part
+            faces[name] = stacked([faces[name], part]) if known else part
     if is_ours(other):
         for width in FACE_NAMES:
-            some = {name: rows for name, rows in faces.items() if rows.shape[1] == width}
+            some = {k: v for k, v in faces.items() if v.shape[1] == width and (v >= 0).all()}
             faces |= _joined(some, _border(mesh, width), len(mesh.points))
     return markers | faces
 

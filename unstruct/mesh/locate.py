@@ -12,12 +12,13 @@ import numpy as np
 
 from ..base.errors import InputError, MeshError
 from ..geometry.boxes import BoxTree
-from ..predicates.batch import orient
+from .cells import cell_dimension, simplex_dimension
 from .complex import CellComplex
+from .holding import PlanarCells, SimplexCells, SolidCells
 
 __all__ = ["Locator"]
 
-CHUNK = 1 << 16  # queries at a time: bounds the memory
+QUERIES_AT_ONCE = 1 << 16  # queries at a time: bounds the memory
 
 
 class Locator:
@@ -27,10 +28,11 @@ class Locator:
         d = mesh.points.shape[1]
         if mesh.dimension != d:
             raise MeshError(f"cells of dimension {mesh.dimension} do not fill {d} dimensions")
-        self.points, self.simplices = mesh.points, mesh.simplices
-        corners = mesh.corners
-        self.sign = np.atleast_1d(orient(corners)) if mesh.size else np.empty(0, dtype=np.int8)
-        self.tree = BoxTree(corners.min(axis=1), corners.max(axis=1))
+        self.points, self.size = mesh.points, mesh.size
+        self.parts = [_cells(name, mesh.points, block) for name, block in mesh.cells.items()]
+        self.ends = np.cumsum([len(part.low) for part in self.parts])
+        low = np.concatenate([part.low for part in self.parts])
+        self.tree = BoxTree(low, np.concatenate([part.high for part in self.parts]))
 
     def find(self, x: Any) -> np.ndarray:
         """The lowest-numbered cell that holds each point of ``x`` (..., d), -1 for none."""
@@ -46,10 +48,10 @@ class Locator:
         if not finite.all():
             row = int(np.argmin(finite))
             raise InputError(f"x[{row}] = {rows[row].tolist()} is not finite; drop or mend it")
-        none = len(self.simplices)
+        none = self.size
         result = np.full(len(rows), none, dtype=np.int64)
-        for i in range(0, len(rows), CHUNK):
-            query, cells = self.holding(rows[i : i + CHUNK])
+        for i in range(0, len(rows), QUERIES_AT_ONCE):
+            query, cells = self.holding(rows[i : i + QUERIES_AT_ONCE])
             np.minimum.at(result, query + i, cells)
         result[result == none] = -1
         return result.astype(np.int32).reshape(queries.shape[:-1])
@@ -57,13 +59,15 @@ class Locator:
     def holding(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All pairs (row, closed cell that holds it); flat cells hold nothing."""
         query, cells = self.tree.pairs(rows, rows)
-        solid = self.sign[cells] != 0
-        query, cells = query[solid], cells[solid]
-        for i in range(self.simplices.shape[1]):
-            if len(cells) == 0:
-                break
-            corners = self.points[self.simplices[cells]]
-            corners[:, i] = rows[query]
-            keep = orient(corners) * self.sign[cells] >= 0
-            query, cells = query[keep], cells[keep]
-        return query, cells
+        keep = np.zeros(len(cells), dtype=bool)
+        for part, end in zip(self.parts, self.ends.tolist()):
+            start = end - len(part.low)
+            own = np.nonzero((start <= cells) & (cells < end))[0]
+            keep[own] = part.holds(rows[query[own]], cells[own] - start)
+        return query[keep], cells[keep]
+
+
+def _cells(kind: str, points: np.ndarray, block: Any) -> SimplexCells | PlanarCells | SolidCells:
+    if simplex_dimension(kind) is not None:
+        return SimplexCells(points, block)
+    return PlanarCells(points, block) if cell_dimension(kind) == 2 else SolidCells(kind, points, block)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from ..base.jit import kernel
 from .topology import FaceTable
 
-__all__ = ["bad_vertex_links", "crowded_facets", "incoherent_facets", "pinched_faces"]
+__all__ = ["bad_vertex_links", "crowded_facets", "fans_of_faces", "incoherent_facets", "pinched_faces"]
 
 
 def crowded_facets(faces: FaceTable) -> tuple[np.ndarray, np.ndarray]:
@@ -114,3 +116,32 @@ def bad_vertex_links(table: FaceTable, boundary: np.ndarray, n: int) -> np.ndarr
     used = np.zeros(n, dtype=bool)
     used[table.simplices.ravel()] = True
     return np.nonzero(used & (link != wanted))[0]
+
+
+def fans_of_faces(
+    incident: tuple[np.ndarray, np.ndarray], cells: np.ndarray, faces: np.ndarray, count: int
+) -> np.ndarray:
+    """Into how many fans the cells around each face fall, for cells of any kinds.
+
+    Parameters
+    ----------
+    incident : (cells, faces), two ndarrays of int, shape (i,)
+        All pairs of a cell and a face of it, perhaps several times.
+    cells : ndarray of int, shape (p, 2)
+        Pairs of cells that share a facet ...
+    faces : ndarray of int, shape (p,)
+        ... on which this face lies: they are then in the same fan around it.
+    count : int
+        The number of faces.
+
+    Returns
+    -------
+    ndarray of int64, shape (count,)
+    """
+    keys = np.unique(incident[0].astype(np.int64) * count + incident[1])
+    ends = [np.searchsorted(keys, cells[:, i].astype(np.int64) * count + faces) for i in (0, 1)]
+    graph = csr_array((np.ones(len(faces), dtype=np.int32), (ends[0], ends[1])), shape=(len(keys), len(keys)))
+    fans, label = connected_components(graph, directed=False)
+    first = np.empty(fans, dtype=np.int64)
+    first[label] = keys % count
+    return np.bincount(first, minlength=count)

@@ -6,14 +6,18 @@ A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` wo
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
+from ..base.arrays import distinct
 from . import topology
+from .adjacency import chosen_cells, remaining_faces
+from .cells import cell_rows
 from .complex import CellComplex
 from .topology import group_rows
 
-__all__ = ["marked_facets", "marked_sides", "parts", "remaining"]
+__all__ = ["marked_facets", "marked_sides", "parts", "remaining", "selected"]
 
 
 def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -93,3 +97,32 @@ def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     )
     group, _ = topology.group_rows(np.concatenate([present, np.sort(faces, axis=1)]))
     return faces[np.isin(group[len(present) :], group[: len(present)])]
+
+
+def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
+    """The arguments of a mesh of some cells (numbers), on the vertices that they use; see `Mesh.select`.
+
+    O(m + n) and, for cells of other kinds than simplices, a hash table of all faces where faces are named.
+    """
+    parts, order = chosen_cells(mesh.cells, chosen)
+    cells: dict[str, Any] = {}
+    for name, rows in parts.items():
+        block = mesh.cells[name]
+        cells[name] = [block[i] for i in rows.tolist()] if name == "polygon" else block[rows]
+    used = distinct(cell_rows(cells)[1])
+    number = np.full(len(mesh.points) + 1, -1, dtype=np.int32)  # the last entry is that of -1, no vertex
+    number[used] = np.arange(len(used))
+    cells = {
+        name: [number[row] for row in block] if name == "polygon" else number[block]
+        for name, block in cells.items()
+    }
+    markers = {}
+    for name, values in mesh.markers.items():
+        if values.ndim == 1:
+            markers[name] = values[order]
+        elif mesh.is_simplicial:
+            markers[name] = remaining(number[values], next(iter(cells.values())))
+        else:
+            whole = ((number[values] >= 0) | (values < 0)).all(axis=1)
+            markers[name] = remaining_faces(number[values[whole]], cells)
+    return {"points": mesh.points[used], "cells": cells, "origin": mesh.origin[used], "markers": markers}

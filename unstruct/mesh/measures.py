@@ -8,8 +8,9 @@ import numpy as np
 
 from ..base.errors import MeshError
 from ..geometry import simplex
-from .cells import CELL_TYPES, simplex_dimension
+from .cells import CELL_TYPES, equal_rows, simplex_dimension
 from .complex import CellComplex
+from .shapes import COMMON, cell_quality
 
 __all__ = ["Summary", "cell_volumes", "summarize"]
 
@@ -21,20 +22,27 @@ def cell_volumes(mesh: CellComplex) -> np.ndarray:
         if simplex_dimension(name) is not None:
             parts.append(simplex.volume(mesh.points[block]) if len(block) else np.empty(0))
         elif name in ("quad", "polygon"):
-            parts.append(np.array([_polygon_area(mesh.points[row]) for row in block], dtype=np.float64))
+            parts.append(_ring_areas(mesh, name))
         else:
             parts.append(_polyhedron_volumes(mesh.points[block], CELL_TYPES[name][3]))
     return np.concatenate(parts)
 
 
-def _polygon_area(corners: np.ndarray) -> float:
-    """Signed area in the plane (shoelace formula about the first corner), unsigned in space."""
-    rows = corners[1:] - corners[0]
-    if corners.shape[1] == 2:
-        return float((rows[:-1, 0] * rows[1:, 1] - rows[1:, 0] * rows[:-1, 1]).sum() / 2)
-    if corners.shape[1] == 3:
-        return float(np.linalg.norm(np.cross(rows[:-1], rows[1:]).sum(axis=0)) / 2)
-    raise MeshError(f"polygons have areas in the plane and in space, not in {corners.shape[1]} dimensions")
+def _ring_areas(mesh: CellComplex, kind: str) -> np.ndarray:
+    """Signed areas in the plane (shoelace formula about the first corner), unsigned ones in space."""
+    d = mesh.points.shape[1]
+    areas = np.empty(len(mesh.cells[kind]))
+    if d > 3 and len(areas):
+        raise MeshError(f"polygons have areas in the plane and in space, not in {d} dimensions")
+    for which, block in equal_rows(mesh.cells[kind]):
+        corners = mesh.points[block]
+        rows = corners[:, 1:] - corners[:, :1]
+        a, b = rows[:, :-1], rows[:, 1:]
+        if d == 2:
+            areas[which] = (a[..., 0] * b[..., 1] - b[..., 0] * a[..., 1]).sum(axis=1) / 2
+        else:
+            areas[which] = np.linalg.norm(np.cross(a, b).sum(axis=1), axis=1) / 2
+    return areas
 
 
 def _polyhedron_volumes(corners: np.ndarray, facets: list[list[int]]) -> np.ndarray:
@@ -68,13 +76,15 @@ def _statistics(values: np.ndarray) -> dict[str, float]:
 
 
 def summarize(mesh: CellComplex) -> Summary:
-    """Counts, Euler characteristic, volume, and (for simplices) statistics of edges, angles, 2r/R.
+    """Counts, Euler characteristic, volume, and statistics of edges and shapes.
 
     Returns
     -------
     Summary
         Keys ``title``, ``points``, ``cells``, ``edges``, ``boundary``, ``euler``, ``volume``, ``degree``,
-        and for simplicial meshes ``edge_length`` and some names of `unstruct.simplex.QUALITIES`.
+        ``edge_length`` and, for cells of dimension 2 and 3, names of qualities: for simplices some of
+        `unstruct.simplex.QUALITIES`, for other kinds those that all kinds have. Where there are several
+        kinds, their numbers by name.
     """
     counts = mesh.face_counts()
     result = Summary(
@@ -82,6 +92,7 @@ def summarize(mesh: CellComplex) -> Summary:
         points=len(mesh.points),
         used=counts[0],
         cells=mesh.size,
+        **({kind: len(block) for kind, block in mesh.cells.items()} if len(mesh.cells) > 1 else {}),
         edges=len(mesh.edges),
         boundary=len(mesh.boundary),
         euler=mesh.euler_characteristic,
@@ -98,4 +109,7 @@ def summarize(mesh: CellComplex) -> Summary:
             names += ["min_dihedral", "max_dihedral"]
         for name in names:
             result[name] = _statistics(simplex.quality(name, mesh.corners))
+    elif mesh.dimension >= 2:
+        for name in COMMON:
+            result[name] = _statistics(cell_quality(mesh, name))
     return result

@@ -15,14 +15,14 @@ import numpy as np
 from ..base.arrays import frozen
 from ..base.doors import door
 from ..base.errors import InputError
-from ..geometry import simplex
-from ..predicates.batch import orient
 from . import card, files
 from .complex import CellComplex
 from .embedding import boundary_is_convex
 from .locate import Locator
-from .marked import remaining
+from .marked import selected
 from .measures import cell_volumes, summarize
+from .orientation import jacobian_signs, turned_cells
+from .shapes import cell_quality
 
 __all__ = ["Mesh", "is_planar"]
 
@@ -47,11 +47,13 @@ class Mesh(CellComplex):
         Rows (copy, kept): vertex ``copy`` equals vertex ``kept`` and is used by no cell.
     markers : dict of str to array, optional
         A one-dimensional array of length m gives a value to each cell. An integer array of shape (c, j)
-        names c faces by their j vertices: (c, 1) vertices, (c, 2) edges, (c, 3) triangles.
+        names c faces by their j vertices: (c, 1) vertices, (c, 2) edges, (c, 3) triangles, (c, 4)
+        quadrilaterals; beside cells that are no simplices, shorter rows end in -1, as in `boundary`.
     cells : dict of str to array, optional
         Instead of ``simplices``: kind -> rows of vertices, by meshio's names ("triangle", "quad", "tetra",
         "hexahedron", "wedge", "pyramid", "polygon", ...), all of one dimension; "polygon" may be a list of
-        rows of different lengths.
+        rows of different lengths. Cells are numbered through the kinds in their order; the first three
+        corners of a wedge turn left seen from the other three.
 
     Raises
     ------
@@ -88,8 +90,60 @@ class Mesh(CellComplex):
         return fsum(self.volumes)
 
     def quality(self, name: str) -> np.ndarray:
-        """One number for the shape of each cell: `unstruct.simplex.quality` (which lists the names)."""
-        return simplex.quality(name, self.corners)
+        """One number for the shape of each cell, in their order.
+
+        Parameters
+        ----------
+        name : str
+            For simplices those of `unstruct.simplex.quality` (which lists them). All kinds of cells have
+            "scaled_jacobian" (the least determinant of unit edge vectors at a corner, over that of the
+            ideal cell: 1 at best, at most 0 for cells turned or flat at a corner) and "min_angle",
+            "max_angle" (degrees: inner angles in quadrilaterals and polygons, those of all faces in
+            solids).
+
+        Returns
+        -------
+        ndarray, shape (m,)
+
+        Raises
+        ------
+        InputError
+            For a name that is not known, or not for the kinds of cells in the mesh.
+
+        Notes
+        -----
+        Ideal are the regular polygon, the cube, the right wedge over an equilateral triangle, and the
+        pyramid of eight equal edges; a pyramid is measured by the four tetrahedra of three successive
+        corners of its base and the apex, each from the base and from the apex. Hexahedra are measured at
+        their corners alone (Verdict adds the center). Sources: P. M. Knupp, *Algebraic mesh quality
+        metrics*, SIAM J. Sci. Comput. 23 (2001) 193-218; the Verdict library, SAND2007-1751.
+        """
+        return cell_quality(self, name)
+
+    def jacobian_signs(self) -> np.ndarray:
+        """The sign of the Jacobian over each whole cell: exact, for cells of all kinds.
+
+        Returns
+        -------
+        ndarray of int8, shape (m,)
+            1 where the Jacobian of the (multi)linear map is positive everywhere in the closed cell, -1
+            where it is negative everywhere, 0 where it vanishes somewhere or changes its sign. Polygons,
+            which have no such map: 1 and -1 for simple ones, counterclockwise and clockwise, 0 for others.
+            At the apex of a pyramid, where it always vanishes, it is not asked.
+
+        Raises
+        ------
+        MeshError
+            For cells of lower dimension than space.
+
+        Notes
+        -----
+        Positive signs at the corners are enough for simplices, quadrilaterals and pyramids, but not for
+        wedges, where three quadratics decide, and hexahedra, whose 27 Bernstein coefficients are bounded on
+        ever smaller parts (`unstruct.geometry.jacobians`). A hexahedron whose least Jacobian is so near zero
+        that the budget ends first has the sign 0, and `unstruct.check` tells that it is undecided. O(m).
+        """
+        return jacobian_signs(self)[0]
 
     @cached_property
     def _locator(self) -> Locator:
@@ -109,6 +163,12 @@ class Mesh(CellComplex):
 
         Notes
         -----
+        "Simplex" is SciPy's word: cells of all kinds are found. Quadrilaterals and polygons of the plane
+        need not be convex, and are even-odd where they cross themselves. In space a quadrilateral face is
+        cut along the diagonal through its lowest vertex number: that is exact where it is plane, and
+        elsewhere neighbors agree, so that cells tile without gap or overlap. Cells whose corners all lie in
+        a line (in space: a plane) hold nothing.
+
         The mesh need be neither convex nor connected. A tree of bounding boxes, built on the first call in
         O(m log m), leads to a few cells each, which exact orientation signs decide.
         """
@@ -134,12 +194,18 @@ class Mesh(CellComplex):
     # ------------------------------------------------------------------ new meshes
 
     def oriented(self) -> Mesh:
-        """The mesh with negatively oriented cells turned (their first two vertices swapped); k = d only."""
-        negative = orient(self.corners) < 0
-        simplices = self.simplices.copy()
-        simplices[negative, :2] = simplices[negative, 1::-1]
+        """The mesh with negatively oriented cells turned (their first two vertices swapped); k = d only.
+
+        Negative are cells of negative area or volume, by exact signs. Quadrilaterals, polygons and the bases
+        of pyramids keep their first corner and list the others backward; wedges and hexahedra do so in both
+        of their faces, bottom and top.
+        """
         return Mesh(
-            self.points, simplices, origin=self.origin, duplicates=self.duplicates, markers=self.markers
+            self.points,
+            cells=turned_cells(self),
+            origin=self.origin,
+            duplicates=self.duplicates,
+            markers=self.markers,
         )
 
     def select(self, mask: Any) -> Mesh:
@@ -155,6 +221,12 @@ class Mesh(CellComplex):
         Mesh
             `origin` still points to the input vertices; per-cell markers and the named faces that remain
             are kept; `duplicates` has nothing to tell any more and is empty.
+
+        Notes
+        -----
+        Cells of several kinds stay grouped by kind, the kinds in their order and numbers in the order asked
+        for within each kind; markers of cells follow. Kinds of which no cell is kept are left out (all stay,
+        empty, where no cell is kept at all), so that the triangles alone of a mixed mesh are simplices.
         """
         chosen = np.asarray(mask)
         if chosen.dtype == bool and chosen.shape != (self.size,):
@@ -164,16 +236,7 @@ class Mesh(CellComplex):
         if chosen.dtype != bool and chosen.size and not 0 <= chosen.min() <= chosen.max() < self.size:
             raise InputError(f"cell numbers must lie in 0..{self.size - 1}")
         chosen = np.nonzero(chosen)[0] if chosen.dtype == bool else chosen.astype(np.int64)
-        simplices = self.simplices[chosen]
-        used, simplices = np.unique(simplices, return_inverse=True)
-        simplices = simplices.reshape(len(chosen), self.dimension + 1).astype(np.int32)
-        number = np.full(len(self.points), -1, dtype=np.int32)
-        number[used] = np.arange(len(used))
-        markers = {
-            name: values[chosen] if values.ndim == 1 else remaining(number[values], simplices)
-            for name, values in self.markers.items()
-        }
-        return Mesh(self.points[used], simplices, origin=self.origin[used], markers=markers)
+        return Mesh(**selected(self, chosen))
 
     # ------------------------------------------------------------------ pictures and files
 
@@ -197,6 +260,8 @@ class Mesh(CellComplex):
 
         In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`): "region 0", ... for cells; a face
         of several markers is in the first but "facets" and "inner", which follow from where the mesh ends.
+        A format that has no cells of some kind in the mesh, as .msh has no polygons, is refused by name;
+        .vtu and .vtk hold all kinds, polygons in their order too.
         """
         files.write(self, path)
 

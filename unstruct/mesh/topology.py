@@ -337,7 +337,7 @@ def boundary(simplices: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(oriented_facet(np.asarray(simplices), cells, corner), dtype=np.int32)
 
 
-def _rows_by_value(values: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+def rows_by_value(values: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Counting sort: (indptr, order) such that order[indptr[v]:indptr[v + 1]] are the places of v."""
     from scipy.sparse import csr_array
 
@@ -357,7 +357,7 @@ def vertex_neighbors(simplices: np.ndarray, n: int) -> tuple[np.ndarray, np.ndar
     pairs = edges(as_simplices(simplices, vertices=n))
     tails, heads = np.concatenate([pairs[:, 1], pairs[:, 0]]), np.concatenate([pairs[:, 0], pairs[:, 1]])
     # The first half holds smaller partners, the second larger ones, each sorted: so is every row.
-    indptr, order = _rows_by_value(tails, n)
+    indptr, order = rows_by_value(tails, n)
     return indptr.astype(np.int32), heads[order].astype(np.int32)
 
 
@@ -370,7 +370,7 @@ def stars(simplices: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         Vertex v belongs to ``cells[indptr[v]:indptr[v + 1]]``, in increasing order.
     """
     simplices = as_simplices(simplices, vertices=n)
-    indptr, order = _rows_by_value(simplices.ravel(), n)
+    indptr, order = rows_by_value(simplices.ravel(), n)
     return indptr.astype(np.int32), (order // simplices.shape[1]).astype(np.int32)
 
 

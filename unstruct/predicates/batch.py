@@ -239,10 +239,10 @@ def _simplices(simplex: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
-CHUNK = 1 << 19
+SIGNS_AT_ONCE = 1 << 19  # simplices: bounds the memory
 
 
 def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Exact orientation of many simplices given by vertex numbers, (r, d + 1), a chunk at a time."""
-    parts = [orient(points[rows[i : i + CHUNK]]) for i in range(0, len(rows), CHUNK)]
+    parts = [orient(points[rows[i : i + SIGNS_AT_ONCE]]) for i in range(0, len(rows), SIGNS_AT_ONCE)]
     return np.concatenate([*parts, np.empty(0, dtype=np.int8)])

@@ -25,7 +25,7 @@ INSPHERE_CLOSE = 2.0**-99
 # 2^23, 2^14, 2^11, 2^8 for k = 30, 39, 42, 45; the determinants and all that leads to them stay below 2^53.
 SHORT_ORIENT2, SHORT_ORIENT3 = 1.5 * 2.0**30, 1.5 * 2.0**39
 SHORT_INCIRCLE, SHORT_INSPHERE = 1.5 * 2.0**42, 1.5 * 2.0**45
-LEAST = 2.0**-160  # below, products of five differences could underflow
+LEAST_SAFE = 2.0**-160  # below, products of five differences could underflow
 
 
 @inline
@@ -99,7 +99,13 @@ def close_orient2(ax, ay, bx, by, cx, cy):
     qy, t3 = _two_difference(by, cy)
     most = max(max(abs(px), abs(py)), max(abs(qx), abs(qy)))
     s = SHORT_ORIENT2 * most
-    if most > LEAST and _short(px, t0, s) and _short(py, t1, s) and _short(qx, t2, s) and _short(qy, t3, s):
+    if (
+        most > LEAST_SAFE
+        and _short(px, t0, s)
+        and _short(py, t1, s)
+        and _short(qx, t2, s)
+        and _short(qy, t3, s)
+    ):
         return _sign(px * qy - py * qx)
     return exact_orient2(ax, ay, bx, by, cx, cy)
 
@@ -117,7 +123,7 @@ def close_incircle(ax, ay, bx, by, cx, cy, px, py):
     alift, blift, clift = ax_ * ax_ + ay_ * ay_, bx_ * bx_ + by_ * by_, cx_ * cx_ + cy_ * cy_
     s = SHORT_INCIRCLE * most
     if (
-        most > LEAST
+        most > LEAST_SAFE
         and _short(ax_, axt, s) and _short(ay_, ayt, s) and _short(bx_, bxt, s)
         and _short(by_, byt, s) and _short(cx_, cxt, s) and _short(cy_, cyt, s)
     ):  # fmt: skip
@@ -160,7 +166,7 @@ def close_orient3(x):
         most = max(most, abs(e[i]))
         short = short and tail == 0.0
     s = SHORT_ORIENT3 * most
-    short = short and most > LEAST
+    short = short and most > LEAST_SAFE
     for i in range(9):
         short = short and (e[i] + s) - s == e[i]
     if short:
@@ -197,7 +203,7 @@ def close_insphere(x):
         most = max(most, abs(e[i]))
         short = short and t[i] == 0.0
     s = SHORT_INSPHERE * most
-    short = short and most > LEAST
+    short = short and most > LEAST_SAFE
     for i in range(12):
         short = short and (e[i] + s) - s == e[i]
     high, low, permanent = 0.0, 0.0, 0.0

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
+from ..base.elementary import turns
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
-from ..geometry.boxes import LEAF
+from ..geometry.boxes import BOXES_IN_LEAF
 from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
@@ -24,8 +25,8 @@ __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FINE = np.radians(6.0)  # curves are looked at in steps that turn by no more than this, where possible
-ROUNDS = 12  # of halving: a kink in a curve never gets there
+TURN_STEP = np.radians(6.0)  # curves are looked at in steps that turn by no more than this, where possible
+KINK_HALVINGS = 12  # of halving: a kink in a curve never gets there
 AROUND = np.pi / 2  # a curve that has turned by more is another feature of itself
 
 
@@ -37,10 +38,10 @@ class Chain(NamedTuple):
     total: float  # and at its end
 
 
-def _chain(domain: Outline, piece: int, fine: float = FINE) -> Chain:
+def _chain(domain: Outline, piece: int, fine: float = TURN_STEP) -> Chain:
     """The curve of a piece in steps fine enough for its turns."""
     t = np.linspace(0.0, 1.0, 17)
-    for _ in range(ROUNDS):
+    for _ in range(KINK_HALVINGS):
         joint = _joints(domain.at(piece, t))
         steep = np.maximum(np.append(joint, 0.0), np.insert(joint, 0, 0.0)) > fine
         if not steep.any():
@@ -57,7 +58,7 @@ def _joints(points: Array) -> Array:
     """How far a chain of points turns at each of its inner points, in radians, never negative."""
     d = np.diff(points, axis=0)
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
-    return np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1)))
+    return np.abs(turns(cross, (d[:-1] * d[1:]).sum(axis=1)))
 
 
 @inline
@@ -178,8 +179,8 @@ def _feature_sizes(x, low, high, order, segments, piece, ends, turn, far, result
                     if d <= bound:
                         size = _push(heap, what, size, d, child)
             else:
-                first = (w - leaves) * LEAF
-                for k in range(first, min(first + LEAF, order.shape[0])):
+                first = (w - leaves) * BOXES_IN_LEAF
+                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                     d = to_segment(x, q, segments, order[k])
                     if d <= bound:
                         size = _push(heap, what, size, d, -1 - np.int64(order[k]))
@@ -331,7 +332,7 @@ def from_curvature(
             raise InputError(f"{name} must be positive, not {value!r}")
     rows, sizes = [], []
     for piece in domain.curves:
-        points = _chain(domain, piece, min(FINE, np.pi / 4 / per_turn)).points  # eight steps to an edge
+        points = _chain(domain, piece, min(TURN_STEP, np.pi / 4 / per_turn)).points  # eight steps to an edge
         joint = _joints(points)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1)
         # curvature at the joints, and of a step the mean of both its ends; at the ends of the piece as beside

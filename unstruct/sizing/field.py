@@ -21,7 +21,7 @@ from .table import SizeTable, build
 __all__ = ["SizeField", "as_size", "clip", "control", "maximum", "minimum", "product"]
 
 Array = NDArray[np.float64]
-CHUNK = 1 << 18  # points of one call of a user's function: bounds its memory
+ASKED_AT_ONCE = 1 << 18  # points of one call of a user's function: bounds its memory
 
 
 class SizeField:
@@ -74,8 +74,8 @@ class SizeField:
         """
         points = as_points(x, "x")
         result = np.empty(len(points))
-        for i in range(0, len(points), CHUNK):
-            result[i : i + CHUNK] = self._values(points[i : i + CHUNK], i)
+        for i in range(0, len(points), ASKED_AT_ONCE):
+            result[i : i + ASKED_AT_ONCE] = self._values(points[i : i + ASKED_AT_ONCE], i)
         return result
 
     def _values(self, points: Array, first: int) -> Array:

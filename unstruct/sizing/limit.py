@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FINEST = 0.5  # a leaf whose longer side times the growth is below this part of the tolerance is not divided,
 COARSER = 4.0  # nor one this many times as large, if the sizes in it jump:
 JUMP = 0.6  # if this part of their range is between two next ones; places are too close for that in a valley
-HIDDEN = 0.25  # of the range of the sizes seen in a leaf: how much less than the least of them there may be
+UNSEEN_SHARE = 0.25  # of the range of the sizes seen in a leaf: how much less than their least there may be
 SPACING = 0.125  # sides of a leaf: no straight valley along it is further from all that was looked at
 
 
@@ -155,7 +155,7 @@ class _Looks:
         least, span = values.min(axis=1), np.ptp(values, axis=1)
         jump = np.diff(np.sort(values, axis=1), axis=1).max(axis=1) > JUMP * span
         finest = np.where(jump, COARSER * FINEST, FINEST) * self.tolerance * least
-        hidden = HIDDEN * span
+        hidden = UNSEEN_SHARE * span
         if self.field.growth is not None:
             hidden = np.minimum(hidden, SPACING * side * self.field.growth)
         steep = (

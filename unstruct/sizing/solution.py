@@ -19,7 +19,7 @@ __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
 Array = NDArray[np.float64]
 ENOUGH = 10  # vertices of a patch for six coefficients: a few to spare, so that noise is smoothed
 RANK = 1e-7  # relative size of a pivot below which a fit is not determined
-CHUNK = 1 << 14  # fits at a time: bounds the memory
+FITS_AT_ONCE = 1 << 14  # fits at a time: bounds the memory
 
 
 def _plane(mesh: Mesh) -> None:
@@ -199,8 +199,8 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
         full = reach.nnz == before  # the patches are whole components now
         ready = np.nonzero((count >= ENOUGH) | full)[0]
         done = []
-        for i in range(0, len(ready), CHUNK):
-            rows = ready[i : i + CHUNK]
+        for i in range(0, len(ready), FITS_AT_ONCE):
+            rows = ready[i : i + FITS_AT_ONCE]
             second, well = _fit(mesh.points, u, todo[rows], reach[rows])
             result[todo[rows[well]]] = second[well]
             done.append(rows[well])

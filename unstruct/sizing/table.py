@@ -7,6 +7,7 @@ errors. See the book, chapter 2.3.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -21,12 +22,13 @@ __all__ = ["Nodes", "SizeTable", "build", "size_at"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FIRST = 5  # levels that are always made: a first look at 32 x 32 leaves, nine points in each
-# Nodes are numbered level by level. Where the first levels are full, the last node above depth FIRST has the
-# last four of that depth as its children (and conversely: as many nodes before it are divided as there are).
-SIDE = 1 << FIRST
+ROOT3 = math.sqrt(3.0)  # a wanted edge length by this is a wanted circumradius
+FIRST_LEVELS = 5  # levels that are always made: a first look at 32 x 32 leaves, nine points in each
+# Nodes are numbered level by level. Where the first levels are full, the last node above that depth has the
+# last four of it as its children (and conversely: as many nodes before it are divided as there are).
+SIDE = 1 << FIRST_LEVELS
 ABOVE = (SIDE * SIDE - 1) // 3 - 1
-LAST = ABOVE + SIDE * SIDE - 3
+LAST_FULL = ABOVE + SIDE * SIDE - 3
 DEEPEST = 50  # levels: places are exact in doubles
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
@@ -54,7 +56,9 @@ def size_at(child, values, box, x, y):
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
     node = np.int64(0)
-    if len(child) > ABOVE and child[ABOVE] == LAST and u >= 0.0 and v >= 0.0:  # by one step to where all are
+    if (
+        len(child) > ABOVE and child[ABOVE] == LAST_FULL and u >= 0.0 and v >= 0.0
+    ):  # by one step to where all are
         i, j = min(int(SIDE * u), SIDE - 1), min(int(SIDE * v), SIDE - 1)
         node = np.int64(ABOVE + 1 + spaced(i) + 2 * spaced(j))
         u, v = SIDE * u - i, SIDE * v - j
@@ -197,7 +201,7 @@ def build(
         probes = at((level.place[:, None] + FRESH) * side)
         error, least = _look(level, probes, relative, wanted, side)
         wrong = error > tolerance
-        divide = wrong | (depth < FIRST)
+        divide = wrong | (depth < FIRST_LEVELS)
         small = side * span.max() <= RESOLVED * least
         if deeper is not None:
             rows = np.nonzero(small & wrong)[0]

@@ -38,7 +38,7 @@ from .scenes.histories import insertion_frames as insertion_frames
 from .scenes.proofs import cavity_proof_state as cavity_proof_state
 from .scenes.proofs import star_proof_state as star_proof_state
 from .scenes.rebay import COBWEBS as COBWEBS
-from .scenes.rebay import VORONOI_SEGMENTS as VORONOI_SEGMENTS
+from .scenes.rebay import FRONT_EXAMPLES as FRONT_EXAMPLES
 from .scenes.rebay import chain_frame as chain_frame
 from .scenes.rebay import cobweb_state as cobweb_state
 from .scenes.rebay import voronoi_segment_state as voronoi_segment_state

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -146,9 +145,7 @@ def test_offset_of_a_hundred_million():
 
 def test_thousand_points_in_four_dimensions():
     points = np.random.default_rng(0).random((1000, 4))
-    start = time.process_time()
     mesh = delaunay(points)
-    assert time.process_time() - start < 60
     assert len(mesh.simplices) > 15_000
     rows = np.random.default_rng(1).choice(len(mesh.simplices), 50, replace=False)
     for t in rows:
@@ -183,27 +180,37 @@ def test_normal_is_orthogonal():
 
 
 INTERRUPTED = """
-import os, signal, sys, threading, time
+import signal, sys
 import numpy as np
 from unstruct.connect.insertion.triangulation import Triangulation
 from unstruct import check
-n, d = int(sys.argv[1]), int(sys.argv[2])
-rng = np.random.default_rng(0)
-Triangulation(rng.random((50, d)))  # compiles
-points = rng.random((n, d))
+n, d, line = map(int, sys.argv[1:])
+points = np.random.default_rng(0).random((n, d))
 t = Triangulation(points[:100])
-raised = []
-def interrupt():
-    while t._engine.done < 150:
-        time.sleep(0.001)
-    raised.append(time.perf_counter())
-    os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=interrupt).start()
+kind, steps, left = type(t._engine), [], [line]
+advance = kind.advance
+def counted(engine):
+    before = engine.done
+    advance(engine)
+    steps.append(engine.done - before)
+    if len(steps) == 2:
+        signal.raise_signal(signal.SIGINT)
+def trace(frame, event, argument):
+    left[0] -= 1
+    if left[0] == 0:
+        sys.settrace(None)
+        signal.raise_signal(signal.SIGINT)
+    return trace
+if line:
+    sys.settrace(trace)
+else:
+    kind.advance = counted
 try:
     t.insert(points[100:])
     print("not interrupted")
 except KeyboardInterrupt:
-    print(f"{time.perf_counter() - raised[0]:.3f}", t._engine.done < n)
+    kind.advance = advance
+    print(100 < t._engine.done < n, bool(line) or len(steps) == 2 and max(steps) <= kind.chunk)
     t.insert(points[:1] + 2.0)  # goes on with what was left
     mesh = t.mesh()
     print(len(np.unique(mesh.simplices)) == n + 1, bool(check(mesh, delaunay=True)))
@@ -211,13 +218,13 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.parametrize(
-    ("n", "d", "jit"), [(400_000, 2, True), (40_000, 3, True), (300, 2, False), (250, 3, False)]
+    ("n", "d", "line"),
+    [(300_000, 2, 0), (25_000, 3, 0), (300, 2, 50_000), (300, 2, 50_077), (250, 3, 90_000), (250, 3, 90_077)],
 )
-def test_an_interrupt_is_heard_and_harmless(n, d, jit):
-    environment = dict(os.environ) if jit else {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    arguments = [sys.executable, "-c", INTERRUPTED, str(n), str(d)]
+def test_an_interrupt_is_heard_and_harmless(n, d, line):
+    """Compiled, between two calls, after a bounded number of points; in plain Python, after any line."""
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"} if line else dict(os.environ)
+    arguments = [sys.executable, "-c", INTERRUPTED, str(n), str(d), str(line)]
     run = subprocess.run(arguments, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
-    lines = run.stdout.split()
-    assert lines[1:] == ["True", "True", "True"], run.stdout
-    assert float(lines[0]) < 1.0
+    assert run.stdout.split() == ["True"] * 4, run.stdout

@@ -45,37 +45,36 @@ def square(extra: np.ndarray) -> PlanarComplex:
 def insert(c: PlanarComplex, x: np.ndarray, seed: int | None = None) -> int:
     """Insert x (scaled) from a seed triangle or from where it lies; what is in the way, -1 for nothing."""
     c.reserve(c.size + 1, c.segments)
-    stack, cells, rim, hold, fresh = c.scratch()
+    plane, scratch = c.plane(), c.scratch()
     t = walk(c.xy, c.vertex, c.twin, 0, *x) if seed is None else seed
-    m, k = find_cavity(c.xy, c.vertex, c.twin, c.mark, t, *x, stack, cells, rim)
+    m, k = find_cavity(plane, scratch, t, *x)
     if k < 0:
         return 0
-    blocked = blocked_by(c.xy, c.vertex, rim, k, *x)
+    blocked = blocked_by(c.xy, c.vertex, scratch.rim, k, *x)
     if blocked < 0:
         assert k == m + 2
         p = c.size
         c.xy[p] = x
-        commit(c.vertex, c.twin, c.mark, c.region, c.where, c.state, cells, m, rim, k, p, hold, fresh)
-        assert (c.vertex[3 * fresh[:k]] == p).all()
+        commit(plane, scratch, m, k, p)
+        assert (c.vertex[3 * scratch.fresh[:k]] == p).all()
     return int(blocked)
 
 
 def split(c: PlanarComplex, s: int, x: np.ndarray, t: float) -> int:
     """Split subsegment s at x (scaled), parameter t; what is in the way, -1 for nothing."""
     c.reserve(c.size + 1, c.segments + 1)
-    stack, cells, rim, hold, fresh = c.scratch()
+    plane, scratch = c.plane(), c.scratch()
     e = c.where[s]
     before = c.mark.copy()
-    m, k, h = find_split(c.xy, c.vertex, c.twin, c.mark, e, *x, stack, cells, rim)
+    m, k, h = find_split(plane, scratch, e, *x)
     np.testing.assert_array_equal(c.mark, before)
     if k < 0:
         return 0
-    blocked = blocked_by(c.xy, c.vertex, rim, k, *x)
+    blocked = blocked_by(c.xy, c.vertex, scratch.rim, k, *x)
     if blocked < 0:
         p = c.size
         c.xy[p] = x
-        new = commit_split(c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state, e,
-                           cells, m, rim, k, h, p, t, hold, fresh)  # fmt: skip
+        new = commit_split(plane, scratch, e, m, k, h, p, t)
         assert new == c.segments - 1
     return int(blocked)
 

@@ -440,7 +440,7 @@ def test_a_dangling_edge_among_ears(monkeypatch):
 
 
 def test_progress_and_chunks(monkeypatch, capsys):
-    monkeypatch.setattr(inserting, "CHUNK", 7)
+    monkeypatch.setattr(inserting, "SEGMENTS_A_CALL", 7)
     domain = Domain.polygon(coastline(50))
     assert cells_of(constrained_delaunay(domain, progress=True).simplices)
     assert "segments" in capsys.readouterr().err

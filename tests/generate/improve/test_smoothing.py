@@ -173,7 +173,9 @@ def test_swaps_for_many_moves_at_once() -> None:
     mark = np.where(twin < 0, 0, -1).astype(np.int32)
     moved = (xy != mesh.points).any(axis=1)
     where, stack = np.zeros(1, dtype=np.int32), np.empty(8, dtype=np.int32)  # hardly any room: more rounds
-    arrays = (xy, vertex, twin, mark, region, where, at, mesh.size, moved, stack)
-    assert stars2.legalize_moved(*arrays) > 100
+    still, ring, places = np.zeros(len(xy), dtype=bool), np.empty(64, dtype=np.int32), np.empty((65, 2))
+    counts = np.zeros(8, dtype=np.int64)
+    stars = stars2.Stars(xy, vertex, twin, mark, where, at, still, ring, places, stack, counts)
+    assert stars2.legalize_moved(stars, region, mesh.size, moved) > 100
     assert check(Mesh(xy, vertex.reshape(-1, 3)), delaunay=True)
-    assert stars2.legalize_moved(*arrays) == 0
+    assert stars2.legalize_moved(stars, region, mesh.size, moved) == 0

@@ -9,10 +9,11 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
+import mixed_cells
 import numpy as np
 import pytest
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from scipy.spatial import Delaunay, Voronoi
 
 from unstruct import Mesh, view
@@ -453,3 +454,34 @@ def test_every_kind_of_item_in_space_is_drawn():
     colored = view.plot(SOLID, values=[1, 2], label="cell")
     assert colored.figure.axes[1].get_ylabel() == "cell"
     assert len(view.picture([]).collections) == 0
+
+
+def test_mixed_meshes_are_drawn():
+    flat, solid = mixed_cells.planar(4, jitter=0.2, seed=1), mixed_cells.spatial(2, jitter=0.1)
+    ax = view.plot(flat, values=np.arange(flat.size))
+    (drawn,) = [c for c in ax.collections if isinstance(c, PolyCollection)]
+    assert len(drawn.get_paths()) == flat.size and drawn.get_array().tolist() == list(range(flat.size))
+    assert len(view.plot(flat).collections) >= 1
+    (skin,) = view.mesh_items3(solid)
+    assert [len(row) for row in skin["data"]] == [np.count_nonzero(row >= 0) for row in solid.boundary]
+    (colored,) = view.mesh_items3(solid, values=np.arange(solid.size))
+    kept = {frozenset(row): color for row, color in zip(colored["data"], colored["colors"])}
+    owner = dict(
+        zip([frozenset(v for v in row if v >= 0) for row in solid.facets.tolist()], solid.facet_cells)
+    )
+    scale = [to_hex(c) for c in matplotlib.colormaps["cividis"](np.linspace(0, 1, solid.size))]
+    assert all(color == scale[owner[face][0]] for face, color in kept.items())
+    (part,) = view.mesh_items3(solid, only=[12, 15])
+    assert len(part["data"]) == len(solid.select([12, 15]).boundary)
+    with pytest.raises(InputError, match="give one a cell"):
+        view.mesh_items3(solid, values=[1, 2])
+    assert view.plot(solid, values=np.arange(solid.size)) is not None
+    plt.close("all")
+
+
+def test_histograms_of_mixed_meshes():
+    ax = view.plot_quality(
+        {"flat": mixed_cells.planar(4), "solid": mixed_cells.spatial(2)}, "scaled_jacobian"
+    )
+    assert ax.get_xlabel() == "scaled jacobian"
+    plt.close("all")

@@ -9,7 +9,7 @@ from unstruct import InputError
 from unstruct.view import check_frame
 from unstruct.view.scenes.constraints import (
     COMPONENTS,
-    SEGMENTS,
+    SEGMENT_EXAMPLES,
     principal_component_state,
     segment_history,
     segment_state,
@@ -17,7 +17,7 @@ from unstruct.view.scenes.constraints import (
 from unstruct.view.widgets.constraint_widgets import constrained_insertion, principal_component
 
 
-@pytest.mark.parametrize("preset", SEGMENTS)
+@pytest.mark.parametrize("preset", SEGMENT_EXAMPLES)
 def test_segment_histories(preset):
     frames = segment_history(preset)
     assert 6 <= len(frames) <= 18 and len({tuple(f["view"]) for f in frames}) == 1
@@ -63,7 +63,7 @@ def test_components_refuse():
 
 def test_panels():
     panel = constrained_insertion()
-    assert [v["name"] for v in panel.player.variants] == list(SEGMENTS)
+    assert [v["name"] for v in panel.player.variants] == list(SEGMENT_EXAMPLES)
     panel = principal_component()
     assert len(panel.controls) == 3
     for preset in COMPONENTS:

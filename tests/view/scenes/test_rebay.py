@@ -26,9 +26,9 @@ def points(frame, role):
 # ---- one step ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("preset", rb.VORONOI_SEGMENTS)
+@pytest.mark.parametrize("preset", rb.FRONT_EXAMPLES)
 def test_the_step_over_its_whole_range(preset):
-    for f, q in product(np.linspace(*rb.SIZE, 12), np.linspace(*rb.REACH, 14)):
+    for f, q in product(np.linspace(*rb.F_RANGE, 12), np.linspace(*rb.Q_RANGE, 14)):
         frame = rb.voronoi_segment_state(f, q, preset)
         check_frame(frame)
         (x,), (_, center), caption = points(frame, "inserted"), points(frame, "voronoi"), frame["caption"]
@@ -58,7 +58,7 @@ def test_the_step_over_its_whole_range(preset):
     ],
 )
 def test_the_presets_show_what_they_promise(preset, caption, number):
-    given_ = rb.VORONOI_SEGMENTS[preset]
+    given_ = rb.FRONT_EXAMPLES[preset]
     frame = rb.voronoi_segment_state(given_["f"], given_["q"], preset)
     assert caption in frame["caption"] and number in frame["number"]
 
@@ -166,7 +166,7 @@ def test_a_preset_brings_its_own_start_and_drags_stay_in_range():
         panel.controls["f"].value == 0.875
     )
     panel.player.dragged = {"handle": "F", "x": 0.1, "y": -9.0}
-    assert panel.controls["q"].value == rb.REACH[1]
+    assert panel.controls["q"].value == rb.Q_RANGE[1]
     panel = rebay_cobweb(measured=[(0.2, -0.08)])
     panel.controls["preset"].value = "no rest, no pair"
     assert (panel.controls["growth"].value, panel.controls["start"].value) == (0.75, 0.8)

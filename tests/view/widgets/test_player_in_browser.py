@@ -15,6 +15,7 @@ playwright = pytest.importorskip(
 )
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium on the path: apt-get install chromium")
+PATIENCE = 900_000  # milliseconds, to end what hangs; a busy machine may be slow
 
 PAGE = """<!doctype html><meta charset="utf-8"><style>CSS</style><div id="here"></div><script>
 const state = STATE, heard = {};
@@ -41,7 +42,9 @@ import("data:text/javascript;base64,MODULE").then((made) => {
 def browser():
     with playwright.sync_playwright() as p:
         made = p.chromium.launch(
-            executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu", "--no-first-run"]
+            executable_path=BROWSER,
+            args=["--no-sandbox", "--disable-gpu", "--no-first-run"],
+            timeout=PATIENCE,
         )
         yield made
         made.close()
@@ -56,6 +59,7 @@ def show(browser):
         hidden = ("layout", "comm", "keys", "tabbable", "tooltip")
         state = {k: getattr(widget, k) for k in widget.traits(sync=True) if k[0] != "_" and k not in hidden}
         page = browser.new_page(viewport={"width": 900, "height": 800})
+        page.set_default_timeout(PATIENCE)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
         page.on("request", lambda r: errors.append(r.url) if r.url.startswith("http") else None)
@@ -65,7 +69,7 @@ def show(browser):
             .replace("STATE", json.dumps(state))
             .replace("MODULE", module)
         )
-        page.wait_for_function("window.ready", timeout=20000)
+        page.wait_for_function("window.ready")
         pages.append(page)
         return page
 

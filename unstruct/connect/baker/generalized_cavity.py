@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE, HIDDEN, OUTSIDE, ROOM
 from ...base.jit import inline, kernel
 from ...predicates.kernels import conflict, moved
 
-__all__ = ["FIXED", "FULL", "HELD", "HIDDEN", "OUTSIDE", "insert_vertices"]
+__all__ = ["FIXED", "HELD", "insert_vertices"]
 
-# what `insert_vertices` stopped for
-DONE, OUTSIDE, HIDDEN, FULL, HELD = 0, 1, 2, 3, 4
+HELD = 8  # by a fixed cell: what `insert_vertices` stopped for, or DONE, OUTSIDE, HIDDEN, ROOM
 # states of a cell during one insertion; a fixed one is never in a cavity
-OUT, IN, DROPPED, WAITING, FIXED = 0, 1, 2, 3, 4
+OUT, IN, DROPPED, PENDING, FIXED = 0, 1, 2, 3, 4
 # columns of the record
-TWIN, COMPONENT, BEHIND, ROUNDS, LOST, KEPT, MADE = range(7)
+TWIN, COMPONENT, HIDDEN_FACETS, DROP_ROUNDS, CELLS_LOST, CELLS_KEPT, CELLS_MADE = range(7)
 
 
 @kernel
@@ -68,10 +68,10 @@ def fixed_holder(points, cells, neighbors, p, holder, state, cavity):
         if state[c] == FIXED:
             found = c
             break
-        state[c] = WAITING
+        state[c] = PENDING
         for k in range(cells.shape[1]):
             n = neighbors[c, k]
-            if n >= 0 and state[n] != WAITING and moved(points, cells[c], k, p) == 0:
+            if n >= 0 and state[n] != PENDING and moved(points, cells[c], k, p) == 0:
                 known = False
                 for j in range(i, size):
                     known = known or cavity[j] == n
@@ -187,21 +187,21 @@ def reduce_component(cells, neighbors, state, sides, kept, size, record):
     """
     while True:
         hidden, owners = drop_owners(cells, neighbors, state, sides, kept, size)
-        if record[ROUNDS] == 0:
-            record[BEHIND] = hidden
+        if record[DROP_ROUNDS] == 0:
+            record[HIDDEN_FACETS] = hidden
         if owners == 0:
             return size
-        record[ROUNDS] += 1
-        record[LOST] += owners
+        record[DROP_ROUNDS] += 1
+        record[CELLS_LOST] += owners
         for i in range(size):
             if state[kept[i]] == IN:
-                state[kept[i]] = WAITING
+                state[kept[i]] = PENDING
         state[kept[0]] = IN  # the holder
         size, i = 1, 0
         while i < size:
             for k in range(cells.shape[1]):
                 n = neighbors[kept[i], k]
-                if n >= 0 and state[n] == WAITING:
+                if n >= 0 and state[n] == PENDING:
                     state[n] = IN
                     kept[size] = n
                     size += 1
@@ -348,12 +348,12 @@ def insert_vertices(
         kept = cavity[:size].copy()
         left = reduce_component(cells, neighbors, state, sides, kept, size, record)
         status = DONE
-        if record[BEHIND] > 0 and not reduce:
+        if record[HIDDEN_FACETS] > 0 and not reduce:
             status = HIDDEN
         slot = np.empty((left, width), dtype=np.int64)
         made = number_rim(cells, neighbors, state, sides, kept, left, place, slot)
         if counters[0] - counters[1] + made > cells.shape[0] and status == DONE:
-            status = FULL
+            status = ROOM
         if status == DONE:
             number = allot(kept, left, made, free, counters)
             rows, links = np.empty((made, width), np.int64), np.empty((made, width), np.int64)
@@ -362,12 +362,12 @@ def insert_vertices(
             replace(
                 cells, neighbors, source, kept, left, made, slot, number, rows, links, back, free, counters
             )
-            record[KEPT], record[MADE] = left, made
+            record[CELLS_KEPT], record[CELLS_MADE] = left, made
             counters[2] = number[0]
         paint(state, cavity, size, OUT)
         if status == HIDDEN:
             c, k = first_hidden(cells, neighbors, state, sides, cavity, size)
             return p, HIDDEN, c, k
-        if status == FULL:
-            return p, FULL, -1, -1
+        if status == ROOM:
+            return p, ROOM, -1, -1
     return last, DONE, -1, -1

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import as_points
+from ...base.codes import DONE, OUTSIDE, ROOM
 from ...base.errors import InputError, MeshError
 from ...mesh.marked import remaining
 from ...mesh.mesh import Mesh
@@ -35,7 +36,7 @@ from .fixed import as_cells
 
 __all__ = ["Baker", "Record", "insert"]
 
-CHUNK = 1024  # vertices between two looks at the keyboard
+VERTICES_A_CALL = 1024  # vertices between two looks at the keyboard
 
 
 @dataclass(frozen=True)
@@ -173,13 +174,13 @@ class Baker:
         p = first
         while p < first + len(new):
             p, status, cell, corner = kernels.insert_vertices(
-                self._scaled, p, min(p + CHUNK, first + len(new)), reduce, self._cells, self._neighbors,
-                self._source, self._state, self._sides, self._place, self._free, self._counters,
-                records[p - first :],
+                self._scaled, p, min(p + VERTICES_A_CALL, first + len(new)), reduce, self._cells,
+                self._neighbors, self._source, self._state, self._sides, self._place, self._free,
+                self._counters, records[p - first :],
             )  # fmt: skip
-            if status == kernels.FULL:
+            if status == ROOM:
                 self._grow()
-            elif status != kernels.DONE:
+            elif status != DONE:
                 self._stop(p, records[: p - first], first)
                 raise self._refusal(new[p - first], p - first, status, int(cell), int(corner))
         return self._stop(p, records, first)
@@ -207,7 +208,7 @@ class Baker:
         outside = ((new < used.min(axis=0)) | (new > used.max(axis=0))).any(axis=1)
         if outside.any():
             row = int(np.argmax(outside))
-            raise self._refusal(new[row], row, kernels.OUTSIDE, -1, -1)
+            raise self._refusal(new[row], row, OUTSIDE, -1, -1)
 
     def _scale(self, points: NDArray[np.float64], start: int) -> NDArray[np.float64]:
         scaled = points * self._factor
@@ -238,7 +239,7 @@ class Baker:
         return Record(vertex, *records.T)
 
     def _refusal(self, point: Any, row: int, status: int, cell: int, corner: int) -> InputError | MeshError:
-        if status == kernels.OUTSIDE:
+        if status == OUTSIDE:
             return InputError(
                 f"points[{row}] = {point.tolist()} lies outside the mesh: choose points of the mesh, or use "
                 "unstruct.delaunay for all points together"

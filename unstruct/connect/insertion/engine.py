@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from ...base.jit import kernel
 
-COUNT, LAST, BUSY, DONE, FREE, STAMP = 0, 1, 2, 3, 4, 5  # entries of the state, written by the kernels
+GHOST = -1  # the vertex at infinity
+COUNT, LAST, BUSY, REACHED, FREE, STAMP = 0, 1, 2, 3, 4, 5  # entries of the state, written by the kernels
 
 
 @kernel
@@ -81,7 +82,7 @@ class Compiled(ABC):
         self.across = np.empty(0, dtype=np.int32)
         self._reserve(self.width)
         self._start()
-        self.state[DONE] = self.width
+        self.state[REACHED] = self.width
 
     @abstractmethod
     def _reserve(self, points: int) -> None:
@@ -102,7 +103,7 @@ class Compiled(ABC):
     @property
     def done(self) -> int:
         """How many rows are inserted."""
-        return int(self.state[DONE])
+        return int(self.state[REACHED])
 
     @property
     def broken(self) -> bool:

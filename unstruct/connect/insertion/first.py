@@ -10,6 +10,8 @@ from ...predicates.batch import orient_at
 from ...predicates.kernels import orient2, orient3
 from .general import exact_integers, independent_rows
 
+FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}  # what points in a flat of so many dimensions are
+
 
 @kernel
 def _not_equal(p, start):

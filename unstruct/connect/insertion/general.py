@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...predicates.batch import orient
+from .engine import GHOST
 
-GHOST = -1
 Vector = list[int]
 
 

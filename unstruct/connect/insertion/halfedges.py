@@ -6,7 +6,7 @@ import numpy as np
 
 from ...base.jit import inline, kernel
 from ...predicates.kernels import incircle, orient2
-from .engine import COUNT, FREE, LAST
+from .engine import COUNT, FREE, GHOST, LAST
 
 __all__ = [
     "GHOST",
@@ -23,9 +23,6 @@ __all__ = [
     "prev_edge",
     "start_of",
 ]
-
-
-GHOST = -1
 
 
 @inline

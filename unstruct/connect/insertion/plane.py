@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import kernel
-from .engine import BUSY, COUNT, DONE, LAST, Compiled, grown
+from .engine import BUSY, COUNT, LAST, REACHED, Compiled, grown
 from .halfedges import GHOST, conflict_across, locate2, locate_all2, next_edge, prev_edge, start2
 from .removal import remove2
 
@@ -50,7 +50,7 @@ def insert2(xy, vertex, twin, state, stack, spare, copy_of, start, stop):
                 copy = v
         if copy >= 0:
             copy_of[p] = copy
-            state[DONE] = p + 1
+            state[REACHED] = p + 1
             continue
         state[BUSY] = 1
         spare[0] = t
@@ -84,7 +84,7 @@ def insert2(xy, vertex, twin, state, stack, spare, copy_of, start, stop):
             before = new
         twin[first + 2], twin[before + 1] = before + 1, first + 2
         last = before // 3
-        state[COUNT], state[LAST], state[DONE], state[BUSY] = count, last, p + 1, 0
+        state[COUNT], state[LAST], state[REACHED], state[BUSY] = count, last, p + 1, 0
 
 
 @kernel

@@ -27,9 +27,8 @@ from ...base.errors import InputError
 from ...base.jit import inline, kernel
 from ...predicates.batch import orient_at
 from ...predicates.kernels import insphere, orient3
-from .engine import BUSY, COUNT, DONE, FREE, LAST, STAMP, Compiled, grown
+from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown
 
-GHOST = -1
 WELL, MORE_CELLS, MORE_SCRATCH = 0, 1, 2  # why insert3 returned
 
 
@@ -220,7 +219,7 @@ def insert3(xyz, vertex, across, mark, free, cells, faces, state, copy_of, start
                 copy = v
         if copy >= 0:
             copy_of[p] = copy
-            state[DONE] = p + 1
+            state[REACHED] = p + 1
             continue
         stamp = state[STAMP]
         state[STAMP] = stamp + 1
@@ -230,7 +229,7 @@ def insert3(xyz, vertex, across, mark, free, cells, faces, state, copy_of, start
             return MORE_CELLS
         state[BUSY] = 1
         state[LAST] = star3(vertex, across, mark, stamp, faces, sizes[1], cells, sizes[0], free, state, p)
-        state[DONE], state[BUSY] = p + 1, 0
+        state[REACHED], state[BUSY] = p + 1, 0
     return WELL
 
 

@@ -20,7 +20,7 @@ from ...mesh.cells import counted, simplex_type
 from ...mesh.mesh import Mesh
 from ...predicates.batch import in_sphere, orient, power_of_two
 from .engine import Compiled, gather, grown
-from .first import first_simplex
+from .first import FLATS, first_simplex
 from .general import General
 from .plane import Planar
 from .space import Spatial
@@ -28,8 +28,7 @@ from .space import Spatial
 __all__ = ["Triangulation"]
 
 COMPILED: dict[int, type[Compiled]] = {2: Planar, 3: Spatial}
-MOST = 2**28  # points: their triangles have 6 half-edges a point
-FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
+MOST_POINTS = 2**28  # points: their triangles have 6 half-edges a point
 
 
 class Triangulation:
@@ -126,8 +125,10 @@ class Triangulation:
 
     def _append(self, rows: NDArray[np.float64], progress: bool) -> None:
         size = self._size + len(rows)
-        if size > MOST:
-            raise InputError(f"{size} points are more than 32-bit numbers of cells can serve: at most {MOST}")
+        if size > MOST_POINTS:
+            raise InputError(
+                f"{size} points are more than 32-bit numbers of cells can serve: at most {MOST_POINTS}"
+            )
         larger, removed = grown(self._rows, size), grown(self._removed, size)
         larger[self._size : size] = rows
         removed[self._size : size] = False

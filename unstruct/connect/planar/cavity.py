@@ -3,7 +3,8 @@
 The half-edges are those of `insertion2`: the triangulation covers the sphere, with ghost triangles beyond the
 hull, so that every edge has two sides. Besides, ``mark[e]`` is the number of the *subsegment* on half-edge e
 (the same on its twin), -1 for none, and ``region[t]`` the part of the domain that triangle t belongs to,
--1 outside.
+-1 outside. Kernels take these arrays as one record, `Plane`, and what they write cavities into as another,
+`Scratch`.
 
 An insertion of p first collects, without a change, the triangles whose open circle holds p and that are
 reached from a seed over unmarked edges: ``cells``, and the edges around them, counterclockwise: ``rim``.
@@ -79,43 +80,45 @@ def walk(xy, vertex, twin, t, px, py):
 
 
 @inline
-def _grow(xy, vertex, twin, mark, depth, px, py, stack, cells, m, rim, k):
+def _grow(plane, scratch, depth, px, py, m, k):
     """Turn through the cavity from the inner half-edges on the stack; marked edges belong to the rim."""
+    vertex, stack = plane.vertex, scratch.stack
     while depth > 0:
         depth -= 1
         e = stack[depth]
-        if mark[e] < 0:
-            o = twin[e]
+        if plane.mark[e] < 0:
+            o = plane.twin[e]
             right, left = next_edge(o), prev_edge(o)
-            if conflict_across(xy, vertex[left], vertex[right], vertex[o], px, py):
-                if m >= len(cells):
+            if conflict_across(plane.xy, vertex[left], vertex[right], vertex[o], px, py):
+                if m >= len(scratch.cells):
                     return m, TOO_LARGE
-                cells[m] = o // 3
+                scratch.cells[m] = o // 3
                 m += 1
                 stack[depth], stack[depth + 1] = left, right
                 depth += 2
                 continue
-        rim[k] = e
+        scratch.rim[k] = e
         k += 1
     return m, k
 
 
 @inline
-def find_cavity_here(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
-    """`find_cavity`, inlined: for hot loops, where handing over ten arrays costs as much as a triangle."""
-    cells[0] = t
+def find_cavity_here(plane, scratch, t, px, py):
+    """`find_cavity`, inlined: for hot loops. Any records with these arrays will do."""
+    stack = scratch.stack
+    scratch.cells[0] = t
     stack[0], stack[1], stack[2] = 3 * t + 2, 3 * t + 1, 3 * t
-    return _grow(xy, vertex, twin, mark, np.int64(3), px, py, stack, cells, np.int64(1), rim, np.int64(0))
+    return _grow(plane, scratch, np.int64(3), px, py, np.int64(1), np.int64(0))
 
 
 @lean
-def find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
+def find_cavity(plane, scratch, t, px, py):
     """The cavity of p from triangle t, whose open circle holds p: (m, k), ``cells[:m]`` and ``rim[:k]``.
 
     The rim has the inner half-edges, counterclockwise; k = m + 2. k is ``TOO_LARGE`` where the seed is hidden
     from p in such a way that the search goes round (the arrays have the length of the triangulation).
     """
-    return find_cavity_here(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+    return find_cavity_here(plane, scratch, t, px, py)
 
 
 @lean
@@ -136,15 +139,16 @@ def blocked_by(xy, vertex, rim, k, px, py):
 
 
 @inline
-def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fresh):
+def _star(plane, scratch, m, k, split, p):
     """Join p to the rim: the triangle on rim edge i is ``fresh[i]``, p first. Mark ``split`` is dropped."""
+    vertex, twin, mark, hold, fresh = plane.vertex, plane.twin, plane.mark, scratch.hold, scratch.fresh
     for i in range(k):
-        e = rim[i]
+        e = scratch.rim[i]
         hold[i, 0], hold[i, 1] = start_of(vertex, e), end_of(vertex, e)
         hold[i, 2], hold[i, 3] = twin[e], mark[e]
     before = np.int64(0)
     for i in range(k):
-        slot = cells[i] if i < m else new_slot(twin, state)
+        slot = scratch.cells[i] if i < m else new_slot(twin, plane.state)
         fresh[i] = slot
         new = 3 * slot
         o, s = hold[i, 2], hold[i, 3]
@@ -155,74 +159,76 @@ def _star(vertex, twin, mark, where, state, cells, m, rim, k, split, p, hold, fr
         twin[new], twin[o] = o, new
         mark[new], mark[new + 1], mark[new + 2] = s, -1, -1
         if s >= 0:
-            where[s] = new
+            plane.where[s] = new
         if i > 0:
             twin[new + 2], twin[before + 1] = before + 1, new + 2
         before = new
     first = 3 * fresh[0]
     twin[first + 2], twin[before + 1] = before + 1, first + 2
-    state[LAST] = fresh[0]
+    plane.state[LAST] = fresh[0]
 
 
 @inline
-def commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
+def commit_here(plane, scratch, m, k, p):
     """`commit`, inlined."""
+    state = plane.state
     state[BUSY] = 1
-    part = region[cells[0]]
-    _star(vertex, twin, mark, where, state, cells, m, rim, k, UNUSED, p, hold, fresh)
+    part = plane.region[scratch.cells[0]]
+    _star(plane, scratch, m, k, UNUSED, p)
     for i in range(k):
-        region[fresh[i]] = part
+        plane.region[scratch.fresh[i]] = part
     state[VERTICES] = max(state[VERTICES], p + 1)
     state[BUSY] = 0
 
 
 @lean
-def commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh):
+def commit(plane, scratch, m, k, p):
     """Replace the cavity by the star of p, whose coordinates are in its row of ``xy``.
 
     ``fresh[:k]`` are the new triangles; each has p as its first vertex, so that half-edge 3 t is on the rim.
-    They inherit the region of the cavity. ``hold`` (., 4) is scratch.
+    They inherit the region of the cavity.
     """
-    commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
+    commit_here(plane, scratch, m, k, p)
 
 
 @lean
-def find_split(xy, vertex, twin, mark, e, px, py, stack, cells, rim):
+def find_split(plane, scratch, e, px, py):
     """The cavity of a split of the subsegment on half-edge e at p: (m, k, h).
 
     ``rim[:h]`` is the rim on the left of e, ``rim[h:k]`` that on the right; m = 0 or k = ``TOO_LARGE`` where
     there is none. Judge it by `blocked_by`.
     """
-    f = twin[e]
+    mark, stack = plane.mark, scratch.stack
+    f = plane.twin[e]
     s = mark[e]
     mark[e], mark[f] = -1, -1
     one, none = np.int64(1), np.int64(0)
     stack[0] = f
-    m, h = _grow(xy, vertex, twin, mark, one, px, py, stack, cells, none, rim, none)
+    m, h = _grow(plane, scratch, one, px, py, none, none)
     k = h
     if h >= 0:
         # where the left side is not in the cavity its rim is the chord: it must not be crossed again
         mark[e], mark[f] = -1, s
         stack[0] = e
-        m, k = _grow(xy, vertex, twin, mark, one, px, py, stack, cells, m, rim, h)
+        m, k = _grow(plane, scratch, one, px, py, m, h)
     mark[e], mark[f] = s, s
     return m, k, h
 
 
 @lean
-def commit_split(
-    vertex, twin, mark, region, where, ends, piece, span, state, e, cells, m, rim, k, h, p, t, hold, fresh
-):
+def commit_split(plane, scratch, e, m, k, h, p, t):
     """Split the subsegment on half-edge e at vertex p, parameter t of its piece; the new one's number.
 
     The half that holds the old first end keeps its number; the other half is the last subsegment. As
     `commit` otherwise; ``fresh[:h]`` lie on the left of e.
     """
+    twin, mark, region, state, fresh = plane.twin, plane.mark, plane.region, plane.state, scratch.fresh
+    ends, piece, span = plane.ends, plane.piece, plane.span
     state[BUSY] = 1
     s = mark[e]
-    u = start_of(vertex, e)
+    u = start_of(plane.vertex, e)
     left, right = region[e // 3], region[twin[e] // 3]
-    _star(vertex, twin, mark, where, state, cells, m, rim, k, s, p, hold, fresh)
+    _star(plane, scratch, m, k, s, p)
     for i in range(k):
         region[fresh[i]] = left if i < h else right
     new = state[SEGMENTS]
@@ -236,7 +242,7 @@ def commit_split(
     for i, number in ((h, to_u), (0, to_v)):
         o = 3 * fresh[i] + 2
         mark[o], mark[twin[o]] = number, number
-        where[number] = o
+        plane.where[number] = o
     state[VERTICES] = max(state[VERTICES], p + 1)
     state[BUSY] = 0
     return new

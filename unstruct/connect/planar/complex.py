@@ -20,6 +20,7 @@ from ...mesh.domain_mesh import DomainMesh
 from ..insertion.engine import BUSY, COUNT, FREE, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.whole import half_edges
+from .records import Plane, Scratch
 
 __all__ = ["PlanarComplex"]
 
@@ -46,41 +47,42 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def survey(vertex, twin, region, count, where, piece, facets, number, place):
+def survey(plane, facets, number, place):
     """`number_kept`; and how many subsegments bound a triangle with a number, how many of them of facets."""
-    cells, vertices = number_kept(vertex, region, count, number, place)
+    cells, vertices = number_kept(plane.vertex, plane.region, plane.state[COUNT], number, place)
     kept = outer = 0
-    for s in range(len(where)):
-        e = np.int64(where[s])
-        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
+        if number[e // 3] >= 0 or number[plane.twin[e] // 3] >= 0:
             kept += 1
-            outer += piece[s] < facets
+            outer += plane.piece[s] < facets
     return cells, vertices, kept, outer
 
 
 @kernel
-def extract(
-    vertex, twin, region, count, number, place, where, ends, piece, span, facets, simplices, neighbors,
-    regions, rows, pieces, spans, one, two,
-):  # fmt: skip
+def extract(plane, facets, number, place, cells, subsegments):
     """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
 
-    ``one`` gets those of facets once more, ``two`` the others.
+    ``cells``: their vertices, neighbors and regions. ``subsegments``: their ends, pieces and spans, then the
+    ends of those of facets once more, and of the others.
     """
-    extract_cells(vertex, twin, 3, count, place, number, simplices, neighbors)
+    simplices, neighbors, regions = cells
+    rows, pieces, spans, one, two = subsegments
+    count, twin, ends = plane.state[COUNT], plane.twin, plane.ends
+    extract_cells(plane.vertex, twin, 3, count, place, number, simplices, neighbors)
     for t in range(count):
         if number[t] >= 0:
-            regions[number[t]] = region[t]
+            regions[number[t]] = plane.region[t]
     i = j = 0
-    for s in range(len(where)):
-        e = np.int64(where[s])
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
         if number[e // 3] < 0 and number[twin[e] // 3] < 0:
             continue
         a, b = place[ends[s, 0]], place[ends[s, 1]]
         k = i + j
-        rows[k, 0], rows[k, 1], pieces[k] = a, b, piece[s]
-        spans[k, 0], spans[k, 1] = span[s, 0], span[s, 1]
-        if piece[s] < facets:
+        rows[k, 0], rows[k, 1], pieces[k] = a, b, plane.piece[s]
+        spans[k, 0], spans[k, 1] = plane.span[s, 0], plane.span[s, 1]
+        if plane.piece[s] < facets:
             one[i, 0], one[i, 1] = a, b
             i += 1
         else:
@@ -89,15 +91,13 @@ def extract(
 
 
 @kernel
-def copy_all(
-    xy, vertex, twin, mark, region, ends, piece, span, where, xy1, vertex1, twin1, mark1, region1, ends1,
-    piece1, span1, where1,
-):  # fmt: skip
-    """Copy the arrays of a `PlanarComplex` to the beginnings of larger ones."""
-    xy1[: len(xy)], vertex1[: len(vertex)], twin1[: len(twin)] = xy, vertex, twin
-    mark1[: len(mark)], region1[: len(region)] = mark, region
-    ends1[: len(ends)], piece1[: len(piece)] = ends, piece
-    span1[: len(span)], where1[: len(where)] = span, where
+def copy_all(old, new):
+    """Copy the arrays of a `Plane` to the beginnings of larger ones."""
+    new.xy[: len(old.xy)], new.vertex[: len(old.vertex)] = old.xy, old.vertex
+    new.twin[: len(old.twin)], new.mark[: len(old.mark)] = old.twin, old.mark
+    new.region[: len(old.region)], new.where[: len(old.where)] = old.region, old.where
+    new.ends[: len(old.ends)], new.piece[: len(old.piece)] = old.ends, old.piece
+    new.span[: len(old.span)] = old.span
 
 
 @kernel
@@ -227,6 +227,13 @@ class PlanarComplex:
         self.ends, self.piece = grown(self.ends, segments), grown(self.piece, segments)
         self.span, self.where = grown(self.span, segments), grown(self.where, segments)
 
+    def plane(self) -> Plane:
+        """The arrays as they are now, in one record for the kernels."""
+        return Plane(
+            self.xy, self.vertex, self.twin, self.mark, self.region, self.where, self.ends, self.piece,
+            self.span, self.state,
+        )  # fmt: skip
+
     def _enlarge(self, vertices: int, slots: int, segments: int) -> None:
         """`reserve` where all arrays grow: they are copied in one call."""
         xy, span = np.empty((vertices, 2)), np.empty((segments, 2))
@@ -234,20 +241,17 @@ class PlanarComplex:
         mark, region = np.empty(3 * slots, dtype=np.int32), np.empty(slots, dtype=np.int32)
         ends, piece = np.empty((segments, 2), dtype=np.int32), np.empty(segments, dtype=np.int32)
         where = np.empty(segments, dtype=np.int32)
-        copy_all(
-            self.xy, self.vertex, self.twin, self.mark, self.region, self.ends, self.piece, self.span,
-            self.where, xy, vertex, twin, mark, region, ends, piece, span, where,
-        )  # fmt: skip
+        copy_all(self.plane(), Plane(xy, vertex, twin, mark, region, where, ends, piece, span, self.state))
         self.xy, self.vertex, self.twin, self.mark, self.region = xy, vertex, twin, mark, region
         self.ends, self.piece, self.span, self.where = ends, piece, span, where
 
-    def scratch(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
-        """Arrays (stack, cells, rim, hold, fresh) that fit any cavity of the present triangulation."""
+    def scratch(self) -> Scratch:
+        """Arrays that fit any cavity of the present triangulation."""
         # a search that goes round is given up when the cells are full: the rim has two edges more than cells
         room = len(self.region) + 8
         stack, cells = np.empty(room + 8, dtype=np.int32), np.empty(room, dtype=np.int32)
         rim, fresh = np.empty(room + 8, dtype=np.int32), np.empty(room + 8, dtype=np.int32)
-        return stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh
+        return Scratch(stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh)
 
     # ------------------------------------------------------------------ the result
 
@@ -299,10 +303,8 @@ class PlanarComplex:
         """
         count, n = self.triangles, self.size
         number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
-        where = self.where[: self.segments]
-        cells, vertices, kept, outer = survey(
-            self.vertex, self.twin, self.region, count, where, self.piece, facets, number, place
-        )
+        plane = self.plane()
+        cells, vertices, kept, outer = survey(plane, facets, number, place)
         simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
         ends, piece = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
         span, region = np.empty((kept, 2)), np.empty(cells, dtype=np.int32)
@@ -310,10 +312,8 @@ class PlanarComplex:
             "facets": np.empty((outer, 2), dtype=np.int32),
             "inner": np.empty((kept - outer, 2), dtype=np.int32),
         }
-        extract(
-            self.vertex, self.twin, self.region, count, number, place, where, self.ends, self.piece,
-            self.span, facets, simplices, neighbors, region, ends, piece, span, *named.values(),
-        )  # fmt: skip
+        subsegments = (ends, piece, span, named["facets"], named["inner"])
+        extract(plane, facets, number, place, (simplices, neighbors, region), subsegments)
         rows = self._unscaled(points)
         if origin is not None and len(origin) == n and origin.dtype == np.int32:
             source = origin

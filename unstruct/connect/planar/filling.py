@@ -16,38 +16,70 @@ Book: 2.5.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle, orientation
 from ..insertion.halfedges import next_edge, prev_edge
 from .stars import legalize
 
-__all__ = ["cut_ears", "fill", "load", "swap_all"]
+__all__ = ["Chain", "Filling", "cut_ears", "fill", "load", "swap_all"]
 
 
-@lean
-def load(vertex, twin, mark, chain, n, corners, beyond, marks, fresh):
+class Chain(NamedTuple):
+    """A chain of corners that is to be filled: the corners, and what is between each and the next one."""
+
+    corners: NDArray[np.int64]  # vertices
+    beyond: NDArray[np.int64]  # the half-edge on the other side
+    marks: NDArray[np.int64]
+    fresh: NDArray[np.int64]  # the half-edge that has taken its place, -1 as long as there is none
+
+
+class Filling(NamedTuple):
+    """What the insertion of segments works on: the triangulation, and scratch for one segment at a time."""
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    corner: NDArray[np.int32]  # for each vertex a slot that shows it
+    where: NDArray[np.int32]  # for each segment a half-edge along it
+    left: NDArray[np.int64]  # half-edges of the chain above a segment; then scratch
+    right: NDArray[np.int64]  # and below
+    cells: NDArray[np.int64]  # the triangles that a segment crosses
+    chains: NDArray[np.int64]  # (8, .) the rows of two `Chain`s
+    stack: NDArray[np.int64]  # (., 3) polygons that wait
+    pending: NDArray[np.int32]  # edges that wait to be looked at
+
+
+@inline
+def load(w, half_edges, n, chain):
     """Note what a chain of n half-edges borders on, before its triangles are overwritten.
 
     Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
     """
+    vertex, twin, corners, beyond = w.vertex, w.twin, chain.corners, chain.beyond
     for k in range(n):
-        h = np.int64(chain[k])
-        corners[k], beyond[k], marks[k], fresh[k] = vertex[prev_edge(h)], twin[h], mark[h], -1
-    corners[n] = vertex[next_edge(np.int64(chain[n - 1]))]
+        h = np.int64(half_edges[k])
+        corners[k], beyond[k] = vertex[prev_edge(h)], twin[h]
+        chain.marks[k], chain.fresh[k] = w.mark[h], -1
+    corners[n] = vertex[next_edge(np.int64(half_edges[n - 1]))]
     for k in range(n):
         twin[beyond[k]] = -2 - k
     for k in range(n):
-        if twin[chain[k]] < 0:
-            beyond[k] = twin[chain[k]]
+        if twin[half_edges[k]] < 0:
+            beyond[k] = twin[half_edges[k]]
 
 
 @inline
-def close(twin, mark, beyond, marks, fresh, g, k):
+def close(w, chain, g, k):
     """Let half-edge g take the place of edge k of the chain."""
-    o = beyond[k]
-    mark[g] = marks[k]
+    twin, fresh = w.twin, chain.fresh
+    o = chain.beyond[k]
+    w.mark[g] = chain.marks[k]
     fresh[k] = g
     if o < 0:  # a dangling edge: joined when its other side is there
         o = fresh[-2 - o]
@@ -56,8 +88,9 @@ def close(twin, mark, beyond, marks, fresh, g, k):
 
 
 @inline
-def write(vertex, mark, corner, slot, a, b, c):
+def write(w, slot, a, b, c):
     """The triangle on the base a b with apex c: its base half-edge s; b c is s + 1, c a is s + 2."""
+    vertex, mark, corner = w.vertex, w.mark, w.corner
     s = 3 * np.int64(slot)
     vertex[s], vertex[s + 1], vertex[s + 2] = c, a, b
     corner[c], corner[a], corner[b] = s, s + 1, s + 2
@@ -66,12 +99,13 @@ def write(vertex, mark, corner, slot, a, b, c):
 
 
 @lean
-def cut_ears(xy, vertex, twin, mark, corner, cells, used, corners, beyond, marks, fresh, i, j, places, links):
+def cut_ears(w, cells, used, chain, i, j):
     """Triangulate the polygon of the chain from V_i to V_j; triangles used, and the base half-edge.
 
     A pile of corners: as long as the last three turn right, the middle one is an ear. ``links`` has for
     each the half-edge towards the one before, -1 for an edge of the chain.
     """
+    xy, twin, corners, places, links = w.xy, w.twin, chain.corners, w.left, w.right
     places[0] = i
     top = 0
     for k in range(i + 1, j + 1):
@@ -81,12 +115,12 @@ def cut_ears(xy, vertex, twin, mark, corner, cells, used, corners, beyond, marks
             a, b, c = corners[places[top - 2]], corners[places[top - 1]], corners[k]
             if orientation(xy, a, b, c) >= 0:
                 break
-            s = write(vertex, mark, corner, cells[used], a, c, b)
+            s = write(w, cells[used], a, c, b)
             used += 1
             for g, at in ((s + 2, top - 1), (s + 1, top)):
                 h = links[at]
                 if h < 0:
-                    close(twin, mark, beyond, marks, fresh, g, places[at - 1])
+                    close(w, chain, g, places[at - 1])
                 else:
                     twin[g], twin[h] = h, g
             top -= 1
@@ -95,9 +129,7 @@ def cut_ears(xy, vertex, twin, mark, corner, cells, used, corners, beyond, marks
 
 
 @lean
-def fill(
-    xy, vertex, twin, mark, corner, cells, corners, beyond, marks, fresh, n, stack, patience, places, links
-):
+def fill(w, cells, chain, n, patience):
     """Triangulate the polygon on the left of V_0 V_n; its base half-edge, and from which cell on there are
     edges that may not be Delaunay.
 
@@ -106,6 +138,7 @@ def fill(
     s + 2 /  s  \\              come next, on s + 2 and s + 1.
         V_i-----V_j
     """
+    xy, twin, corners, stack = w.xy, w.twin, chain.corners, w.stack
     base = np.int64(-1)
     stack[0, 0], stack[0, 1], stack[0, 2] = 0, n, -1
     depth, used, asked, rough = 1, 0, 0, n
@@ -113,27 +146,11 @@ def fill(
         depth -= 1
         i, j, g = stack[depth, 0], stack[depth, 1], stack[depth, 2]
         if j == i + 1:
-            close(twin, mark, beyond, marks, fresh, g, i)
+            close(w, chain, g, i)
             continue
         if asked > patience * n and g >= 0:
             rough = min(rough, used)
-            used, s = cut_ears(
-                xy,
-                vertex,
-                twin,
-                mark,
-                corner,
-                cells,
-                used,
-                corners,
-                beyond,
-                marks,
-                fresh,
-                i,
-                j,
-                places,
-                links,
-            )
+            used, s = cut_ears(w, cells, used, chain, i, j)
             twin[s], twin[g] = g, s
             continue
         a, b, c = corners[i], corners[j], i + 1
@@ -143,7 +160,7 @@ def fill(
             if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[v, 0], xy[v, 1], xy[p, 0], xy[p, 1]) > 0:
                 c, v = k, p
         asked += j - i
-        s = write(vertex, mark, corner, cells[used], a, b, v)
+        s = write(w, cells[used], a, b, v)
         used += 1
         if g < 0:
             base = s
@@ -156,13 +173,14 @@ def fill(
 
 
 @lean
-def swap_all(xy, vertex, twin, mark, where, corner, cells, first, last, pending):
+def swap_all(w, cells, first, last):
     """Swap the edges of ``cells[first:last]``, and what follows, until all are locally Delaunay."""
+    xy, vertex, twin, mark, pending = w.xy, w.vertex, w.twin, w.mark, w.pending
     again = True
     while again:
         again = False
         for k in range(first, last):
             for e in range(3 * np.int64(cells[k]), 3 * np.int64(cells[k]) + 3):
                 pending[0] = e
-                if legalize(xy, vertex, twin, mark, where, corner, pending, np.int64(1)) < 0:
+                if legalize(xy, vertex, twin, mark, w.where, w.corner, pending, np.int64(1)) < 0:
                     again = True

@@ -64,19 +64,20 @@ def _root(above, t):
 
 
 @kernel
-def flood(vertex, twin, mark, piece, facets, hull, part, stack, least):
+def flood(plane, facets, hull, part, stack, least):
     """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
 
     Returns -1 and the number of parts; or a facet with the same side of the boundary on both of its sides
     (the facets do not close). ``least`` gets the least vertex of each part where there are several. With
     ``hull`` everything but the ghosts is inside. Parts hang together over edges that are not marked.
     """
+    vertex, twin, mark = plane.vertex, plane.twin, plane.mark
     if hull:
         for t in range(len(part)):
             ghost = vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0
             part[t] = -1 if ghost else -2
     else:
-        odd = _parity(vertex, twin, mark, piece, facets, part, stack)
+        odd = _parity(vertex, twin, mark, plane.piece, facets, part, stack)
         if odd >= 0:
             return odd, 0
     for t in range(len(part)):  # a forest: each triangle hangs on one before it, if they hang together
@@ -139,10 +140,10 @@ def hold_seeds(xy, vertex, mark, count, seeds):
 def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArray], hull: bool) -> None:
     """Flood the inside and number its connected parts; parts with a named seed first."""
     count = complex_.triangles
-    part, mark, piece = complex_.region[:count], complex_.mark, complex_.piece
+    part = complex_.region[:count]
     stack = np.empty(3 * count + 3, dtype=np.int32)
     least = np.empty(count, dtype=np.int32)
-    odd, parts = flood(complex_.vertex, complex_.twin, mark, piece, facets, hull, part, stack, least)
+    odd, parts = flood(complex_.plane(), facets, hull, part, stack, least)
     if odd >= 0:
         a, b = complex_.ends[odd].tolist()
         raise InputError(

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...geometry.ordering import draws, radix_argsort
 from .complex import SEGMENTS, PlanarComplex
-from .segments import CROSSES, DONE, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
+from .filling import Filling
+from .segments import CROSSES, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
 
 if TYPE_CHECKING:
     pass
@@ -23,7 +25,7 @@ __all__ = ["insert_all"]
 PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
 
 
-CHUNK = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
+SEGMENTS_A_CALL = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
 
 
 def insert_all(
@@ -73,16 +75,18 @@ def insert_all(
         _enter(complex_, ends, piece, span, where, known=True)
         return crossed
     order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
-    chains, pending = np.empty((3, count + 2), dtype=np.int64), np.empty(8 * count + 8, dtype=np.int32)
-    scratch, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    left, right = np.empty(count + 2, dtype=np.int64), np.empty(count + 2, dtype=np.int64)
+    cells, pending = np.empty(count + 2, dtype=np.int64), np.empty(8 * count + 8, dtype=np.int32)
+    sides, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
+    c = complex_
+    filling = Filling(
+        c.xy, c.vertex, c.twin, c.mark, corner, where, left, right, cells, sides, stack, pending
+    )
     bar = progress_bar(progress, " segments", total=len(ends))
     bar.update(len(ends) - len(order))
-    for start in range(0, len(order), CHUNK):
-        stop = min(start + CHUNK, len(order))
-        status, i, other = insert_segments(
-            complex_.xy, complex_.vertex, complex_.twin, complex_.mark, corner, ends, order, start, stop,
-            crossed, PATIENCE, *chains, scratch, stack, where, pending,
-        )  # fmt: skip
+    for start in range(0, len(order), SEGMENTS_A_CALL):
+        stop = min(start + SEGMENTS_A_CALL, len(order))
+        status, i, other = insert_segments(filling, ends, order[start:stop], crossed, PATIENCE)
         if status != DONE:
             raise _refusal(status, int(i), int(other), ends, piece, facets)
         bar.update(stop - start)

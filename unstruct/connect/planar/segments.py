@@ -25,17 +25,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE
 from ...base.jit import inline, lean
 from ...predicates.kernels import orientation
 from ..insertion.halfedges import GHOST, next_edge, prev_edge
-from .filling import fill, load, swap_all
+from .filling import Chain, fill, load, swap_all
 
 __all__ = [
-    "CROSSES", "DONE", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
+    "CROSSES", "LEAVES", "LOST", "OVERLAPS", "absent", "carriers", "fill_corners",
     "find_edge", "insert_segments", "mark_present",
 ]  # fmt: skip
 
-DONE, CROSSES, OVERLAPS, LOST, LEAVES = 0, 1, 2, 3, 4  # how `insert_segments` ends
+CROSSES, OVERLAPS, LOST, LEAVES = 8, 9, 10, 11  # how `insert_segments` ends, besides DONE
 
 
 @lean
@@ -137,25 +138,26 @@ def aim(xy, vertex, twin, corner, a, b):
             return np.int64(-1), 1
 
 
-@lean
-def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
+@inline
+def march(w, e, a, b):
     """Cross triangles from slot e at a towards b, up to the first vertex on the line.
 
     Returns the lengths of both chains, and -1; or, as the last value, the half-edge that is in the way: that
     of an earlier segment, or one with a ghost behind it. Of a chain the half-edges within the crossed
     triangles are noted, from a on.
     """
+    vertex, left, right, cells = w.vertex, w.left, w.right, w.cells
     cells[0] = e // 3
     left[0], right[0] = next_edge(e), prev_edge(e)
     m = above = below = 1
     while True:
-        o = np.int64(twin[e])
+        o = np.int64(w.twin[e])
         c = vertex[o]
-        if mark[e] >= 0 or c == GHOST:
+        if w.mark[e] >= 0 or c == GHOST:
             return above, below, e
         cells[m] = o // 3
         m += 1
-        side = 0 if c == b else orientation(xy, a, b, c)
+        side = 0 if c == b else orientation(w.xy, a, b, c)
         if side >= 0:
             left[above] = prev_edge(o)
             above += 1
@@ -167,77 +169,51 @@ def march(xy, vertex, twin, mark, e, a, b, left, right, cells):
         e = next_edge(o) if side > 0 else prev_edge(o)
 
 
-@lean
-def replace(
-    xy,
-    vertex,
-    twin,
-    mark,
-    corner,
-    left,
-    right,
-    cells,
-    above,
-    below,
-    scratch,
-    stack,
-    i,
-    patience,
-    where,
-    pending,
-):
+@inline
+def replace(w, above, below, i, patience):
     """Fill what is above and below segment i after a march, and mark it; its half-edge, from a on."""
+    vertex, twin, mark, cells, right = w.vertex, w.twin, w.mark, w.cells, w.right
     for k in range(below // 2):  # the lower polygon is on the left of b a
         right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
-    load(vertex, twin, mark, left, above, scratch[0], scratch[1], scratch[2], scratch[3])
-    load(vertex, twin, mark, right, below, scratch[4], scratch[5], scratch[6], scratch[7])
-    upper, first = fill(
-        xy, vertex, twin, mark, corner, cells, scratch[0], scratch[1], scratch[2], scratch[3],
-        above, stack, patience, left, right,
-    )  # fmt: skip
+    one = Chain(w.chains[0], w.chains[1], w.chains[2], w.chains[3])
+    two = Chain(w.chains[4], w.chains[5], w.chains[6], w.chains[7])
+    load(w, w.left, above, one)
+    load(w, right, below, two)
+    upper, first = fill(w, cells, one, above, patience)
     rest = cells[above - 1 :]
-    lower, second = fill(
-        xy, vertex, twin, mark, corner, rest, scratch[4], scratch[5], scratch[6], scratch[7],
-        below, stack, patience, left, right,
-    )  # fmt: skip
+    lower, second = fill(w, rest, two, below, patience)
     twin[upper], twin[lower] = lower, upper
     mark[upper], mark[lower] = i, i
     if first >= above - 1 and second >= below - 1:
         return upper
     a, b = vertex[next_edge(upper)], vertex[prev_edge(upper)]
-    swap_all(xy, vertex, twin, mark, where, corner, cells, first, above - 1, pending)
-    swap_all(xy, vertex, twin, mark, where, corner, rest, second, below - 1, pending)
-    return find_edge(vertex, twin, corner, a, b)
+    swap_all(w, cells, first, above - 1)
+    swap_all(w, rest, second, below - 1)
+    return find_edge(vertex, twin, w.corner, a, b)
 
 
 @lean
-def insert_segments(
-    xy, vertex, twin, mark, corner, ends, order, start, stop, crossed, patience, left, right, cells, scratch,
-    stack, where, pending,
-):  # fmt: skip
-    """Insert segments ``order[start:stop]``; (DONE, -1, -1), or why not, the segment, and the other one.
+def insert_segments(w, ends, order, crossed, patience):
+    """Insert the segments ``order``; (DONE, -1, -1), or why not, the segment, and the other one.
 
     ``crossed[i]`` gets the number of triangles that segment i crossed; ``patience``: tests of a corner, per
-    corner, after which `fill` cuts ears. The rest is work space.
+    corner, after which `fill` cuts ears.
     """
-    for at in range(start, stop):
-        i = order[at]
+    vertex, twin, mark = w.vertex, w.twin, w.mark
+    for i in order:
         a, b = ends[i, 0], ends[i, 1]
         crossed[i] = 0
         on = True
         while on:
-            e, kind = aim(xy, vertex, twin, corner, a, b)
+            e, kind = aim(w.xy, vertex, twin, w.corner, a, b)
             if e < 0:
                 return LOST, i, np.int64(-1)
             if kind == 0:
-                above, below, wall = march(xy, vertex, twin, mark, e, a, b, left, right, cells)
+                above, below, wall = march(w, e, a, b)
                 if wall >= 0:
                     return CROSSES if mark[wall] >= 0 else LEAVES, i, np.int64(mark[wall])
                 crossed[i] += above + below - 2
-                e = replace(
-                    xy, vertex, twin, mark, corner, left, right, cells, above, below, scratch, stack, i,
-                    patience, where, pending,
-                )  # fmt: skip
+                e = replace(w, above, below, i, patience)
             elif mark[e] >= 0:
                 return OVERLAPS, i, np.int64(mark[e])
             else:

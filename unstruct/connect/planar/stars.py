@@ -17,8 +17,10 @@ refused. Book: 2.6c, 2.6d.
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle, orient2
@@ -30,7 +32,7 @@ EASY = 0.77  # beyond it every angle is above 30 degrees: the extreme triangle h
 SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
 GIVE = 1e-6  # the least gain of fairness for which a vertex is moved
 FAIR = 0.85  # a triangle beyond it may become less fair if the others of its star gain more
-CERTAIN, TINY = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
+CERTAIN, TINY_AREA = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
 COMPASS = (
     (1.0, 0.0),
     (0.7, 0.7),
@@ -41,6 +43,22 @@ COMPASS = (
     (0.0, -1.0),
     (0.7, -0.7),
 )
+
+
+class Stars(NamedTuple):
+    """The arrays of a triangulation whose vertices are moved, and what a look at a star is written into."""
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    where: NDArray[np.int32]
+    at: NDArray[np.int32]
+    still: NDArray[np.bool_]  # per vertex: it may not move
+    ring: NDArray[np.int32]  # half-edges opposite the vertex
+    places: NDArray[np.float64]  # (., 2) where they begin
+    stack: NDArray[np.int32]  # half-edges to be looked at after a move
+    counts: NDArray[np.int64]  # what happened
 
 
 # --- swaps ----------------------------------------------------------------------------------------
@@ -121,8 +139,9 @@ def touched(vertex, t, moved):
 
 
 @lean
-def legalize_moved(xy, vertex, twin, mark, region, where, at, count, moved, stack):
+def legalize_moved(stars, region, count, moved):
     """Swap the diagonals that moves of all these vertices ask for; how many."""
+    vertex, twin, mark, stack = stars.vertex, stars.twin, stars.mark, stars.stack
     flips, full = 0, True
     while full:  # again where more waits than the stack holds: hardly ever
         full = False
@@ -132,7 +151,7 @@ def legalize_moved(xy, vertex, twin, mark, region, where, at, count, moved, stac
             for e in range(3 * t, 3 * t + 3):
                 if mark[e] < 0 and (twin[e] > e or not touched(vertex, twin[e] // 3, moved)):
                     stack[0] = e
-                    more = legalize(xy, vertex, twin, mark, where, at, stack, np.int64(1))
+                    more = legalize(stars.xy, vertex, twin, mark, stars.where, stars.at, stack, np.int64(1))
                     flips, full = flips + max(more, 0), full or more < 0
     return flips
 
@@ -186,7 +205,7 @@ def star_measures(places, k, x, y, floor, judge):
         v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
         around, below = u + v + w, u * v * w
         if (
-            double <= CERTAIN * around + TINY  # else the filter of the predicate would be satisfied, too
+            double <= CERTAIN * around + TINY_AREA  # else the filter of the predicate would be satisfied, too
             and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
         ):
             return -1.0, -1.0, -1.0
@@ -246,10 +265,11 @@ def search(places, k, x, y, old, judge):
 
 
 @lean
-def swap_around(xy, vertex, twin, mark, where, at, ring, k, stack):
+def swap_around(stars, k):
     """Swap the diagonals that a move of the vertex inside the ring asks for; how many."""
+    ring, stack = stars.ring, stars.stack
     depth = 0
     for i in range(k):
         stack[depth], stack[depth + 1] = ring[i], next_edge(np.int64(ring[i]))
         depth += 2
-    return legalize(xy, vertex, twin, mark, where, at, stack, depth)
+    return legalize(stars.xy, stars.vertex, stars.twin, stars.mark, stars.where, stars.at, stack, depth)

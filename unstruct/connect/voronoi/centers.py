@@ -17,7 +17,7 @@ __all__ = ["local_circumcenters", "outward_normals", "volumes"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-FLAT = 1e-3  # determinant over the product of edge lengths, below which integers take over
+NEARLY_FLAT = 1e-3  # determinant over the product of edge lengths, below which integers take over
 
 
 def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
@@ -36,7 +36,7 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
         square = (rows**2).sum(axis=2)
         size = np.sqrt(square).prod(axis=1)
-        solid = (np.abs(_determinants(rows)) > FLAT * size) & (size > 1e-200)
+        solid = (np.abs(_determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
         done = todo[solid]
         base[done] = corner[solid]
         offset[done] = _solve(rows[solid], square[solid] / 2)
@@ -60,7 +60,7 @@ def _determinants(rows: Floats) -> Floats:
     if d == 0:
         return np.ones(len(rows))
     if d > 3:
-        return np.asarray(np.linalg.det(rows), dtype=np.float64)
+        return _eliminated(rows, np.zeros(rows.shape[:2]))[0]
     if d == 1:
         return rows[:, 0, 0]
     head, rest = rows[:, 0], rows[:, 1:]
@@ -74,13 +74,33 @@ def _solve(rows: Floats, right: Floats) -> Floats:
     """Solutions of systems (m, d, d): by Cramer's rule up to d = 3."""
     d = rows.shape[1]
     if d > 3:
-        return np.asarray(np.linalg.solve(rows, right[..., None])[..., 0], dtype=np.float64)
+        return _eliminated(rows, right)[1]
     result = np.empty(right.shape)
     for k in range(d):
         changed = rows.copy()
         changed[:, :, k] = right
         result[:, k] = _determinants(changed)
     return result / _determinants(rows)[:, None]
+
+
+def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """Determinants and solutions by elimination with the largest pivots: in one order on every processor."""
+    table = np.concatenate([rows, right[..., None]], axis=2)
+    m, d = right.shape
+    every, volume = np.arange(m), np.ones(m)
+    with np.errstate(all="ignore"):  # singular: the determinant is 0, the solution not finite
+        for k in range(d):
+            best = k + np.abs(table[:, k:, k]).argmax(axis=1)
+            volume *= np.where(best == k, 1.0, -1.0)
+            table[every, best], table[:, k] = table[:, k].copy(), table[every, best]
+            volume *= table[:, k, k]
+            ratio = table[:, k + 1 :, k] / table[:, k, k, None]
+            ratio = np.where(table[:, k, k, None] == 0.0, 0.0, ratio)
+            table[:, k + 1 :] -= ratio[..., None] * table[:, None, k]
+        for k in range(d - 1, -1, -1):
+            table[:, k, d] /= table[:, k, k]
+            table[:, :k, d] -= table[:, :k, k] * table[:, k, d, None]
+    return volume, table[:, :, d]
 
 
 def _exact_offset(corners: list[list[float]], factor: float) -> list[float]:
@@ -108,7 +128,7 @@ def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], 
         normal[:, k] = (-1) ** k * _determinants(np.delete(rows, k, axis=2))
     size = np.sqrt((rows**2).sum(axis=2)).prod(axis=1)
     length = np.sqrt((normal**2).sum(axis=1))
-    weak = ~((length > FLAT * size) & (size > 1e-100))
+    weak = ~((length > NEARLY_FLAT * size) & (size > 1e-100))
     for r in np.flatnonzero(weak).tolist():
         normal[r] = _exact_normal(points[sites[r]].tolist())
         length[r] = math.hypot(*normal[r])

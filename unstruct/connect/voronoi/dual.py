@@ -29,7 +29,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-BLOCK = 1 << 18  # facets tested at a time, for the sake of memory
+FACETS_AT_ONCE = 1 << 18  # facets tested at a time, for the sake of memory
 
 
 class Ridges(NamedTuple):
@@ -53,10 +53,10 @@ def cospherical_groups(points: Floats, simplices: Ints, neighbors: Ints) -> Ints
     cell, corner = np.nonzero(neighbors > np.arange(m)[:, None])
     other = neighbors[cell, corner]
     tied = np.zeros(len(cell), dtype=bool)
-    for low in range(0, len(cell), BLOCK):
-        t, u = cell[low : low + BLOCK], other[low : low + BLOCK]
+    for low in range(0, len(cell), FACETS_AT_ONCE):
+        t, u = cell[low : low + FACETS_AT_ONCE], other[low : low + FACETS_AT_ONCE]
         beyond = simplices[u, np.argmax(neighbors[u] == t[:, None], axis=1)]
-        tied[low : low + BLOCK] = in_sphere(points[simplices[t]], points[beyond]) == 0
+        tied[low : low + FACETS_AT_ONCE] = in_sphere(points[simplices[t]], points[beyond]) == 0
     if not tied.any():
         return np.arange(m, dtype=np.int32)
     return _linked(m, np.stack([cell[tied], other[tied]], axis=1))

@@ -16,8 +16,8 @@ __all__ = ["NearestSite"]
 Floats = NDArray[np.float64]
 
 CLOSE = 1e-10  # relative difference of two distances above which rounding cannot exchange them
-TINY = 1e-140  # scaled distances below which squares underflow
-FAR = 1e100  # scaled queries beyond which squares might overflow
+UNDERFLOWS = 1e-140  # scaled distances below which squares underflow
+OVERFLOWS = 1e100  # scaled queries beyond which squares might overflow
 
 
 class NearestSite:
@@ -49,14 +49,14 @@ class NearestSite:
             raise InputError(f"query {bad[0]} is {flat[bad[0]].tolist()}, not finite; drop it")
         with np.errstate(over="ignore"):
             scaled = flat * self._scale
-        far = np.abs(scaled).max(axis=1) >= FAR
+        far = np.abs(scaled).max(axis=1) >= OVERFLOWS
         distance, place = self._tree.query(np.where(far[:, None], 0.0, scaled), k=2)
         found = self.sites[place[:, 0]]
-        doubtful = far | (distance[:, 1] * (1 - CLOSE) <= distance[:, 0]) | (distance[:, 1] < TINY)
+        doubtful = far | (distance[:, 1] * (1 - CLOSE) <= distance[:, 0]) | (distance[:, 1] < UNDERFLOWS)
         for q in np.flatnonzero(doubtful).tolist():
             candidates = self.sites
             if not far[q]:
-                reach = distance[q, 0] * (1 + CLOSE) + TINY
+                reach = distance[q, 0] * (1 + CLOSE) + UNDERFLOWS
                 candidates = self.sites[self._tree.query_ball_point(scaled[q], reach)]
             found[q] = self._exactly(flat[q].tolist(), candidates.tolist())
         return int(found[0]) if query.ndim == 1 else found.reshape(query.shape[:-1])

@@ -11,14 +11,13 @@ import numpy as np
 
 from ...base.jit import inline, kernel
 from ...geometry.kd_tree import beyond, distance2
+from ...predicates.filters import EPS, TINY
 from ...predicates.kernels import conflict, moved
 from .front import admitted
 
 __all__ = ["find_apex", "holds_vertex", "tie"]
 
-EPS = 2.0**-53
-TINY = 1e-300  # covers underflow, for |coordinates| <= 1
-NONE, SEEN = -1, -2  # no vertex on the free side; some, but none is admitted
+NO_APEX, SEEN = -1, -2  # no vertex on the free side; some, but none is admitted
 
 
 @kernel
@@ -141,7 +140,7 @@ def ball_of(points, row, center):
 
 @kernel
 def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, work):
-    """The vertex for slot k of the row, or NONE, or SEEN; ``obstacles``: open half-faces, or None.
+    """The vertex for slot k of the row, or NO_APEX, or SEEN; ``obstacles``: open half-faces, or None.
 
     Depth first, the child nearer to the face first. A box is left out where it is wholly behind the face
     or outside the ball of the best vertex so far.
@@ -155,7 +154,7 @@ def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, wo
         for j in range(d + 1):
             if j != k:
                 middle[i] += points[row[j], i] / d
-    best, r2 = NONE, np.inf
+    best, r2 = NO_APEX, np.inf
     top, stack[0] = 1, 0
     while top > 0:
         top -= 1
@@ -186,7 +185,7 @@ def find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, wo
                     continue
             row[k] = q
             if obstacles is not None:
-                if best == NONE:
+                if best == NO_APEX:
                     best = SEEN
                 if not admitted(points, row, cells, obstacles) or holds_vertex(
                     points, start, size, low, high, row, stack, top

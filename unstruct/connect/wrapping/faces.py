@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE, ROOM
 from ...base.jit import inline, kernel
-from .apex import NONE, SEEN, find_apex
+from .apex import NO_APEX, SEEN, find_apex
 
-__all__ = ["DONE", "FULL", "STUCK", "open_face", "wrap"]
+__all__ = ["STUCK", "open_face", "wrap"]
 
-DONE, FULL, STUCK = 0, 1, 2
+STUCK = 8  # how `wrap` ends, or DONE, ROOM
 # neighbors beyond a half-face, before there is a cell: still to come; none (the hull); taken over
-WAITING, HULL, TAKEN = -2, -1, -3
+TO_COME, HULL, TAKEN = -2, -1, -3
 # counters
-CELLS, FIRST, LAST, OPEN = range(4)
+CELL_COUNT, QUEUE_FIRST, QUEUE_LAST, OPEN_FACES = range(4)
 
 
 @inline
@@ -58,9 +59,9 @@ def open_face(cells, h, heads, following, opened, position, counters):
     bucket = bucket_of(cells, h // w, h % w, heads)
     following[h] = heads[bucket]
     heads[bucket] = h
-    opened[counters[OPEN]] = h
-    position[h] = counters[OPEN]
-    counters[OPEN] += 1
+    opened[counters[OPEN_FACES]] = h
+    position[h] = counters[OPEN_FACES]
+    counters[OPEN_FACES] += 1
 
 
 @kernel
@@ -75,8 +76,8 @@ def close_face(cells, h, heads, following, opened, position, counters):
         while following[g] != h:
             g = following[g]
         following[g] = following[h]
-    counters[OPEN] -= 1
-    last = opened[counters[OPEN]]
+    counters[OPEN_FACES] -= 1
+    last = opened[counters[OPEN_FACES]]
     opened[position[h]] = last
     position[last] = position[h]
 
@@ -128,9 +129,9 @@ def join(cells, neighbors, c, k, bases, heads, following, opened, position, queu
         open_face(cells, c * w + k, heads, following, opened, position, counters)
         neighbors[c, k] = HULL
         if taken or not served:
-            neighbors[c, k] = WAITING
-            queue[counters[LAST]] = c * w + k
-            counters[LAST] += 1
+            neighbors[c, k] = TO_COME
+            queue[counters[QUEUE_LAST]] = c * w + k
+            counters[QUEUE_LAST] += 1
 
 
 @kernel
@@ -147,14 +148,14 @@ def wrap(
     work = (np.empty(256, np.int64), np.empty(d), np.empty(d), np.empty(d))
     row = np.empty(d + 1, np.int64)
     for _ in range(steps):
-        if counters[FIRST] == counters[LAST]:
+        if counters[QUEUE_FIRST] == counters[QUEUE_LAST]:
             break
-        if counters[CELLS] == len(cells):
-            return FULL, -1
-        h = queue[counters[FIRST]]
-        counters[FIRST] += 1
+        if counters[CELL_COUNT] == len(cells):
+            return ROOM, -1
+        h = queue[counters[QUEUE_FIRST]]
+        counters[QUEUE_FIRST] += 1
         c, k = h // (d + 1), h % (d + 1)
-        if neighbors[c, k] != WAITING:
+        if neighbors[c, k] != TO_COME:
             continue
         for j in range(d + 1):
             row[j] = cells[c, j]
@@ -163,16 +164,16 @@ def wrap(
         if front is None:  # decided when compiled: without a front there is nothing to be in the way
             q = find_apex(points, rank, start, size, low, high, row, k, cells, None, work)
         else:
-            obstacles = opened[: counters[OPEN]]
+            obstacles = opened[: counters[OPEN_FACES]]
             q = find_apex(points, rank, start, size, low, high, row, k, cells, obstacles, work)
-        if q == NONE:
+        if q == NO_APEX:
             neighbors[c, k] = HULL
             close_face(cells, h, heads, following, opened, position, counters)
         elif q == SEEN:
             return STUCK, h
         else:
-            new = counters[CELLS]
-            counters[CELLS] += 1
+            new = counters[CELL_COUNT]
+            counters[CELL_COUNT] += 1
             for j in range(d + 1):
                 cells[new, j] = row[j]
             cells[new, k] = q

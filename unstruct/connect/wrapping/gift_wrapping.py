@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import as_points
+from ...base.codes import ROOM
 from ...base.errors import InputError, MeshError
 from ...geometry.kd_tree import Tree
 from ...mesh.mesh import Mesh
@@ -35,7 +36,7 @@ from .start import first_cell
 
 __all__ = ["gift_wrap"]
 
-STEPS = 200_000  # half-faces between two looks at the keyboard
+FACES_A_CALL = 200_000  # half-faces between two looks at the keyboard
 
 
 def gift_wrap(points: ArrayLike, front: ArrayLike | None = None) -> Mesh:
@@ -179,14 +180,14 @@ def _wrap(
         if d == 2:
             base_rows[:, [0, 1]] = base_rows[:, [1, 0]]
     state = _State(base_rows, bases, n)
-    status = kernels.FULL
-    while status == kernels.FULL or state.counters[1] < state.counters[2]:
-        if status == kernels.FULL:
+    status = ROOM
+    while status == ROOM or state.counters[1] < state.counters[2]:
+        if status == ROOM:
             state.grow()
         status, h = kernels.wrap(
             points[tree.order], rank[tree.order], tree.start, tree.size, tree.low, tree.high,
             state.cells, state.neighbors, front, state.heads, state.following, state.opened, state.position,
-            state.queue, state.counters, STEPS,
+            state.queue, state.counters, FACES_A_CALL,
         )  # fmt: skip
         if status == kernels.STUCK:
             raise _stuck(kept[tree.order], state, int(h), kept[front])
@@ -223,7 +224,7 @@ class _State:
         corners = range(width - 1, -1, -1) if bases == 0 else [width - 1]
         for c in range(count):
             for k in corners:
-                self.neighbors[c, k] = kernels.WAITING
+                self.neighbors[c, k] = kernels.TO_COME
                 self.queue[self.counters[2]] = c * width + k
                 self.counters[2] += 1
                 kernels.open_face(

@@ -20,12 +20,11 @@ from numpy.typing import NDArray
 
 from ...base.errors import DegenerateInputError
 from ...predicates.batch import in_sphere, orient
+from ...predicates.filters import EPS
+from ..insertion.first import FLATS
 from ..insertion.general import exact_integers
 
 __all__ = ["first_cell", "suspects"]
-
-EPS = 2.0**-53
-FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}
 
 
 def first_cell(points: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -72,8 +71,8 @@ def grow_rounded(points: NDArray[np.float64]) -> NDArray[np.int64] | None:
         basis = np.empty((0, points.shape[1]))
         while len(chosen) <= points.shape[1]:
             away = points - center
-            height = away - (away @ basis.T) @ basis
-            height -= (height @ basis.T) @ basis
+            height = away - _product(_product(away, basis.T), basis)
+            height -= _product(_product(height, basis.T), basis)
             h = np.sqrt((height**2).sum(axis=1))
             t = ((away**2).sum(axis=1) - radius2) / (2 * h)
             t[~(h > 1e-10 * np.sqrt((away**2).sum(axis=1))) | np.isnan(t)] = np.inf
@@ -86,6 +85,11 @@ def grow_rounded(points: NDArray[np.float64]) -> NDArray[np.int64] | None:
             basis = np.vstack([basis, u])
             chosen.append(best)
     return np.array(chosen)
+
+
+def _product(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``a @ b``, its sums in one order on every processor: ties must not be decided by the machine."""
+    return np.asarray((a[:, :, None] * b).sum(axis=1))
 
 
 def grow_exactly(points: NDArray[np.float64]) -> NDArray[np.int64]:

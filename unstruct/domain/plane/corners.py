@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.elementary import turns
 from ...geometry.outline import Outline
 
 __all__ = ["crossings_at_corners"]
 
-SAME = 2.0**-36  # in units of the largest coordinate: nearer to a common vertex, a point is that vertex
-FLAT = 2.0**-46  # the same: what two pieces enclose between the vertex and the point is deeper than rounding
+SAME_VERTEX = 2.0**-36  # in units of the largest coordinate: nearer to a common vertex, a point is it
+SHALLOW = 2.0**-46  # the same: what two pieces enclose between it and the point is deeper than rounding
 
 
 def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
@@ -44,10 +45,10 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     place = _mirrored(outline, pairs, at)
     vertex, scale = outline.points[at], np.abs(outline.points).max()
     away = np.hypot(*(place - vertex).T)
-    told = np.isfinite(place).all(axis=1) & (away > SAME * scale)
-    told &= away * away * difference > 8 * FLAT * scale
+    told = np.isfinite(place).all(axis=1) & (away > SAME_VERTEX * scale)
+    told &= away * away * difference > 8 * SHALLOW * scale
     for column in (0, 1):
-        told &= _on_piece(outline, pairs[:, column], place, SAME * scale)
+        told &= _on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
         for end in outline.pieces[pairs[:, column]].T:  # the other end of both is no second meeting
             shared = (outline.pieces[pairs[:, 1 - column]] == end[:, None]).any(axis=1)
             told &= ~(shared & (np.hypot(*(place - outline.points[end]).T) <= _blur(away, difference, scale)))
@@ -58,7 +59,7 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
 
 def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
     """How far rounding may move the second point: more, the flatter the angle at which the pieces meet."""
-    return np.maximum(SAME * scale, 2 * FLAT * scale / np.maximum(away * difference, 1e-300))
+    return np.maximum(SAME_VERTEX * scale, 2 * SHALLOW * scale / np.maximum(away * difference, 1e-300))
 
 
 def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
@@ -110,7 +111,7 @@ def _on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) 
     along = ((x - a) * (b - a)).sum(axis=1) / np.where(length > 0, length, 1.0)
     on_line = (along >= -slack) & (along <= length + slack)
     cx, cy, radius, start, sweep = arc[piece].T
-    turned = np.sign(sweep) * (np.arctan2(x[:, 1] - cy, x[:, 0] - cx) - start)
+    turned = np.sign(sweep) * (turns(x[:, 1] - cy, x[:, 0] - cx) - start)
     room = slack / np.where(radius > 0, radius, 1.0)
     on_arc = np.mod(turned + room, 2 * np.pi) <= np.abs(sweep) + 2 * room
     return np.where(kind[piece] == 1, on_arc, on_line)

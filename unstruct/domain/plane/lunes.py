@@ -6,6 +6,7 @@ from math import fsum
 
 import numpy as np
 
+from ...base.elementary import sine
 from ...geometry.boxes import BoxTree
 from ...geometry.curves import Arc, CurveLike
 from ...geometry.outline import Outline
@@ -91,7 +92,7 @@ def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray) -> float:
     Closed form for an arc; otherwise polygons on the curve, of up to 2^15 sides, extrapolated (Romberg).
     """
     if isinstance(curve, Arc):
-        return 0.5 * curve.radius**2 * (curve.sweep - np.sin(curve.sweep))
+        return 0.5 * curve.radius**2 * (curve.sweep - sine(curve.sweep))
     areas: list[list[float]] = []
     for level in range(4, 16):
         chain = curve.point(np.linspace(0, 1, 2**level + 1))

@@ -29,8 +29,8 @@ from .faults import crossing_place, first_copies, overlap_place
 
 __all__ = ["Repair", "Repairer"]
 
-ROUNDS = 60
-FINE = 6  # rounds in which crossings are rounded to the nearest doubles only
+REPAIR_ROUNDS = 60
+NEAREST_ROUNDS = 6  # rounds in which crossings are rounded to the nearest doubles only
 
 
 @dataclass(frozen=True)
@@ -96,13 +96,15 @@ class Repairer:
     def run(self) -> None:
         """Mend until nothing changes."""
         self._drop_missing()
-        for self.round in range(ROUNDS):
+        for self.round in range(REPAIR_ROUNDS):
             self._merge_points()
             self._drop_short()
             self._cancel_repeated()
             if not self._split() and not self._close():
                 return
-        raise InputError(f"the region could not be repaired in {ROUNDS} rounds; mend the pieces by hand")
+        raise InputError(
+            f"the region could not be repaired in {REPAIR_ROUNDS} rounds; mend the pieces by hand"
+        )
 
     def _name(self, piece: _Piece) -> str:
         if piece.origin < 0:
@@ -231,9 +233,9 @@ class Repairer:
         Where the input has only few digits left in one direction, every split may bend segments into new
         crossings. A grid has ever fewer places for them.
         """
-        if self.round < FINE:
+        if self.round < NEAREST_ROUNDS:
             return place
-        spacing = ldexp(1.0, frexp(float(np.abs(self.points).max()))[1] - 53 + self.round - FINE)
+        spacing = ldexp(1.0, frexp(float(np.abs(self.points).max()))[1] - 53 + self.round - NEAREST_ROUNDS)
         x, y = (round(c / spacing) * spacing for c in place)
         return x, y
 

@@ -7,7 +7,6 @@ them, as the curves do.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...base.arrays import counted_off
+from ...base.elementary import angle_of
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.boxes import BoxTree
@@ -26,13 +26,13 @@ from .corners import crossings_at_corners
 __all__ = ["Sampled"]
 
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
-FINE = len(SAMPLES) - 1  # chords within a chord
+CHORDS_WITHIN = len(SAMPLES) - 1  # chords within a chord
 TURN = np.pi / 3  # the most that a curve may turn over one chord
-ROUNDS = 40  # halvings, after which curves that still conflict do meet,
-SHORTEST = 2.0**-28  # and so do those whose chords are shorter than this, in units of the largest coordinate
-SAME = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
-MANY = 1 << 16  # chords in conflict: curves that cross do so in points, those that lie on each other in all
-MOST = 1 << 25  # subsegments, and
+HALVINGS = 40  # halvings, after which curves that still conflict do meet,
+SHORTEST_CHORD = 2.0**-28  # of the largest coordinate: and so do those whose chords are shorter
+SAME_CURVE = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
+CONFLICTS = 1 << 16  # chords: curves that cross do so in points, those that lie on each other in all
+MOST_SUBSEGMENTS = 1 << 25  # subsegments, and
 STRETCH = 1 << 20  # parameter intervals at once, and
 SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
 
@@ -99,28 +99,30 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
-    """Points (r, FINE + 1, 2) along the stretches of curve over the subsegments ``rows``."""
+    """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of curve over the subsegments ``rows``."""
     t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
-    chains = outline.points_at(np.repeat(sampled.piece[rows], FINE + 1), t.ravel()).reshape(-1, FINE + 1, 2)
+    chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
+        -1, CHORDS_WITHIN + 1, 2
+    )
     chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
     return chains
 
 
 def turning(chains: np.ndarray) -> np.ndarray:
     """The total turn of each chain of points; that within its short first and last chords is left out."""
-    turns = np.empty(len(chains))
-    _turns(chains, turns)
-    return turns
+    found = np.empty(len(chains))
+    _turning(chains, found)
+    return found
 
 
 @kernel
-def _turns(chains, turns):
+def _turning(chains, found):
     for r in range(chains.shape[0]):
-        turns[r] = 0.0
+        found[r] = 0.0
         for i in range(1, chains.shape[1] - 1):
             ux, uy = chains[r, i, 0] - chains[r, i - 1, 0], chains[r, i, 1] - chains[r, i - 1, 1]
             vx, vy = chains[r, i + 1, 0] - chains[r, i, 0], chains[r, i + 1, 1] - chains[r, i, 1]
-            turns[r] += abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+            found[r] += abs(angle_of(ux * vy - uy * vx, ux * vx + uy * vy))
 
 
 @kernel
@@ -159,14 +161,14 @@ def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.n
 
 def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Stretches of curve that meet other stretches or other subsegments."""
-    n, k = len(sampled.points), FINE - 1
+    n, k = len(sampled.points), CHORDS_WITHIN - 1
     inner = n + np.arange(len(rows) * k).reshape(-1, k)
     vertices = np.column_stack([sampled.ends[rows, 0], inner, sampled.ends[rows, 1]])
     segments = np.stack([vertices[:, :-1], vertices[:, 1:]], axis=2).reshape(-1, 2)
     points = np.concatenate([sampled.points, chains[:, 1:-1].reshape(-1, 2)])
     long = (points[segments[:, 0]] != points[segments[:, 1]]).any(axis=1)
     segments = np.concatenate([segments[long], sampled.ends])
-    owner = np.concatenate([np.repeat(rows, FINE)[long], np.arange(len(sampled.ends))])
+    owner = np.concatenate([np.repeat(rows, CHORDS_WITHIN)[long], np.arange(len(sampled.ends))])
     pairs = owner[meetings(points, segments)[0]]
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
@@ -192,7 +194,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
     """
     bent = np.zeros(len(outline.pieces), dtype=bool)
     bent[list(outline.curves)] = True
-    for _ in range(ROUNDS):
+    for _ in range(HALVINGS):
         sampled = assemble(outline, piece, t0, t1)
         curved = bent[sampled.piece]
         rows = np.nonzero(curved)[0]
@@ -207,7 +209,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
             cut[pairs.ravel()] = True
             straight = np.isin(sampled.piece, sampled.piece[cut & ~curved]) & ~curved
             cut &= curved
-            if cut.sum() > MANY + SHARE * len(outline.curves):
+            if cut.sum() > CONFLICTS + SHARE * len(outline.curves):
                 break
             if not cut.any():
                 if not ((sampled.span[straight] != [0.0, 1.0]).any()):
@@ -217,7 +219,7 @@ def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, tu
                 t1[straight[~whole]] = 1.0
                 continue
         a, b = sampled.points[sampled.ends[cut]].transpose(1, 0, 2)
-        if (np.abs(b - a).max(axis=1) < SHORTEST * np.abs(sampled.points).max()).any():
+        if (np.abs(b - a).max(axis=1) < SHORTEST_CHORD * np.abs(sampled.points).max()).any():
             break
         piece, t0, t1 = halve(sampled, cut)
     raise InputError(_meeting_text(outline, sampled, conflicts(outline, sampled, rows, chains)))
@@ -257,7 +259,7 @@ def _refuse_repeated(outline: Outline) -> None:
         for one, two in combinations(pieces, 2):
             turned = outline.pieces[one, 0] != outline.pieces[two, 0]
             x, y = outline.at(one, SAMPLES), outline.at(two, SAMPLES)[:: -1 if turned else 1]
-            if np.abs(x - y).max() <= SAME * np.abs(x).max():
+            if np.abs(x - y).max() <= SAME_CURVE * np.abs(x).max():
                 names = f"{outline.name(one)} and {outline.name(two)}"
                 raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
 
@@ -286,7 +288,7 @@ def sized(outline: Outline, size: Any, step: float) -> Sampled:
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
     amount = np.append(begin[1:], total[-1]) - begin if len(start) else np.empty(0)
-    if amount.sum() / step > MOST:
+    if amount.sum() / step > MOST_SUBSEGMENTS:
         raise InputError(_too_small(outline, int(np.argmax(amount)), 0.5))
     count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
     owner = np.repeat(np.arange(len(count)), count)

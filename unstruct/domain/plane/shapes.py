@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
-from math import cos, pi, radians, sin
+from math import pi, radians
 from typing import Any, cast
 
 import numpy as np
 
 from ...base.arguments import finite, positive
 from ...base.arrays import as_points
+from ...base.elementary import cosine, sine, sines
 from ...base.errors import InputError
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..arguments import around, as_ring
@@ -61,8 +62,6 @@ def disc(center: Any, radius: float) -> Parts:
 
 def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
     """Closed cubic splines by chord length through the corners of rings: two continuous derivatives."""
-    from scipy.interpolate import CubicSpline
-
     parts = rings(outer, holes)
     curves: dict[int, CurveLike] = {}
     for i, ring in enumerate([outer, *holes]):
@@ -71,10 +70,41 @@ def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
         step = np.hypot(*np.diff(closed, axis=0).T)
         if not (step > 0).all():
             raise InputError(f"ring {i}: corner {int(np.argmin(step))} equals the next one; drop one of them")
-        t = np.concatenate([[0.0], np.cumsum(step)])
-        spline = CubicSpline(t, closed, bc_type="periodic")
-        curves |= {len(curves) + j: Curve(spline, t[j], t[j + 1]) for j in range(len(corners))}
+        reach = step[:, None] / 3 * _slopes(corners, step)
+        back = np.roll(step / np.roll(step, -1), 1)[:, None]  # the same slope at the end of the edge before
+        ahead, behind = corners + reach, corners - reach * back
+        controls = np.stack([corners, ahead, np.roll(behind, -1, axis=0), closed[1:]], axis=1)
+        curves |= {len(curves) + j: Bezier(piece) for j, piece in enumerate(controls)}
     return {**parts, "curves": curves}
+
+
+def _slopes(corners: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """The derivatives (n, 2) at its corners of the closed cubic spline, the parameter being chord length.
+
+    Elimination without exchanges, as the diagonal dominates; the first slope is carried along as an unknown.
+    """
+    n, before = len(corners), np.roll(step, 1)
+    secant = (np.roll(corners, -1, axis=0) - corners) / step[:, None]
+    right = 3 * (step[:, None] * np.roll(secant, 1, axis=0) + before[:, None] * secant)
+    # row i: step[i] s[i - 1] + 2 (before[i] + step[i]) s[i] + before[i] s[i + 1] = right[i]
+    known, first, diagonal = right.copy(), np.zeros(n), 2 * (before + step)
+    first[1], first[-1] = -step[1], -before[-1]
+    for i in range(2, n):
+        ratio = step[i] / diagonal[i - 1]
+        diagonal[i] -= ratio * before[i - 1]
+        known[i] -= ratio * known[i - 1]
+        first[i] -= ratio * first[i - 1]
+    for i in range(n - 1, 0, -1):
+        if i < n - 1:
+            known[i] -= before[i] * known[i + 1]
+            first[i] -= before[i] * first[i + 1]
+        known[i] /= diagonal[i]
+        first[i] /= diagonal[i]
+    known[0] = (right[0] - step[0] * known[-1] - before[0] * known[1]) / (
+        diagonal[0] + step[0] * first[-1] + before[0] * first[1]
+    )
+    known[1:] += first[1:, None] * known[0]
+    return known
 
 
 # ---------------------------------------------------------------------- airfoils
@@ -88,7 +118,7 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
     if thickness == 0 or (camber > 0) != (place > 0):
         raise InputError(f"NACA {digits}: thickness must not be 0; camber and its place come together")
     (x0, y0), c, turn = _pair(nose, "nose"), positive(chord, "chord"), radians(finite(attack, "attack"))
-    move = np.array([[cos(turn), -sin(turn)], [sin(turn), cos(turn)]])
+    move = np.array([[cosine(turn), -sine(turn)], [sine(turn), cosine(turn)]])
     section = (camber, place, thickness, -0.1036 if closed else -0.1015)
     rim = partial(_rim, section, c, move, (x0, y0))  # a function of the module: so the curve can be pickled
     tail = rim(np.array([pi, -pi]))
@@ -110,12 +140,15 @@ def _rim(
     angle: np.ndarray,
 ) -> np.ndarray:
     """The surface turned, at its place."""
-    return chord * _surface(*section, angle) @ move + [*nose]
+    x, y = (chord * _surface(*section, angle)).T
+    return np.stack(
+        [x * move[0, 0] + y * move[1, 0] + nose[0], x * move[0, 1] + y * move[1, 1] + nose[1]], axis=-1
+    )
 
 
 def _surface(camber: float, place: float, thickness: float, last: float, angle: np.ndarray) -> np.ndarray:
     """Points by an angle from pi (tail) over 0 (nose) to -pi: x = sin^2(angle / 2) makes the nose smooth."""
-    root = np.abs(np.sin(angle / 2))
+    root = np.abs(sines(angle / 2))
     x = root * root
     half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
     y, slope = np.zeros_like(x), np.zeros_like(x)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import as_count
 from ...base.arrays import frozen
+from ...base.elementary import turns
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
@@ -33,13 +34,15 @@ from .midpoints import GABRIEL, MISSING, pick, split_all
 
 __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
-FLOOR = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
-LOOKED = 5000  # sharp vertices that are judged in advance
+SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
+JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells there
-CHUNK = 100_000  # splits a kernel call: a fraction of a second
+SPLITS_A_CALL = 100_000  # splits a kernel call: a fraction of a second
 SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
 TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would touch or cross another piece"
-SHARP = np.cos(np.pi / 3)  # pieces at a larger angle than 60 degrees cannot cut each other for ever
+SHARP = (
+    0.5000000000000001  # the cosine, rounded up: pieces at 60 degrees or more cannot cut each other for ever
+)
 
 
 class Conforming(DomainMesh):
@@ -178,7 +181,7 @@ class _Run:
         self.made: list[int] = []
         self.added = np.zeros(len(domain.pieces), dtype=np.int64)
         xy = complex_.xy[: self.start]
-        self.floor = FLOOR * float(np.ptp(xy, axis=0).max())
+        self.floor = SHORTEST_PART * float(np.ptp(xy, axis=0).max())
         sharp, endless = _apices(domain, complex_, self.test == GABRIEL)
         self.endless = endless
         self.sharp = np.zeros(len(domain.points), dtype=bool)
@@ -213,15 +216,14 @@ class _Run:
         c, before = self.complex, self.complex.size
         points, t = self._places(rows)
         c.reserve(c.size + len(rows), c.segments + len(rows))
-        refused, stamp = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=np.int32)
-        touched, count, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.scratch()
+        refused, seen = np.zeros(len(rows), dtype=bool), np.zeros(len(c.ends), dtype=bool)
+        touched, count, plane, scratch = np.empty(len(c.ends), dtype=np.int32), 0, c.plane(), c.scratch()
         piece = c.piece[rows]
-        for start in range(0, len(rows), CHUNK):
-            part = slice(start, start + CHUNK)
+        for start in range(0, len(rows), SPLITS_A_CALL):
+            part = slice(start, start + SPLITS_A_CALL)
             count += split_all(
-                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-                rows[part], points[part], t[part], c.size, refused[part], *scratch, stamp, 1, touched[count:],
-            )  # fmt: skip
+                plane, scratch, rows[part], points[part], t[part], refused[part], seen, touched[count:]
+            )
         self.why[rows[refused]] = REFUSED
         self.added += np.bincount(piece[~refused], minlength=len(self.added))
         self.made.append(c.size - before)
@@ -313,7 +315,7 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     head = np.concatenate([ends[:, 1], ends[:, 0]])
     head, tail = head[tail < n], tail[tail < n]
     d = c.xy[head] - c.xy[tail]
-    angle = np.arctan2(d[:, 1], d[:, 0])
+    angle = turns(d[:, 1], d[:, 0])
     order = np.lexsort([angle, tail])
     head, tail, d = head[order], tail[order], d[order]
     begin = np.flatnonzero(np.diff(tail, prepend=-1))
@@ -328,7 +330,7 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
     suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
     endless = []
-    for v in suspects[:LOOKED].tolist():
+    for v in suspects[:JUDGED_AHEAD].tolist():
         low, high = np.searchsorted(tail, [v, v + 1])
         if never_ends(c.xy[v], c.xy[head[low:high]], encroached=encroached):
             endless.append(v)

@@ -9,16 +9,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import HIDDEN, INSERTED, OUTSIDE
 from ...base.jit import lean
 from ...connect.insertion.engine import LAST
-from ...connect.insertion.halfedges import GHOST, conflict_across, end_of, next_edge, prev_edge, start_of
+from ...connect.insertion.halfedges import (
+    GHOST,
+    VERTICES,
+    conflict_across,
+    end_of,
+    next_edge,
+    prev_edge,
+    start_of,
+)
 from ...connect.planar.cavity import blocked_by, commit, find_cavity, walk
 from ...predicates.diametral import in_disc
 from ...predicates.kernels import orient2
 
-__all__ = ["BREAKS", "CROWDED", "HIDDEN", "INSERTED", "OUTSIDE", "REPEATED", "guard_all", "hit_all"]
+__all__ = ["BREAKS", "CROWDED", "REPEATED", "guard_all", "hit_all"]
 
-INSERTED, OUTSIDE, REPEATED, BREAKS, CROWDED, HIDDEN = 0, 1, 2, 3, 4, 5  # what happened to a point
+REPEATED, BREAKS, CROWDED = 8, 9, 10  # what happened to a point, besides INSERTED, OUTSIDE and HIDDEN
 
 
 @lean
@@ -41,12 +50,13 @@ def judge_in(xy, vertex, mark, region, part, t, px, py):
 
 
 @lean
-def judge_rim(xy, vertex, twin, mark, rim, k, discs, gap, px, py):
+def judge_rim(plane, rim, k, discs, gap, px, py):
     """(verdict, culprit) by the edges around the cavity of p.
 
     Without ``discs``: is p in the circle beyond a marked edge? With it: in the diametral circle of one?
     And is a vertex, which is then a corner of the rim, nearer than ``gap``?
     """
+    xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     for i in range(k):
         e = np.int64(rim[i])
         if mark[e] < 0:
@@ -72,77 +82,54 @@ def judge_rim(xy, vertex, twin, mark, rim, k, discs, gap, px, py):
 
 
 @lean
-def guard_all(
-    xy,
-    vertex,
-    twin,
-    mark,
-    region,
-    where,
-    state,
-    points,
-    parts,
-    gaps,
-    discs,
-    start,
-    stop,
-    first,
-    stack,
-    cells,
-    rim,
-    hold,
-    fresh,
-    verdict,
-    culprit,
-):
-    """Insert ``points[start:stop]`` in this order, each unless it is turned away; the next vertex number.
+def guard_all(plane, scratch, points, parts, gaps, discs, verdict, culprit):
+    """Insert the points in this order, each unless it is turned away, with the next free vertex.
 
     ``verdict`` and ``culprit`` (a subsegment or a vertex, -1 for none) tell what happened to each.
-    """  # fmt: skip
-    p = first
-    for i in range(start, stop):
+    """
+    xy, vertex, mark, state, rim = plane.xy, plane.vertex, plane.mark, plane.state, scratch.rim
+    for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
-        t = walk(xy, vertex, twin, state[LAST], px, py)
-        verdict[i], culprit[i] = judge_in(xy, vertex, mark, region, parts[i], t, px, py)
+        t = walk(xy, vertex, plane.twin, state[LAST], px, py)
+        verdict[i], culprit[i] = judge_in(xy, vertex, mark, plane.region, parts[i], t, px, py)
         if verdict[i] != INSERTED:
             continue
-        m, k = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+        m, k = find_cavity(plane, scratch, t, px, py)
         if k < 0 or blocked_by(xy, vertex, rim, k, px, py) >= 0:
             verdict[i] = HIDDEN
             continue
-        verdict[i], culprit[i] = judge_rim(xy, vertex, twin, mark, rim, k, discs, gaps[i], px, py)
+        verdict[i], culprit[i] = judge_rim(plane, rim, k, discs, gaps[i], px, py)
         if verdict[i] != INSERTED:
             continue
+        p = state[VERTICES]
         xy[p, 0], xy[p, 1] = px, py
-        commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
+        commit(plane, scratch, m, k, p)
         culprit[i] = p
-        p += 1
-    return p
 
 
 @lean
-def hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit):
+def hit_from(plane, scratch, t, px, py, hit):
     """``hit`` for the cavity of p that begins with triangle t, if that is inside."""
-    if region[t] >= 0:
-        m, _ = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
+    if plane.region[t] >= 0:
+        m, _ = find_cavity(plane, scratch, t, px, py)
         for j in range(m):
-            hit[cells[j]] = True
+            hit[scratch.cells[j]] = True
 
 
 @lean
-def hit_all(xy, vertex, twin, mark, region, start, points, stack, cells, rim, hit):
+def hit_all(plane, scratch, start, points, hit):
     """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace.
 
     A point on a marked edge has two cavities, one on either side.
     """
+    xy, vertex, twin = plane.xy, plane.vertex, plane.twin
     t = start
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
         t = walk(xy, vertex, twin, t, px, py)
-        hit_from(xy, vertex, twin, mark, region, t, px, py, stack, cells, rim, hit)
+        hit_from(plane, scratch, t, px, py, hit)
         for e in range(3 * t, 3 * t + 3):
-            if mark[e] >= 0:
+            if plane.mark[e] >= 0:
                 a, b = start_of(vertex, e), end_of(vertex, e)
                 if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) == 0:
-                    beyond = np.int64(twin[e]) // 3
-                    hit_from(xy, vertex, twin, mark, region, beyond, px, py, stack, cells, rim, hit)
+                    hit_from(plane, scratch, np.int64(twin[e]) // 3, px, py, hit)

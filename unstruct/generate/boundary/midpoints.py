@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import lean
-from ...connect.insertion.halfedges import GHOST, end_of, start_of
+from ...connect.insertion.halfedges import GHOST, VERTICES, end_of, start_of
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...predicates.diametral import in_disc
 from ...predicates.kernels import incircle
@@ -46,56 +46,29 @@ def pick(xy, vertex, twin, where, rows, test, chosen):
 
 
 @lean
-def split_all(
-    xy,
-    vertex,
-    twin,
-    mark,
-    region,
-    where,
-    ends,
-    piece,
-    span,
-    state,
-    rows,
-    points,
-    t,
-    first,
-    refused,
-    stack,
-    cells,
-    rim,
-    hold,
-    fresh,
-    stamp,
-    now,
-    touched,
-):
-    """Split the subsegments ``rows`` at ``points`` (parameters ``t``); vertices are numbered from ``first``.
+def split_all(plane, scratch, rows, points, t, refused, seen, touched):
+    """Split the subsegments ``rows`` at ``points`` (parameters ``t``), each with the next free vertex.
 
     ``refused[i]`` where a split would touch or cross something; nothing has changed there. ``touched`` gets
-    each subsegment that lies on a new triangle once (``stamp`` knows by ``now``); returned is their number.
-    """  # fmt: skip
-    count, made = 0, 0
+    each subsegment that lies on a new triangle once (``seen`` tells which); returned is their number.
+    """
+    xy, mark = plane.xy, plane.mark
+    count = 0
     for i in range(len(rows)):
         px, py = points[i, 0], points[i, 1]
-        e = np.int64(where[rows[i]])
-        m, k, h = find_split(xy, vertex, twin, mark, e, px, py, stack, cells, rim)
-        refused[i] = m == 0 or k < 3 or blocked_by(xy, vertex, rim, k, px, py) >= 0
+        e = np.int64(plane.where[rows[i]])
+        m, k, h = find_split(plane, scratch, e, px, py)
+        refused[i] = m == 0 or k < 3 or blocked_by(xy, plane.vertex, scratch.rim, k, px, py) >= 0
         if refused[i]:
             continue
-        p = first + made
-        made += 1
+        p = plane.state[VERTICES]
         xy[p, 0], xy[p, 1] = px, py
-        commit_split(
-            vertex, twin, mark, region, where, ends, piece, span, state, e, cells, m, rim, k, h, p, t[i],
-            hold, fresh,
-        )  # fmt: skip
+        commit_split(plane, scratch, e, m, k, h, p, t[i])
         for j in range(k):
             for side in range(3):
-                s = mark[3 * fresh[j] + side]
-                if s >= 0 and stamp[s] != now:
-                    stamp[s] = now
+                s = mark[3 * scratch.fresh[j] + side]
+                if s >= 0 and not seen[s]:
+                    seen[s] = True
                     touched[count] = s
                     count += 1
     return count

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import finite
 from ...base.arrays import as_points
+from ...base.codes import HIDDEN, INSERTED, OUTSIDE
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import LAST
@@ -29,11 +30,11 @@ from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from .conforming import conform
 from .constrained import complex_of
-from .guarded import BREAKS, CROWDED, HIDDEN, INSERTED, OUTSIDE, REPEATED, guard_all, hit_all
+from .guarded import BREAKS, CROWDED, REPEATED, guard_all, hit_all
 
 __all__ = ["Guarded", "Skeleton", "insert_without_breaking", "skeleton_points"]
 
-CHUNK = 50_000  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
+POINTS_A_CALL = 50_000  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
 HEIGHT = np.sqrt(0.75)  # of an equilateral triangle on a side of length 1
 
 
@@ -139,12 +140,13 @@ def _guard(
     gaps = np.zeros(count) if gaps is None else gaps * c.factor
     verdict, culprit = np.empty(count, dtype=np.int8), np.full(count, -1, dtype=np.int64)
     with progress_bar(progress, " points", total=count) as bar:
-        for start in range(0, count, CHUNK):
-            stop = min(start + CHUNK, count)
+        for start in range(0, count, POINTS_A_CALL):
+            stop = min(start + POINTS_A_CALL, count)
             c.reserve(c.size + stop - start, c.segments)
+            part = slice(start, stop)
             guard_all(
-                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.state, scaled, parts, gaps, discs, start,
-                stop, c.size, *c.scratch(), verdict, culprit,
+                c.plane(), c.scratch(), scaled[part], parts[part], gaps[part], discs, verdict[part],
+                culprit[part],
             )  # fmt: skip
             bar.update(stop - start)
     return verdict, culprit
@@ -153,8 +155,7 @@ def _guard(
 def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray[np.int64]:
     """Slots of the triangles that these points would replace; with a size, only those above it."""
     hit = np.zeros(c.triangles, dtype=bool)
-    stack, cells, rim = c.scratch()[:3]
-    hit_all(c.xy, c.vertex, c.twin, c.mark, c.region, c.state[LAST], rows * c.factor, stack, cells, rim, hit)
+    hit_all(c.plane(), c.scratch(), c.state[LAST], rows * c.factor, hit)
     slots = np.flatnonzero(hit & (c.region[: c.triangles] >= 0))
     if field is not None and len(slots):
         corners = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]] / c.factor

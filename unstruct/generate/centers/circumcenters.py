@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import as_count
 from ...base.arrays import as_points
+from ...base.codes import DONE, MORE, SPLIT
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.delaunay import delaunay
@@ -22,14 +23,13 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
-from .steps import DONE, FULL, REASONS, REFUSED, SPLIT, enter_slots, insert_centers, note
-from .worst import NONE, Contest, Rule, make_rule, measures, put
+from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
+from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
 
-CHUNK = 20_000  # insertions a kernel call: a fraction of a second
-MOST = 1_000_000  # insertions, where nothing but a limit of shape could end the run
-SHORTEST = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
+MOST_CENTERS = 1_000_000  # insertions, where nothing but a limit of shape could end the run
+SHORTEST_SPLIT = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
 STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
 
 
@@ -110,7 +110,7 @@ def circumcenter_insertion(
     sampled = domain.sampled(field if origin is None else None, step=step)
     complex_ = complex_of(domain, sampled)
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
-    most = MOST if limit is not None else int(np.iinfo(np.int32).max)
+    most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
     run = _Run(complex_, domain, rule, boundary == "split", history)
     run.advance(most, progress)
@@ -153,7 +153,7 @@ class _Run(Contest):
         self.complex, self.domain, self.split = complex_, domain, split
         self.first = complex_.size
         self.splits = 0
-        self.end = FULL
+        self.end = MORE
         self.why = np.zeros(0, dtype=np.int8)
         self.ask = np.zeros(2, dtype=np.int64)
         self._reserve(self.first + 64)
@@ -168,12 +168,8 @@ class _Run(Contest):
             self.scratch = k.scratch()
         self.make_room(slots, len(k.xy) - self.first)
 
-    def _judges(self) -> tuple:
-        return self.rule, self.tree, self.watch, self.why
-
     def _enter(self, slots: NDArray) -> None:
-        k = self.complex
-        enter_slots(k.xy, k.vertex, k.region, np.asarray(slots, dtype=np.int64), *self._judges())
+        enter_slots(self.complex.plane(), self.entries(), np.asarray(slots, dtype=np.int64), self.why)
 
     def advance(self, budget: int, progress: bool) -> None:
         """Insert until nothing is bad that can be mended, or the budget is used up."""
@@ -181,13 +177,11 @@ class _Run(Contest):
         bar = progress_bar(progress, " points")
         while self.end != DONE and k.size < last:
             before = k.size
-            stop = min(last, before + CHUNK, 2 * before)  # no more room than needed
+            stop = min(last, before + CENTERS_A_CALL, 2 * before)  # no more room than needed
             self._reserve(stop)
-            stack, cells, rim, hold, fresh = self.scratch
             self.end = insert_centers(
-                k.xy, k.vertex, k.twin, k.mark, k.region, k.where, k.state, *self._judges(), self.split, stop,
-                self.first, stack, cells, rim, hold, fresh, self.rows, self.events, self.ask,
-            )  # fmt: skip
+                k.plane(), self.scratch, self.entries(), self.why, self.split, stop, self.first, self.ask
+            )
             if self.end == SPLIT:
                 self._reserve(k.size + 1)
                 self._split(int(self.ask[0]), int(self.ask[1]))
@@ -197,7 +191,7 @@ class _Run(Contest):
     def _split(self, e: int, t: int) -> None:
         """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""
         k = self.complex
-        stack, cells, rim, hold, fresh = self.scratch
+        plane, scratch = k.plane(), self.scratch
         s = int(k.mark[e])
         a, b = k.xy[k.ends[s]]
         piece, middle, p = int(k.piece[s]), float(k.span[s].mean()), k.size
@@ -205,22 +199,19 @@ class _Run(Contest):
             point = self.domain.at(piece, [middle])[0] * k.factor
         else:
             point = (a + b) / 2
-        m, n, h = find_split(k.xy, k.vertex, k.twin, k.mark, e, *point, stack, cells, rim)
-        short = np.hypot(*(b - a)) < SHORTEST
-        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, rim, n, *point) >= 0:
-            self.why[t] = REFUSED
+        m, n, h = find_split(plane, scratch, e, *point)
+        short = np.hypot(*(b - a)) < SHORTEST_SPLIT
+        if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, scratch.rim, n, *point) >= 0:
+            self.why[t] = UNSPLIT
             put(self.tree, t, NONE)
             return
         if len(self.watch):
             radius = measures(*k.xy[k.vertex[3 * t : 3 * t + 3]].ravel())[0]
-            note(k.vertex, t, p, self.first, self.tree, self.watch, radius, 1.0, 0.0, self.rows, self.events)
+            note(self.entries(), k.vertex, t, p - self.first, radius, 1.0, 0.0)
         k.xy[p] = point
-        commit_split(
-            k.vertex, k.twin, k.mark, k.region, k.where, k.ends, k.piece, k.span, k.state, e,
-            cells, m, rim, n, h, p, middle, hold, fresh,
-        )  # fmt: skip
+        commit_split(plane, scratch, e, m, n, h, p, middle)
         self.splits += 1
-        self._enter(fresh[:n])
+        self._enter(scratch.fresh[:n])
 
     # ------------------------------------------------------------------ what is told
 

@@ -9,40 +9,41 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.codes import DONE, HIDDEN, MORE, ROUNDED, SPLIT
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import VERTICES, end_of, next_edge, prev_edge, start_of
 from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
 from .worst import NONE, enter, measures, put, record, top, unwatch
 
-DONE, FULL, SPLIT = 0, 1, 2  # why a run of steps ends
-HIDDEN, ROUNDED, REFUSED = 1, 2, 3  # why a triangle is left as it is
+UNSPLIT = 8  # why a triangle is left as it is, or HIDDEN, ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "its circumcenter cannot be told from the triangle's own edges by doubles",
-    REFUSED: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
+    UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
     0: "budget",
 }
-FAR = 4.0  # a center this far away is only a direction (the domain lies within 1)
+FAR_CENTER = 4.0  # a center this far away is only a direction (the domain lies within 1)
 
 
 @inline
-def _enter(xy, vertex, region, t, rule, tree, watch, why):
+def _enter(plane, contest, t, why):
+    xy, vertex = plane.xy, plane.vertex
     why[t] = 0
-    if region[t] < 0:
-        put(tree, t, NONE)
-        unwatch(watch, t)
+    if plane.region[t] < 0:
+        put(contest.tree, t, NONE)
+        unwatch(contest.watch, t)
         return
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-    enter(t, rule, tree, watch, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+    enter(contest, t, xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
 
 
 @lean
-def enter_slots(xy, vertex, region, slots, rule, tree, watch, why):
+def enter_slots(plane, contest, slots, why):
     """Judge the triangles in these slots, and put them into the tournaments."""
     for i in range(len(slots)):
-        _enter(xy, vertex, region, slots[i], rule, tree, watch, why)
+        _enter(plane, contest, slots[i], why)
 
 
 @lean
@@ -76,24 +77,25 @@ def first_marked(xy, vertex, twin, mark, t, px, py):
 
 
 @lean
-def judge_center(xy, vertex, twin, mark, t, px, py, stack, cells, rim):
+def judge_center(plane, scratch, t, px, py):
     """The cavity of the center p of triangle t: (m, k, e). k = 0 where p cannot be inserted.
 
     e is then the marked half-edge that hides p from t, -1 where rounding is the reason.
     """
+    xy, vertex = plane.xy, plane.vertex
     nothing = np.int64(0)
     far = max(abs(px), abs(py))
     if not far < np.inf:
         return nothing, nothing, np.int64(-1)
-    if far <= FAR:
+    if far <= FAR_CENTER:
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], px, py) > 0:
-            m, k = find_cavity(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
-            if k > 0 and blocked_by(xy, vertex, rim, k, px, py) < 0:
+            m, k = find_cavity(plane, scratch, t, px, py)
+            if k > 0 and blocked_by(xy, vertex, scratch.rim, k, px, py) < 0:
                 return np.int64(m), np.int64(k), np.int64(-1)
     else:
-        px, py = px * (FAR / far), py * (FAR / far)
-    return nothing, nothing, first_marked(xy, vertex, twin, mark, t, px, py)
+        px, py = px * (FAR_CENTER / far), py * (FAR_CENTER / far)
+    return nothing, nothing, first_marked(xy, vertex, plane.twin, plane.mark, t, px, py)
 
 
 @lean
@@ -112,30 +114,28 @@ def encroached(xy, vertex, mark, rim, k, px, py):
 
 
 @lean
-def note(vertex, t, p, first, tree, watch, radius, kind, close, rows, events):
-    """Record a step: the state before it, and what is done about which triangle."""
-    record(vertex, t, p - first, radius, tree, watch, rows, events)
-    events[p - first, 5], events[p - first, 6] = kind, close
+def note(contest, vertex, t, i, radius, kind, close):
+    """Record step i: the state before it, and what is done about which triangle."""
+    record(contest, vertex, t, i, radius)
+    contest.events[i, 5], contest.events[i, 6] = kind, close
 
 
 @lean
-def insert_centers(
-    xy, vertex, twin, mark, region, where, state, rule, tree, watch, why, split, stop, first,
-    stack, cells, rim, hold, fresh, rows, events, ask,
-):  # fmt: skip
-    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or SPLIT.
+def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or SPLIT.
 
     SPLIT (only with ``split``): the marked half-edge ``ask[0]`` hides the center of triangle ``ask[1]``, or
-    has it in its open diametral disk. Vertices from ``first`` on are recorded in ``rows`` and ``events``.
+    has it in its open diametral disk. Vertices from ``first`` on are recorded.
     """
+    xy, vertex, state, tree = plane.xy, plane.vertex, plane.state, contest.tree
     while state[VERTICES] < stop:
         if tree[1] == NONE:
             return DONE
         t = top(tree)
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         radius, _, _, _, _, px, py = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
-        m, k, e = judge_center(xy, vertex, twin, mark, t, px, py, stack, cells, rim)
-        close = encroached(xy, vertex, mark, rim, k, px, py)
+        m, k, e = judge_center(plane, scratch, t, px, py)
+        close = encroached(xy, vertex, plane.mark, scratch.rim, k, px, py)
         if split and (e >= 0 or close >= 0):
             ask[0], ask[1] = max(e, close), t
             return SPLIT
@@ -144,10 +144,10 @@ def insert_centers(
             put(tree, t, NONE)
             continue
         p = state[VERTICES]
-        if len(watch) > 0:
-            note(vertex, t, p, first, tree, watch, radius, 0.0, 1.0 if close >= 0 else 0.0, rows, events)
+        if len(contest.watch) > 0:
+            note(contest, vertex, t, p - first, radius, 0.0, 1.0 if close >= 0 else 0.0)
         xy[p, 0], xy[p, 1] = px, py
-        commit(vertex, twin, mark, region, where, state, cells, m, rim, k, p, hold, fresh)
+        commit(plane, scratch, m, k, p)
         for i in range(k):
-            _enter(xy, vertex, region, np.int64(fresh[i]), rule, tree, watch, why)
-    return FULL if tree[1] > NONE else DONE
+            _enter(plane, contest, np.int64(scratch.fresh[i]), why)
+    return MORE if tree[1] > NONE else DONE

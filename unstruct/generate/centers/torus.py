@@ -12,18 +12,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import as_count
+from ...base.codes import MORE, ROUNDED
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import COUNT, grown
+from ...connect.insertion.halfedges import VERTICES
 from ...sizing import as_size
 from .periodic import PeriodicMesh, half_edge_twins, periodic_delaunay
-from .torus_steps import FULL, ROUNDED, VERTICES, enter_all, insert_on_torus
-from .worst import Contest, Rule, make_rule
+from .torus_steps import Torus, TorusScratch, enter_all, insert_on_torus
+from .worst import CENTERS_A_CALL, Contest, Rule, make_rule
 
 __all__ = ["periodic_circumcenters"]
 
-CHUNK = 20_000  # insertions a kernel call
-MOST = 10_000_000  # insertions in all, if nothing else is said
+MOST_ON_TORUS = 10_000_000  # insertions in all, if nothing else is said
 
 
 def periodic_circumcenters(
@@ -64,7 +65,7 @@ def periodic_circumcenters(
     if priority is not None and not isinstance(priority, str):
         priority = _wrapped(priority)
     rule = make_rule(field, priority, limit, ([-0.5, -0.5], [1.5, 1.5]))
-    most = MOST if budget is None else as_count(budget, "budget")
+    most = MOST_ON_TORUS if budget is None else as_count(budget, "budget")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
     run = _Run(start, rule, history)
@@ -93,10 +94,10 @@ class _Run(Contest):
         self.state = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[VERTICES] = 2 * n, n
         self._reserve(2 * n)
-        enter_all(self.xy, self.vertex, self.shift, 2 * n, *self._judges())
+        enter_all(self._torus(), self.entries())
 
-    def _judges(self) -> tuple:
-        return self.rule, self.tree, self.watch
+    def _torus(self) -> Torus:
+        return Torus(self.xy, self.vertex, self.twin, self.shift, self.state)
 
     def _reserve(self, points: int) -> None:
         self.xy = grown(self.xy, points)
@@ -108,21 +109,17 @@ class _Run(Contest):
 
     def advance(self, last: int, progress: bool) -> int:
         """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
-        end = FULL
+        end = MORE
         bar = progress_bar(progress, " points")
-        while end == FULL and self.state[VERTICES] < last:
+        while end == MORE and self.state[VERTICES] < last:
             before = int(self.state[VERTICES])
-            stop = min(before + CHUNK, last)
+            stop = min(before + CENTERS_A_CALL, last)
             self._reserve(stop)
             room = 2 * len(self.xy) + 8
             stack, spare, fresh = (np.empty(room, dtype=np.int32) for _ in range(3))
             frame = np.empty((room, 2), dtype=np.int32)
-            end = int(
-                insert_on_torus(
-                    self.xy, self.vertex, self.twin, self.shift, self.state, *self._judges(), stop,
-                    stack, frame, spare, fresh, self.rows, self.events,
-                )
-            )  # fmt: skip
+            scratch = TorusScratch(stack, frame, spare, fresh)
+            end = int(insert_on_torus(self._torus(), scratch, self.entries(), stop))
             bar.update(int(self.state[VERTICES]) - before)
         bar.close()
         return end

@@ -12,48 +12,68 @@ belong to it, and the star has no vertex twice.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...base.codes import DONE, MORE, ROUNDED
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.insertion.halfedges import next_edge, prev_edge
+from ...connect.insertion.halfedges import VERTICES, next_edge, prev_edge
 from ...predicates.kernels import incircle
 from .worst import NONE, enter, measures, record, top
 
 GRID = 2.0**-50  # of the coordinates; a corner in [-2, 3) is then a double, and a quarter of it below 1
-VERTICES = 8
-DONE, FULL, ROUNDED = 0, 1, 2  # why a run of steps ends
+
+
+class Torus(NamedTuple):
+    """The triangulation."""
+
+    xy: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    twin: NDArray[np.int32]
+    shift: NDArray[np.int32]
+    state: NDArray[np.int64]
+
+
+class TorusScratch(NamedTuple):
+    """What the search for a cavity is written into: half-edges that wait, in which frames; slots."""
+
+    stack: NDArray[np.int32]
+    frame: NDArray[np.int32]
+    spare: NDArray[np.int32]
+    fresh: NDArray[np.int32]
 
 
 @inline
-def corner(xy, vertex, shift, e):
+def corner(torus, e):
     """Where the corner of half-edge e is, in the frame of its triangle."""
-    v = vertex[e]
-    return xy[v, 0] + shift[e, 0], xy[v, 1] + shift[e, 1]
+    v = torus.vertex[e]
+    return torus.xy[v, 0] + torus.shift[e, 0], torus.xy[v, 1] + torus.shift[e, 1]
 
 
 @lean
-def _enter(xy, vertex, shift, t, rule, tree, watch):
-    ax, ay = corner(xy, vertex, shift, 3 * t)
-    bx, by = corner(xy, vertex, shift, 3 * t + 1)
-    cx, cy = corner(xy, vertex, shift, 3 * t + 2)
-    enter(t, rule, tree, watch, ax, ay, bx, by, cx, cy)
+def _enter(torus, contest, t):
+    ax, ay = corner(torus, 3 * t)
+    bx, by = corner(torus, 3 * t + 1)
+    cx, cy = corner(torus, 3 * t + 2)
+    enter(contest, t, ax, ay, bx, by, cx, cy)
 
 
 @lean
-def enter_all(xy, vertex, shift, count, rule, tree, watch):
-    """Judge the first ``count`` triangles, and put them into the tournaments."""
-    for t in range(count):
-        _enter(xy, vertex, shift, t, rule, tree, watch)
+def enter_all(torus, contest):
+    """Judge all triangles, and put them into the tournaments."""
+    for t in range(torus.state[COUNT]):
+        _enter(torus, contest, t)
 
 
 @inline
-def in_circle(xy, vertex, shift, o, fx, fy, px, py):
+def in_circle(torus, o, fx, fy, px, py):
     """Is p in the open circle of the triangle of half-edge o, moved by (fx, fy)?"""
-    ax, ay = corner(xy, vertex, shift, o)
-    bx, by = corner(xy, vertex, shift, next_edge(o))
-    cx, cy = corner(xy, vertex, shift, prev_edge(o))
+    ax, ay = corner(torus, o)
+    bx, by = corner(torus, next_edge(o))
+    cx, cy = corner(torus, prev_edge(o))
     s = 0.25
     return (
         incircle(
@@ -80,12 +100,14 @@ def push(twin, shift, stack, frame, depth, e, fx, fy):
 
 
 @lean
-def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fresh):
+def star(torus, scratch, p, t, px, py):
     """Replace the cavity of p, found from triangle t in t's frame, by its star; how many triangles that has.
 
     As `insertion2.insert2`: what is popped from the stack goes into the cavity or gives a triangle of the
     star at once. (px, py) is p in the frame of t, ``xy[p]`` the same point in [0, 1) x [0, 1).
     """
+    xy, vertex, twin, shift, state = torus.xy, torus.vertex, torus.twin, torus.shift, torus.state
+    stack, frame, spare = scratch.stack, scratch.frame, scratch.spare
     wx, wy = math.floor(px), math.floor(py)
     xy[p, 0], xy[p, 1] = px - wx, py - wy
     count = state[COUNT]
@@ -100,7 +122,7 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
         o = np.int64(stack[depth])
         fx, fy = frame[depth, 0], frame[depth, 1]
         right, left = next_edge(o), prev_edge(o)
-        if in_circle(xy, vertex, shift, o, fx, fy, px, py):
+        if in_circle(torus, o, fx, fy, px, py):
             spare[spares] = o // 3
             spares += 1
             push(twin, shift, stack, frame, depth, left, fx, fy)
@@ -127,7 +149,7 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
         else:
             twin[new + 2], twin[before + 1] = before + 1, new + 2
         before = new
-        fresh[k] = slot
+        scratch.fresh[k] = slot
         k += 1
     twin[first + 2], twin[before + 1] = before + 1, first + 2
     state[COUNT], state[VERTICES] = count, p + 1
@@ -135,29 +157,28 @@ def star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fres
 
 
 @lean
-def insert_on_torus(
-    xy, vertex, twin, shift, state, rule, tree, watch, stop, stack, frame, spare, fresh, rows, events
-):
-    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, FULL or ROUNDED.
+def insert_on_torus(torus, scratch, contest, stop):
+    """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or ROUNDED.
 
-    ``rows`` and ``events`` take the record of each step, where they have room: the state before it, and
-    circumradius, value and vertices of the triangle.
+    The contest's ``rows`` and ``events`` take the record of each step, where they have room: the state before
+    it, and circumradius, value and vertices of the triangle.
     """
+    state, tree = torus.state, contest.tree
     while state[VERTICES] < stop:
         if tree[1] == NONE:
             return DONE
         t = top(tree)
         p = state[VERTICES]
-        ax, ay = corner(xy, vertex, shift, 3 * t)
-        bx, by = corner(xy, vertex, shift, 3 * t + 1)
-        cx, cy = corner(xy, vertex, shift, 3 * t + 2)
+        ax, ay = corner(torus, 3 * t)
+        bx, by = corner(torus, 3 * t + 1)
+        cx, cy = corner(torus, 3 * t + 2)
         radius, _, _, _, _, qx, qy = measures(ax, ay, bx, by, cx, cy)
         px, py = math.floor(qx / GRID + 0.5) * GRID, math.floor(qy / GRID + 0.5) * GRID
-        if not in_circle(xy, vertex, shift, 3 * t, 0, 0, px, py):
+        if not in_circle(torus, 3 * t, 0, 0, px, py):
             return ROUNDED
-        if p < len(events):
-            record(vertex, t, p, radius, tree, watch, rows, events)
-        k = star(xy, vertex, twin, shift, state, p, t, px, py, stack, frame, spare, fresh)
+        if p < len(contest.events):
+            record(contest, torus.vertex, t, p, radius)
+        k = star(torus, scratch, p, t, px, py)
         for i in range(k):
-            _enter(xy, vertex, shift, fresh[i], rule, tree, watch)
-    return FULL if tree[1] > NONE else DONE
+            _enter(torus, contest, scratch.fresh[i])
+    return MORE if tree[1] > NONE else DONE

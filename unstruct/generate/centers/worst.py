@@ -15,17 +15,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import finite
+from ...base.elementary import arcsine
 from ...base.errors import InputError
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
 from ...sizing import as_size
-from ...sizing.table import Nodes, size_at
+from ...sizing.table import ROOT3, Nodes, size_at
 
 NONE = -np.inf
-ROOT3 = math.sqrt(3.0)
+CENTERS_A_CALL = 20_000  # insertions a kernel call: a fraction of a second, so that Ctrl-C is heard
 # The definitions of "worst", greater is worse: the numbers that kernels know them by.
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
-KIND, HAS_SIZE, HAS_LIMIT, LIMIT = 0, 1, 2, 3  # entries of a rule
+KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of a rule
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle as the largest negative
 
 
@@ -43,6 +44,16 @@ class Rule(NamedTuple):
     test: NDArray[np.float64]
     size: Nodes
     order: Nodes
+
+
+class Entries(NamedTuple):
+    """What kernels are handed of a `Contest`."""
+
+    rule: Rule
+    tree: NDArray[np.float64]
+    watch: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    events: NDArray[np.float64]
 
 
 @lean
@@ -119,12 +130,12 @@ def judge(rule, ax, ay, bx, by, cx, cy):
     elif kind == 2:
         value = big / short
     elif kind == 3:
-        value = -math.degrees(math.asin(min(1.0, 0.5 * short / big)))
+        value = -math.degrees(arcsine(min(1.0, 0.5 * short / big)))
     elif kind == 4:
         value = big / small
     else:
         value = area
-    if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT]:
+    if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT_ENTRY]:
         return value
     if rule.test[HAS_SIZE] > 0.0:
         if big == np.inf or ROOT3 * big >= size_at(rule.size.child, rule.size.values, rule.size.box, qx, qy):
@@ -141,15 +152,15 @@ def watch_triangle(watch, slot, ax, ay, bx, by, cx, cy):
     put(watch[1], slot, -short)
     put(watch[2], slot, long)
     put(watch[3], slot, big / small if small > 0.0 else np.inf)
-    put(watch[4], slot, -math.degrees(math.asin(min(1.0, 0.5 * short / big))))
+    put(watch[4], slot, -math.degrees(arcsine(min(1.0, 0.5 * short / big))))
 
 
 @inline
-def enter(slot, rule, tree, watch, ax, ay, bx, by, cx, cy):
+def enter(contest, slot, ax, ay, bx, by, cx, cy):
     """Judge the triangle in a slot, and put it into the tournaments."""
-    put(tree, slot, judge(rule, ax, ay, bx, by, cx, cy))
-    if len(watch) > 0:
-        watch_triangle(watch, slot, ax, ay, bx, by, cx, cy)
+    put(contest.tree, slot, judge(contest.rule, ax, ay, bx, by, cx, cy))
+    if len(contest.watch) > 0:
+        watch_triangle(contest.watch, slot, ax, ay, bx, by, cx, cy)
 
 
 @lean
@@ -160,11 +171,12 @@ def unwatch(watch, slot):
 
 
 @lean
-def record(vertex, t, i, radius, tree, watch, rows, events):
+def record(contest, vertex, t, i, radius):
     """Row i of a record: the state before a step; circumradius, value and vertices of its triangle t."""
+    watch, events = contest.watch, contest.events
     for k in range(len(watch)):
-        rows[i, k] = watch[k][1]
-    events[i, 0], events[i, 1] = radius, tree[1]
+        contest.rows[i, k] = watch[k][1]
+    events[i, 0], events[i, 1] = radius, contest.tree[1]
     for k in range(3):
         events[i, 2 + k] = vertex[3 * t + k]
 
@@ -203,7 +215,7 @@ def make_rule(
     if limit is not None:
         most = finite(limit, "limit")
         scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
-        test[LIMIT] = most * scale.get(name, 1.0)
+        test[LIMIT_ENTRY] = most * scale.get(name, 1.0)
     tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]
     return Rule(test, *tables)
 
@@ -232,6 +244,10 @@ class Contest:
         self.rule, self.tree = rule, np.full(2, NONE)
         self.watch = np.full((len(WATCHED) if history else 0, 2), NONE)
         self.rows, self.events = np.empty((0, len(WATCHED))), np.empty((0, columns))
+
+    def entries(self) -> Entries:
+        """The arrays as they are now, in one record for the kernels."""
+        return Entries(self.rule, self.tree, self.watch, self.rows, self.events)
 
     def make_room(self, slots: int, steps: int) -> None:
         """For triangles in so many slots, and so many steps of the record."""

@@ -25,10 +25,7 @@ OVER = 0.2  # steps go that much farther than to the mean: three rounds then do 
 
 
 @lean
-def improve(
-    xy, vertex, twin, mark, where, at, still, todo, moved, threshold, patterns, start, stop, ring, places,
-    stack, counts,
-):  # fmt: skip
+def improve(stars, todo, moved, threshold, patterns, start, stop):
     """Look at the vertices ``start <= v < stop`` that are to be looked at, and move those that gain.
 
     Each goes to the mean of its neighbors, and a little farther, if its star is `better` then (a *smart*
@@ -37,12 +34,13 @@ def improve(
     Diagonals are swapped at once with ``patterns``; otherwise see `legalize_moved`: of 10^5 Laplace steps
     in a good mesh only a hundred ask for it. ``counts``: moves, swaps.
     """
+    xy, places, ring = stars.xy, stars.places, stars.ring
     moves = 0
     for v in range(start, stop):
-        if still[v] or not todo[v]:
+        if stars.still[v] or not todo[v]:
             continue
         todo[v] = False
-        k = star_of(xy, vertex, twin, at[v], ring, places)
+        k = star_of(xy, stars.vertex, stars.twin, stars.at[v], ring, places)
         x0, y0 = xy[v, 0], xy[v, 1]
         old = star_measures(places, k, x0, y0, -1.0, FAIRNESS)
         if old[0] >= threshold:
@@ -62,10 +60,10 @@ def improve(
         moves += 1
         todo[v] = moved[v] = True
         for i in range(k):
-            todo[start_of(vertex, ring[i])] = True
+            todo[start_of(stars.vertex, ring[i])] = True
         if patterns:
-            counts[1] += swap_around(xy, vertex, twin, mark, where, at, ring, k, stack)
-    counts[0] += moves
+            stars.counts[1] += swap_around(stars, k)
+    stars.counts[0] += moves
     return moves
 
 

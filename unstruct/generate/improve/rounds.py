@@ -43,19 +43,17 @@ def target(places, k, x0, y0, method):
 
 
 @lean
-def smooth_round(
-    xy, vertex, twin, mark, where, at, still, method, smart, swap, threshold, start, stop, ring, places,
-    stack, counts,
-):  # fmt: skip
+def smooth_round(stars, method, smart, swap, threshold, start, stop):
     """Move each vertex of ``start <= v < stop`` whose worst triangle is below the threshold, in turn.
 
     ``smart``: only where the least 2 r / R around it grows, as it always does in a search. Vertices that are
-    ``still`` stay. ``swap``: diagonals follow at once. ``counts`` are added to.
+    ``still`` stay. ``swap``: diagonals follow at once. The record's ``counts`` are added to.
     """
+    xy, places, counts = stars.xy, stars.places, stars.counts
     for v in range(start, stop):
-        if still[v]:
+        if stars.still[v]:
             continue
-        k = star_of(xy, vertex, twin, at[v], ring, places)
+        k = star_of(xy, stars.vertex, stars.twin, stars.at[v], stars.ring, places)
         x0, y0 = xy[v, 0], xy[v, 1]
         old = star_measures(places, k, x0, y0, -1.0, ROUNDNESS)
         if old[0] >= threshold:
@@ -74,4 +72,4 @@ def smooth_round(
             xy[v, 0], xy[v, 1] = x, y
             counts[MOVED] += 1
             if swap:
-                counts[FLIPS] += swap_around(xy, vertex, twin, mark, where, at, ring, k, stack)
+                counts[FLIPS] += swap_around(stars, k)

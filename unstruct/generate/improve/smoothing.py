@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import as_count, finite
 from ...base.errors import InputError, MeshError
-from ...connect.planar.stars import opposite_half_edges
+from ...connect.planar.stars import Stars, opposite_half_edges
 from ...connect.swapping import constraints, first_fault, planar_coordinates
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
@@ -22,7 +22,7 @@ from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, S
 __all__ = ["smooth"]
 
 METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
-CHUNK = 200_000  # vertices between two looks at Ctrl-C
+VISITS_A_CALL = 200_000  # vertices between two looks at Ctrl-C
 COUNTED = {"moved": MOVED, "invalid": INVALID, "worse": WORSE, "swaps": FLIPS, "examined": LOOKED}
 
 
@@ -104,15 +104,16 @@ def smooth(
     stays = _staying(mesh, fixed) | (at < 0)
     stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # their ends
     counts = np.zeros(8, dtype=np.int64)
-    arrays = (xy, vertex, twin, mark, np.zeros(1, dtype=np.int32), at, stays)
+    where = np.zeros(1, dtype=np.int32)  # closed edges share one mark, and nobody asks where it is
     ring, stack = np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32)
-    scratch = ring, np.empty((len(ring) + 1, 2)), stack, counts
+    places = np.empty((len(ring) + 1, 2))
+    stars = Stars(xy, vertex, twin, mark, where, at, stays, ring, places, stack, counts)
     done = 0
     for number in _rounds(rounds, progress):
         done, before = number, counts[MOVED]
-        for start in range(0, len(xy), CHUNK):
-            stop = min(start + CHUNK, len(xy))
-            smooth_round(*arrays, METHODS[method], smart, swap, limit, start, stop, *scratch)
+        for start in range(0, len(xy), VISITS_A_CALL):
+            stop = min(start + VISITS_A_CALL, len(xy))
+            smooth_round(stars, METHODS[method], smart, swap, limit, start, stop)
         if counts[MOVED] == before:
             break
     found = {name: int(counts[place]) for name, place in COUNTED.items()} | {"rounds": done}

@@ -10,8 +10,9 @@ from math import asin, degrees, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.stars import legalize_moved, opposite_half_edges
+from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
 from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
@@ -19,16 +20,16 @@ from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
 from ..refinement.run import Planned
 from ..refinement.run import Run as Refinement
-from ..refinement.state import FINISHED, MORE, REFUSED
+from ..refinement.state import REFUSALS
 
-__all__ = ["LEAST", "PASSES", "figures", "refine_angles", "smooth_poor"]
+__all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
 
-CHUNK = 100_000  # vertices of a kernel call
+STARS_A_CALL = 100_000  # vertices of a kernel call
 # Laplace steps on stars with a triangle below this fairness, then a search on those below that; most rounds
-NEARLY, STEPS = 0.995, 3
-POOR, SEARCHES = 0.9, 6
-LEAST = 25.0  # degrees: what is promised
-WANTED = 26.0  # and what is asked for
+NEARLY, LAPLACE_ROUNDS = 0.995, 3
+POOR, SEARCH_ROUNDS = 0.9, 6
+PROMISED_ANGLE = 25.0  # degrees: what is promised
+WANTED_ANGLE = 26.0  # and what is asked for
 PASSES = 3  # of refinement and smoothing
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
 
@@ -59,35 +60,35 @@ def smooth_poor(
     todo, moved = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
     stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
-    arrays = (c.xy, c.vertex, c.twin, c.mark, c.where, at, still, todo, moved)
-    scratch = (np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2)), stack, counts)
+    ring, places = np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2))
+    stars = Stars(c.xy, c.vertex, c.twin, c.mark, c.where, at, still, ring, places, stack, counts)
     before: dict[str, float] = {}
     if since:
         look_for(c.xy, c.vertex, c.region, count, np.inf, np.arange(n) >= since, todo)
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
-        if _rounds(arrays, NEARLY, False, STEPS, scratch):
-            counts[1] += legalize_moved(*arrays[:4], c.region, c.where, at, count, moved, stack)
+        if _rounds(stars, todo, moved, NEARLY, False, LAPLACE_ROUNDS):
+            counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
         # the others are as they were, beyond NEARLY
         look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
-    _rounds(arrays, POOR, True, SEARCHES, scratch)
+    _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
     swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
     moved[corners.reshape(-1, 3)[swapped]] = True
     return int(counts[0]), int(counts[1]), moved, before
 
 
 def _rounds(
-    arrays: tuple[NDArray, ...], threshold: float, patterns: bool, rounds: int, scratch: tuple[NDArray, ...]
+    stars: Stars, todo: NDArray, moved: NDArray, threshold: float, patterns: bool, rounds: int
 ) -> int:
     """Rounds of `improve` until nothing moves, but no more than so many; how many moves."""
-    n, moves = len(arrays[-1]), 0
+    n, moves = len(todo), 0
     for _ in range(rounds):
         before = moves
-        for start in range(0, n, CHUNK):
-            moves += improve(*arrays, threshold, patterns, start, min(start + CHUNK, n), *scratch)
+        for start in range(0, n, STARS_A_CALL):
+            moves += improve(stars, todo, moved, threshold, patterns, start, min(start + STARS_A_CALL, n))
         if moves == before:
             break
     return moves
@@ -137,8 +138,8 @@ def refine_angles(
     """
     names = [""] * (int(complex_.region[: complex_.triangles].max(initial=-1)) + 1)
     limits = make_limits(
-        names, lambda: np.concatenate(list(domain.bounds)), complex_.factor, min_angle=WANTED, max_area=None,
-        size=None, lens=LENS,
+        names, lambda: np.concatenate(list(domain.bounds)), complex_.factor, min_angle=WANTED_ANGLE,
+        max_area=None, size=None, lens=LENS,
     )  # fmt: skip
     cuts = domain.cuts()
     planned = Planned(
@@ -151,5 +152,5 @@ def refine_angles(
     code = run.advance()
     while code == MORE:
         code = run.advance()
-    slots, reasons, _ = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
+    slots, reasons, _ = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
     return run.counts(), slots.tolist(), reasons.tolist()

@@ -11,7 +11,6 @@ worth its time.
 
 ``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
 empty; the second half of the buckets is that of the batch, ``turn[0]`` its steps left plus one.
-(Arrays and not a tuple of six: numba counts references to arrays within tuples, atomically.)
 """
 
 from __future__ import annotations
@@ -23,12 +22,12 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
+from ..refinement.state import HALF_OCTAVE
 
-STATUS, LEVEL, AHEAD, BEHIND = 0, 1, 2, 3
+STATUS, LEVEL, PREVIOUS, NEXT = 0, 1, 2, 3
 # What is known of a slot; a status >= 0 is the bucket in which it waits.
 WAITING, ASIDE, ACCEPTED = -1, -2, -3  # too large, not at the front · given up · small enough, or outside
 BATCH, GENERATIONS = 64, 12
-HALF = 0.7071067811865476
 
 
 def empty_queue(
@@ -55,7 +54,7 @@ def bucket_of(square, buckets):
     """The bucket of a squared measure: two an octave of it, from 1 upwards, the last one open."""
     m, e = frexp(square)
     b = 2 * (e - 1)
-    if m >= HALF:
+    if m >= HALF_OCTAVE:
         b += 1
     return min(max(b, 0), buckets - 1)
 
@@ -75,17 +74,17 @@ def append(links, gates, slot, bucket, last_first):
     links[slot, STATUS] = bucket
     if last_first:
         first = gates[bucket, 0]
-        links[slot, AHEAD], links[slot, BEHIND] = -1, first
+        links[slot, PREVIOUS], links[slot, NEXT] = -1, first
         if first >= 0:
-            links[first, AHEAD] = slot
+            links[first, PREVIOUS] = slot
         else:
             gates[bucket, 1] = slot
         gates[bucket, 0] = slot
     else:
         last = gates[bucket, 1]
-        links[slot, AHEAD], links[slot, BEHIND] = last, -1
+        links[slot, PREVIOUS], links[slot, NEXT] = last, -1
         if last >= 0:
-            links[last, BEHIND] = slot
+            links[last, NEXT] = slot
         else:
             gates[bucket, 0] = slot
         gates[bucket, 1] = slot
@@ -94,13 +93,13 @@ def append(links, gates, slot, bucket, last_first):
 @inline
 def unlink(links, gates, slot, status):
     """Take a slot out of its bucket, and give it a status."""
-    bucket, before, after = links[slot, STATUS], links[slot, AHEAD], links[slot, BEHIND]
+    bucket, before, after = links[slot, STATUS], links[slot, PREVIOUS], links[slot, NEXT]
     if before >= 0:
-        links[before, BEHIND] = after
+        links[before, NEXT] = after
     else:
         gates[bucket, 0] = after
     if after >= 0:
-        links[after, AHEAD] = before
+        links[after, PREVIOUS] = before
     else:
         gates[bucket, 1] = before
     links[slot, STATUS] = status

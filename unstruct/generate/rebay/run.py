@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import DONE, ROOM, SPLIT
 from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
@@ -14,7 +15,7 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from . import steps as k
-from .finishing import LEAST, PASSES, figures, refine_angles, smooth_poor
+from .finishing import PASSES, PROMISED_ANGLE, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 COUNT_NAMES = (
@@ -23,10 +24,10 @@ COUNT_NAMES = (
 )  # fmt: skip
 FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
 NO_LIMIT = 2**30
-CHUNK = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
+FRONT_STEPS_A_CALL = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
 TOLERANCE = 0.04  # of the size table, relative
 BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the last one
-MANY = 96  # of any other measure
+ORDER_BUCKETS = 96  # of any other measure
 
 
 class Run:
@@ -54,7 +55,10 @@ class Run:
         self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
         if priority is not None:
             measure = 1.0 if isinstance(priority, str) else priority
-            self.order, buckets = as_size(measure).table(lower, upper, factor=complex_.factor).nodes, MANY
+            self.order, buckets = (
+                as_size(measure).table(lower, upper, factor=complex_.factor).nodes,
+                ORDER_BUCKETS,
+            )
             scale *= (self.table.values.min() / self.order.values.max()) ** 2
         constant = 0.0 if field.constant is None else self.table.values[0, 0] / k.ROOT3
         self.rule = rule._replace(scale=float(scale), constant=float(constant))
@@ -83,14 +87,9 @@ class Run:
             self.log = np.concatenate([self.log, np.tile(np.array([-1, -1, -1, -1, 0], np.int32), (more, 1))])
             self.numbers = np.concatenate([self.numbers, np.full((more, 6), np.nan)])
 
-    @property
-    def _plane(self) -> tuple[NDArray, ...]:
-        c = self.complex
-        return c.xy, c.vertex, c.twin, c.mark, c.region
-
-    @property
-    def _sizes(self) -> tuple[Any, ...]:
-        return self.links, self.gates, self.turn, *self.table, *self.order, self.rule
+    def front(self) -> k.Front:
+        """The queue and what decides about it, as they are now."""
+        return k.Front(self.links, self.gates, self.turn, self.table, self.order, self.rule)
 
     def insert(self, budget: int | None, bar: Any) -> None:
         """Insert points until no waiting triangle is left at the front, or the budget is spent."""
@@ -102,21 +101,24 @@ class Run:
         c = self.complex
         while True:
             before = c.size
-            limit = CHUNK if budget is None else min(CHUNK, self.first + budget - c.size)
+            limit = (
+                FRONT_STEPS_A_CALL
+                if budget is None
+                else min(FRONT_STEPS_A_CALL, self.first + budget - c.size)
+            )
             if limit <= 0:
                 self.spent = True
                 return
             status = k.advance(
-                *self._plane, c.where, c.state, *self._sizes, *self.scratch,
-                self.counts, self.log, self.numbers, self.ask, limit,
-            )  # fmt: skip
-            if status == k.SPLIT:
+                c.plane(), self.front(), self.scratch, self.counts, self.log, self.numbers, self.ask, limit
+            )
+            if status == SPLIT:
                 self.split(int(self.ask[0]))
-            elif status == k.ROOM:
+            elif status == ROOM:
                 self.reserve(2 * c.size + 1000)
             if bar is not None:
                 bar.update(c.size - before)
-            if status == k.DONE:
+            if status == DONE:
                 return
 
     def split(self, e: int) -> bool:
@@ -126,34 +128,32 @@ class Run:
         s = int(c.mark[e])
         t = float(c.span[s].mean())
         x, y = self.domain.points_at(c.piece[s : s + 1], np.array([t]))[0] * c.factor
-        stack, cells, rim, hold, fresh = self.scratch
-        m, n, h = find_split(c.xy, c.vertex, c.twin, c.mark, e, x, y, stack, cells, rim)
-        if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, rim, n, x, y) >= 0:
-            self.counts[k.REFUSED] += 1
+        plane, scratch = c.plane(), self.scratch
+        m, n, h = find_split(plane, scratch, e, x, y)
+        if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, scratch.rim, n, x, y) >= 0:
+            self.counts[k.SPLIT_REFUSED] += 1
             return False
-        for slot in cells[:m]:
+        for slot in scratch.cells[:m]:
             if self.links[slot, STATUS] >= 0:
                 unlink(self.links, self.gates, slot, WAITING)
         p = c.size
         c.xy[p] = x, y
         if self.history:
-            self.log[p], self.numbers[p, :2] = (*c.ends[s], -1, -1, 1 << k.SPLITS), (x, y)
-        commit_split(
-            c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
-            e, cells, m, rim, n, h, p, t, hold, fresh,
-        )  # fmt: skip
-        inside = c.region[fresh[:n]] >= 0
-        self.links[fresh[:n][~inside], STATUS] = ACCEPTED
-        seen = fresh[:n][inside]
-        k.settle(c.xy, c.vertex, c.twin, c.mark, *self._sizes, seen, len(seen))
-        self.counts[k.SPLITS] += 1
+            self.log[p], self.numbers[p, :2] = (*c.ends[s], -1, -1, 1 << k.BY_SPLIT), (x, y)
+        commit_split(plane, scratch, e, m, n, h, p, t)
+        fresh = scratch.fresh[:n]
+        inside = c.region[fresh] >= 0
+        self.links[fresh[~inside], STATUS] = ACCEPTED
+        seen = fresh[inside]
+        k.settle(plane, self.front(), seen, len(seen))
+        self.counts[k.BY_SPLIT] += 1
         return True
 
     # ------------------------------------------------------------------ finishing
 
     def start(self, moved: NDArray[np.bool_]) -> None:
         """Look at all triangles that have a corner among these: which are accepted, which wait."""
-        k.start(*self._plane, self.complex.where, self.complex.state, *self._sizes, moved)
+        k.start(self.complex.plane(), self.front(), moved)
 
     def restart(self) -> None:
         """Look at all triangles anew, with an empty queue."""
@@ -185,7 +185,7 @@ class Run:
             refined = False
             slots: list[int] = []
             reasons: list[str] = []
-            if after["least angle"] < LEAST:
+            if after["least angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(self.domain, c, self.first, most)
                 done["angle points"] += found["circumcenters"]
                 done["angle splits"] += found["splits"]

@@ -22,24 +22,23 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...base.codes import DONE, INSERTED, MORE, OUTSIDE, ROOM, ROUNDED, SPLIT
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import commit_here, find_cavity_here
 from ...connect.planar.stars import touched
 from ...predicates.kernels import incircle, orient2
-from ...sizing.table import size_at
+from ...sizing.table import ROOT3, Nodes, size_at
 from .queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 
-# how a call of `advance` ends
-DONE, ROOM, SPLIT, MORE = 0, 1, 2, 3
-# what becomes of one attempt
-INSERTED, OUTSIDE, ENCROACHES, TOO_NEAR, ROUNDED = 0, 1, 2, 3, 4
+ENCROACHES, TOO_NEAR = 8, 9  # what becomes of one attempt, or INSERTED, OUTSIDE, ROUNDED
 # places in the counts; the first eight are also the bits of the case that a step records
-POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, CENTERS, SPLITS = range(8)
-MOVED, WIDE, HIDDEN, FLAT, COLLISIONS, LOST, GIVEN_UP, REFUSED, COUNTS = range(8, 17)
-ROOT3 = sqrt(3.0)
+POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, AT_CENTER, BY_SPLIT = range(8)
+SIZE_MOVED, WIDE_ANGLE, WAS_OUTSIDE, WAS_FLAT, COLLISIONS, WAS_ROUNDED = range(8, 14)
+GIVEN_UP, SPLIT_REFUSED, COUNTS = range(14, 17)
 
 
 class Rule(NamedTuple):
@@ -54,10 +53,22 @@ class Rule(NamedTuple):
     constant: float  # f, where it is the same everywhere; else 0
 
 
+class Front(NamedTuple):
+    """The queue of waiting triangles, and what decides who waits and where."""
+
+    links: NDArray[np.int32]
+    gates: NDArray[np.int32]
+    turn: NDArray[np.int64]
+    size: Nodes
+    order: Nodes  # of the field that R is compared with in the queue
+    rule: Rule
+
+
 @inline
-def wanted(child, values, box, rule, x, y):
+def wanted(front, x, y):
     """The wanted circumradius f at a point: that of an equilateral triangle with edges of the wanted size."""
-    return rule.constant if rule.constant > 0.0 else size_at(child, values, box, x, y) / ROOT3
+    constant, size = front.rule.constant, front.size
+    return constant if constant > 0.0 else size_at(size.child, size.values, size.box, x, y) / ROOT3
 
 
 @inline
@@ -82,23 +93,24 @@ def circle(xy, vertex, t):
 
 
 @inline
-def classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t):
+def classify(plane, front, t):
     """Accepted or waiting; in the second case also the bucket for it."""
+    xy, vertex, links, rule = plane.xy, plane.vertex, front.links, front.rule
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
     wx, wy, double = vx - ux, vy - uy, ux * vy - uy * vx
     product = (ux * ux + uy * uy) * (vx * vx + vy * vy) * (wx * wx + wy * wy)
     below = 4.0 * double * double  # R^2 = product / below
-    f = wanted(child, values, box, rule, xy[a, 0] + (ux + vx) / 3.0, xy[a, 1] + (uy + vy) / 3.0)
+    f = wanted(front, xy[a, 0] + (ux + vx) / 3.0, xy[a, 1] + (uy + vy) / 3.0)
     if double > 0.0 and product < below * rule.accept * rule.accept * f * f:
         links[t, STATUS] = ACCEPTED
         return
     links[t, STATUS] = WAITING
     if rule.general:
         _, x, y, _, _ = circle(xy, vertex, t)
-        f = size_at(child2, values2, box2, x, y) / ROOT3
-    scale = below * f * f * rule.scale
-    links[t, LEVEL] = bucket_of(product / scale, len(gates) // 2) if scale > 0.0 else len(gates) // 2 - 1
+        f = size_at(front.order.child, front.order.values, front.order.box, x, y) / ROOT3
+    scale, buckets = below * f * f * rule.scale, len(front.gates) // 2
+    links[t, LEVEL] = bucket_of(product / scale, buckets) if scale > 0.0 else buckets - 1
 
 
 @inline
@@ -108,8 +120,9 @@ def is_active(twin, mark, links, e):
 
 
 @inline
-def join_queue(twin, mark, links, gates, turn, rule, t):
+def join_queue(plane, front, t):
     """Queue triangle t if it waits at the front."""
+    twin, mark, links = plane.twin, plane.mark, front.links
     if links[t, STATUS] == WAITING:
         e = 3 * t
         if (
@@ -117,53 +130,48 @@ def join_queue(twin, mark, links, gates, turn, rule, t):
             or is_active(twin, mark, links, e + 1)
             or is_active(twin, mark, links, e + 2)
         ):
-            push(links, gates, turn, t, rule.last_first)
+            push(links, front.gates, front.turn, t, front.rule.last_first)
 
 
 @lean
-def settle(
-    xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule, fresh, k
-):  # fmt: skip
+def settle(plane, front, fresh, k):
     """Classify new triangles; queue those at the front, and the neighbors that the front now reaches."""
+    twin, mark, links = plane.twin, plane.mark, front.links
     for i in range(k):
-        classify(
-            xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, np.int64(fresh[i])
-        )
+        classify(plane, front, np.int64(fresh[i]))
     for i in range(k):
         t = np.int64(fresh[i])
-        join_queue(twin, mark, links, gates, turn, rule, t)
+        join_queue(plane, front, t)
         if mark[3 * t] < 0:
             o = np.int64(twin[3 * t] // 3)
             status = links[o, STATUS]
             if status == ASIDE or (status == WAITING and links[t, STATUS] == ACCEPTED):
-                push(links, gates, turn, o, rule.last_first)
+                push(links, front.gates, front.turn, o, front.rule.last_first)
 
 
 @lean
-def start(
-    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
-    box2, rule, moved,
-):  # fmt: skip
+def start(plane, front, moved):
     """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones.
 
     Where no corner has ``moved``, what is known of a triangle holds. No triangle may be waiting in the queue.
     """
-    for t in range(state[COUNT]):
-        if region[t] < 0:
-            links[t, STATUS] = ACCEPTED
-        elif touched(vertex, t, moved):
-            classify(xy, vertex, links, gates, child, values, box, child2, values2, box2, rule, t)
-    for s in range(state[SEGMENTS]):
-        e = np.int64(where[s])
-        join_queue(twin, mark, links, gates, turn, rule, e // 3)
-        join_queue(twin, mark, links, gates, turn, rule, np.int64(twin[e] // 3))
-    for t in range(state[COUNT]):
-        join_queue(twin, mark, links, gates, turn, rule, np.int64(t))
+    for t in range(plane.state[COUNT]):
+        if plane.region[t] < 0:
+            front.links[t, STATUS] = ACCEPTED
+        elif touched(plane.vertex, t, moved):
+            classify(plane, front, t)
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
+        join_queue(plane, front, e // 3)
+        join_queue(plane, front, np.int64(plane.twin[e] // 3))
+    for t in range(plane.state[COUNT]):
+        join_queue(plane, front, np.int64(t))
 
 
 @inline
-def point_for(xy, vertex, child, values, box, rule, e, counts):
+def point_for(plane, front, e, counts):
     """X for the active edge on half-edge e: (x, y, f, p, q, d)."""
+    xy, vertex, rule = plane.xy, plane.vertex, front.rule
     a, b, c = start_of(vertex, e), end_of(vertex, e), vertex[e]
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     mx, my = xy[a, 0] + ux / 2.0, xy[a, 1] + uy / 2.0
@@ -172,23 +180,24 @@ def point_for(xy, vertex, child, values, box, rule, e, counts):
     wx, wy = xy[c, 0] - mx, xy[c, 1] - my
     high = wx * nx + wy * ny
     q = (wx * wx + wy * wy - p * p) / (2.0 * high) if high > 0.0 else inf
-    f = wanted(child, values, box, rule, mx, my)
+    f = wanted(front, mx, my)
     d = min(far_point(max(f, p), p), q)
     if rule.at_center and rule.constant == 0.0:
-        g = wanted(child, values, box, rule, mx + nx * d / 3.0, my + ny * d / 3.0)
+        g = wanted(front, mx + nx * d / 3.0, my + ny * d / 3.0)
         if abs(g - f) > 0.1 * f:
-            counts[MOVED] += 1
+            counts[SIZE_MOVED] += 1
         f = g
         d = min(far_point(max(f, p), p), q)
     return mx + d * nx, my + d * ny, f, p, q, d
 
 
 @inline
-def judge(xy, vertex, mark, rim, k, x, y, f, counts):
+def judge(plane, rim, k, x, y, f, counts):
     """Whether (x, y) may be joined to the rim: INSERTED, or the reason why not and the place in the rim.
 
     Only constrained edges need an exact look: over the others the star-shape is a theorem (see `insertion2`).
     """
+    xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     wide = False
     for i in range(k):
         e = np.int64(rim[i])
@@ -208,20 +217,21 @@ def judge(xy, vertex, mark, rim, k, x, y, f, counts):
         if square < 0.49 * f * f:
             return TOO_NEAR, i
     if wide:
-        counts[WIDE] += 1
+        counts[WIDE_ANGLE] += 1
     return INSERTED, -1
 
 
 @inline
-def attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts):
+def attempt(plane, scratch, t, x, y, f, counts):
     """Find and judge the cavity of (x, y) from triangle t: (outcome, m, k, place in the rim)."""
+    xy, vertex = plane.xy, plane.vertex
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], x, y) <= 0:
         return ROUNDED, 0, 0, -1
-    m, k = find_cavity_here(xy, vertex, twin, mark, t, x, y, stack, cells, rim)
+    m, k = find_cavity_here(plane, scratch, t, x, y)
     if k < 0:
         return ROUNDED, 0, 0, -1
-    outcome, i = judge(xy, vertex, mark, rim, k, x, y, f, counts)
+    outcome, i = judge(plane, scratch.rim, k, x, y, f, counts)
     return outcome, m, k, i
 
 
@@ -252,9 +262,9 @@ def next_active(xy, vertex, twin, mark, links, t, tried):
 def blame(xy, vertex, rim, outcome, i, f, counts):
     """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, or -1."""
     if outcome == TOO_NEAR or outcome == ROUNDED:
-        counts[COLLISIONS if outcome == TOO_NEAR else LOST] += 1
+        counts[COLLISIONS if outcome == TOO_NEAR else WAS_ROUNDED] += 1
         return np.int64(-1)
-    counts[HIDDEN if outcome == OUTSIDE else FLAT] += 1
+    counts[WAS_OUTSIDE if outcome == OUTSIDE else WAS_FLAT] += 1
     e = np.int64(rim[i])
     a, b = start_of(vertex, e), end_of(vertex, e)
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
@@ -263,8 +273,10 @@ def blame(xy, vertex, rim, outcome, i, f, counts):
 
 
 @inline
-def case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts):
-    """The bits of what is special about a step, which are counted; and whether AB stays."""
+def case_of(plane, e, rim, k, point, counts):
+    """The bits of what is special about a step from edge e, whose `point_for` is used; they are counted."""
+    xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
+    x, y, _, p, q, d = point
     case = 1 << POINTS
     if q < p:
         case |= 1 << (CLAMPED if q > 0.0 else BEHIND)
@@ -285,28 +297,27 @@ def case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts):
 
 
 @inline
-def last_resort(xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts):
+def last_resort(plane, front, scratch, t, counts):
     """Try the circumcenter of triangle t: (outcome, m, k, place in the rim, x, y, f)."""
-    square, x, y, gx, gy = circle(xy, vertex, t)
-    f = wanted(child, values, box, rule, gx, gy)
+    square, x, y, gx, gy = circle(plane.xy, plane.vertex, t)
+    f = wanted(front, gx, gy)
     if square == inf:
         return ROUNDED, 0, 0, -1, x, y, f
-    outcome, m, k, i = attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts)
+    outcome, m, k, i = attempt(plane, scratch, t, x, y, f, counts)
     if outcome == INSERTED:
-        counts[CENTERS] += 1
+        counts[AT_CENTER] += 1
     return outcome, m, k, i, x, y, f
 
 
 @lean
-def advance(
-    xy, vertex, twin, mark, region, where, state, links, gates, turn, child, values, box, child2, values2,
-    box2, rule, stack, cells, rim, hold, fresh, counts, log, numbers, ask, limit,
-):  # fmt: skip
+def advance(plane, front, scratch, counts, log, numbers, ask, limit):
     """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split half-edge ``ask[0]``."""
+    xy, vertex, twin, mark, state = plane.xy, plane.vertex, plane.twin, plane.mark, plane.state
+    links, gates, rim = front.links, front.gates, scratch.rim
     for _ in range(limit):
         if state[VERTICES] >= len(xy) or state[COUNT] + 4 > len(links):
             return ROOM
-        t = np.int64(next_slot(links, gates, turn))
+        t = np.int64(next_slot(links, gates, front.turn))
         if t < 0:
             return DONE
         tried, to_split = 0, np.int64(-1)
@@ -318,38 +329,34 @@ def advance(
             e = next_active(xy, vertex, twin, mark, links, t, tried)
             if e >= 0:
                 tried |= 1 << (e - 3 * t)
-                x, y, f, p, q, d = point_for(xy, vertex, child, values, box, rule, e, counts)
-                outcome, m, k, i = attempt(xy, vertex, twin, mark, t, x, y, f, stack, cells, rim, counts)
+                point = point_for(plane, front, e, counts)
+                x, y, f, p, q, d = point
+                outcome, m, k, i = attempt(plane, scratch, t, x, y, f, counts)
                 if outcome == INSERTED:
-                    case = case_of(xy, vertex, twin, mark, e, rim, k, x, y, p, q, d, counts)
+                    case = case_of(plane, e, rim, k, point, counts)
                     a, b, w = start_of(vertex, e), end_of(vertex, e), vertex[e]
                     c = -1 if mark[e] >= 0 else vertex[twin[e]]
             else:
-                outcome, m, k, i, x, y, f = last_resort(
-                    xy, vertex, twin, mark, t, child, values, box, rule, stack, cells, rim, counts
-                )
-                case = 1 << CENTERS
+                outcome, m, k, i, x, y, f = last_resort(plane, front, scratch, t, counts)
+                case = 1 << AT_CENTER
             if outcome != INSERTED:
                 blamed = blame(xy, vertex, rim, outcome, i, f, counts)
                 to_split = blamed if to_split < 0 else to_split
                 if e < 0:
                     break
         if outcome == INSERTED:
-            clear(links, gates, cells, m)
+            clear(links, gates, scratch.cells, m)
             v = state[VERTICES]
             xy[v, 0], xy[v, 1] = x, y
-            commit_here(vertex, twin, mark, region, where, state, cells, m, rim, k, v, hold, fresh)
-            settle(
-                xy, vertex, twin, mark, links, gates, turn, child, values, box, child2, values2, box2, rule,
-                fresh, k,
-            )  # fmt: skip
+            commit_here(plane, scratch, m, k, v)
+            settle(plane, front, scratch.fresh, k)
             if len(log) > 0:
                 log[v, 0], log[v, 1], log[v, 2], log[v, 3], log[v, 4] = a, b, c, w, case
                 numbers[v, 0], numbers[v, 1], numbers[v, 2], numbers[v, 3] = x, y, f, p
                 numbers[v, 4], numbers[v, 5] = q, d
             continue
         unlink(links, gates, t, ASIDE)
-        if to_split >= 0 and rule.split:
+        if to_split >= 0 and front.rule.split:
             ask[0] = to_split
             return SPLIT
         counts[GIVEN_UP] += 1

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST, as_count
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
@@ -117,7 +117,7 @@ def voronoi_segment(
     125-138; L. P. Chew, Symposium on Computational Geometry (1993) 274-280. Book: 2.6c.
     """
     rule = rule_of(accept, evaluate, order, priority, split_boundary)
-    budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST)
+    budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
     run = Run(domain, complex_, size, priority if rule.general else None, rule, history)

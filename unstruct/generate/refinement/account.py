@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import turns
 from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
 from .encroachment import across_small_angle
 from .limits import ANGLE, Limits, misses
-from .state import CENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
+from .state import CIRCUMCENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
 from .steps import shortest_first
 
 __all__ = ["account", "history_of"]
@@ -21,7 +22,7 @@ TEXTS = {
 }
 MISSES = ("angle", "area", "size")
 NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
-EVENT_NAMES = {CENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
+EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
 @lean
@@ -87,7 +88,7 @@ def account(
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
     u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
-    turn = np.abs(np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
+    turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
     missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(MISSES)}
     return slot.astype(np.int32), reasons.astype(str), missed

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from ...base.elementary import angle_of
 from ...base.jit import lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
 from .encroachment import FIRST, SECOND, STRAIGHT
@@ -19,18 +18,20 @@ SMALL_CURVED = MARGIN * np.pi / 2
 
 
 @lean
-def apexes(xy, vertex, twin, mark, region, ends, piece, where, curve, result):
+def apexes(plane, curve, result):
     """For each subsegment which of its ends are apexes of a small angle within the domain: a sum of bits.
 
     Parameters
     ----------
-    xy, vertex, twin, mark, region, ends, piece, where
-        Of a `PlanarComplex`, flooded.
+    plane : Plane
+        Flooded.
     curve : ndarray of int8, shape (pieces,)
         STRAIGHT or not.
     result : ndarray of uint8, shape (subsegments,)
         Gets FIRST, SECOND, both or 0.
     """
+    xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
+    region, ends, piece, where = plane.region, plane.ends, plane.piece, plane.where
     result[:] = 0
     for s in range(result.shape[0]):
         for side in range(2):
@@ -47,7 +48,7 @@ def apexes(xy, vertex, twin, mark, region, ends, piece, where, curve, result):
                 continue
             ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
             vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
-            wedge = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
+            wedge = angle_of(ux * vy - uy * vx, ux * vx + uy * vy)
             bent = curve[piece[r]] != STRAIGHT or curve[piece[s]] != STRAIGHT
             if 0.0 <= wedge < (SMALL_CURVED if bent else SMALL):
                 result[s] |= FIRST if ends[s, 0] == a else SECOND

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from ...base.elementary import arcsine, cosine, sine
 from ...base.jit import inline
 
 STRAIGHT, ARC, OTHER = 0, 1, 2  # kinds of pieces
@@ -76,10 +77,10 @@ def split_arc(xy, a, b, t0, t1, apexes, arc):
     if apexes == FIRST or apexes == SECOND:
         dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
         d = shell(math.sqrt(dx * dx + dy * dy))
-        step = 2.0 * math.asin(min(1.0, d / (2.0 * r))) / abs(arc[4])  # the chord from the apex is the shell
+        step = 2.0 * arcsine(min(1.0, d / (2.0 * r))) / abs(arc[4])  # the chord from the apex is the shell
         t = t0 + step if apexes == FIRST else t1 - step
     angle = arc[3] + t * arc[4]
-    return arc[0] + r * math.cos(angle), arc[1] + r * math.sin(angle), t
+    return arc[0] + r * cosine(angle), arc[1] + r * sine(angle), t
 
 
 @inline

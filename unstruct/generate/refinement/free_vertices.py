@@ -20,8 +20,8 @@ from .encroachment import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .limits import misses
 from .state import REMOVED, record, settle
 
-MOST = 64  # corners of a polygon that is filled: a vertex with more stays; and vertices taken at a time
-# columns of the scratch array ``polygon`` (MOST, 7): of corner i, and of triangle or edge i of the filling
+MOST_CORNERS = 64  # of a polygon that is filled: a vertex with more stays; and vertices taken at a time
+# columns of the scratch array ``polygon``: of corner i, and of triangle or edge i of the filling
 RING, OUTER, SLOT, LOW, BEST, HIGH, HALF = range(7)
 
 
@@ -29,7 +29,7 @@ RING, OUTER, SLOT, LOW, BEST, HIGH, HALF = range(7)
 def _ring(vertex, twin, e, polygon):
     """The polygon around the vertex opposite half-edge e: corners, half-edges outside, slots; its size."""
     first, degree = e, 0
-    while degree < MOST:
+    while degree < MOST_CORNERS:
         polygon[degree, RING] = vertex[next_edge(e)]
         polygon[degree, OUTER] = twin[e]
         polygon[degree, SLOT] = e // 3
@@ -115,7 +115,7 @@ def remove_free(w, tally, limits, e):
         s = w.mark[o]
         if s >= 0:
             w.where[s] = o
-    record(w, tally, REMOVED, v, -1, -1, -1, w.xy[v, 0], w.xy[v, 1])
+    record(w, tally, REMOVED, v, (-1, -1, -1), w.xy[v, 0], w.xy[v, 1])
     _put(w.vertex, w.twin, w.mark, w.polygon, degree, count)
     for i in range(count):
         t = w.polygon[i, SLOT]
@@ -135,7 +135,7 @@ def clear_disc(w, tally, limits, s):
     a, b = w.ends[s, 0], w.ends[s, 1]
     removed = 0
     for side in range(2):
-        while removed < MOST:
+        while removed < MOST_CORNERS:
             e = np.int64(w.where[s])
             if (start_of(w.vertex, e) == a) != (side == 0):
                 e = np.int64(w.twin[e])

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import sine
 from ...base.errors import InputError
 from ...base.jit import inline
 from ...sizing import as_size
@@ -87,7 +88,8 @@ def make_limits(
 
     The box is asked for where there is a table.
     """
-    sine2 = math.sin(math.radians(min_angle)) ** 2
+    least = sine(math.radians(min_angle))
+    sine2 = least * least
     if max_area is None and size is None:
         far, none = np.empty(len(names)), np.empty(len(names), dtype=np.int64)
         far.fill(np.inf)

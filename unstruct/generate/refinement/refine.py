@@ -12,8 +12,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...base.arguments import DEFAULT_BUDGET, MOST
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES
 from ...base.arrays import counted_off
+from ...base.codes import DONE, MORE
+from ...base.elementary import cosine, sine
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
@@ -25,7 +27,7 @@ from .account import account, history_of
 from .limits import make_limits
 from .remeshing import carry, plan_mesh
 from .run import Planned, Run
-from .state import BUDGET, EVENTS, FINISHED, MORE, REFUSED
+from .state import BUDGET, EVENTS, REFUSALS
 
 __all__ = ["refine"]
 
@@ -121,7 +123,7 @@ def refine(
     )
     run = Run(planned, limits, offset, _budget(budget), history)
     code = _loop(run, progress)
-    slots, reasons, missed = account(run.work(), limits, code == FINISHED, run.tally[REFUSED] > 0)
+    slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))
@@ -145,13 +147,13 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
         raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
-    lens = (
-        0.0 if method == "ruppert" else math.cos(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0))) ** 2
-    )
+    seen = cosine(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0)))
+    lens = 0.0 if method == "ruppert" else seen * seen
     offset = 0.0
     if method == "off-centers" and angle > 0.0:
         # the apex over the shortest edge that makes the angle, a little lower so that rounding does no harm
-        offset = 0.475 / math.tan(math.radians(angle) / 2.0)
+        half = math.radians(angle) / 2.0
+        offset = 0.475 * cosine(half) / sine(half)
     return angle, lens, offset
 
 
@@ -160,7 +162,7 @@ def _budget(budget: int | None) -> int:
         return DEFAULT_BUDGET
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
-    return min(int(budget), MOST)
+    return min(int(budget), MOST_VERTICES)
 
 
 def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
@@ -186,5 +188,5 @@ def _loop(run: Run, progress: bool) -> int:
             before = run.vertices
             code = run.advance()
             bar.update(run.vertices - before)
-    assert code in (FINISHED, BUDGET)
+    assert code in (DONE, BUDGET)
     return code

@@ -174,7 +174,7 @@ def chains(
         np.flatnonzero(np.diff(chain[longest], prepend=-1))
     ]  # one edge of each chain: its direction
     direction = (points[edges[lead, 1]] - points[edges[lead, 0]])[chain]
-    along = np.einsum("ijk,ik->ij", points[edges], direction)
+    along = (points[edges] * direction[:, None]).sum(axis=2)
     flipped = along[:, 0] > along[:, 1]
     ends = np.where(flipped[:, None], edges[:, ::-1], edges)
     along = np.sort(along, axis=1)

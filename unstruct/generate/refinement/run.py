@@ -10,22 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.codes import MORE, ROOM
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from .encroachment import FIRST, SECOND, shell
-from .free_vertices import MOST
+from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
-    CENTERS,
+    CIRCUMCENTERS,
     CURVES,
     EVENTS,
     LARGE,
-    LIMIT,
-    MORE,
     REMOVED,
-    ROOM,
     SEGMENT_TOP,
+    VERTEX_LIMIT,
     WANTED,
     Work,
     begin,
@@ -35,7 +34,7 @@ from .steps import advance
 
 __all__ = ["Planned", "Run"]
 
-STEPS = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+REFINE_STEPS_A_CALL = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
 PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
@@ -64,23 +63,19 @@ class Run:
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
         self.tally = np.zeros(16, dtype=np.int64)
-        self.tally[LIMIT] = budget
+        self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
-        self.polygon = np.empty((MOST, 7), dtype=np.int64)
+        self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
         # copies, so that none is read-only: that would be another type, and a second compilation
         self.arc, self.curve, self.joints = planned.arc.copy(), planned.curve.copy(), planned.joints.copy()
         if c.factor != 1.0:
             self.arc[:, :3] *= c.factor
-        wanted = min(expected(c.xy, c.vertex, c.region, c.triangles, limits), 2.0**25)
+        wanted = min(expected(c.plane(), limits), 2.0**25)
         c.reserve(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
         self._allocate(len(c.xy), len(c.where), len(c.region) + 1)
-        inputs = np.array(planned.rest["inputs"], dtype=np.int32)
-        begin(
-            c.xy, c.vertex, c.twin, c.mark, c.region, c.ends, c.piece, c.where, n, s, c.triangles, inputs,
-            self.curve, self.kind, self.floor, self.apexes, self.lock, self.asked, self.need, self.given,
-        )  # fmt: skip
+        begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32))
 
     def _allocate(self, n: int, s: int, t: int) -> None:
         """Arrays for so many vertices, subsegments and slots."""
@@ -115,9 +110,8 @@ class Run:
     def work(self) -> Work:
         """The arrays as they are now."""
         if self._work is None:
-            c = self.complex
             arrays: list[NDArray] = [
-                c.xy, c.vertex, c.twin, c.mark, c.region, c.where, c.ends, c.piece, c.span, c.state,
+                *self.complex.plane(),
                 *OWN_OF(self), self.curve, self.arc, self.joints, *self.scratch,
                 self.polygon, self.event, self.place,
             ]  # fmt: skip
@@ -125,8 +119,8 @@ class Run:
         return self._work
 
     def advance(self) -> int:
-        """Some thousand steps; FINISHED, MORE or BUDGET."""
-        code = advance(self.work(), self.tally, self.limits, self.offset, STEPS)
+        """Some thousand steps; DONE, MORE or BUDGET."""
+        code = advance(self.work(), self.tally, self.limits, self.offset, REFINE_STEPS_A_CALL)
         if code == ROOM:
             c = self.complex
             vertices = len(c.xy) if c.size + 1 <= len(c.xy) else 2 * len(c.xy)
@@ -178,4 +172,4 @@ class Run:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
         tally = self.tally.tolist()
-        return {"removed": tally[REMOVED], **dict(zip(names, tally[CENTERS:]))}
+        return {"removed": tally[REMOVED], **dict(zip(names, tally[CIRCUMCENTERS:]))}

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.insertion.halfedges import SEGMENTS
+from ...connect.insertion.halfedges import SEGMENTS, VERTICES
+from ...connect.planar.records import Plane, Scratch
 from .acute import apexes
 from .encroachment import INPUT_VERTEX, encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
@@ -27,15 +28,14 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 OPEN, LARGE = 0, 250
 SMALL_ANGLE, FLOOR, PRECISION, CURVE = 251, 252, 253, 254
 STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
-# what `advance` returns
-FINISHED, MORE, ROOM, CURVES, BUDGET = 0, 1, 2, 3, 4
+CURVES, BUDGET = 8, 9  # what `advance` returns, besides DONE, MORE and ROOM
 # entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
-SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
-REMOVED, CENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSED, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
+SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, VERTEX_LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
+REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
 UNKNOWN = -9  # no kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
-LEAST = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
+LEAST_SQUARE = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
 
 
 class Work(NamedTuple):
@@ -85,6 +85,18 @@ class Work(NamedTuple):
 
 
 @inline
+def plane_of(w):
+    """The arrays of the triangulation alone, for kernels of `cavity` that are not inlined."""
+    return Plane(w.xy, w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state)
+
+
+@inline
+def scratch_of(w):
+    """The scratch for cavities alone."""
+    return Scratch(w.stack, w.cells, w.rim, w.hold, w.fresh)
+
+
+@inline
 def ask(w, tally, s, by, floor):
     """Put subsegment s on the stack, unless it is there or locked; whether it is there now.
 
@@ -130,7 +142,7 @@ def unlink(w, tally, t, k):
 def give_up(w, tally, t, why):
     """Note why triangle t, which waits no longer, was not refined."""
     w.status[t] = (w.status[t] & STACKED) | why
-    tally[REFUSED] += 1
+    tally[REFUSALS] += 1
 
 
 @inline
@@ -263,12 +275,12 @@ def look_at_all(w, tally, limits):
 
 
 @inline
-def record(w, tally, what, p, a, b, c, px, py):
-    """Note an event, where a record is kept."""
+def record(w, tally, what, p, corners, px, py):
+    """Note an event, where a record is kept; ``corners``: three vertices, or what stands for them."""
     if len(w.event) > 0:
         i = tally[EVENTS]
         w.event[i, 0], w.event[i, 1] = what, p
-        w.event[i, 2], w.event[i, 3], w.event[i, 4] = a, b, c
+        w.event[i, 2], w.event[i, 3], w.event[i, 4] = corners
         w.place[i, 0], w.place[i, 1] = px, py
         tally[EVENTS] = i + 1
 
@@ -292,13 +304,14 @@ def set_kinds(inputs, ends, piece, kind):
 
 
 @lean
-def expected(xy, vertex, region, count, limits):
+def expected(plane, limits):
     """About how many vertices the limits will lead to, as far as they are constant.
 
     As counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length.
     """
+    xy, vertex, region = plane.xy, plane.vertex, plane.region
     number = 0.0
-    for t in range(count):
+    for t in range(plane.state[COUNT]):
         r = region[t]
         if r >= 0:
             a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
@@ -334,14 +347,12 @@ def set_floors(xy, vertex, mark, region, count, floor):
 
 
 @lean
-def begin(
-    xy, vertex, twin, mark, region, ends, piece, where, n, s, count, inputs, curve, kind, floor, apex, lock,
-    asked, need, given,
-):  # fmt: skip
-    """Write what a run begins with, for n vertices, s subsegments and so many slots."""
-    set_kinds(inputs, ends[:s], piece, kind[:n])
-    set_floors(xy, vertex, mark, region, count, floor[:n])
-    apexes(xy, vertex, twin, mark, region, ends, piece, where, curve, apex[:s])
+def begin(w, inputs):
+    """Write what a run begins with."""
+    n, s = w.state[VERTICES], w.state[SEGMENTS]
+    set_kinds(inputs, w.ends[:s], w.piece, w.kind[:n])
+    set_floors(w.xy, w.vertex, w.mark, w.region, w.state[COUNT], w.floor[:n])
+    apexes(w, w.curve, w.apexes[:s])
     for i in range(s):  # nobody has asked for a subsegment yet
-        lock[i], asked[i], need[i] = 0, 0, np.inf
-        given[i, 0] = given[i, 1] = given[i, 2] = np.nan
+        w.lock[i], w.asked[i], w.need[i] = 0, 0, np.inf
+        w.given[i, 0] = w.given[i, 1] = w.given[i, 2] = np.nan

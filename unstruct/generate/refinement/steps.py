@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from ...base.codes import DONE, MORE, ROOM
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import blocked_by, commit_here, commit_split, find_cavity_here, find_split
@@ -37,33 +38,30 @@ from .encroachment import (
     split_arc,
     split_straight,
 )
-from .free_vertices import MOST, clear_disc
+from .free_vertices import MOST_CORNERS, clear_disc
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
 from .state import (
     BEGUN,
     BUDGET,
-    CENTERS,
+    CIRCUMCENTERS,
     CURVE,
     CURVES,
     EVENTS,
-    FINISHED,
     FLOOR,
     FRACTION,
     LARGE_ONES,
-    LEAST,
-    LIMIT,
+    LEAST_SQUARE,
     LINKED,
     LOCKED,
-    MORE,
     OPEN,
     PRECISION,
     REJECTED,
     REMOVED,
-    ROOM,
     SEGMENT_TOP,
     SHELLS,
     SMALL_ANGLE,
     SPLITS,
+    VERTEX_LIMIT,
     WANTED,
     ask,
     give_up,
@@ -72,11 +70,13 @@ from .state import (
     look_at_segment,
     look_at_star,
     next_triangle,
+    plane_of,
     record,
+    scratch_of,
     settle,
 )
 
-FAR = 1e30  # a circumcenter beyond this cannot be judged
+FAR_FROM_ALL = 1e30  # a circumcenter beyond this cannot be judged
 
 
 # --- subsegments -----------------------------------------------------------------------------------
@@ -114,9 +114,7 @@ def _wanted(w, limits, s, px, py):
 @inline
 def _find(w, s, px, py):
     """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
-    m, k, h = find_split(
-        w.xy, w.vertex, w.twin, w.mark, np.int64(w.where[s]), px, py, w.stack, w.cells, w.rim
-    )
+    m, k, h = find_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), px, py)
     if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
         k = -1
     return m, k, h
@@ -138,7 +136,7 @@ def split_next(w, tally, limits):
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
-    rounding = LEAST * max(px * px, py * py)
+    rounding = LEAST_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
     least = floor
@@ -159,11 +157,8 @@ def split_next(w, tally, limits):
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = w.piece[s], floor
-    record(w, tally, SPLITS, p, a, b, s, px, py)
-    new = commit_split(
-        w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state, np.int64(w.where[s]),
-        w.cells, m, w.rim, k, h, p, t, w.hold, w.fresh,
-    )  # fmt: skip
+    record(w, tally, SPLITS, p, (a, b, s), px, py)
+    new = commit_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), m, k, h, p, t)
     tally[SPLITS] += 1
     if w.apexes[s] == FIRST or w.apexes[s] == SECOND:
         tally[SHELLS] += 1
@@ -236,8 +231,11 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
 
 
 @lean
-def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
-    """The subsegment of the rim that the way from g, in the cavity, to p crosses; -1 for none."""
+def _hidden_by(plane, rim, k, t, px, py):
+    """The subsegment of the rim that the way from the middle of triangle t to p crosses; -1 for none."""
+    xy, vertex, mark = plane.xy, plane.vertex, plane.mark
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    gx, gy = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     for i in range(k):
         e = np.int64(rim[i])
         if mark[e] >= 0:
@@ -253,19 +251,18 @@ def _hidden_by(xy, vertex, mark, rim, k, gx, gy, px, py):
 
 
 @inline
-def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+def _step_aside(w, tally, limits, t, k, center, by, floor):
     """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
 
     A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
     Delaunay triangulation, and need not be tested.
     """
+    px, py, sure = center
     marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
-        a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
-        gx, gy = (w.xy[a, 0] + w.xy[b, 0] + w.xy[c, 0]) / 3.0, (w.xy[a, 1] + w.xy[b, 1] + w.xy[c, 1]) / 3.0
-        s = _hidden_by(w.xy, w.vertex, w.mark, w.rim, k, gx, gy, px, py)
+        s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
             if ask(w, tally, s, by, floor):
@@ -274,7 +271,8 @@ def _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
                 why = w.lock[s]
     if asked > 0:
         tally[REJECTED] += 1
-        record(w, tally, REJECTED, -1, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2], px, py)
+        corners = (w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2])
+        record(w, tally, REJECTED, -1, corners, px, py)
         settle(w, tally, t, SIZE if by == BY_SIZE else ANGLE)
     else:
         give_up(w, tally, t, why)
@@ -296,7 +294,7 @@ def improve_next(w, tally, limits, offset):
         a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
         offset = 0.0
     px, py, square, sure = _center(w.xy, a, b, c, offset)
-    rounding = LEAST * max(px * px, py * py)
+    rounding = LEAST_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
     if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
@@ -307,26 +305,24 @@ def improve_next(w, tally, limits, offset):
             return
     else:
         floor = min(floor, max(FRACTION * square, rounding))
-    if not (abs(px) < FAR and abs(py) < FAR):
+    if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)
         return
     if not sure and not _in_circle(w.xy, a, b, c, px, py):
         give_up(w, tally, t, PRECISION)
         return
-    m, k = find_cavity_here(w.xy, w.vertex, w.twin, w.mark, t, px, py, w.stack, w.cells, w.rim)
+    m, k = find_cavity_here(w, w, t, px, py)
     if k < 0:
         give_up(w, tally, t, PRECISION)
         return
-    if not _step_aside(w, tally, limits, t, k, px, py, sure, by, floor):
+    if not _step_aside(w, tally, limits, t, k, (px, py, sure), by, floor):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
     w.kind[p], w.floor[p] = FREE_VERTEX, floor
-    record(w, tally, CENTERS, p, a, b, c, px, py)
-    commit_here(
-        w.vertex, w.twin, w.mark, w.region, w.where, w.state, w.cells, m, w.rim, k, p, w.hold, w.fresh
-    )
-    tally[CENTERS] += 1
+    record(w, tally, CIRCUMCENTERS, p, (a, b, c), px, py)
+    commit_here(w, w, m, k, p)
+    tally[CIRCUMCENTERS] += 1
     look_at_fan(w, tally, limits, p, w.region[w.fresh[0]], k)
 
 
@@ -342,11 +338,11 @@ def advance(w, tally, limits, offset, steps):
     for _ in range(steps):
         if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
             return ROOM
-        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST + 8 > len(w.event):
+        if len(w.event) > 0 and tally[EVENTS] + 2 * MOST_CORNERS + 8 > len(w.event):
             return ROOM
         if tally[SEGMENT_TOP] + tally[WANTED] + tally[LARGE_ONES] + tally[LINKED] == 0:
-            return FINISHED
-        if w.state[VERTICES] - tally[REMOVED] >= tally[LIMIT]:
+            return DONE
+        if w.state[VERTICES] - tally[REMOVED] >= tally[VERTEX_LIMIT]:
             return BUDGET
         if tally[SEGMENT_TOP] > 0:
             split_next(w, tally, limits)

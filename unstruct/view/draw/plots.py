@@ -22,7 +22,7 @@ from .strips import draw_items, fit, flat_axes, marks
 __all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
 
 FEW = 250  # cells, above which lines become thinner, down to a third
-MANY = 400  # vertices, above which markers would hide the cells
+CROWD = 400  # vertices, above which markers would hide the cells
 
 
 def plot(
@@ -41,7 +41,8 @@ def plot(
     Parameters
     ----------
     mesh : Mesh
-        In one, two or three dimensions; of tetrahedra the boundary is shown.
+        In one, two or three dimensions; of large solids, and of those with other cells than tetrahedra,
+        the boundary is shown.
     ax : matplotlib axes, optional
         Where to draw; new ones by default.
     role : str
@@ -51,7 +52,8 @@ def plot(
     vertices : bool, optional
         Draw the vertices; by default up to 400 of them.
     values : array (cells,), optional
-        Color the cells by these, with a color bar called ``label`` (planar meshes and surfaces).
+        Color the cells by these, with a color bar called ``label`` (planar meshes, surfaces, and the faces of
+        solids).
     **view
         ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
 
@@ -83,7 +85,7 @@ def plot(
         for drawn in ax.collections[before:]:
             drawn.set_linewidth((thin * np.ravel(drawn.get_linewidth())).tolist())
     draw_items(ax, [fr.segments("edge", [points[c] for c in cells if len(c) == 2])])
-    if vertices or (vertices is None and len(used) <= MANY):
+    if vertices or (vertices is None and len(used) <= CROWD):
         marks(ax, points[used], "vertex", z=5, scale=1.0 if len(used) <= 60 else 0.6)
     if names:
         draw_items(ax, [fr.labels("vertex", points[used], used)])

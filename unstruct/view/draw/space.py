@@ -22,6 +22,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize, to_hex, to_rgb
 
 from ...base.errors import InputError
+from ...mesh.cells import incident_facets
 from .colors import line_style, styles
 from .colors import role as style_of
 from .strips import fit, flat_axes, marks
@@ -29,9 +30,9 @@ from .strips import label as write_label
 
 __all__ = ["Space", "item3", "mesh_items3", "picture", "view3d"]
 
-HERE = Path(__file__).parent
-KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
-FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
+DRAW_FOLDER = Path(__file__).parent
+SPACE_KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
+TETRAHEDRON_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 MANY_CELLS = 2500  # tetrahedra, above which only the boundary is drawn
 MOST_FACES = 20000  # for the widget: beyond, turning is no longer smooth
 THIN = 0.6  # edges of faces in space, in parts of a role's width: many are seen at once
@@ -41,8 +42,8 @@ Item = dict[str, Any]
 class Space(anywidget.AnyWidget):
     """A scene in space, turned by dragging and by the arrow keys; see `view3d`."""
 
-    _esm = HERE / "space.js"
-    _css = HERE / "player.css"
+    _esm = DRAW_FOLDER / "space.js"
+    _css = DRAW_FOLDER / "player.css"
     scene = traitlets.Dict().tag(sync=True)
     azimuth = traitlets.Float(-55.0).tag(sync=True)
     elevation = traitlets.Float(22.0).tag(sync=True)
@@ -75,8 +76,8 @@ def item3(
         For an unknown kind, an index outside ``points``, or coordinates that are not finite.
     """
     style_of(role)
-    if kind not in KINDS:
-        raise InputError(f"no kind {kind!r} in space; use one of {', '.join(KINDS)}")
+    if kind not in SPACE_KINDS:
+        raise InputError(f"no kind {kind!r} in space; use one of {', '.join(SPACE_KINDS)}")
     places = np.asarray(points, dtype=float).reshape(-1, 3)
     if kind in ("cells", "polygons", "segments"):
         rows = [[int(v) for v in row] for row in data]
@@ -104,7 +105,8 @@ def item3(
 def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any = None) -> list[Item]:
     """A mesh in space as items: tetrahedra, or faces and edges; of large solids the boundary.
 
-    ``values`` colors the cells; ``only`` chooses some of them (indices or a mask).
+    Of other solids and of mixtures always the boundary. ``values`` colors the cells, there by their faces;
+    ``only`` chooses some of them (indices or a mask).
     """
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] not in (2, 3):
@@ -113,6 +115,8 @@ def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any 
         )
     points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
     blocks = dict(getattr(mesh, "cells", None) or {"": mesh.simplices})
+    if only is not None and not getattr(mesh, "is_simplicial", True):
+        return mesh_items3(mesh.select(only), role, values)
     if only is not None:
         blocks = {"": np.asarray(mesh.simplices)[only]}
     large = sum(map(len, blocks.values())) > MANY_CELLS and values is None and only is None
@@ -123,19 +127,31 @@ def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any 
         if name in ("quad", "polygon"):
             kind = "polygons"
         elif name in ("hexahedron", "wedge", "pyramid") or (kind == "cells" and large):
-            items = [item3("polygons", role, [[v for v in row if v >= 0] for row in mesh.boundary], points)]
-            break
+            return [_skin(mesh, role, points, values)]
         items.append(item3(kind, role, points[np.ravel(block)] if kind == "points" else block, points))
     if values is not None:
         _color(items, np.asarray(values, dtype=float))
     return items
 
 
-def _color(items: list[Item], values: np.ndarray) -> None:
+def _skin(mesh: Any, role: str, points: np.ndarray, values: Any) -> Item:
+    """The boundary of a solid as an item; each face has the color of its cell."""
+    rows, owner, group = incident_facets(mesh.cells)
+    outer = np.bincount(group)[group] == 1
+    item = item3("polygons", role, [[v for v in row if v >= 0] for row in rows[outer].tolist()], points)
+    if values is not None:
+        values = np.asarray(values, dtype=float)
+        if values.shape != (mesh.size,):
+            raise InputError(f"{values.shape} values for {mesh.size} cells; give one a cell")
+        _color([item], values[owner[outer]], _scale(values))
+    return item
+
+
+def _color(items: list[Item], values: np.ndarray, scale: Normalize | None = None) -> None:
     count = sum(len(i["data"]) for i in items)
     if values.shape != (count,):
         raise InputError(f"{values.shape} values for {count} cells; give one a cell")
-    colors = iter([to_hex(c) for c in matplotlib.colormaps["cividis"](_scale(values)(values))])
+    colors = iter([to_hex(c) for c in matplotlib.colormaps["cividis"]((scale or _scale(values))(values))])
     for one in items:
         one["colors"] = [next(colors) for _ in one["data"]]
 
@@ -283,7 +299,7 @@ def _things(
             kind, extra = item["kind"], item.get("colors", [None] * (j + 1))[j]
             if kind == "cells":
                 moved = points[row] + explode * (points[row].mean(axis=0) - center)
-                parts = [("polygons", moved[list(face)], extra) for face in FACES]
+                parts = [("polygons", moved[list(face)], extra) for face in TETRAHEDRON_FACES]
             elif kind in ("polygons", "segments"):
                 parts = [(kind, points[row], extra)]
             else:

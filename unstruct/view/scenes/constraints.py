@@ -21,11 +21,11 @@ from ...mesh.mesh import Mesh
 from ..draw import frames as fr
 from .choices import preset_named, within
 
-__all__ = ["COMPONENTS", "SEGMENTS", "principal_component_state", "segment_history", "segment_state"]
+__all__ = ["COMPONENTS", "SEGMENT_EXAMPLES", "principal_component_state", "segment_history", "segment_state"]
 
 # ---- a segment is put in ---------------------------------------------------------------------------
 
-SEGMENTS: dict[str, dict[str, Any]] = {
+SEGMENT_EXAMPLES: dict[str, dict[str, Any]] = {
     "one segment": {
         "points": [(0, 3), (10, 3), (2, 5), (5, 4), (8, 6), (2, 0), (4, 2), (6.5, 1), (8.5, 0.5)],
         "segments": [(0, 1)],
@@ -56,7 +56,7 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
     Parameters
     ----------
     preset : str
-        A key of `SEGMENTS`.
+        A key of `SEGMENT_EXAMPLES`.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def segment_history(preset: str = "one segment") -> list[fr.Frame]:
         Frames: the triangles that a segment crosses one after the other, the two polygons beside it, and
         their new triangles with their circles.
     """
-    given = preset_named(SEGMENTS, preset)
+    given = preset_named(SEGMENT_EXAMPLES, preset)
     rows = np.array(given["points"], dtype=float)
     mesh = Mesh(rows, given["cells"]).oriented() if "cells" in given else delaunay(rows)
     first = "A triangulation" if "cells" in given else "The Delaunay triangulation"

@@ -24,7 +24,7 @@ from .choices import preset_named, within
 
 __all__ = [
     "COBWEBS",
-    "VORONOI_SEGMENTS",
+    "FRONT_EXAMPLES",
     "chain_frame",
     "cobweb_drag",
     "cobweb_state",
@@ -35,14 +35,14 @@ __all__ = [
 # ---- one step: figure 12.8 -----------------------------------------------------------------------
 
 A, B = np.array([-1.0, 0.0]), np.array([1.0, 0.0])  # so p = 1
-VORONOI_SEGMENTS: dict[str, dict[str, Any]] = {
+FRONT_EXAMPLES: dict[str, dict[str, Any]] = {
     "a short edge: p < f": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.1, "q": 1.8},
     "a long edge: p > f": {"c": (0.1, 1.6), "turn": 0.8, "f": 0.8, "q": 1.8},
     "the cap is active": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.6, "q": 1.5},
     "q < p: (12.5) goes beyond F": {"c": (0.1, 1.4), "turn": 0.8, "f": 0.75, "q": 0.75},
     "nasty: AB is deleted": {"c": (0.0, 0.5), "turn": 0.25, "f": 0.875, "q": 1.6},
 }
-SIZE, REACH = (0.3, 2.0), (0.1, 2.0)  # the ranges of f and q, for p = 1
+F_RANGE, Q_RANGE = (0.3, 2.0), (0.1, 2.0)  # the ranges of f and q, for p = 1
 
 
 def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f") -> fr.Frame:
@@ -55,7 +55,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
     q : float
         The distance of F from M, between 0.1 and 2.
     preset : str
-        A key of `VORONOI_SEGMENTS`: it puts C, and D on its circle.
+        A key of `FRONT_EXAMPLES`: it puts C, and D on its circle.
 
     Returns
     -------
@@ -64,9 +64,9 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
         and gives the angle at X.
     """
 
-    given = preset_named(VORONOI_SEGMENTS, preset)
-    within("f", f, *SIZE)
-    within("q", q, *REACH)
+    given = preset_named(FRONT_EXAMPLES, preset)
+    within("f", f, *F_RANGE)
+    within("q", q, *Q_RANGE)
     c, d = np.array(given["c"]), _on_circle(q, given["turn"])
     got, raw = rs.step(A, B, d, f, c), rs.step(A, B, d, f, c, clamp=False)
     assert got.point is not None and raw.point is not None and got.accepted_center is not None
@@ -141,7 +141,7 @@ COBWEBS: dict[str, tuple[float, float]] = {  # the change of f per step, p / f o
     "nasty: f shrinks faster than p": (0.69, 0.8),
 }
 GROWTH, START, STEPS = (0.65, 1.4), (0.5, 1.5), 24
-LOW, HIGH = -0.62, 0.88  # the window, in epsilon
+WINDOW_LOW, WINDOW_HIGH = -0.62, 0.88  # the window, in epsilon
 IDEAL = 2 / sqrt(3)
 
 
@@ -171,21 +171,25 @@ def cobweb_state(
     within("growth", growth, *GROWTH)
     within("start", start, *START)
     orbit, web = _web(growth, start)
-    curve = [[e, _next(e, growth)] for e in np.linspace(LOW, HIGH, 89).tolist()]
+    curve = [[e, _next(e, growth)] for e in np.linspace(WINDOW_LOW, WINDOW_HIGH, 89).tolist()]
     inside = [piece for piece in pairwise(curve) if max(p[1] for p in piece) < 2]
     pairs = np.reshape(np.asarray(measured if abs(growth - 1) < 5e-3 else (), dtype=float), (-1, 2))
     items = [
-        fr.segments("edge", [[[LOW, 0.0], [HIGH, 0.0]], [[0.0, LOW], [0.0, HIGH]]], opacity=0.5),
-        fr.segments("muted", [[[LOW, LOW], [HIGH, HIGH]]]),
+        fr.segments(
+            "edge",
+            [[[WINDOW_LOW, 0.0], [WINDOW_HIGH, 0.0]], [[0.0, WINDOW_LOW], [0.0, WINDOW_HIGH]]],
+            opacity=0.5,
+        ),
+        fr.segments("muted", [[[WINDOW_LOW, WINDOW_LOW], [WINDOW_HIGH, WINDOW_HIGH]]]),
         fr.segments("circumcircle", _tangent(growth)),
         fr.segments("constrained", inside),
         fr.segments("inserted", web, opacity=0.7),
-        fr.dots("accepted", pairs[(abs(pairs) < HIGH).all(axis=1)], opacity=0.5),
+        fr.dots("accepted", pairs[(abs(pairs) < WINDOW_HIGH).all(axis=1)], opacity=0.5),
         fr.dots("inserted", [orbit[0], 0.0], handles=["start"]),
-        fr.labels("edge", [[HIGH - 0.13, 0.0], [0.0, HIGH - 0.13]], ["εₙ", "εₙ₊₁"]),
+        fr.labels("edge", [[WINDOW_HIGH - 0.13, 0.0], [0.0, WINDOW_HIGH - 0.13]], ["εₙ", "εₙ₊₁"]),
     ]
     caption, number = _fate(growth, orbit)
-    return fr.frame(caption, *items, number=number, view=[LOW, HIGH, LOW, HIGH])
+    return fr.frame(caption, *items, number=number, view=[WINDOW_LOW, WINDOW_HIGH, WINDOW_LOW, WINDOW_HIGH])
 
 
 def cobweb_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:

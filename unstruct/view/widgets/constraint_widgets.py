@@ -8,7 +8,7 @@ import numpy as np
 
 from ..scenes.constraints import (
     COMPONENTS,
-    SEGMENTS,
+    SEGMENT_EXAMPLES,
     component_mesh,
     principal_component_state,
     segment_history,
@@ -20,7 +20,7 @@ __all__ = ["constrained_insertion", "principal_component"]
 
 def constrained_insertion() -> Panel:
     """Step through the insertion of segments: crossed triangles, two polygons, filling. Book: 2.5."""
-    histories = {name: segment_history(name) for name in SEGMENTS}
+    histories = {name: segment_history(name) for name in SEGMENT_EXAMPLES}
     return chosen(histories, "A segment is put into a triangulation: what it crosses, what comes instead.")
 
 

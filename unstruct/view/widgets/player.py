@@ -16,7 +16,7 @@ from ..draw.colors import styles
 
 __all__ = ["Player", "player"]
 
-HERE = Path(__file__).parent
+WIDGET_FOLDER = Path(__file__).parent
 
 
 class Player(anywidget.AnyWidget):
@@ -40,8 +40,8 @@ class Player(anywidget.AnyWidget):
         The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
     """
 
-    _esm = HERE / "player.js"
-    _css = HERE.parent / "draw" / "player.css"
+    _esm = WIDGET_FOLDER / "player.js"
+    _css = WIDGET_FOLDER.parent / "draw" / "player.css"
     frames: Any = traitlets.List().tag(sync=True)
     index = traitlets.Int(0).tag(sync=True)
     view: Any = traitlets.List().tag(sync=True)

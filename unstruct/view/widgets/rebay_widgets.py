@@ -8,11 +8,11 @@ from typing import Any
 
 from ..scenes.rebay import (
     COBWEBS,
+    F_RANGE,
+    FRONT_EXAMPLES,
     GROWTH,
-    REACH,
-    SIZE,
+    Q_RANGE,
     START,
-    VORONOI_SEGMENTS,
     cobweb_drag,
     cobweb_state,
     voronoi_segment_drag,
@@ -25,18 +25,18 @@ __all__ = ["rebay_cobweb", "rebay_step"]
 
 def rebay_step() -> Panel:
     """The chapter's Fig. 12.8: drag F or X, or move f and q, and see where the new point goes. Book: 2.6c."""
-    first = VORONOI_SEGMENTS[next(iter(VORONOI_SEGMENTS))]
+    first = FRONT_EXAMPLES[next(iter(FRONT_EXAMPLES))]
     controls = {
-        "preset": presets(VORONOI_SEGMENTS),
-        "f": slider("wanted radius f", first["f"], *SIZE, 0.01),
-        "q": slider("q, from M to F", first["q"], *REACH, 0.01),
+        "preset": presets(FRONT_EXAMPLES),
+        "f": slider("wanted radius f", first["f"], *F_RANGE, 0.01),
+        "q": slider("q, from M to F", first["q"], *Q_RANGE, 0.01),
     }
     alt = (
         "An accepted triangle ABC, the triangle ADB below it, their circles and centers, and the new point X."
     )
 
     def start(preset: str) -> dict[str, Any]:
-        return {name: VORONOI_SEGMENTS[preset][name] for name in ("f", "q")}
+        return {name: FRONT_EXAMPLES[preset][name] for name in ("f", "q")}
 
     return live(voronoi_segment_state, controls, alt, voronoi_segment_drag, start)
 

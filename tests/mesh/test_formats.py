@@ -1,0 +1,143 @@
+"""Meshes of several kinds in files: everything comes back, or an error says what the format cannot hold."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mixed_cells import GOOD, planar, spatial
+
+from unstruct import InputError, Mesh, MeshError
+
+
+def marked(mesh: Mesh) -> Mesh:
+    named = {
+        "wall": mesh.boundary[::2],
+        "some edges": mesh.edges[:4],
+        "tips": np.array([[2], [0]]),
+        "nothing": np.empty((0, 2), dtype=int),
+        "region": np.arange(mesh.size) % 3,
+        "odd": np.arange(mesh.size) % 2 == 1,
+        "value": np.arange(mesh.size) * 0.1,
+    }
+    return Mesh(mesh.points, cells=mesh.cells, markers=named, origin=np.arange(len(mesh.points))[::-1])
+
+
+def faces(rows: np.ndarray) -> set[frozenset[int]]:
+    return {frozenset(v for v in row if v >= 0) for row in rows.tolist()}
+
+
+def assert_same_cells(mesh: Mesh, again: Mesh) -> None:
+    assert list(again.cells) == list(mesh.cells) and np.array_equal(again.points, mesh.points)
+    for kind, block in mesh.cells.items():
+        assert [row.tolist() for row in again.cells[kind]] == [row.tolist() for row in block]
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "vtk"])
+@pytest.mark.parametrize("mesh", [planar(5, jitter=0.1, seed=3), spatial(3, jitter=0.1)], ids=repr)
+def test_all_comes_back(tmp_path: Path, mesh: Mesh, suffix: str) -> None:
+    mesh = marked(mesh)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh.write(tmp_path / f"mesh.{suffix}")
+        again = Mesh.read(tmp_path / f"mesh.{suffix}")
+    assert_same_cells(mesh, again)
+    assert np.array_equal(again.origin, mesh.origin) and set(again.markers) == set(mesh.markers)
+    for name, values in mesh.markers.items():
+        if values.ndim == 1:
+            assert (
+                np.array_equal(again.markers[name], values)
+                and again.markers[name].dtype.kind == values.dtype.kind
+            )
+        else:
+            assert faces(again.markers[name]) == faces(values)
+            assert again.markers[name].shape == values.shape
+
+
+def test_polygons_of_many_sizes_keep_their_order(tmp_path: Path) -> None:
+    sizes = [5, 3, 4, 3, 6, 5]
+    ends = np.cumsum(sizes)
+    rows = np.split(np.arange(ends[-1]), ends[:-1])
+    points = np.random.default_rng(0).random((ends[-1] + 3, 2))
+    last = np.arange(ends[-1], ends[-1] + 3)[None]
+    for cells in ({"polygon": rows, "triangle": last}, {"triangle": last, "polygon": rows}):
+        mesh = Mesh(points, cells=cells, markers={"number": np.arange(7), "corner": [[1]]})
+        for suffix in ("vtu", "vtk"):
+            mesh.write(tmp_path / f"mesh.{suffix}")
+            again = Mesh.read(tmp_path / f"mesh.{suffix}")
+            assert_same_cells(mesh, again)
+            assert again.markers["number"].tolist() == list(range(7))
+            assert again.markers["corner"].tolist() == [[1]] and set(again.markers) == set(mesh.markers)
+
+
+def test_gmsh_groups_of_triangles_and_quadrilaterals(tmp_path: Path) -> None:
+    mesh = spatial(3, jitter=0.1)
+    wall = mesh.boundary[mesh.points[mesh.boundary[:, :3]][:, :, 2].max(axis=1) == 0]
+    rest = mesh.boundary[mesh.points[mesh.boundary[:, :3]][:, :, 2].max(axis=1) > 0]
+    assert len(set((wall < 0).sum(axis=1))) == 2, "both kinds of faces"
+    marks = {"floor": wall, "rest": rest, "region": np.arange(mesh.size) % 2, "edge": mesh.edges[:3]}
+    mesh = Mesh(mesh.points, cells=mesh.cells, markers=marks)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh.write(tmp_path / "mesh.msh")
+    again = Mesh.read(tmp_path / "mesh.msh")
+    assert_same_cells(mesh, again)
+    assert set(again.markers) == set(mesh.markers)
+    assert again.markers["region"].tolist() == mesh.markers["region"].tolist()
+    for name in ("floor", "rest", "edge"):
+        assert faces(again.markers[name]) == faces(mesh.markers[name])
+
+
+@pytest.mark.parametrize("suffix", ["mesh", "su2", "avs", "bdf"])
+def test_cells_alone(tmp_path: Path, suffix: str) -> None:
+    mesh = marked(spatial(2))
+    with pytest.warns(UserWarning, match=r"not written: 'wall', 'some edges', .*'value'"):
+        mesh.write(tmp_path / f"mesh.{suffix}")
+    again = Mesh.read(tmp_path / f"mesh.{suffix}")
+    assert set(again.cells) == set(mesh.cells)
+    for kind, block in mesh.cells.items():
+        assert np.array_equal(again.cells[kind], block)
+    assert again.volume == pytest.approx(mesh.volume)
+
+
+@pytest.mark.parametrize("suffix", ["stl", "off", "obj", "ply", "xml", "tec", "inp", "hello"])
+def test_solids_that_a_format_cannot_hold(tmp_path: Path, suffix: str) -> None:
+    with pytest.raises(InputError, match=rf"cannot write this mesh as '\.{suffix}'"):
+        spatial(2).write(tmp_path / f"mesh.{suffix}")
+    assert not (tmp_path / f"mesh.{suffix}").exists()
+
+
+@pytest.mark.parametrize("suffix", ["stl", "off", "msh", "mesh", "su2", "f3grid", "xml", "avs", "bdf"])
+def test_polygons_that_a_format_cannot_hold(tmp_path: Path, suffix: str) -> None:
+    with pytest.raises(InputError, match=r"polygon.*; \.vtu holds all"):
+        planar(4, seed=1).write(tmp_path / f"mesh.{suffix}")
+
+
+def test_node_and_ele_are_for_simplices(tmp_path: Path) -> None:
+    mesh = planar(4, seed=1)
+    for suffix in ("node", "ele"):
+        with pytest.raises(MeshError, match=r"\.node and \.ele hold simplices of one kind, not .*quad"):
+            mesh.write(tmp_path / f"mesh.{suffix}")
+    kinds = np.repeat(list(mesh.cells), [len(block) for block in mesh.cells.values()])
+    part = mesh.select(kinds == "triangle")
+    part.write(tmp_path / "part.node")
+    assert np.array_equal(Mesh.read(tmp_path / "part.node").simplices, part.simplices)
+
+
+def test_hexahedra_in_scikit_fem() -> None:
+    skfem = pytest.importorskip("skfem")
+    corners = np.array(GOOD["hexahedron"]) + 0.3 * np.random.default_rng(0).normal(size=(8, 3))
+    wall = [[0, 1, 5, 4], [4, 5, 6, 7]]
+    mesh = Mesh(corners, cells={"hexahedron": [range(8)]}, markers={"wall": wall, "all": [True]})
+    theirs = mesh.to_skfem()
+    basis = skfem.Basis(theirs, skfem.ElementHex1(), intorder=8)
+    volume = skfem.Functional(lambda w: 1 + 0 * w.x[0]).assemble(basis)
+    assert volume == pytest.approx(mesh.volume) and theirs.subdomains["all"].tolist() == [0]
+    assert faces(theirs.facets[:, theirs.boundaries["wall"]].T) == {frozenset(row) for row in wall}
+    quads = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells={"quad": [[0, 1, 2, 3]]}, markers={"low": [[0, 1]]})
+    assert len(quads.to_skfem().boundaries["low"]) == 1
+    for other in (spatial(2), planar(3, seed=1)):
+        with pytest.raises(MeshError, match="scikit-fem has no mesh for cells of kind"):
+            other.to_skfem()

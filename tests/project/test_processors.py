@@ -1,0 +1,64 @@
+"""The same on every processor: meshes bit for bit, and what the chapters print that solve something.
+
+For input equal bit for bit the meshes of all methods are equal on every setting: `mesh_hashes.py` says which,
+and holds what is stored for all machines. Excepted are sizes from computed solutions (second derivatives,
+error estimates, systems solved by linear algebra), whose last bits depend on the processor, and functions of
+the caller that are more than + - * / and square roots. Chapters that use such print what is stable, and
+assert the rest within bounds. Two of the settings run here; `book/processors.py` has all of them, for every
+notebook.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import mesh_hashes
+import pytest
+from book_files import BOOK, chapters, code_cells
+
+sys.path.append(str(BOOK))
+import processors
+
+SOLVES = re.compile(r"skfem|linalg\.(solve|lstsq|eig|svd)|spsolve|from_hessian|from_error")
+STORED = json.loads(mesh_hashes.STORED.read_text(encoding="utf-8"))
+
+
+def that_solve() -> list[Path]:
+    return [path for path in chapters() if any(SOLVES.search(cell.source) for cell in code_cells(path))]
+
+
+def named(which: str) -> dict[str, str]:
+    """A setting; "another" has the linear algebra of another processor than this one and the oldest."""
+    names = ("Sandybridge", "Haswell", "one thread") if which == "another" else (which,)
+    return next(setting for name in names if (setting := processors.settings().get(name)) is not None)
+
+
+def test_every_setting_governs_what_it_should() -> None:
+    settings = processors.settings()
+    assert {"as it is", "one thread", "oldest", "generic code"} <= set(settings)
+    for setting in settings.values():
+        assert set(setting) <= set(processors.MANAGED)
+    assert set(processors.environment({})) & set(processors.MANAGED) == set()
+
+
+def test_the_hashes_are_those_of_the_methods() -> None:
+    assert list(STORED) == list(mesh_hashes.CASES)
+
+
+@pytest.mark.parametrize("setting", ["as it is", "oldest"])
+def test_meshes_are_equal_bit_for_bit(setting: str) -> None:
+    found = processors.hashes(named(setting))
+    differ = [name for name in STORED if found[name] != STORED[name]]
+    assert not differ, f"{differ} differ; if that is meant: python tests/mesh_hashes.py --write"
+
+
+@pytest.mark.parametrize("setting", ["another", "oldest"])
+def test_what_chapters_print_that_solve_something(setting: str) -> None:
+    paths = that_solve()
+    assert {path.name[:4] for path in paths} == {"2.3-", "2.6d"}
+    found = processors.compared(named(setting), paths)
+    text = "\n".join(f"{where}\n{processors.shown(text)}" for where, text in found.items())
+    assert not found, f"under {named(setting)}: {text}"
