@@ -8,17 +8,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import delaunay, machine, planar, planar_report, report, threads
+from . import delaunay, machine, planar, planar_report, report, small, small_report, threads
 from .run import RESULTS, Workers
 
 # A suite is a function of workers, the largest size and the number of repeats; it returns rows.
 SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "delaunay": delaunay.run,
     "planar": planar.run,
+    "small": small.run,
     "threads": threads.run,
 }
 # Reports have `markdown` and `plot`.
-REPORTS: dict[str, Any] = {"delaunay": report, "planar": planar_report, "threads": threads}
+REPORTS: dict[str, Any] = {
+    "delaunay": report,
+    "planar": planar_report,
+    "small": small_report,
+    "threads": threads,
+}
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -112,12 +112,13 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from .meshers import find
-    from .planar import task, warm_up
+    from . import meshers, planar, small
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    rows, given = _rows(case, find(work), warm_up(work)), task(work, case["kind"], n)
+    suite: Any = small if case.get("suite") == "small" else planar
+    found = meshers.find(work, getattr(suite, "MESHERS", meshers.MESHERS))
+    rows, given = _rows(case, found, suite.warm_up(work)), suite.task(work, case["kind"], n)
     for row, mesh in _in_turn(case, rows, given):
         row["mesh"] = mesh
     for row in rows:

@@ -21,6 +21,8 @@ from benchmarks import (
     quality,
     regions,
     report,
+    small,
+    small_report,
     threads,
 )
 from benchmarks.run import RESULTS, Workers
@@ -114,7 +116,7 @@ def test_ratios_growth_and_bold_losses():
     assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
-@pytest.mark.parametrize("reporter", [report, planar_report, threads])
+@pytest.mark.parametrize("reporter", [report, planar_report, small_report, threads])
 def test_a_run_without_a_case_has_no_plot(tmp_path, reporter):
     result = {"suite": "none", "machine": "it", "load": [0, 0], "versions": {}, "failures": [], "rows": []}
     paths = report.write(result, tmp_path, reporter)
@@ -200,3 +202,42 @@ def test_losses_of_the_planar_suite_are_bold():
     rows = [{**case, "contestant": name, "seconds": time} for name, time in seconds.items()]
     text = planar_report.table(rows, "constrained")
     assert "| **0.50** |" in text and "| 20 |" in text
+
+
+# ---------------------------------------------------------------------- the small suite
+
+
+@pytest.mark.parametrize("name", small.BARE | small.GRAPHS)
+def test_examples_are_as_listed(name):
+    pytest.importorskip("triangle")
+    found = small.example(name)
+    assert len(found.points) == (small.BARE | small.GRAPHS)[name]
+    assert (len(found.facets) == 0) == (name in small.BARE)
+    assert found.points.flags.writeable, "as a caller's own arrays are"
+
+
+def test_a_tiny_small_run(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("triangle")
+    tiny = {"constrained": {"A": (29,)}, "refined": {"A": (29,)}, "sized": {"A": (100,)},
+            "round holes": {"coarse": (260,)}}  # fmt: skip
+    monkeypatch.setattr(small, "PLAN", tiny)
+    assert __main__.main(["small", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    cases = planar_report.times(json.loads((tmp_path / "small.json").read_text())["rows"])
+    assert cases["constrained", "A", 29]["unstruct"]["cells"] == 29
+    assert cases["constrained", "A", 29]["Triangle p"]["cells"] == 29
+    for work, n in (("refined", 29), ("sized", 100)):
+        ours, its = cases[work, "A", n]["unstruct"], cases[work, "A", n]["Triangle pq30"]
+        assert ours["least_angle"] >= 30.0 <= its["least_angle"]
+        assert 0.8 < ours["cells"] / its["cells"] < 1.25
+    assert set(cases["round holes", "coarse", 260]) == {"unstruct"}
+    text = (tmp_path / "small.md").read_text()
+    assert "64 round holes" in text and text.strip() == capsys.readouterr().out.strip()
+    assert not (tmp_path / "small.png").exists()
+
+
+def test_losses_of_the_small_suite_are_bold():
+    case = {"measure": "time", "work": "refined", "kind": "A", "n": 29, "cells": 100}
+    seconds = {"unstruct": 1e-4, "Fast": 5e-5, "Slow": 2e-3}
+    rows = [{**case, "contestant": name, "seconds": time} for name, time in seconds.items()]
+    line = small_report.table(rows, "refined").splitlines()[2]
+    assert line == "| A | 100 | 100 | 1 | 100 | 50 | **0.50** | 100 | 2000 | 20 |"

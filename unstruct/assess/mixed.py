@@ -14,11 +14,11 @@ import numpy as np
 from ..base.report import Problem, Report, problem
 from ..mesh.cells import cell_rows, incident_facets
 from ..mesh.embedding import crossing_facets
+from ..mesh.grouping import group_rows
 from ..mesh.holding import PlanarCells
 from ..mesh.manifold import fans_of_faces
 from ..mesh.mesh import Mesh
 from ..mesh.orientation import jacobian_signs
-from ..mesh.topology import group_rows
 
 __all__ = ["array_faults", "check_mixed"]
 

@@ -7,8 +7,54 @@ from typing import Any
 import numpy as np
 
 from .errors import InputError
+from .jit import kernel
 
-__all__ = ["as_numbers", "as_points", "distinct", "frozen", "refrozen"]
+__all__ = [
+    "FLOAT64",
+    "INT32",
+    "as_numbers",
+    "as_points",
+    "counted_off",
+    "distinct",
+    "frozen",
+    "refrozen",
+    "within",
+]
+
+FLOAT64, INT32 = np.dtype(np.float64), np.dtype(np.int32)  # the one object that arrays of the type share
+GREATEST = float(np.finfo(np.float64).max)
+COUNTED_ONCE = 1 << 14  # numbers that are counted off once
+
+
+@kernel
+def _all_finite(rows):
+    """Whether all entries are finite: one call, where a ufunc and its reduction take ten times as long."""
+    for i in range(rows.shape[0]):
+        for k in range(rows.shape[1]):
+            if not abs(rows[i, k]) <= GREATEST:
+                return False
+    return True
+
+
+@kernel
+def _within(rows, limit):
+    for i in range(rows.shape[0]):
+        for k in range(rows.shape[1]):
+            if rows[i, k] < 0 or rows[i, k] >= limit:
+                return False
+    return True
+
+
+def within(rows: np.ndarray, limit: int) -> bool:
+    """Whether all entries of rows of integers are 0, 1, ..., limit - 1."""
+    if rows.dtype is INT32 and rows.flags.c_contiguous:  # the kernel is compiled for no other type
+        return bool(_within(rows, limit))
+    return not rows.size or bool(0 <= rows.min() <= rows.max() < limit)
+
+
+def counted_off(n: int) -> np.ndarray:
+    """0, 1, ..., n - 1 as read-only int32; for small n a part of one array that is there already."""
+    return _FIRST[:n] if n <= COUNTED_ONCE else frozen(np.arange(n, dtype=np.int32))
 
 
 def as_points(points: Any, name: str = "points") -> np.ndarray:
@@ -19,6 +65,15 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
     InputError
         Wrong shape, complex or non-numeric type, masked, NaN or infinite entries.
     """
+    if (
+        type(points) is np.ndarray
+        and points.dtype is FLOAT64
+        and points.ndim == 2
+        and points.shape[1] > 0
+        and points.flags.c_contiguous
+        and _all_finite(points)
+    ):
+        return points
     if np.ma.isMaskedArray(points) and np.ma.getmaskarray(points).any():
         row = int(np.argwhere(np.ma.getmaskarray(points))[0][0])
         raise InputError(f"{name}[{row}] is masked; drop masked rows first")
@@ -68,8 +123,11 @@ def distinct(values: Any) -> np.ndarray:
 def frozen(array: np.ndarray) -> np.ndarray:
     """A read-only view of ``array``; the array itself stays writable."""
     view = array.view()
-    view.flags.writeable = False
+    view.setflags(write=False)
     return view
+
+
+_FIRST = frozen(np.arange(COUNTED_ONCE, dtype=np.int32))
 
 
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..base.arguments import as_mapping
-from ..base.arrays import as_points, frozen
+from ..base.arrays import INT32, as_points, frozen
 from ..base.errors import InputError
-from ..geometry.curves import CurveLike
+from ..geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..geometry.outline import Outline
 
 __all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
@@ -20,6 +20,8 @@ RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain 
 
 def as_segments(rows: Any, name: str) -> np.ndarray:
     """Pairs of vertices as int32, shape (s, 2)."""
+    if type(rows) is np.ndarray and rows.dtype is INT32 and rows.ndim == 2 and rows.shape[1] == 2:
+        return frozen(rows.copy())
     if np.ma.isMaskedArray(rows) and np.ma.getmaskarray(rows).any():
         row = int(np.argwhere(np.ma.getmaskarray(rows))[0][0])
         raise InputError(f"{name}[{row}] is masked; drop masked rows first")
@@ -33,7 +35,7 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
         raise InputError(f"{name} must have shape (s, 2): pairs of vertices, not {array.shape}")
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} must be integers, not {array.dtype}")
-    if array.max() > np.iinfo(np.int32).max or array.min() < np.iinfo(np.int32).min:
+    if array.dtype.itemsize > 2 and not (-(2**31) <= array.min() <= array.max() < 2**31):
         raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
     return frozen(np.array(array, dtype=np.int32))
 
@@ -48,7 +50,7 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
     for piece in sorted(curves):
         if not 0 <= piece < many:
             raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
-        if not isinstance(curves[piece], CurveLike):
+        if not isinstance(curves[piece], Arc | Bezier | Curve | CurveLike):  # the last takes its time
             raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
         result[int(piece)] = curves[piece]
     return result

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from ..base.arguments import as_mapping, positive
-from ..base.arrays import as_numbers, as_points, frozen, refrozen
+from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
@@ -52,6 +52,7 @@ PLANE = Side(
     inside.bounds,
 )
 SIDES = {2: PLANE}
+NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 class Domain(Outline):
@@ -123,29 +124,28 @@ class Domain(Outline):
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
-        rows, others = as_segments(facets, "facets"), as_segments(() if inner is None else inner, "inner")
+        rows = as_segments(facets, "facets")
+        others = NO_PIECES if inner is None else as_segments(inner, "inner")
         many = len(rows) + len(others)
         super().__init__(
             frozen(coordinates.copy()),  # what was validated must not change
             rows,
             others,
-            as_curves(curves or {}, many),
-            as_markers(markers or {}, many),
-            as_seeds(regions or {}),
+            as_curves(curves, many) if curves else {},
+            as_markers(markers, many) if markers else {},
+            as_seeds(regions) if regions else {},
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
-        self.origin: np.ndarray = frozen(np.arange(len(self.points), dtype=np.int32))
-        self.piece_origin: np.ndarray = frozen(np.arange(many, dtype=np.int32))
+        self.origin: np.ndarray = counted_off(len(self.points))
+        self.piece_origin: np.ndarray = counted_off(many)
         if resolve:
             self._resolve()
-        found = self._side.find_faults(self)
-        if found:
-            rest = len(found) - 1
-            more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
-            raise InputError(found[0].text + more)
-        self._side.check_ends(self)
-        self._side.check_seeds(self, self._coarse)
+        faults.refuse(self._side.find_faults(self))
+        if self.curves:
+            self._side.check_ends(self)
+        if self.curves or self.regions:  # chords tell where curves meet
+            self._side.check_seeds(self, self._coarse)
 
     @property
     def dimension(self) -> int:

@@ -18,7 +18,7 @@ from ..base.arrays import as_numbers
 from ..base.elementary import angle_of, cosines, sines
 from ..base.errors import InputError
 
-__all__ = ["Arc", "Bezier", "Curve", "CurveLike"]
+__all__ = ["Arc", "Batch", "Bezier", "Curve", "CurveLike"]
 
 Array = NDArray[np.float64]
 
@@ -94,9 +94,7 @@ class Arc:
 
     def point(self, t: Array) -> Array:
         """Points (k, 2) for parameters (k,); equal steps of t give equal lengths of arc."""
-        angle = self.start + np.asarray(t, dtype=float) * self.sweep
-        x, y = self.center
-        return np.stack([x + self.radius * cosines(angle), y + self.radius * sines(angle)], axis=-1)
+        return arc_points(*self.center, self.radius, self.start, self.sweep, np.asarray(t, dtype=float))
 
     def __repr__(self) -> str:
         return f"Arc({self.center}, {self.radius:g}, {self.start:g}, {self.sweep:g})"
@@ -165,11 +163,82 @@ class Bezier:
 
     def point(self, t: Array) -> Array:
         """Points (k, 2) for parameters (k,), by de Casteljau's repeated interpolation."""
-        t = np.asarray(t, dtype=float)[:, None, None]
-        level = np.broadcast_to(self.controls, (len(t), *self.controls.shape))
-        while level.shape[1] > 1:
-            level = (1 - t) * level[:, :-1] + t * level[:, 1:]
-        return np.ascontiguousarray(level[:, 0])
+        t = np.asarray(t, dtype=float)
+        return bezier_points(np.broadcast_to(self.controls, (len(t), *self.controls.shape)), t)
 
     def __repr__(self) -> str:
         return f"Bezier({self.controls.tolist()})"
+
+
+def arc_points(x: Any, y: Any, radius: Any, start: Any, sweep: Any, t: Array) -> Array:
+    """Points (k, 2) of one arc or of k, whose numbers are arrays then, for parameters (k,)."""
+    angle = start + t * sweep
+    return np.stack([x + radius * cosines(angle), y + radius * sines(angle)], axis=-1)
+
+
+def bezier_points(controls: Array, t: Array) -> Array:
+    """Points (k, 2) of k Bezier curves of one degree, controls (k, degree + 1, 2), for parameters (k,)."""
+    level, t = controls, t[:, None, None]
+    while level.shape[1] > 1:
+        level = (1 - t) * level[:, :-1] + t * level[:, 1:]
+    return np.ascontiguousarray(level[:, 0])
+
+
+class Batch:
+    """Many curves that are asked at once: arcs together, Bezier curves degree by degree, others one by one.
+
+    Parameters
+    ----------
+    curves : dict of int to curve
+        By piece.
+    pieces : int
+        How many there are, straight ones included.
+    """
+
+    def __init__(self, curves: dict[int, CurveLike], pieces: int):
+        self.curves = curves
+        self.kind = np.zeros(pieces, dtype=np.int64)  # 0 straight, 1 arc, 2 other, 3 and on: Bezier
+        self.arc = np.zeros((pieces, 5))
+        self.row = np.zeros(pieces, dtype=np.int64)  # among the controls of its degree
+        self.controls: dict[int, Array] = {}
+        arcs: list[tuple[float, ...]] = []
+        beziers: dict[int, list[tuple[int, Array]]] = {}
+        for piece, curve in curves.items():
+            if isinstance(curve, Arc) and type(curve).point is Arc.point:
+                arcs.append((piece, *curve.center, curve.radius, curve.start, curve.sweep))
+            elif isinstance(curve, Bezier) and type(curve).point is Bezier.point:
+                beziers.setdefault(len(curve.controls) + 1, []).append((piece, curve.controls))
+            else:
+                self.kind[piece] = 2
+        if arcs:
+            table = np.array(arcs)
+            at = table[:, 0].astype(np.int64)
+            self.kind[at], self.arc[at] = 1, table[:, 1:]
+        for kind, found in beziers.items():
+            at = np.array([piece for piece, _ in found])
+            self.kind[at], self.row[at] = kind, np.arange(len(at))
+            self.controls[kind] = np.stack([controls for _, controls in found])
+
+    def points(self, piece: NDArray[np.integer], t: Array) -> tuple[NDArray[np.int64], Array]:
+        """Which of the rows lie on curves, and their points by parameter."""
+        kind = self.kind[piece]
+        rows, blocks = [], []
+        for k in (1, *self.controls):
+            some = np.flatnonzero(kind == k)
+            if len(some):
+                rows.append(some)
+                which = piece[some]
+                if k == 1:
+                    x, y, radius, start, sweep = self.arc[which].T
+                    blocks.append(arc_points(x, y, radius, start, sweep, t[some]))
+                else:
+                    blocks.append(bezier_points(self.controls[k][self.row[which]], t[some]))
+        others = np.flatnonzero(kind == 2)
+        others = others[np.argsort(piece[others], kind="stable")]
+        heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
+        for some in np.split(others, heads[1:]) if len(others) else ():
+            rows.append(some)
+            blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
+        if not rows:
+            return np.empty(0, dtype=np.int64), np.empty((0, 2))
+        return np.concatenate(rows), np.concatenate(blocks)

@@ -23,6 +23,7 @@ __all__ = ["brio", "draws", "hilbert_order"]
 MAX_TABLE_DIMENSION = 8  # the table has d * 4**d entries; in higher dimensions 8 coordinates give the key
 KEY_BITS = 60  # keys are signed 64-bit integers, which leaves room for the number of the round
 KEPT = 1 << 14  # how many random numbers are drawn only once
+FEW_KEYS = 64  # up to so many keys are sorted by insertion, without counting
 DIGIT = 11  # bits per pass of the radix sort; a histogram of 2048 counters stays in the first-level cache
 
 
@@ -77,29 +78,24 @@ def brio(
     Book: section 12.2.2.
     """
     points = _as_table(points)
-    number = np.full(len(points), rounds - 1, dtype=np.uint8)
-    if rounds > 1:
-        below = ratio ** (rounds - 1)
-        if rng is None:
-            draw = draws(len(points), below)
-        else:
-            draw = np.random.default_rng(rng).integers(0, below, len(points), dtype=np.uint32)
-        for early in range(rounds - 2, -1, -1):
-            number[draw < ratio**early] = early
-    return _sorted_by_round(points, number)
+    below = ratio ** (rounds - 1)
+    if rng is None:
+        draw = draws(len(points), below)
+    else:
+        draw = np.random.default_rng(rng).integers(0, below, len(points), dtype=np.uint32)
+        draw.flags.writeable = False  # as those of `draws`: for others the kernel would be compiled again
+    return _sorted_by_round(points, random_rounds(draw, ratio, rounds))
 
 
 def draws(n: int, below: int) -> NDArray[np.uint32]:
     """``n`` random numbers from 0, 1, ..., ``below`` - 1, always the same because the seed is fixed."""
-    if n <= KEPT:
-        return _first_draws(below)[:n]
-    return np.random.default_rng(0).integers(0, below, n, dtype=np.uint32)
+    return _first_draws(below, KEPT)[:n] if n <= KEPT else _first_draws.__wrapped__(below, n)
 
 
 @cache
-def _first_draws(below: int) -> NDArray[np.uint32]:
+def _first_draws(below: int, n: int) -> NDArray[np.uint32]:
     """The random numbers for small inputs, drawn once because drawing would take a tenth of their time."""
-    first = np.random.default_rng(0).integers(0, below, KEPT, dtype=np.uint32)
+    first = np.random.default_rng(0).integers(0, below, n, dtype=np.uint32)
     first.flags.writeable = False
     return first
 
@@ -116,19 +112,14 @@ def _sorted_by_round(points: NDArray[np.float64], rounds: NDArray[np.uint8]) -> 
     if n < 2 or d == 0:
         return np.arange(n, dtype=np.int64)
     d = min(d, MAX_TABLE_DIMENSION)
+    return along_curve(points, d, rounds, *curve(n, d))
+
+
+def curve(n: int, d: int) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
+    """For n >= 2 points in d dimensions the levels of their grid, and the automaton: see `along_curve`."""
     levels = min(KEY_BITS // d, -(-(n - 1).bit_length() // d) + 8, 30)
     levels += levels % 2 if d == 2 else 0  # in the plane, two levels are read at a time
-    # Rounding does no harm here, because the keys influence only the speed. Halving keeps the extent finite.
-    low = np.empty(d)
-    extent = half_extent(points, d, low)
-    shrink = 1.0
-    if 0.0 < extent < 1e-280:  # the factor below must not overflow
-        shrink = 2.0**600
-    factor = 0.0 if extent == 0.0 else (2.0**levels - 1e-3) / (extent * shrink)
-    ranks, turns = _tables(d)
-    keys = np.empty(n, dtype=np.int64)
-    hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys)
-    return radix_argsort(keys, d * levels + int(rounds.max()).bit_length())
+    return levels, *_tables(d)
 
 
 @cache
@@ -191,6 +182,39 @@ def half_extent(points, d, low):
 
 
 @kernel
+def random_rounds(draw, ratio, rounds):
+    """The round of each point, by a random number below ``ratio ** (rounds - 1)``."""
+    number = np.empty(draw.shape[0], dtype=np.uint8)
+    for i in range(draw.shape[0]):
+        early, below = 0, 1
+        while early < rounds - 1 and draw[i] >= below:
+            early += 1
+            below *= ratio
+        number[i] = early
+    return number
+
+
+@kernel
+def along_curve(points, d, rounds, levels, ranks, turns):
+    """The order of points round by round, each along the curve through the box of all of them.
+
+    Rounding does no harm here, because the keys influence only the speed. Halving keeps the extent finite.
+    """
+    low = np.empty(d)
+    extent = half_extent(points, d, low)
+    shrink = 2.0**600 if 0.0 < extent < 1e-280 else 1.0  # the factor must not overflow
+    factor = 0.0 if extent == 0.0 else (2.0**levels - 1e-3) / (extent * shrink)
+    keys = np.empty(points.shape[0], dtype=np.int64)
+    hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys)
+    bits, most = d * levels, 0
+    for i in range(rounds.shape[0]):
+        most = max(most, rounds[i])
+    while most > 0:
+        bits, most = bits + 1, most >> 1
+    return radix_argsort(keys, bits)
+
+
+@kernel
 def hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys):
     """Write the key of every point: the number of its round, followed by its place on the curve."""
     cell = np.empty(d, dtype=np.int64)
@@ -218,9 +242,20 @@ def hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, k
 
 @kernel
 def radix_argsort(keys, bits):
-    """Stable order of non-negative keys below ``2**bits``, by one counting pass per digit, lowest first."""
+    """Stable order of non-negative keys below ``2**bits``, by one counting pass per digit, lowest first.
+
+    The array ``keys`` is overwritten.
+    """
     n = keys.shape[0]
     order = np.arange(n)
+    if n <= FEW_KEYS:  # by insertion
+        for i in range(1, n):
+            key, j = keys[i], i
+            while j > 0 and keys[j - 1] > key:
+                keys[j], order[j] = keys[j - 1], order[j - 1]
+                j -= 1
+            keys[j], order[j] = key, i
+        return order
     spare_keys = np.empty_like(keys)
     spare_order = np.empty_like(order)
     size = 1 << DIGIT

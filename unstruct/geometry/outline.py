@@ -12,7 +12,8 @@ import numpy as np
 
 from ..base.arrays import as_numbers, frozen
 from ..base.errors import InputError
-from .curves import Arc, CurveLike
+from ..base.jit import kernel
+from .curves import Batch, CurveLike
 
 __all__ = ["Cuts", "Outline", "piece_name"]
 
@@ -75,7 +76,7 @@ class Outline:
 
     @cached_property
     def _pieces(self) -> np.ndarray:
-        return frozen(np.concatenate([self.facets, self.inner]))
+        return frozen(np.concatenate([self.facets, self.inner])) if len(self.inner) else self.facets
 
     @cached_property
     def loose(self) -> np.ndarray:
@@ -111,28 +112,39 @@ class Outline:
 
     def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Points (k, 2) of many pieces (k,) by parameters (k,); nothing is checked."""
-        a, b = self.points[self.pieces[piece]].transpose(1, 0, 2)
-        x = np.where((t < 0.5)[:, None], a + t[:, None] * (b - a), b - (1 - t)[:, None] * (b - a))
+        x, bent = np.empty((len(t), 2)), np.zeros(len(t), dtype=bool)
         if self.curves:
-            for number, rows in self._curved_rows(piece):
-                x[rows] = self.curves[number].point(t[rows])
-            x = np.where((t == 0)[:, None], a, np.where((t == 1)[:, None], b, x))
+            rows, on_curves = self.batch.points(piece, t)
+            x[rows], bent[rows] = on_curves, True
+        _between(
+            self.points, self.pieces, np.asarray(piece, dtype=np.int64), np.ascontiguousarray(t), bent, x
+        )
         return x
 
-    def _curved_rows(self, piece: np.ndarray) -> list[tuple[int, np.ndarray]]:
-        rows = np.nonzero(np.isin(piece, list(self.curves)))[0]
-        rows = rows[np.argsort(piece[rows], kind="stable")]
-        heads = np.nonzero(np.diff(piece[rows], prepend=-1))[0]
-        return [(int(piece[part[0]]), part) for part in np.split(rows, heads[1:]) if len(part)]
+    @cached_property
+    def batch(self) -> Batch:
+        """All curves, to be asked together."""
+        return Batch(self.curves, len(self.pieces))
 
     def cuts(self) -> Cuts:
         """The kind and the arc of every piece as plain arrays, for kernels."""
-        kind, arc = np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5))
-        for piece, curve in self.curves.items():
-            kind[piece] = 1 if isinstance(curve, Arc) else 2
-            if isinstance(curve, Arc):
-                arc[piece] = *curve.center, curve.radius, curve.start, curve.sweep
-        return Cuts(kind, arc)
+        if not self.curves:
+            return Cuts(np.zeros(len(self.pieces), dtype=np.int8), np.zeros((len(self.pieces), 5)))
+        return Cuts(np.minimum(self.batch.kind, 2).astype(np.int8), self.batch.arc.copy())
+
+
+@kernel
+def _between(points, pieces, piece, t, bent, x):
+    """Write the points of straight pieces by parameter; of all pieces the vertices at 0 and 1."""
+    for i in range(len(t)):
+        a, b = pieces[piece[i], 0], pieces[piece[i], 1]
+        for k in range(2):
+            p, q = points[a, k], points[b, k]
+            if bent[i]:
+                if t[i] == 0.0 or t[i] == 1.0:
+                    x[i, k] = p if t[i] == 0.0 else q
+            else:
+                x[i, k] = p + t[i] * (q - p) if t[i] < 0.5 else q - (1.0 - t[i]) * (q - p)
 
 
 def piece_name(piece: int, facets: int) -> str:

@@ -12,7 +12,7 @@ from ..predicates.batch import orient_rows
 from .boxes import BoxTree
 from .sweep import any_meeting
 
-__all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "vertices_on_segments"]
+__all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "none_meet", "vertices_on_segments"]
 
 CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # Tables of cells that are tried in turn. The first number of each is how many cells a segment of mean length
@@ -20,6 +20,7 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # the crowd (see `_Grid`) from which on the table is not tried. Wide cells suit chains of segments, and narrow
 # cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
 TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
+FEW_SEGMENTS = 48  # up to so many segments each is compared with each
 SLACK = 1e-15  # a relative bound above the rounding errors of the few operations below
 
 
@@ -69,6 +70,15 @@ def _may_meet(ends, segments, s, t):
     return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
 
 
+@inline
+def _may_hold(ends, s, x, y):
+    """False only where floating point proves that a point does not lie on a segment."""
+    ax, ay, bx, by = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
+    if x < min(ax, bx) or x > max(ax, bx) or y < min(ay, by) or y > max(ay, by):
+        return False
+    return not _beside(ax, ay, bx, by, x, y, x, y)
+
+
 # ---------------------------------------------------------------------- a table of cells
 
 
@@ -85,6 +95,11 @@ def _cell_range(ends, s, x0, y0, scale, ny, row, rows):
         one, two = ax + (row - 1e-9 - ay) * slope, ax + (row + 1 + 1e-9 - ay) * slope
         left, right = max(left, min(one, two)), min(right, max(one, two))
     return int(max(left - 1e-9, 0.0)), int(max(right + 1e-9, 0.0))
+
+
+@inline
+def _slot(row, column, mask):
+    return (row * 73856093 + column * 19349663) & mask
 
 
 @kernel
@@ -118,7 +133,7 @@ def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, p
         for row in range(first, last + 1):
             left, right = _cell_range(ends, s, x0, y0, scale, ny, row, last - first + 1)
             for column in range(left, right + 1):
-                slot = (row * 73856093 + column * 19349663) & mask
+                slot = _slot(row, column, mask)
                 e = head[slot]
                 while e >= 0:
                     t = entries[e, 2]
@@ -137,6 +152,53 @@ def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, p
                 head[slot] = used
                 used += 1
     return count
+
+
+@kernel
+def none_meet(points, segments, alone):
+    """Whether floating point proves it all: segments meet in common ends at most, and hold no lone vertex.
+
+    Points are all different, no segment has zero length, ``alone`` are vertices that are no segment's end.
+    False also where it would take more than one coarse look to tell.
+    """
+    s = segments.shape[0]
+    ends = np.empty((s, 4))
+    x0, y0, x1, y1, extent = _gather(points, segments, ends)
+    if s <= FEW_SEGMENTS:
+        for t in range(s):
+            for u in range(t):
+                if _may_meet(ends, segments, u, t):
+                    return False
+            for v in alone:
+                if _may_hold(ends, t, points[v, 0], points[v, 1]):
+                    return False
+        return True
+    cells, looks, most = TABLES[0]
+    longer = max(x1 - x0, y1 - y0)
+    if not 1e-140 < longer < 1e140 or extent * extent > most * s * (x1 - x0) * (y1 - y0):
+        return False
+    scale = cells * s / extent
+    if longer * scale > 2.0**30:
+        return False
+    room = 2
+    while room < 4 * cells * s:
+        room *= 2
+    head, entries = np.full(room, -1, dtype=np.int32), np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
+    seen, none = np.full(s, -1, dtype=np.int32), np.empty((0, 2), dtype=np.int64)
+    tall = int((y1 - y0) * scale) + 1
+    if _cell_pairs(ends, segments, x0, y0, scale, tall, head, entries, seen, looks * s, none) != 0:
+        return False
+    for v in alone:  # cells of segments overlap by more than rounding may move a point
+        px, py = points[v, 0], points[v, 1]
+        if not (x0 <= px <= x1 and y0 <= py <= y1):
+            continue
+        row, column = min(int((py - y0) * scale), tall - 1), int((px - x0) * scale)
+        e = head[_slot(row, column, room - 1)]
+        while e >= 0:
+            if entries[e, 0] == row and entries[e, 1] == column and _may_hold(ends, entries[e, 2], px, py):
+                return False
+            e = entries[e, 3]
+    return True
 
 
 # ---------------------------------------------------------------------- a tree, for uneven lengths

@@ -13,7 +13,8 @@ import numpy as np
 from ..base.errors import MeshError
 from ..base.jit import kernel
 from .cells import cell_rows, incident_edges, incident_facets, simplex_dimension
-from .topology import group_rows, incident_faces, rows_by_value
+from .grouping import group_rows
+from .topology import incident_faces, rows_by_value
 
 __all__ = ["chosen_cells", "facet_pairs", "remaining_faces", "same_rows", "stars_of_cells", "two_cells"]
 

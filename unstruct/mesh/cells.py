@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError
-from .topology import as_simplices, group_rows
+from .grouping import group_rows
+from .topology import as_simplices
 
 __all__ = [
     "CELL_TYPES",

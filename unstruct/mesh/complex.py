@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import as_points, distinct, frozen, refrozen
+from ..base.arrays import INT32, as_points, counted_off, distinct, frozen, refrozen, within
 from ..base.errors import InputError, MeshError
 from . import topology
 from .adjacency import facet_pairs, stars_of_cells, two_cells
@@ -27,6 +27,8 @@ from .cells import (
 
 __all__ = ["CellComplex"]
 
+NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
+
 
 class CellComplex:
     """Points, cells, and the account of where they came from, without any measure: see `Mesh`."""
@@ -41,51 +43,73 @@ class CellComplex:
         duplicates: Any = None,
         markers: Mapping[str, Any] | None = None,
         cells: Mapping[str, Any] | None = None,
+        _ready: bool = False,
     ):
+        if _ready:  # made by our own kernels: of the right types, in the right ranges, nobody else's
+            self._hold(points, simplices, neighbors, origin, markers or {})
+            return
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
         if (simplices is None) == (cells is None):
             raise InputError("give either simplices or cells")
         if simplices is not None:
-            rows = topology.as_simplices(simplices, vertices=n)
-            self.cells: dict[str, Any] = {simplex_type(rows.shape[1] - 1): frozen(rows)}
+            rows = frozen(topology.as_simplices(simplices, vertices=n))
+            self.dimension: int = rows.shape[1] - 1
+            self.cells: dict[str, Any] = {simplex_type(self.dimension): rows}
         else:
             self.cells = as_cells(cells or {}, n)
-        self.dimension: int = cell_dimension(next(iter(self.cells)))
+            self.dimension = cell_dimension(next(iter(self.cells)))
         if self.dimension > d:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
         if neighbors is not None:
             self.__dict__["neighbors"] = self._integers(neighbors, "neighbors", self.simplices.shape)
-        self.origin: np.ndarray = self._integers(
-            np.arange(n, dtype=np.int32) if origin is None else origin, "origin", (n,)
-        )
-        self.duplicates: np.ndarray = self._integers(
-            np.empty((0, 2), dtype=np.int32) if duplicates is None else duplicates, "duplicates", (None, 2)
-        )
-        if self.duplicates.size and not 0 <= self.duplicates.min() <= self.duplicates.max() < n:
-            raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
-        self.markers: dict[str, np.ndarray] = {
-            name: self._marker(name, values) for name, values in (markers or {}).items()
-        }
+        self.origin: np.ndarray = counted_off(n) if origin is None else self._integers(origin, "origin", (n,))
+        self.duplicates: np.ndarray = NO_PAIRS
+        if duplicates is not None:
+            self.duplicates = self._integers(duplicates, "duplicates", (None, 2))
+            if not within(self.duplicates, n):
+                raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
+        self.markers: dict[str, np.ndarray] = {}
+        if markers:
+            size = self.size
+            self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
+
+    def _hold(
+        self,
+        points: np.ndarray,
+        simplices: np.ndarray,
+        neighbors: np.ndarray,
+        origin: np.ndarray,
+        markers: Mapping[str, np.ndarray],
+    ) -> None:
+        self.points, self.dimension = frozen(points), simplices.shape[1] - 1
+        self.cells = {simplex_type(self.dimension): frozen(simplices)}
+        self.__dict__["neighbors"] = frozen(neighbors)
+        self.origin, self.duplicates = frozen(origin), NO_PAIRS
+        self.markers = {name: frozen(values) for name, values in markers.items()}
 
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
         array = np.asarray(values)
+        if array.dtype is INT32 and array.shape == shape and array.flags.c_contiguous:
+            return frozen(array)
         if array.ndim != len(shape) or any(s is not None and s != a for s, a in zip(shape, array.shape)):
             raise InputError(f"{name} must have shape {shape}, not {array.shape}")
         if array.size and array.dtype.kind not in "iu":
             raise InputError(f"{name} must be integers, not {array.dtype}")
         return frozen(np.ascontiguousarray(array, dtype=np.int32))
 
-    def _marker(self, name: str, values: Any) -> np.ndarray:
+    def _marker(self, name: str, values: Any, size: int) -> np.ndarray:
         array = np.asarray(values)
-        if array.ndim == 1 and len(array) == self.size:
+        if array.ndim == 1 and len(array) == size:
             return frozen(array)
         if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(
-                f"markers[{name!r}] must be one value a cell, shape ({self.size},), or faces as rows of "
+                f"markers[{name!r}] must be one value a cell, shape ({size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
+        if within(array, len(self.points)):
+            return frozen(array.astype(np.int32))
         wrong = (array < 0) | (array >= len(self.points))
         if not self.is_simplicial and array.shape[1]:  # rows of fewer vertices end in -1, as in `boundary`
             padding = np.cumprod(array[:, :0:-1] == -1, axis=1)[:, ::-1].astype(bool)
@@ -100,7 +124,7 @@ class CellComplex:
     @property
     def size(self) -> int:
         """The number of cells."""
-        return sum(len(block) for block in self.cells.values())
+        return sum(map(len, self.cells.values()))
 
     @property
     def is_simplicial(self) -> bool:

@@ -14,6 +14,8 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh"]
 
+NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
+
 
 class DomainMesh(Mesh):
     """A mesh of a domain, as the meshing methods return it.
@@ -61,21 +63,28 @@ class DomainMesh(Mesh):
         **rest: Any,
     ):
         super().__init__(points, simplices, **rest)
-        nothing = np.empty(0, dtype=np.int32)
-        self.unrefined: np.ndarray = frozen(np.asarray(nothing if unrefined is None else unrefined, np.int32))
-        why = np.full(len(self.unrefined), "") if reasons is None else np.asarray(reasons, dtype=str)
-        if why.shape != self.unrefined.shape:
-            raise InputError(f"{len(self.unrefined)} cells are unrefined, but {why.shape} reasons are given")
-        self.reasons: np.ndarray = frozen(why)
+        self.unrefined: np.ndarray = NO_CELLS
+        if unrefined is not None:
+            self.unrefined = frozen(np.asarray(unrefined, np.int32))
+        self.reasons: np.ndarray = NO_REASONS
+        if len(self.unrefined) or reasons is not None:
+            why = np.full(len(self.unrefined), "") if reasons is None else np.asarray(reasons, dtype=str)
+            if why.shape != self.unrefined.shape:
+                raise InputError(
+                    f"{len(self.unrefined)} cells are unrefined, but {why.shape} reasons are given"
+                )
+            self.reasons = frozen(why)
         self.complete: bool = len(self.unrefined) == 0
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
-        rows = np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32)
-        self.segments: np.ndarray = frozen(rows.reshape(-1, 2))
-        self.piece: np.ndarray = frozen(np.asarray(nothing if piece is None else piece, np.int32))
-        self.span: np.ndarray = frozen(
-            np.asarray(np.empty((0, 2)) if span is None else span, np.float64).reshape(-1, 2)
-        )
+        self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
+        self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
+        self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
         if not len(self.segments) == len(self.piece) == len(self.span):
             raise InputError("segments, piece and span must have one row a subsegment")
+
+
+def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:
+    rows = np.asarray(values, kind)
+    return frozen(rows if rows.ndim == 2 and rows.shape[1] == 2 else rows.reshape(-1, 2))

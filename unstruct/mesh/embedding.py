@@ -16,7 +16,7 @@ from ..geometry.boxes import BoxTree
 from ..predicates.batch import orient_rows
 from . import topology
 from .complex import CellComplex
-from .topology import group_rows
+from .grouping import group_rows
 
 __all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets", "segments_meet"]
 

@@ -17,7 +17,7 @@ from .cells import cell_dimension
 from .complex import CellComplex
 from .formats import fits
 from .gmsh import FACE_NAMES, coded, decoded, face_blocks, from_groups, is_ours, stacked, to_groups
-from .topology import group_rows
+from .grouping import group_rows
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 

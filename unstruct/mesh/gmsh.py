@@ -16,8 +16,8 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from .complex import CellComplex
+from .grouping import group_rows
 from .marked import marked_facets
-from .topology import group_rows
 
 __all__ = ["coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
 

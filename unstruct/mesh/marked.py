@@ -15,7 +15,7 @@ from . import topology
 from .adjacency import chosen_cells, remaining_faces
 from .cells import cell_rows
 from .complex import CellComplex
-from .topology import group_rows
+from .grouping import group_rows
 
 __all__ = ["marked_facets", "marked_sides", "parts", "remaining", "selected"]
 

@@ -10,8 +10,10 @@ from itertools import combinations
 
 import numpy as np
 
+from ..base.arrays import INT32
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
+from .grouping import group_rows, sort_rows
 
 __all__ = [
     "as_simplices",
@@ -43,6 +45,10 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
     InputError
         Wrong shape or type, an index out of range, or a vertex repeated within a cell.
     """
+    limit = 2**31 if vertices is None else vertices
+    fits = type(simplices) is np.ndarray and simplices.dtype is INT32 and simplices.flags.c_contiguous
+    if fits and simplices.ndim == 2 and simplices.shape[1] > 1 and _first_wrong(simplices, limit)[0] < 0:
+        return simplices
     rows = np.asarray(simplices)
     if rows.ndim != 2 or rows.shape[1] < 2:
         raise InputError(f"simplices must have shape (m, k + 1) with k >= 1, not {rows.shape}")
@@ -51,7 +57,6 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
     if np.ma.isMaskedArray(simplices) and np.ma.getmaskarray(simplices).any():
         row = int(np.nonzero(np.ma.getmaskarray(simplices).any(axis=1))[0][0])
         raise InputError(f"simplices[{row}] has masked entries; fill or drop it")
-    limit = 2**31 if vertices is None else vertices
     table = np.ascontiguousarray(rows, dtype=np.int32 if rows.dtype == np.int32 else np.int64)
     row, twice = _first_wrong(table, limit)
     if row >= 0:
@@ -73,73 +78,6 @@ def _first_wrong(rows, limit):
     return -1, False
 
 
-@kernel
-def _sort_rows(rows):
-    """Sort each (short) row in place, by insertion."""
-    for r in range(rows.shape[0]):
-        for i in range(1, rows.shape[1]):
-            value = rows[r, i]
-            j = i - 1
-            while j >= 0 and rows[r, j] > value:
-                rows[r, j + 1] = rows[r, j]
-                j -= 1
-            rows[r, j + 1] = value
-
-
-@kernel
-def _group(rows, heads, following, group, first):
-    """Number the distinct rows in order of appearance: group[r], and first[g], where g appears.
-
-    A hash table with chaining: ``heads`` (its length a power of two) holds the youngest group of a
-    bucket, ``following`` the next older one. Horner's rule modulo 2^31 - 1 keeps every product below
-    2^52, so that nothing wraps around, compiled or as plain Python. Returns the number of groups.
-    """
-    count = 0
-    mask = heads.shape[0] - 1
-    width = rows.shape[1]
-    for r in range(rows.shape[0]):
-        h = 0
-        for i in range(width):
-            h = (h * 1000003 + np.int64(rows[r, i])) % 2147483647
-        bucket = h & mask
-        g = heads[bucket]
-        while g >= 0:
-            s = first[g]
-            same = True
-            for i in range(width):
-                if rows[s, i] != rows[r, i]:
-                    same = False
-                    break
-            if same:
-                break
-            g = following[g]
-        if g < 0:
-            g = count
-            first[g] = r
-            following[g] = heads[bucket]
-            heads[bucket] = g
-            count += 1
-        group[r] = g
-    return count
-
-
-def group_rows(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Number the distinct rows of an integer array in order of appearance.
-
-    Returns
-    -------
-    group : ndarray of int64, shape (r,)
-    first : ndarray of int64, shape (groups,)
-        A row of each group: the first one.
-    """
-    rows = np.ascontiguousarray(rows)
-    buckets = 1 << max(4, (len(rows) - 1).bit_length())
-    heads = np.full(buckets, -1, dtype=np.int64)
-    following, group, first = (np.empty(len(rows), dtype=np.int64) for _ in range(3))
-    count = _group(rows, heads, following, group, first)
-    return group, first[:count].copy()
-
-
 def incident_faces(simplices: np.ndarray, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """All faces of one dimension, and which cell has which.
 
@@ -154,7 +92,7 @@ def incident_faces(simplices: np.ndarray, dimension: int) -> tuple[np.ndarray, n
     m, width = simplices.shape
     columns = list(combinations(range(width), dimension + 1))
     rows = np.ascontiguousarray(simplices[:, columns].reshape(m * len(columns), dimension + 1))
-    _sort_rows(rows)
+    sort_rows(rows)
     group, first = group_rows(rows)
     return rows[first], group.reshape(m, len(columns))
 

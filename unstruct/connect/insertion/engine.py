@@ -58,10 +58,11 @@ def extract_cells(vertex, across, width, count, labels, number, simplices, neigh
 
 def grown(array: NDArray, size: int) -> NDArray:
     """A copy of ``array`` with at least ``size`` rows, growing by half at least."""
-    if size <= len(array):
+    before = len(array)
+    if size <= before:
         return array
-    larger = np.empty((max(size, len(array) + len(array) // 2), *array.shape[1:]), dtype=array.dtype)
-    larger[: len(array)] = array
+    larger = np.empty((max(size, before + before // 2), *array.shape[1:]), dtype=array.dtype)
+    larger[:before] = array
     return larger
 
 

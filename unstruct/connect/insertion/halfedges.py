@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
-from ...predicates.batch import orient_at
 from ...predicates.kernels import incircle, orient2
 from .engine import COUNT, FREE, GHOST, LAST
 
@@ -60,9 +59,11 @@ def _side(xy, a, b, px, py):
     return orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py)
 
 
+@kernel
 def start2(xy, vertex, twin, state):
     """The first triangle, on points 0, 1, 2, and its three ghosts."""
-    vertex[:3] = (0, 1, 2) if orient_at(xy, np.arange(3)) > 0 else (0, 2, 1)
+    left = _side(xy, 0, 1, xy[2, 0], xy[2, 1]) > 0
+    vertex[0], vertex[1], vertex[2] = 0, 1 if left else 2, 2 if left else 1
     for k in range(3):
         ghost = 3 * (1 + k)
         vertex[ghost] = GHOST

@@ -19,7 +19,7 @@ from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
 from ..insertion.engine import BUSY, COUNT, FREE, extract_cells, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
-from ..insertion.triangulation import Triangulation
+from ..insertion.whole import half_edges
 from .records import Plane, Scratch
 
 __all__ = ["PlanarComplex"]
@@ -47,26 +47,76 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract_segments(plane, number, place, rows, pieces, spans):
-    """Write the subsegments that bound a triangle with a number; how many."""
-    twin, ends, span = plane.twin, plane.ends, plane.span
-    count = 0
+def survey(plane, facets, number, place):
+    """`number_kept`; and how many subsegments bound a triangle with a number, how many of them of facets."""
+    cells, vertices = number_kept(plane.vertex, plane.region, plane.state[COUNT], number, place)
+    kept = outer = 0
     for s in range(plane.state[SEGMENTS]):
         e = np.int64(plane.where[s])
-        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
-            rows[count, 0], rows[count, 1] = place[ends[s, 0]], place[ends[s, 1]]
-            pieces[count] = plane.piece[s]
-            spans[count, 0], spans[count, 1] = span[s, 0], span[s, 1]
-            count += 1
-    return count
+        if number[e // 3] >= 0 or number[plane.twin[e] // 3] >= 0:
+            kept += 1
+            outer += plane.piece[s] < facets
+    return cells, vertices, kept, outer
 
 
-def parted(rows: NDArray, first: NDArray[np.bool_]) -> tuple[NDArray, NDArray]:
-    """The rows that are marked, and the others."""
-    one = np.flatnonzero(first)
-    if len(one) in (0, len(rows)):
-        return (rows, rows[:0]) if len(one) else (rows[:0], rows)
-    return rows[one], rows[np.flatnonzero(~first)]
+@kernel
+def extract(plane, facets, number, place, cells, subsegments):
+    """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
+
+    ``cells``: their vertices, neighbors and regions. ``subsegments``: their ends, pieces and spans, then the
+    ends of those of facets once more, and of the others.
+    """
+    simplices, neighbors, regions = cells
+    rows, pieces, spans, one, two = subsegments
+    count, twin, ends = plane.state[COUNT], plane.twin, plane.ends
+    extract_cells(plane.vertex, twin, 3, count, place, number, simplices, neighbors)
+    for t in range(count):
+        if number[t] >= 0:
+            regions[number[t]] = plane.region[t]
+    i = j = 0
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
+        if number[e // 3] < 0 and number[twin[e] // 3] < 0:
+            continue
+        a, b = place[ends[s, 0]], place[ends[s, 1]]
+        k = i + j
+        rows[k, 0], rows[k, 1], pieces[k] = a, b, plane.piece[s]
+        spans[k, 0], spans[k, 1] = plane.span[s, 0], plane.span[s, 1]
+        if plane.piece[s] < facets:
+            one[i, 0], one[i, 1] = a, b
+            i += 1
+        else:
+            two[j, 0], two[j, 1] = a, b
+            j += 1
+
+
+@kernel
+def copy_all(old, new):
+    """Copy the arrays of a `Plane` to the beginnings of larger ones."""
+    new.xy[: len(old.xy)], new.vertex[: len(old.vertex)] = old.xy, old.vertex
+    new.twin[: len(old.twin)], new.mark[: len(old.mark)] = old.twin, old.mark
+    new.region[: len(old.region)], new.where[: len(old.where)] = old.region, old.where
+    new.ends[: len(old.ends)], new.piece[: len(old.piece)] = old.ends, old.piece
+    new.span[: len(old.span)] = old.span
+
+
+@kernel
+def bounds(xy, n, box):
+    """Write the least x and y, and the greatest, of the first n rows."""
+    box[0] = box[1] = np.inf
+    box[2] = box[3] = -np.inf
+    for i in range(n):
+        box[0], box[1] = min(box[0], xy[i, 0]), min(box[1], xy[i, 1])
+        box[2], box[3] = max(box[2], xy[i, 0]), max(box[3], xy[i, 1])
+
+
+@kernel
+def greatest(values, count):
+    """The greatest of the first values; -1 for none."""
+    most = -1
+    for i in range(count):
+        most = max(most, values[i])
+    return most
 
 
 class PlanarComplex:
@@ -109,24 +159,16 @@ class PlanarComplex:
         rows = as_points(points)
         if rows.shape[1] != 2:
             raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
-        delaunay = Triangulation(rows, progress=progress)
-        if not delaunay.spans:
-            delaunay.mesh()  # raises, and says which flat holds the points
-        start = delaunay.half_edges()
-        if start is None:
-            raise InputError(
-                "the exponents of the coordinates span too much for one scale: drop or move points that are "
-                "nearer to each other than 1e-300 of the largest coordinate"
-            )
-        for copy, kept in delaunay.duplicates[:1].tolist():
-            raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")
-        count = len(start.vertex) // 3
-        self.factor: float = start.factor
-        self.xy: NDArray[np.float64] = start.xy
-        self.vertex: NDArray[np.int32] = start.vertex
-        self.twin: NDArray[np.int32] = start.twin
-        self.mark: NDArray[np.int32] = np.full(3 * count, -1, dtype=np.int32)
-        self.region: NDArray[np.int32] = np.full(count, -1, dtype=np.int32)
+        made = half_edges(rows, progress=progress)
+        count = len(made.vertex) // 3
+        self.factor: float = made.factor
+        self.xy: NDArray[np.float64] = made.xy
+        self.vertex: NDArray[np.int32] = made.vertex
+        self.twin: NDArray[np.int32] = made.twin
+        self.mark: NDArray[np.int32] = np.empty(3 * count, dtype=np.int32)
+        self.mark.fill(-1)
+        self.region: NDArray[np.int32] = np.empty(count, dtype=np.int32)
+        self.region.fill(-1)
         self.ends: NDArray[np.int32] = np.empty((0, 2), dtype=np.int32)
         self.piece: NDArray[np.int32] = np.empty(0, dtype=np.int32)
         self.span: NDArray[np.float64] = np.empty((0, 2))
@@ -151,6 +193,16 @@ class PlanarComplex:
         """How many subsegments there are."""
         return int(self.state[SEGMENTS])
 
+    def box(self) -> NDArray[np.float64]:
+        """The least x and y of all vertices and the greatest, as the input has them."""
+        found = np.empty(4)
+        bounds(self.xy, self.size, found)
+        return found / self.factor
+
+    def parts(self) -> int:
+        """How many numbers of regions there are: one more than the greatest."""
+        return int(greatest(self.region, self.triangles)) + 1
+
     @property
     def broken(self) -> bool:
         """Whether an interrupt hit a change half done (possible only where kernels are not compiled)."""
@@ -162,6 +214,12 @@ class PlanarComplex:
         Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels go on as
         long as there are rows of ``xy``, and it may have grown by more than was asked for: so all rows count.
         """
+        # the usual case, all arrays grow by half at least, needs fewer calls
+        before, slots, s = len(self.region), 2 * vertices, len(self.where)
+        fit = len(self.vertex) == len(self.mark) == 3 * before and len(self.ends) == len(self.span) == s
+        if fit and 3 * max(before, 2 * len(self.xy)) <= 2 * slots and 3 * s <= 2 * segments:
+            self._enlarge(vertices, slots, segments)
+            return
         self.xy = grown(self.xy, vertices)
         slots = max(2 * len(self.xy), self.triangles)
         self.vertex, self.twin = grown(self.vertex, 3 * slots), grown(self.twin, 3 * slots)
@@ -176,11 +234,23 @@ class PlanarComplex:
             self.span, self.state,
         )  # fmt: skip
 
+    def _enlarge(self, vertices: int, slots: int, segments: int) -> None:
+        """`reserve` where all arrays grow: they are copied in one call."""
+        xy, span = np.empty((vertices, 2)), np.empty((segments, 2))
+        vertex, twin = np.empty(3 * slots, dtype=np.int32), np.empty(3 * slots, dtype=np.int32)
+        mark, region = np.empty(3 * slots, dtype=np.int32), np.empty(slots, dtype=np.int32)
+        ends, piece = np.empty((segments, 2), dtype=np.int32), np.empty(segments, dtype=np.int32)
+        where = np.empty(segments, dtype=np.int32)
+        copy_all(self.plane(), Plane(xy, vertex, twin, mark, region, where, ends, piece, span, self.state))
+        self.xy, self.vertex, self.twin, self.mark, self.region = xy, vertex, twin, mark, region
+        self.ends, self.piece, self.span, self.where = ends, piece, span, where
+
     def scratch(self) -> Scratch:
         """Arrays that fit any cavity of the present triangulation."""
         # a search that goes round is given up when the cells are full: the rim has two edges more than cells
         room = len(self.region) + 8
-        stack, cells, rim, fresh = (np.empty(room + more, dtype=np.int32) for more in (8, 0, 8, 8))
+        stack, cells = np.empty(room + 8, dtype=np.int32), np.empty(room, dtype=np.int32)
+        rim, fresh = np.empty(room + 8, dtype=np.int32), np.empty(room + 8, dtype=np.int32)
         return Scratch(stack, cells, rim, np.empty((room + 8, 4), dtype=np.int64), fresh)
 
     # ------------------------------------------------------------------ the result
@@ -233,24 +303,33 @@ class PlanarComplex:
         """
         count, n = self.triangles, self.size
         number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
-        cells, vertices = number_kept(self.vertex, self.region, count, number, place)
-        simplices, neighbors = np.empty((cells, 3), np.int32), np.empty((cells, 3), np.int32)
-        extract_cells(self.vertex, self.twin, 3, count, place, number, simplices, neighbors)
-        known = np.empty((0, 2)) if points is None else points
-        rows = np.concatenate([known, self.xy[len(known) : n] / self.factor])
-        source = np.full(n, -1, dtype=np.int32)
-        if origin is not None:
-            source[: len(origin)] = origin
+        plane = self.plane()
+        cells, vertices, kept, outer = survey(plane, facets, number, place)
+        simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
+        ends, piece = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
+        span, region = np.empty((kept, 2)), np.empty(cells, dtype=np.int32)
+        named: dict[str, NDArray] = {
+            "facets": np.empty((outer, 2), dtype=np.int32),
+            "inner": np.empty((kept - outer, 2), dtype=np.int32),
+        }
+        subsegments = (ends, piece, span, named["facets"], named["inner"])
+        extract(plane, facets, number, place, (simplices, neighbors, region), subsegments)
+        rows = self._unscaled(points)
+        if origin is not None and len(origin) == n and origin.dtype == np.int32:
+            source = origin
+        else:
+            source = np.empty(n, dtype=np.int32)
+            source.fill(-1)
+            if origin is not None:
+                source[: len(origin)] = origin
         if vertices < n:
             used = place >= 0
             rows, source = rows[used], source[used]
-        ends, piece, span = self._segments(number, place)
-        named: dict[str, NDArray] = dict(zip(("facets", "inner"), parted(ends, piece < facets)))
         for name, pieces in (markers or {}).items():
             named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
-            named["region"] = self.region[np.flatnonzero(number >= 0)]
-        if rest.get("unrefined") is not None:
+            named["region"] = region
+        if rest.get("unrefined") is not None and len(rest["unrefined"]):
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return DomainMesh(
             rows,
@@ -261,12 +340,13 @@ class PlanarComplex:
             segments=ends,
             piece=piece,
             span=span,
+            _ready=True,
             **rest,
         )
 
-    def _segments(self, number: NDArray[np.int32], place: NDArray[np.int32]) -> tuple[NDArray, ...]:
-        """Ends, piece and span of the subsegments that bound a triangle with a number."""
-        s = self.segments
-        rows, pieces, spans = np.empty((s, 2), np.int32), np.empty(s, np.int32), np.empty((s, 2))
-        many = extract_segments(self.plane(), number, place, rows, pieces, spans)
-        return rows[:many], pieces[:many], spans[:many]
+    def _unscaled(self, known: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        """Coordinates of all vertices as the domain has them, the first of which are known."""
+        n = self.size
+        if known is None:
+            return self.xy[:n] / self.factor
+        return known if len(known) == n else np.concatenate([known, self.xy[len(known) : n] / self.factor])

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.jit import inline, kernel
+from ...geometry.ordering import radix_argsort
 from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
@@ -153,11 +154,25 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
     if parts == 1 and not regions:
         return
-    number = np.zeros(parts, dtype=np.int32)  # by the least vertex in each, not by where the slots are
-    if parts > 1:
-        number[np.argsort(least[:parts], kind="stable")] = np.arange(parts)
-    label = _named(complex_, regions, part, number) if regions else number
-    part[:] = np.append(label, np.int32(-1))[part]
+    number = np.empty(parts, dtype=np.int32)
+    _rank(least, number)
+    _relabel(part, _named(complex_, regions, part, number) if regions else number)
+
+
+@kernel
+def _rank(least, number):
+    """Number the parts by the least vertex in each, not by where their slots are."""
+    keys = least[: len(number)].astype(np.int64)
+    order = radix_argsort(keys, 31) if len(number) > 1 else np.zeros(1, dtype=np.int64)
+    for i in range(len(order)):
+        number[order[i]] = i
+
+
+@kernel
+def _relabel(part, label):
+    for t in range(len(part)):
+        if part[t] >= 0:
+            part[t] = label[part[t]]
 
 
 def _named(

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...base.codes import DONE
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...geometry.ordering import draws, radix_argsort
 from .complex import SEGMENTS, PlanarComplex
@@ -58,16 +59,19 @@ def insert_all(
     corner = np.empty(n, dtype=np.int32)
     fill_corners(complex_.vertex, 3 * count, corner)
     missing = np.empty(len(ends), dtype=bool)
-    where, pending = np.empty(len(ends), dtype=np.int32), np.empty(8 * count + 8, dtype=np.int32)
+    where = np.empty(len(ends), dtype=np.int32)
     status, i, other = mark_present(
         complex_.vertex, complex_.twin, complex_.mark, corner, ends, where, missing
     )
     if status != DONE:
         raise _refusal(status, int(i), int(other), ends, piece, facets)
-    rows = np.flatnonzero(missing)
-    order = rows[_order(corner[ends[rows, 0]], count)]
-    left, right, cells = (np.empty(count + 2, dtype=np.int64) for _ in range(3))
     crossed = np.zeros(len(ends), dtype=np.int64)
+    if i == 0 and not progress:  # none is left
+        _enter(complex_, ends, piece, span, where, known=True)
+        return crossed
+    order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
+    left, right = np.empty(count + 2, dtype=np.int64), np.empty(count + 2, dtype=np.int64)
+    cells, pending = np.empty(count + 2, dtype=np.int64), np.empty(8 * count + 8, dtype=np.int32)
     sides, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
     c = complex_
     filling = Filling(
@@ -82,23 +86,29 @@ def insert_all(
             raise _refusal(status, int(i), int(other), ends, piece, facets)
         bar.update(stop - start)
     bar.close()
-    _enter(complex_, ends, piece, span, where, known=len(order) == 0)
+    _enter(complex_, ends, piece, span, where, known=False)
     return crossed
 
 
-def _order(slots: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+@kernel
+def _order(missing, left, ends, corner, draw, bits):
     """Random rounds, each eight times as large as those before, along the curve that the triangles follow.
 
     Where many long segments cross many triangles, an order without rounds can cost a hundred times more.
+    ``left``: how many are missing. ``bits`` hold a number of a corner.
     """
-    draw = draws(len(slots), 2**32)
-    rounds = np.full(len(slots), 15, dtype=np.int64)
-    share = 3
-    while len(slots) >> share > 32:
-        rounds -= draw < 2 ** (32 - share)
-        share += 3
-    bits = int(count).bit_length() + 2
-    return radix_argsort((rounds << bits) | slots, bits + 4)
+    rows, keys = np.empty(left, dtype=np.int64), np.empty(left, dtype=np.int64)
+    k = 0
+    for i in range(missing.shape[0]):
+        if missing[i]:
+            rows[k] = i
+            rounds, share = 15, 3
+            while left >> share > 32:
+                rounds -= draw[k] < 2 ** (32 - share)
+                share += 3
+            keys[k] = (rounds << bits) | corner[ends[i, 0]]
+            k += 1
+    return rows[radix_argsort(keys, bits + 4)]
 
 
 def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, facets: int) -> InputError:

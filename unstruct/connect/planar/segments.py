@@ -88,20 +88,22 @@ def absent(vertex, twin, corner, ends, missing):
 
 @lean
 def mark_present(vertex, twin, mark, corner, ends, where, missing):
-    """Mark the segments that are edges; (DONE, -1, -1), or of two equal ones the second and the first.
+    """Mark the segments that are edges; DONE and how many are left, or two equal ones, the second first.
 
     ``missing`` tells which are left, ``where`` has the half-edges along the others.
     """
+    left = 0
     for i in range(len(ends)):
         e = find_edge(vertex, twin, corner, ends[i, 0], ends[i, 1])
         missing[i] = e < 0
+        left += e < 0
         if e >= 0:
             if mark[e] >= 0:
                 return OVERLAPS, np.int64(i), np.int64(mark[e])
             mark[e] = i
             mark[twin[e]] = i
             where[i] = e
-    return DONE, np.int64(-1), np.int64(-1)
+    return DONE, np.int64(left), np.int64(-1)
 
 
 @lean

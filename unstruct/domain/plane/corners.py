@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.elementary import turns
-from ...geometry.curves import Arc
 from ...geometry.outline import Outline
 
 __all__ = ["crossings_at_corners"]
@@ -65,24 +64,19 @@ def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
 
 def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of pieces with a common vertex, an arc among them and no other curve; the vertex of each."""
-    arcs = [i for i, curve in outline.curves.items() if isinstance(curve, Arc)]
-    is_arc, other = (np.zeros(len(outline.pieces), dtype=bool) for _ in range(2))
-    is_arc[arcs] = True
-    other[[i for i in outline.curves if not is_arc[i]]] = True
+    kind = outline.cuts().kind
+    is_arc, other = kind == 1, kind == 2
     touched = np.zeros(len(outline.points), dtype=bool)
-    touched[outline.pieces[arcs].ravel()] = True
+    touched[outline.pieces[is_arc].ravel()] = True
     piece, column = np.nonzero(touched[outline.pieces] & ~other[:, None])
     vertex = outline.pieces[piece, column]
     order = np.lexsort((piece, vertex))
     piece, vertex = piece[order], vertex[order]
-    heads = np.nonzero(np.diff(vertex, prepend=-1))[0]
-    blocks, at = [np.empty((0, 2), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-    for head, group in zip(heads, np.split(piece, heads[1:])):
-        i, j = np.triu_indices(len(group), 1)
-        keep = (is_arc[group[i]] | is_arc[group[j]]) & (group[i] != group[j])
-        blocks.append(np.column_stack([group[i], group[j]])[keep])
-        at.append(np.full(int(keep.sum()), vertex[head], dtype=np.int64))
-    return np.concatenate(blocks), np.concatenate(at)
+    rest = np.searchsorted(vertex, vertex, side="right") - np.arange(len(vertex)) - 1  # at the same vertex
+    i = np.repeat(np.arange(len(vertex)), rest)
+    j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(rest) - rest, rest)
+    keep = (is_arc[piece[i]] | is_arc[piece[j]]) & (piece[i] != piece[j])
+    return np.column_stack([piece[i], piece[j]])[keep].astype(np.int64), vertex[i][keep].astype(np.int64)
 
 
 def _bends(outline: Outline, piece: np.ndarray, at: np.ndarray) -> np.ndarray:

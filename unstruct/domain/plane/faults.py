@@ -10,12 +10,14 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
-from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
+from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
 from ...geometry.sweep import lexicographic
 
 __all__ = ["Fault", "check_ends", "find_faults", "first_copies"]
 
-ODD = np.uint64(0x9E3779B97F4A7C15)  # spreads bits: 2^64 by the golden ratio
+HALF_WORD = 2**32 - 1
+MIX = (0x5BD1E995, 0x7ED55D17, 0x6B43A9B5, 0x4CF5AD43)  # odd numbers below 2^31
+MANY = 1 << 12  # pieces up to which one look is tried before the stages, which have better means for more
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,7 @@ class Fault:
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
     first = np.arange(len(points))
-    x, y = (points + 0.0).view(np.uint64).T  # -0.0 becomes 0.0
-    bits = max(2 * len(points), 2).bit_length()
-    key = x * ODD
-    key = ((key ^ (key >> np.uint64(32))) + y) * ODD >> np.uint64(64 - bits)
-    if not _any_equal(points, key.view(np.int64), np.full(1 << bits, -1, dtype=np.int32)):
+    if not _any_equal(np.ascontiguousarray(points)):
         return first
     order = lexicographic(points)
     head = np.ones(len(points), dtype=bool)
@@ -49,15 +47,26 @@ def first_copies(points: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def _any_equal(points, slots, table):
-    """Whether two points are equal: each is put in the first free place of the table from its slot on."""
+def _any_equal(points):
+    """Whether two points are equal: each is put in the first free place of a table from its slot on.
+
+    The slot mixes the halves of both coordinates' bits, by products that 64 bits hold.
+    """
+    bits = (points + 0.0).view(np.int64)  # -0.0 becomes 0.0
+    size = 4
+    while size < 2 * points.shape[0]:
+        size *= 2
+    table = np.full(size, -1, dtype=np.int32)
     for i in range(points.shape[0]):
-        slot = slots[i]
+        x, y = bits[i, 0], bits[i, 1]
+        key = ((x & HALF_WORD) * MIX[0]) ^ (((x >> 32) & HALF_WORD) * MIX[1])
+        key ^= ((y & HALF_WORD) * MIX[2]) ^ (((y >> 32) & HALF_WORD) * MIX[3])
+        slot = (key >> 28) & (size - 1)
         while table[slot] >= 0:
             j = table[slot]
             if points[j, 0] == points[i, 0] and points[j, 1] == points[i, 1]:
                 return True
-            slot = (slot + 1) & (table.shape[0] - 1)
+            slot = (slot + 1) & (size - 1)
         table[slot] = i
     return False
 
@@ -79,6 +88,32 @@ def _any_repeated(segments, head, after, seen):
     return False
 
 
+@kernel
+def _sound(points, pieces, facets, straight):
+    """Whether one look finds that no stage of `find_faults` would find a fault; if in doubt, no.
+
+    ``straight`` has the straight ones of the pieces.
+    """
+    n = points.shape[0]
+    meet, used = np.zeros(n, dtype=np.int32), 0
+    for i in range(pieces.shape[0]):
+        a, b = pieces[i, 0], pieces[i, 1]
+        if a < 0 or b < 0 or a >= n or b >= n or a == b:
+            return False
+        for v in (a, b):
+            used += meet[v] == 0
+            meet[v] += 1 if i < facets else 2**16  # of facets an even number must meet
+    alone = np.empty(n - used, dtype=np.int32)
+    k = 0
+    for v in range(n):
+        if meet[v] & 1:
+            return False
+        if meet[v] == 0:
+            alone[k] = v
+            k += 1
+    return not _any_equal(points) and none_meet(points, straight, alone)
+
+
 def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
     """Where the lines of two crossing segments meet: rational arithmetic, rounded once."""
     (px, py), (qx, qy), (ax, ay), (bx, by) = (
@@ -92,11 +127,23 @@ def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[fl
 # ---------------------------------------------------------------------- all faults of a domain
 
 
+def refuse(found: list[Fault]) -> None:
+    """Raise for the first fault, and say how many more there are."""
+    if found:
+        rest = len(found) - 1
+        more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
+        raise InputError(found[0].text + more)
+
+
 def find_faults(outline: Outline) -> list[Fault]:
     """Every fault of the straight structure, in stages: later ones are looked for if there are none before.
 
     Curved pieces are left to the sampling, but for their vertices.
     """
+    if len(outline.pieces) <= MANY:
+        straight = _straight(outline)[1] if outline.curves else outline.pieces
+        if _sound(outline.points, outline.pieces, len(outline.facets), straight):
+            return []
     for stage in (_indices, _duplicates, _zero_length, _repeated, _crossings, _open_vertices):
         faults = stage(outline)
         if faults:
@@ -244,8 +291,9 @@ def _open_vertices(outline: Outline) -> list[Fault]:
 
 def check_ends(outline: Outline) -> None:
     """Raise where a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
-    for piece, curve in outline.curves.items():
-        ends = np.asarray(curve.point(np.array([0.0, 0.5, 1.0])), dtype=float)
+    others = np.flatnonzero(outline.batch.kind == 2).tolist()
+    for piece in others if _batch_ends(outline) else outline.curves:
+        ends = np.asarray(outline.curves[piece].point(np.array([0.0, 0.5, 1.0])), dtype=float)
         if ends.shape != (3, 2) or not np.isfinite(ends).all():
             raise InputError(f"the curve of {outline.name(piece)} must give finite points of shape (k, 2)")
         slack = 2.0**-40 * max(np.abs(ends).max(), np.abs(outline.points).max())
@@ -255,3 +303,16 @@ def check_ends(outline: Outline) -> None:
                     f"the curve of {outline.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
                     f"{outline.points[vertex].tolist()}; give that vertex the curve's end"
                 )
+
+
+def _batch_ends(outline: Outline) -> bool:
+    """Whether all curves of the library's own kinds start and end where they should."""
+    piece = np.flatnonzero((outline.batch.kind == 1) | (outline.batch.kind > 2))
+    if len(piece) == 0:
+        return True
+    rows, x = outline.batch.points(np.repeat(piece, 3), np.tile([0.0, 0.5, 1.0], len(piece)))
+    ends = np.empty((len(piece), 3, 2))
+    ends.reshape(-1, 2)[rows] = x
+    slack = 2.0**-40 * np.maximum(np.abs(ends).max(axis=(1, 2)), np.abs(outline.points).max())
+    off = np.abs(ends[:, [0, 2]] - outline.points[outline.pieces[piece]]).max(axis=(1, 2))
+    return bool((off <= slack).all() and np.isfinite(ends).all())

@@ -49,6 +49,8 @@ def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
 
 def check_seeds(outline: Outline, sampled: Sampled) -> None:
     """Raise where a seed of a region lies on a piece or outside."""
+    if not outline.regions:
+        return
     straight = ~np.isin(sampled.piece, list(outline.curves))
     for name, seeds in outline.regions.items():
         on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]

@@ -13,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ...base.elementary import turns
+from ...base.arrays import counted_off
+from ...base.elementary import angle_of
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import meetings
@@ -108,10 +110,42 @@ def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndar
 
 def turning(chains: np.ndarray) -> np.ndarray:
     """The total turn of each chain of points; that within its short first and last chords is left out."""
-    d = np.diff(chains, axis=1)
-    cross = d[:, :-1, 0] * d[:, 1:, 1] - d[:, :-1, 1] * d[:, 1:, 0]
-    dot = (d[:, :-1] * d[:, 1:]).sum(axis=2)
-    return np.abs(turns(cross, dot)).sum(axis=1)
+    found = np.empty(len(chains))
+    _turning(chains, found)
+    return found
+
+
+@kernel
+def _turning(chains, found):
+    for r in range(chains.shape[0]):
+        found[r] = 0.0
+        for i in range(1, chains.shape[1] - 1):
+            ux, uy = chains[r, i, 0] - chains[r, i - 1, 0], chains[r, i, 1] - chains[r, i - 1, 1]
+            vx, vy = chains[r, i + 1, 0] - chains[r, i, 0], chains[r, i + 1, 1] - chains[r, i, 1]
+            found[r] += abs(angle_of(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@kernel
+def _boxes(chains, low, high):
+    """The least and the greatest coordinates of each chain of points."""
+    for r in range(chains.shape[0]):
+        for k in range(2):
+            low[r, k] = high[r, k] = chains[r, 0, k]
+            for i in range(1, chains.shape[1]):
+                low[r, k], high[r, k] = min(low[r, k], chains[r, i, k]), max(high[r, k], chains[r, i, k])
+
+
+@kernel
+def _enclosed(at, chains, query, hit, inside):
+    """Whether points lie within the polygons of chains and their chords, even-odd, up to rounding."""
+    for q in range(query.shape[0]):
+        x, y, chain = at[query[q], 0], at[query[q], 1], chains[hit[q]]
+        for i in range(chain.shape[0]):
+            j = i + 1 if i + 1 < chain.shape[0] else 0
+            ax, ay, bx, by = chain[i, 0], chain[i, 1], chain[j, 0], chain[j, 1]
+            if (ay <= y) != (by <= y):
+                turn = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+                inside[q] ^= (turn > 0) == (by > ay)
 
 
 def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
@@ -142,16 +176,13 @@ def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np
 def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
     """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
     at = np.concatenate([sampled.points, *outline.regions.values()])
-    query, hit = BoxTree(chains.min(axis=1), chains.max(axis=1)).pairs(at, at)
+    low, high = np.empty((2, len(chains), 2))
+    _boxes(chains, low, high)
+    query, hit = BoxTree(low, high).pairs(at, at)
     own = (sampled.ends[rows[hit]] == query[:, None]).any(axis=1)
     query, hit = query[~own], hit[~own]
-    polygon, x = chains[hit], at[query][:, None]
-    a, b = polygon, np.roll(polygon, -1, axis=1)
-    over = (a[..., 1] <= x[..., 1]) != (b[..., 1] <= x[..., 1])
-    turn = (b[..., 0] - a[..., 0]) * (x[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
-        x[..., 0] - a[..., 0]
-    )
-    inside = (over & ((turn > 0) == (b[..., 1] > a[..., 1]))).sum(axis=1) % 2 == 1
+    inside = np.zeros(len(query), dtype=bool)
+    _enclosed(at, chains, query, hit, inside)
     cut = rows[hit[inside]]
     return np.column_stack([cut, cut])
 
@@ -216,6 +247,10 @@ def _told(outline: Outline, first: int, second: int, x: float, y: float) -> str:
 
 def _refuse_repeated(outline: Outline) -> None:
     """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
+    curved = np.sort(outline.pieces[list(outline.curves)], axis=1)
+    curved = curved[np.lexsort(curved.T)]
+    if not (curved[1:] == curved[:-1]).all(axis=1).any():
+        return
     with_ends: dict[tuple[int, int], list[int]] = {}
     for piece in outline.curves:
         a, b = outline.pieces[piece].tolist()
@@ -231,12 +266,15 @@ def _refuse_repeated(outline: Outline) -> None:
 
 def coarse(outline: Outline) -> Sampled:
     """Straight pieces whole, curves as coarsely as is safe."""
-    _refuse_repeated(outline)
-    whole = np.arange(len(outline.pieces))
+    many = len(outline.pieces)
     if not outline.curves:  # validated as they stand
-        number, span = np.arange(len(outline.points), dtype=np.int32), np.empty((len(whole), 2))
-        span[:, 0], span[:, 1] = 0.0, 1.0
-        return Sampled(outline.points, number, outline.pieces, whole.astype(np.int32), span)
+        span = np.zeros((many, 2))
+        span[:, 1] = 1.0
+        return Sampled(
+            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span
+        )
+    _refuse_repeated(outline)
+    whole = np.arange(many)
     pairs, places = crossings_at_corners(outline)
     if len(pairs):
         raise InputError(_told(outline, *pairs[0].tolist(), *places[0].tolist()))

@@ -135,11 +135,10 @@ def refine_angles(
     slots, reasons : list
         Triangles that still have an angle below 26 degrees, and why.
     """
-    lower, upper = domain.bounds
     names = [""] * (int(complex_.region[: complex_.triangles].max(initial=-1)) + 1)
     limits = make_limits(
-        names, np.concatenate([lower, upper]), complex_.factor, min_angle=WANTED_ANGLE, max_area=None,
-        size=None, lens=LENS,
+        names, lambda: np.concatenate(list(domain.bounds)), complex_.factor, min_angle=WANTED_ANGLE,
+        max_area=None, size=None, lens=LENS,
     )  # fmt: skip
     cuts = domain.cuts()
     planned = Planned(
@@ -149,7 +148,6 @@ def refine_angles(
     run = RefineRun(planned, limits, 0.0, most, False)
     free = run.kind[given : complex_.size]
     free[free == INPUT_VERTEX] = FREE_VERTEX
-    run.start()
     code = run.advance()
     while code == MORE:
         code = run.advance()

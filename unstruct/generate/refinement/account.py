@@ -20,6 +20,8 @@ TEXTS = {
     PRECISION: "precision: the point needed is no double between its neighbors",
     CURVE: "curve: a split of a curve would meet another feature",
 }
+MISSES = ("angle", "area", "size")
+NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
@@ -71,11 +73,11 @@ def account(
     reasons : ndarray of str, shape (k,)
     missed : dict of str to int
     """
-    found = np.empty((0, 5), dtype=np.int64)
-    count = 0 if finished and not given_up else _survey(w, limits, found)
-    if count:
-        found = np.empty((count, 5), dtype=np.int64)
-        _survey(w, limits, found)
+    count = 0 if finished and not given_up else _survey(w, limits, NOTHING)
+    if count == 0:
+        return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
+    found = np.empty((count, 5), dtype=np.int64)
+    _survey(w, limits, found)
     slot, bits, apex, a, b = found.T
     why = w.status[slot].astype(np.int64) & 255
     why[apex >= 0] = SMALL_ANGLE
@@ -88,7 +90,7 @@ def account(
     u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
     turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
-    missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(("angle", "area", "size"))}
+    missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(MISSES)}
     return slot.astype(np.int32), reasons.astype(str), missed
 
 

@@ -3,61 +3,53 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...base.elementary import turns
-from ...connect.planar.complex import PlanarComplex
-from .encroachment import FIRST, SECOND
+from ...base.elementary import angle_of
+from ...base.jit import lean
+from ...connect.insertion.halfedges import next_edge, prev_edge
+from .encroachment import FIRST, SECOND, STRAIGHT
 
 __all__ = ["apexes"]
 
-SMALL = np.pi / 3  # below it, two straight pieces can split each other for ever
+ANGLE_MARGIN = 1 - 1e-9  # three equal sides make no small angle
+SMALL = ANGLE_MARGIN * np.pi / 3  # below it, two straight pieces can split each other for ever
 # chords turn while curves are split, each by no more than the chord of a half turn / 6
-SMALL_CURVED = np.pi / 2
+SMALL_CURVED = ANGLE_MARGIN * np.pi / 2
 
 
-def apexes(complex_: PlanarComplex, curved: NDArray[np.bool_]) -> NDArray[np.uint8]:
+@lean
+def apexes(plane, curve, result):
     """For each subsegment which of its ends are apexes of a small angle within the domain: a sum of bits.
 
     Parameters
     ----------
-    complex_ : PlanarComplex
+    plane : Plane
         Flooded.
-    curved : ndarray of bool, shape (pieces,)
-
-    Returns
-    -------
-    ndarray of uint8, shape (subsegments,)
-        FIRST, SECOND, both or 0.
+    curve : ndarray of int8, shape (pieces,)
+        STRAIGHT or not.
+    result : ndarray of uint8, shape (subsegments,)
+        Gets FIRST, SECOND, both or 0.
     """
-    s = complex_.segments
-    half = complex_.where[:s].astype(np.int64)
-    # each leaves one end, with a triangle on its left
-    half = np.stack([half, complex_.twin[half]], axis=1).ravel()
-    start, stop = (complex_.vertex[half // 3 * 3 + (half + k) % 3] for k in (1, 2))
-    number = np.repeat(np.arange(s), 2)
-    vector = complex_.xy[stop] - complex_.xy[start]
-    angle = turns(vector[:, 1], vector[:, 0])
-    order = np.lexsort((angle, start))
-    again = _next_around(start[order])
-    wedge = np.mod(angle[order][again] - angle[order], 2 * np.pi)
-    one, two = order, order[again]
-    bent = curved[complex_.piece[number[one]]] | curved[complex_.piece[number[two]]]
-    small = (one != two) & (wedge < np.where(bent, SMALL_CURVED, SMALL) * (1 - 1e-9))
-    small &= complex_.region[half[one] // 3] >= 0
-    small &= complex_.piece[number[one]] != complex_.piece[number[two]]
-    result = np.zeros(s, dtype=np.uint8)
-    for rows in (one[small], two[small]):
-        first = complex_.ends[number[rows], 0] == start[rows]
-        np.bitwise_or.at(result, number[rows], np.where(first, FIRST, SECOND).astype(np.uint8))
-    return result
-
-
-def _next_around(start: NDArray) -> NDArray[np.int64]:
-    """For rows sorted by vertex: the next row at the same vertex, cyclically."""
-    n = len(start)
-    again = np.arange(1, n + 1)
-    head = np.flatnonzero(np.diff(start, prepend=-1))
-    last = np.append(head[1:], n) - 1
-    again[last] = head
-    return again
+    xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
+    region, ends, piece, where = plane.region, plane.ends, plane.piece, plane.where
+    result[:] = 0
+    for s in range(result.shape[0]):
+        for side in range(2):
+            e = np.int64(where[s]) if side == 0 else np.int64(twin[where[s]])
+            if region[e // 3] < 0:
+                continue
+            # e leaves a for b, with its triangle on the left: turn on about a to the next subsegment, to c
+            a, b = vertex[next_edge(e)], vertex[prev_edge(e)]
+            other = prev_edge(e)
+            while mark[other] < 0:
+                other = prev_edge(np.int64(twin[other]))
+            r, c = np.int64(mark[other]), vertex[next_edge(other)]
+            if piece[r] == piece[s]:
+                continue
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+            wedge = angle_of(ux * vy - uy * vx, ux * vx + uy * vy)
+            bent = curve[piece[r]] != STRAIGHT or curve[piece[s]] != STRAIGHT
+            if 0.0 <= wedge < (SMALL_CURVED if bent else SMALL):
+                result[s] |= FIRST if ends[s, 0] == a else SECOND
+                result[r] |= FIRST if ends[r, 0] == a else SECOND

@@ -8,7 +8,7 @@ sqrt(2) h. So the edges lie between h / sqrt(2) and sqrt(2) h, symmetrically abo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from ...sizing.table import size_at
 
 __all__ = ["Limits"]
 
+NO_TABLE = np.empty(0, dtype=np.int32), np.empty((0, 4)), np.zeros(4)  # child, values, box
 ANGLE, AREA, SIZE = 1, 2, 4  # what a triangle misses: bits
 BY_ANGLE, BY_SIZE = 1, 2  # what a triangle or a subsegment is asked for: the angle only, or area and size
 
@@ -80,14 +81,24 @@ def misses(xy, a, b, c, r, limits):
 
 
 def make_limits(
-    names: list[str], box: NDArray[np.float64], factor: float, *, min_angle: float, max_area: Any, size: Any,
-    lens: float,
+    names: list[str], box_of: Callable[[], NDArray[np.float64]], factor: float, *, min_angle: float,
+    max_area: Any, size: Any, lens: float,
 ) -> Limits:  # fmt: skip
-    """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates."""
+    """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates.
+
+    The box is asked for where there is a table.
+    """
+    least = sine(math.radians(min_angle))
+    sine2 = least * least
+    if max_area is None and size is None:
+        far, none = np.empty(len(names)), np.empty(len(names), dtype=np.int64)
+        far.fill(np.inf)
+        none.fill(-1)
+        return Limits(sine2, lens, far, far, none, none, *NO_TABLE)
     areas = [
         _positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")
     ]
-    radius2 = np.full(len(names), np.inf)
+    box, radius2 = box_of(), np.full(len(names), np.inf)
     first, last = np.full(len(names), -1, dtype=np.int64), np.full(len(names), -1, dtype=np.int64)
     child, values, rows = [np.empty(0, np.int32)], [np.empty((0, 4))], 0
     made: dict[int, tuple[int, int]] = {}
@@ -106,10 +117,9 @@ def make_limits(
             made[id(one)] = rows, rows + len(nodes.child)
             rows += len(nodes.child)
         first[r], last[r] = made[id(one)]
-    least = sine(math.radians(min_angle))
     return Limits(
-        least * least, lens, np.array(areas), radius2, first, last,
-        np.concatenate(child), np.concatenate(values), box * factor,
+        sine2, lens, np.array(areas), radius2, first, last, np.concatenate(child), np.concatenate(values),
+        box * factor,
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES
+from ...base.arrays import counted_off
 from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
 from ...base.errors import InputError
@@ -117,13 +118,10 @@ def refine(
     angle, lens, offset = _method(method, min_angle)
     planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
     c = planned.complex_
-    rows = c.xy[: c.size] / c.factor
-    box = np.concatenate([rows.min(axis=0), rows.max(axis=0)])
     limits = make_limits(
-        planned.names, box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
+        planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
     run = RefineRun(planned, limits, offset, _budget(budget), history)
-    run.start()
     code = _loop(run, progress)
     slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
@@ -173,13 +171,11 @@ def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
     sample = whole if whole is None or whole.constant is None else whole.constant
     c = planar_complex(domain, sample, progress=progress)
     names = list(domain.regions)
-    parts = int(c.region[: c.triangles].max()) + 1
-    cuts = domain.cuts()
-    n = len(domain.points)
+    cuts, number = domain.cuts(), counted_off(len(domain.points))
     return Planned(
-        c, names + [""] * (parts - len(names)), domain.pieces, cuts.kind, cuts.arc, domain.points_at,
-        {"inputs": np.arange(n), "mesh": {
-            "facets": len(domain.facets), "origin": np.arange(n, dtype=np.int32), "markers": domain.markers,
+        c, names + [""] * (c.parts() - len(names)), domain.pieces, cuts.kind, cuts.arc, domain.points_at,
+        {"inputs": number, "mesh": {
+            "facets": len(domain.facets), "origin": number, "markers": domain.markers,
             "points": domain.points,
         }},
     )  # fmt: skip

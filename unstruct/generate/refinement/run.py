@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -13,23 +14,21 @@ from ...base.codes import MORE, ROOM
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
-from .acute import apexes
-from .encroachment import FIRST, INPUT_VERTEX, SECOND, STRAIGHT, shell
+from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
-    FRACTION,
     LARGE,
     REMOVED,
     SEGMENT_TOP,
     VERTEX_LIMIT,
     WANTED,
     Work,
-    look_at_all,
-    set_floors,
+    begin,
+    expected,
 )
 from .steps import advance
 
@@ -40,6 +39,7 @@ PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
+OWN_OF = attrgetter(*OWN)
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -65,72 +65,58 @@ class RefineRun:
         self.tally = np.zeros(16, dtype=np.int64)
         self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
-        self.kind = np.full(n, INPUT_VERTEX, dtype=np.int32)
-        inner = np.ones(n, dtype=bool)  # vertices that cut a piece, and were no vertices of the input
-        inner[planned.rest["inputs"]] = False
-        for column in (0, 1):
-            rows = inner[c.ends[:s, column]]
-            self.kind[c.ends[:s][rows, column]] = c.piece[:s][rows]
-        self.floor = np.full(n, np.inf)
-        set_floors(c.xy, c.vertex, c.mark, c.region, c.triangles, self.floor)
-        self.floor *= FRACTION
-        self.apexes = apexes(c, planned.curve != STRAIGHT)
-        self.lock, self.asked = np.zeros(s, dtype=np.uint8), np.zeros(s, dtype=np.uint8)
-        self.need, self.given = np.full(s, np.inf), np.full((s, 3), np.nan)
-        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
-        self.status, self.large = np.zeros(0, dtype=np.uint16), np.empty(0, dtype=np.int32)
-        self.ahead, self.behind = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
-        self.gates = np.full((LARGE, 2), -1, dtype=np.int32)
-        # copies, so that none is read-only: that would be another type, and a second compilation
-        self.arc, self.curve = planned.arc.copy(), planned.curve.astype(np.int8)
-        self.joints = planned.joints.astype(np.int32)
-        self.arc[:, :3] *= c.factor
         self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
-        self._make_room(min(self._expected(), budget) + 2 * n + 64, 2 * s + 64)
+        # copies, so that none is read-only: that would be another type, and a second compilation
+        self.arc, self.curve, self.joints = planned.arc.copy(), planned.curve.copy(), planned.joints.copy()
+        if c.factor != 1.0:
+            self.arc[:, :3] *= c.factor
+        wanted = min(expected(c.plane(), limits), 2.0**25)
+        c.reserve(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
+        self._allocate(len(c.xy), len(c.where), len(c.region) + 1)
+        begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32))
 
-    def _expected(self) -> int:
-        """About how many vertices the limits will lead to, as far as they are constant."""
-        c, limits = self.complex, self.limits
-        rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
-        part = c.region[: c.triangles][c.kept()]
-        a, b, d = (c.xy[rows[:, k]] for k in range(3))
-        twice = (b - a)[:, 0] * (d - a)[:, 1] - (b - a)[:, 1] * (d - a)[:, 0]
-        # as counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length
-        number = np.maximum(1.6 * twice / limits.twice_area[part], 0.75 * twice / limits.radius2[part])
-        return int(min(0.52 * number.sum(), 2.0**25))
+    def _allocate(self, n: int, s: int, t: int) -> None:
+        """Arrays for so many vertices, subsegments and slots."""
+        self.kind, self.floor = np.empty(n, dtype=np.int32), np.empty(n)
+        self.apexes, self.lock = np.empty(s, dtype=np.uint8), np.empty(s, dtype=np.uint8)
+        self.asked, self.need, self.given = np.empty(s, dtype=np.uint8), np.empty(s), np.empty((s, 3))
+        self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
+        self.status = np.zeros(t, dtype=np.uint16)  # zeroed pages that are not touched cost nothing
+        self.large, self.ahead = np.empty(t, dtype=np.int32), np.empty(t, dtype=np.int32)
+        self.behind, self.gates = np.empty(t, dtype=np.int32), np.empty((LARGE, 2), dtype=np.int32)
+        self.gates.fill(-1)
+        self.scratch = self.complex.scratch()
+        self._work: Work | None = None
 
     def _make_room(self, vertices: int, segments: int) -> None:
         c = self.complex
         c.reserve(vertices, segments)
         n, s, t = len(c.xy), len(c.where), len(c.region)
-        before = len(self.status)
         for names, size in ((PER_VERTEX, n), (PER_SEGMENT, s), (PER_SLOT, t + 1)):
             for name in names:
                 setattr(self, name, grown(getattr(self, name), size))
-        if t > before:  # zeroed pages that are not touched cost nothing
+        if t >= len(self.status):
             status = np.zeros(len(self.large), dtype=np.uint16)
-            status[:before] = self.status
+            status[: len(self.status)] = self.status
             self.status = status
         if self.tally[EVENTS] + 256 > len(self.event) > 0:
             self.event = grown(self.event, 2 * len(self.event))
             self.place = grown(self.place, len(self.event))
         self.scratch = c.scratch()
+        self._work = None
 
     def work(self) -> Work:
         """The arrays as they are now."""
-        c = self.complex
-        arrays: list[NDArray] = [
-            *c.plane(),
-            *(getattr(self, name) for name in OWN), self.curve, self.arc, self.joints, *self.scratch,
-            self.polygon, self.event, self.place,
-        ]  # fmt: skip
-        return Work(*arrays)
-
-    def start(self) -> None:
-        """Look at all subsegments and triangles."""
-        look_at_all(self.work(), self.tally, self.limits)
+        if self._work is None:
+            arrays: list[NDArray] = [
+                *self.complex.plane(),
+                *OWN_OF(self), self.curve, self.arc, self.joints, *self.scratch,
+                self.polygon, self.event, self.place,
+            ]  # fmt: skip
+            self._work = Work(*arrays)
+        return self._work
 
     def advance(self) -> int:
         """Some thousand steps; DONE, MORE or BUDGET."""
@@ -185,6 +171,5 @@ class RefineRun:
     def counts(self) -> dict[str, int]:
         """What happened, by name."""
         names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
-        return {"removed": int(self.tally[REMOVED])} | {
-            k: int(self.tally[CIRCUMCENTERS + i]) for i, k in enumerate(names)
-        }
+        tally = self.tally.tolist()
+        return {"removed": tally[REMOVED], **dict(zip(names, tally[CIRCUMCENTERS:]))}

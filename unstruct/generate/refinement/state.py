@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
-from ...connect.insertion.halfedges import SEGMENTS
+from ...connect.insertion.halfedges import SEGMENTS, VERTICES
 from ...connect.planar.records import Plane, Scratch
-from .encroachment import encroaches
+from .acute import apexes
+from .encroachment import INPUT_VERTEX, encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
 # what is known of a triangle: nothing; the bucket in which it waits, for its angle; that it is too large; or
@@ -30,7 +31,8 @@ STACKED = 256  # a bit beside it: the slot has an entry on the stack of those th
 CURVES, BUDGET = 8, 9  # what `advance` returns, besides DONE, MORE and ROOM
 # entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
 SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, VERTEX_LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
-REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS = 8, 9, 10, 11, 12, 13, 14
+REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
+UNKNOWN = -9  # no kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
 FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
 LEAST_SQUARE = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
@@ -287,8 +289,46 @@ def record(w, tally, what, p, corners, px, py):
 
 
 @lean
+def set_kinds(inputs, ends, piece, kind):
+    """Vertices that cut a piece, and are none of the input, lie on it; all others are INPUT_VERTEX."""
+    kind[:] = UNKNOWN
+    for v in inputs:
+        kind[v] = INPUT_VERTEX
+    for s in range(ends.shape[0]):
+        for v in ends[s]:
+            if kind[v] != INPUT_VERTEX:
+                kind[v] = piece[s]
+    for v in range(kind.shape[0]):
+        if kind[v] == UNKNOWN:
+            kind[v] = INPUT_VERTEX
+
+
+@lean
+def expected(plane, limits):
+    """About how many vertices the limits will lead to, as far as they are constant.
+
+    As counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length.
+    """
+    xy, vertex, region = plane.xy, plane.vertex, plane.region
+    number = 0.0
+    for t in range(plane.state[COUNT]):
+        r = region[t]
+        if r >= 0:
+            a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+            twice = ux * vy - uy * vx
+            number += max(1.6 * twice / limits.twice_area[r], 0.75 * twice / limits.radius2[r])
+    return 0.52 * number
+
+
+@lean
 def set_floors(xy, vertex, mark, region, count, floor):
-    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across; squared."""
+    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across.
+
+    Squared, and in units of which refinement for the angle ends at one.
+    """
+    floor[:] = np.inf
     for t in range(count):
         if region[t] < 0:
             continue
@@ -302,3 +342,17 @@ def set_floors(xy, vertex, mark, region, count, floor):
             if mark[3 * t + i] >= 0 and ux * wx + uy * wy < 0.0 < vx * wx + vy * wy:
                 height = (ux * vy - uy * vx) ** 2 / (wx * wx + wy * wy)
                 floor[a] = min(floor[a], height)
+    for v in range(floor.shape[0]):
+        floor[v] *= FRACTION
+
+
+@lean
+def begin(w, inputs):
+    """Write what a run begins with."""
+    n, s = w.state[VERTICES], w.state[SEGMENTS]
+    set_kinds(inputs, w.ends[:s], w.piece, w.kind[:n])
+    set_floors(w.xy, w.vertex, w.mark, w.region, w.state[COUNT], w.floor[:n])
+    apexes(w, w.curve, w.apexes[:s])
+    for i in range(s):  # nobody has asked for a subsegment yet
+        w.lock[i], w.asked[i], w.need[i] = 0, 0, np.inf
+        w.given[i, 0] = w.given[i, 1] = w.given[i, 2] = np.nan

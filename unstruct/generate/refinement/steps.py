@@ -41,6 +41,7 @@ from .encroachment import (
 from .free_vertices import MOST_CORNERS, clear_disc
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
 from .state import (
+    BEGUN,
     BUDGET,
     CIRCUMCENTERS,
     CURVE,
@@ -64,6 +65,7 @@ from .state import (
     WANTED,
     ask,
     give_up,
+    look_at_all,
     look_at_fan,
     look_at_segment,
     look_at_star,
@@ -329,7 +331,10 @@ def improve_next(w, tally, limits, offset):
 
 @lean
 def advance(w, tally, limits, offset, steps):
-    """So many steps; why it stopped."""
+    """So many steps; why it stopped. The first call looks at everything to begin with."""
+    if tally[BEGUN] == 0:
+        tally[BEGUN] = 1
+        look_at_all(w, tally, limits)
     for _ in range(steps):
         if w.state[VERTICES] + 1 > len(w.xy) or w.state[SEGMENTS] + 1 > len(w.where):
             return ROOM

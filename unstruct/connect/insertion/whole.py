@@ -1,0 +1,113 @@
+"""All points of the plane at once, as half-edges, for those who go on from there; see the book, 2.4a."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.jit import kernel
+from ...geometry.ordering import along_curve, curve, draws, random_rounds
+from ...predicates.kernels import orient2
+from .engine import COUNT, REACHED
+from .halfedges import HalfEdges, start2
+from .plane import Planar, insert2
+from .triangulation import Triangulation
+
+__all__ = ["half_edges"]
+
+RATIO, ROUNDS = 8, 3  # of `brio`
+
+
+@kernel
+def _scaled(rows, xy):
+    """``xy = rows * factor`` by the factor of `power_of_two`; the factor, and whether that was exact."""
+    largest = 0.0
+    for i in range(rows.shape[0]):
+        for k in range(rows.shape[1]):
+            largest = max(largest, abs(rows[i, k]))
+    factor = 1.0 if largest == 0.0 else math.ldexp(1.0, min(-math.frexp(largest)[1], 1023))
+    exact = True
+    for i in range(rows.shape[0]):
+        for k in range(rows.shape[1]):
+            y = rows[i, k] * factor
+            xy[i, k] = y
+            exact = exact and y / factor == rows[i, k]
+    return factor, exact
+
+
+@kernel
+def _triangulate(xy, draw, levels, ranks, turns, vertex, twin):
+    """Order the points, insert them, and number vertices as the points were.
+
+    False where some are equal, or the first three are on a line.
+    """
+    n = xy.shape[0]
+    order = along_curve(xy, 2, random_rounds(draw, RATIO, ROUNDS), levels, ranks, turns)
+    rows = np.empty((n, 2))
+    for i in range(n):
+        rows[i, 0], rows[i, 1] = xy[order[i], 0], xy[order[i], 1]
+    if orient2(rows[0, 0], rows[0, 1], rows[1, 0], rows[1, 1], rows[2, 0], rows[2, 1]) == 0:
+        return False
+    state, copy_of = np.zeros(8, dtype=np.int64), np.empty(n, dtype=np.int32)
+    stack, spare = np.empty(2 * n + 4, dtype=np.int32), np.empty(2 * n + 4, dtype=np.int32)
+    start2(rows, vertex, twin, state)
+    state[REACHED] = 3
+    insert2(rows, vertex, twin, state, stack, spare, copy_of, n)
+    if 3 * state[COUNT] < vertex.shape[0]:
+        return False
+    for e in range(vertex.shape[0]):
+        if vertex[e] >= 0:
+            vertex[e] = order[vertex[e]]
+    return True
+
+
+def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdges:
+    """The Delaunay triangulation of points in the plane: that of `Triangulation`, without its account.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (n, 2)
+        Finite.
+    progress : bool
+        Show a bar while they are inserted.
+
+    Returns
+    -------
+    HalfEdges
+        Vertices are numbered as the rows.
+
+    Raises
+    ------
+    InputError
+        For equal points, and coordinates whose exponents are too wide for one scale.
+    DegenerateInputError
+        For points on a line.
+    """
+    n = len(rows)
+    if 3 <= n <= Planar.chunk and not progress:  # a moment, so that Ctrl-C may wait
+        xy = np.empty((n, 2))
+        factor, exact = _scaled(rows, xy)
+        vertex, twin = np.empty(6 * n - 6, dtype=np.int32), np.empty(6 * n - 6, dtype=np.int32)
+        draw = draws(n, RATIO ** (ROUNDS - 1))
+        if exact and _triangulate(xy, draw, *curve(n, 2), vertex, twin):
+            return HalfEdges(xy, vertex, twin, factor)
+    return _step_by_step(rows, progress)
+
+
+def _step_by_step(rows: NDArray[np.float64], progress: bool) -> HalfEdges:
+    """`half_edges` by way of a `Triangulation`: of many points, and to tell what is wrong."""
+    delaunay = Triangulation(rows, progress=progress)
+    if not delaunay.spans:
+        delaunay.mesh()  # raises, and says which flat holds the points
+    start = delaunay.half_edges()
+    if start is None:
+        raise InputError(
+            "the exponents of the coordinates span too much for one scale: drop or move points that are "
+            "nearer to each other than 1e-300 of the largest coordinate"
+        )
+    for copy, kept in delaunay.duplicates[:1].tolist():
+        raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")
+    return start
