@@ -249,7 +249,7 @@ def circumcenters() -> Arrays:
     yield from of(unstruct.circumcenter_insertion(points(50, 2, 12), 0.1))
     for priority in (*PRIORITIES, graded):
         yield from of(unstruct.circumcenter_insertion(curved(), 0.25, priority=priority))
-    yield from of(unstruct.circumcenter_insertion(harbor(), graded, boundary="keep"))
+    yield from of(unstruct.circumcenter_insertion(harbor(), graded, split_boundary=False))
 
 
 @case

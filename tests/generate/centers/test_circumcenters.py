@@ -94,13 +94,13 @@ def test_measures_agree_with_simplex(numbers: list[int]) -> None:
 
 
 def test_the_radius_may_rise_near_the_boundary() -> None:
-    mesh = circumcenter_insertion(RISING, budget=1, boundary="keep", history=True)
+    mesh = circumcenter_insertion(RISING, budget=1, split_boundary=False, history=True)
     assert mesh.steps is not None
     assert np.allclose(mesh.points[3], 5 / 6)
     assert np.allclose(mesh.steps["R"] ** 2, [25 / 18, 125 / 36])
     assert mesh.steps["encroaching"].tolist() == [True] and mesh.counts["encroachments"] == 1
     assert np.allclose(mesh.steps["angle"], [36.869898, 18.434949])
-    more = circumcenter_insertion(RISING_MORE, budget=1, boundary="keep", history=True)
+    more = circumcenter_insertion(RISING_MORE, budget=1, split_boundary=False, history=True)
     assert more.steps is not None
     assert np.allclose(more.steps["R"], [4.1, 9.3388889])
     assert np.allclose(more.steps["angle"], [51.340192, 12.680383])
@@ -116,7 +116,7 @@ def test_one_triangle_law(a: float, part: float) -> None:
         return
     turn = np.radians(2 * np.cumsum(angles))
     corners = np.column_stack([np.cos(turn), np.sin(turn)])
-    mesh = circumcenter_insertion(corners, budget=1, boundary="keep", history=True)
+    mesh = circumcenter_insertion(corners, budget=1, split_boundary=False, history=True)
     assert mesh.steps is not None
     ratio = mesh.steps["R"][1] / mesh.steps["R"][0]
     assert ratio == pytest.approx(1 / (2 * math.cos(math.radians(angles.max()))), rel=1e-6)
@@ -124,19 +124,19 @@ def test_one_triangle_law(a: float, part: float) -> None:
 
 
 def test_an_obtuse_triangle_leaves_the_method_without_a_point() -> None:
-    mesh = circumcenter_insertion(OBTUSE, budget=5, boundary="keep")
+    mesh = circumcenter_insertion(OBTUSE, budget=5, split_boundary=False)
     assert len(mesh.points) == 3 and not mesh.complete and mesh.counts["circumcenters"] == 0
     assert mesh.unrefined.tolist() == [0] and "beyond or on" in mesh.reasons[0]
-    right = circumcenter_insertion([(0, 0), (2, 0), (0, 2)], budget=5, boundary="keep")
+    right = circumcenter_insertion([(0, 0), (2, 0), (0, 2)], budget=5, split_boundary=False)
     assert len(right.points) == 3 and not right.complete  # the center is on the hull
 
 
 def test_a_kept_edge_bounds_the_radius_from_below() -> None:
-    mesh = circumcenter_insertion(LONG, budget=300, boundary="keep", history=True)
+    mesh = circumcenter_insertion(LONG, budget=300, split_boundary=False, history=True)
     assert mesh.steps is not None and (mesh.steps["R"] >= 5).all()
     assert mesh.counts["circumcenters"] > 0 or not mesh.complete
     unit = Domain.rectangle((0, 0), (1, 1))
-    coarse = circumcenter_insertion(unit, 0.1 * math.sqrt(3), boundary="keep", step=100.0)
+    coarse = circumcenter_insertion(unit, 0.1 * math.sqrt(3), split_boundary=False, step=100.0)
     assert not coarse.complete and alpha(coarse, 0.1 * math.sqrt(3)).max() >= 5  # R >= 1/2, f = 0.1
 
 
@@ -144,7 +144,7 @@ def test_a_kept_edge_bounds_the_radius_from_below() -> None:
 @settings(deadline=None, max_examples=20)
 def test_keep_is_what_the_plain_version_does(points: np.ndarray) -> None:
     """Each chosen triangle is the largest of those with a center inside, up to ties; states agree."""
-    mesh = circumcenter_insertion(points, budget=8, boundary="keep", history=True)
+    mesh = circumcenter_insertion(points, budget=8, split_boundary=False, history=True)
     assert mesh.steps is not None and check(mesh, delaunay=True)
     n = len(mesh.points) - len(mesh.steps["chosen"])
     for k, radius in enumerate(mesh.steps["chosen"]):
@@ -167,7 +167,7 @@ def test_keep_is_what_the_plain_version_does(points: np.ndarray) -> None:
 @settings(deadline=None, max_examples=60)
 def test_the_radius_rises_only_where_a_disk_is_entered(points: np.ndarray) -> None:
     """Relation (1) holds for a point that is in no diametral disk of a boundary edge."""
-    mesh = circumcenter_insertion(points, budget=200, boundary="keep", history=True)
+    mesh = circumcenter_insertion(points, budget=200, split_boundary=False, history=True)
     steps = mesh.steps
     assert steps is not None
     rises = steps["R"][1:] > steps["R"][:-1] * (1 + 1e-12)
@@ -211,7 +211,7 @@ def test_split_reaches_the_size(name: str, step: float) -> None:
 @pytest.mark.parametrize("name", DOMAINS)
 def test_keep_leaves_the_boundary_alone(name: str) -> None:
     domain = DOMAINS[name]
-    mesh = circumcenter_insertion(domain, 0.07, boundary="keep", step=3.0)
+    mesh = circumcenter_insertion(domain, 0.07, split_boundary=False, step=3.0)
     assert check(mesh, domain=domain, delaunay="constrained")
     assert mesh.counts["splits"] == 0 and len(mesh.segments) == len(domain.sampled(0.07, step=3.0).ends)
     left = np.flatnonzero(alpha(mesh, 0.07) >= 1)
@@ -256,8 +256,8 @@ def test_random_regions(kind: str) -> None:
     for seed in range(3):
         domain = KINDS[kind](np.random.default_rng(seed))
         size = 0.15 * float(np.ptp(domain.bounds, axis=0).max())
-        for boundary in ("split", "keep"):
-            mesh = circumcenter_insertion(domain, size, boundary=boundary, step=2.0)
+        for split in (True, "inner", False):
+            mesh = circumcenter_insertion(domain, size, split_boundary=split, step=2.0)
             assert check(mesh, domain=domain, delaunay="constrained")
             bad = alpha(mesh, size) >= 1 + 1e-9
             assert set(np.flatnonzero(bad)) <= set(mesh.unrefined.tolist())
@@ -393,6 +393,6 @@ def test_large() -> None:
 
 
 def test_triangulate_is_the_prefix() -> None:
-    mesh = circumcenter_insertion(RISING, budget=3, boundary="keep")
+    mesh = circumcenter_insertion(RISING, budget=3, split_boundary=False)
     prefix = {frozenset(t) for t in triangulate(mesh.points.tolist())}
     assert prefix == {frozenset(t) for t in mesh.simplices.tolist()}

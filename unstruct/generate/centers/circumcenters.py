@@ -23,6 +23,7 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
+from ..boundary.kept import SplitBoundary, kept_pieces
 from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
@@ -39,7 +40,7 @@ def circumcenter_insertion(
     *,
     priority: Any = None,
     limit: float | None = None,
-    boundary: str = "split",
+    split_boundary: SplitBoundary = True,
     step: float = STEP,
     budget: int | None = None,
     history: bool = False,
@@ -61,10 +62,11 @@ def circumcenter_insertion(
         its place compares by sqrt(3) R / g(Q): the generalized choice.
     limit : float, optional
         Also bad is a triangle whose measure of this kind is greater ("min_angle": less, in degrees).
-    boundary : "split" or "keep"
+    split_boundary : bool or "inner"
         What to do where the circumcenter lies beyond a boundary or inner edge, on it, or in its open
-        diametral disk. "split" halves that edge instead, on the true curve, and looks again. "keep" adds no
+        diametral disk. True halves that edge instead, on the true curve, and looks again. False adds no
         vertex to any edge: it inserts circumcenters near edges, and leaves triangles whose own lie beyond.
+        "inner" halves edges on inner pieces only.
     step : float
         Length of the first subsegments, in sizes.
     budget : int, optional
@@ -98,11 +100,9 @@ def circumcenter_insertion(
     sqrt(2/3) h_0, or for one beyond it if so flat a triangle lies on it that finitely many halvings help.
     With a limit on shapes there is no such bound: the budget (by default 10^6 points) then ends what does
     not end. O(log n) to find the worst triangle, O(1) on average for its cavity. Sources: the chapter,
-    12.2.6; L. P. Chew, Cornell TR 89-983 (1989); "split" is the step of J. Ruppert, Journal of
+    12.2.6; L. P. Chew, Cornell TR 89-983 (1989); the split is the step of J. Ruppert, Journal of
     Algorithms 18 (1995) 548-585. Book: 2.6a, 2.6b.
     """
-    if boundary not in ("split", "keep"):
-        raise InputError(f"boundary must be 'split' or 'keep', not {boundary!r}")
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a budget of points")
     field = None if size is None else as_size(size)
@@ -112,7 +112,8 @@ def circumcenter_insertion(
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
     most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
-    run = CircumcenterRun(complex_, domain, rule, boundary == "split", history)
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    run = CircumcenterRun(complex_, domain, rule, kept, history)
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
     return complex_.mesh(
@@ -148,9 +149,11 @@ def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
 class CircumcenterRun(Contest):
     """A run over a complex: the tournament, the record, and the splits."""
 
-    def __init__(self, complex_: PlanarComplex, domain: Domain, rule: Rule, split: bool, history: bool):
+    def __init__(
+        self, complex_: PlanarComplex, domain: Domain, rule: Rule, kept: NDArray[np.uint8], history: bool
+    ):
         super().__init__(rule, history, 7)
-        self.complex, self.domain, self.split = complex_, domain, split
+        self.complex, self.domain, self.kept = complex_, domain, kept
         self.first = complex_.size
         self.splits = 0
         self.end = MORE
@@ -180,7 +183,7 @@ class CircumcenterRun(Contest):
             stop = min(last, before + CENTERS_A_CALL, 2 * before)  # no more room than needed
             self._reserve(stop)
             self.end = insert_centers(
-                k.plane(), self.scratch, self.entries(), self.why, self.split, stop, self.first, self.ask
+                k.plane(), self.scratch, self.entries(), self.why, self.kept, stop, self.first, self.ask
             )
             if self.end == SPLIT:
                 self._reserve(k.size + 1)

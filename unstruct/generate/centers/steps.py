@@ -99,18 +99,23 @@ def judge_center(plane, scratch, t, px, py):
 
 
 @lean
-def encroached(xy, vertex, mark, rim, k, px, py):
-    """The longest marked half-edge of the rim whose open diametral disk holds p; -1 for none."""
-    found, longest = np.int64(-1), 0.0
+def encroached(plane, kept, rim, k, px, py):
+    """Of the marked half-edges of the rim with p in their open diametral disk the longest that may be split
+    (-1 for none), and whether there is any.
+    """
+    xy, vertex, mark = plane.xy, plane.vertex, plane.mark
+    found, longest, close = np.int64(-1), 0.0, False
     for i in range(k):
         e = rim[i]
         if mark[e] >= 0:
             a, b = start_of(vertex, e), end_of(vertex, e)
             ux, uy, vx, vy = xy[a, 0] - px, xy[a, 1] - py, xy[b, 0] - px, xy[b, 1] - py
             length = (vx - ux) ** 2 + (vy - uy) ** 2
-            if ux * vx + uy * vy < 0.0 and length > longest:
-                found, longest = np.int64(e), length
-    return found
+            if ux * vx + uy * vy < 0.0:
+                close = True
+                if length > longest and not kept[plane.piece[mark[e]]]:
+                    found, longest = np.int64(e), length
+    return found, close
 
 
 @lean
@@ -121,11 +126,11 @@ def note(contest, vertex, t, i, radius, kind, close):
 
 
 @lean
-def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
+def insert_centers(plane, scratch, contest, why, kept, stop, first, ask):
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or SPLIT.
 
-    SPLIT (only with ``split``): the marked half-edge ``ask[0]`` hides the center of triangle ``ask[1]``, or
-    has it in its open diametral disk. Vertices from ``first`` on are recorded.
+    SPLIT (only where its piece is not ``kept``): the marked half-edge ``ask[0]`` hides the center of triangle
+    ``ask[1]``, or has it in its open diametral disk. Vertices from ``first`` on are recorded.
     """
     xy, vertex, state, tree = plane.xy, plane.vertex, plane.state, contest.tree
     while state[VERTICES] < stop:
@@ -135,9 +140,11 @@ def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         radius, _, _, _, _, px, py = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
         m, k, e = judge_center(plane, scratch, t, px, py)
-        close = encroached(xy, vertex, plane.mark, scratch.rim, k, px, py)
-        if split and (e >= 0 or close >= 0):
-            ask[0], ask[1] = max(e, close), t
+        longest, close = encroached(plane, kept, scratch.rim, k, px, py)
+        if e >= 0 and not kept[plane.piece[plane.mark[e]]]:
+            longest = e
+        if longest >= 0:
+            ask[0], ask[1] = longest, t
             return SPLIT
         if k == 0:
             why[t] = HIDDEN if e >= 0 else ROUNDED
@@ -145,7 +152,7 @@ def insert_centers(plane, scratch, contest, why, split, stop, first, ask):
             continue
         p = state[VERTICES]
         if len(contest.watch) > 0:
-            note(contest, vertex, t, p - first, radius, 0.0, 1.0 if close >= 0 else 0.0)
+            note(contest, vertex, t, p - first, radius, 0.0, 1.0 if close else 0.0)
         xy[p, 0], xy[p, 1] = px, py
         commit(plane, scratch, m, k, p)
         for i in range(k):

@@ -114,7 +114,7 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
 
 
 def refine_angles(
-    domain: Domain, complex_: PlanarComplex, given: int, most: int
+    domain: Domain, complex_: PlanarComplex, given: int, most: int, kept: NDArray[np.uint8]
 ) -> tuple[dict[str, int], list[int], list[str]]:
     """Chew's second algorithm on the complex, for the sake of the least angle alone.
 
@@ -127,6 +127,8 @@ def refine_angles(
         Vertices from this number on may be taken away.
     most : int
         The number of vertices at which to stop.
+    kept : ndarray of uint8
+        1 for pieces that must not be split.
 
     Returns
     -------
@@ -146,6 +148,7 @@ def refine_angles(
         {"inputs": np.arange(len(domain.points))},
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
+    run.keep(kept)
     free = run.kind[given : complex_.size]
     free[free == INPUT_VERTEX] = FREE_VERTEX
     code = run.advance()

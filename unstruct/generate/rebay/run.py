@@ -41,14 +41,23 @@ class VoronoiSegmentRun:
         The constrained Delaunay triangulation to start from.
     rule : Rule
         The other choices.
+    kept : ndarray of uint8
+        1 for pieces that must not be split; see `kept_pieces`.
     history : bool
         Whether to keep a record of each step.
     """
 
     def __init__(
-        self, domain: Domain, complex_: PlanarComplex, size: Any, priority: Any, rule: k.Rule, history: bool
+        self,
+        domain: Domain,
+        complex_: PlanarComplex,
+        size: Any,
+        priority: Any,
+        rule: k.Rule,
+        kept: NDArray[np.uint8],
+        history: bool,
     ):
-        self.domain, self.complex = domain, complex_
+        self.domain, self.complex, self.kept = domain, complex_, kept
         lower, upper = domain.bounds
         field = as_size(size)
         self.table = field.table(lower, upper, factor=complex_.factor, tolerance=TOLERANCE).nodes
@@ -126,6 +135,9 @@ class VoronoiSegmentRun:
         self.reserve(self.complex.size + 8)
         c = self.complex
         s = int(c.mark[e])
+        if self.kept[c.piece[s]]:
+            self.counts[k.GIVEN_UP] += 1
+            return False
         t = float(c.span[s].mean())
         x, y = self.domain.points_at(c.piece[s : s + 1], np.array([t]))[0] * c.factor
         plane, scratch = c.plane(), self.scratch
@@ -186,7 +198,7 @@ class VoronoiSegmentRun:
             slots: list[int] = []
             reasons: list[str] = []
             if after["least angle"] < PROMISED_ANGLE:
-                found, slots, reasons = refine_angles(self.domain, c, self.first, most)
+                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept)
                 done["angle points"] += found["circumcenters"]
                 done["angle splits"] += found["splits"]
                 done["removed"] += found["removed"]

@@ -13,6 +13,7 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.constrained import planar_complex
+from ..boundary.kept import SplitBoundary, kept_pieces
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
@@ -28,7 +29,7 @@ def voronoi_segment(
     priority: Any = None,
     accept: float = 1.35,
     finish: bool = True,
-    split_boundary: bool = True,
+    split_boundary: SplitBoundary = True,
     evaluate: str = "center",
     order: str = "first",
     budget: int | None = None,
@@ -50,8 +51,9 @@ def voronoi_segment(
         delta: triangles with R < delta f are accepted. The chapter has 3/2; up to sqrt(2) see the notes.
     finish : bool
         Whether to improve the result afterwards.
-    split_boundary : bool
-        Whether boundary edges longer than 2 f that a new point would flatten are split, on the true curve.
+    split_boundary : bool or "inner"
+        Whether edges on pieces that are longer than 2 f and that a new point would flatten are split, on the
+        true curve: True, False, or "inner": those on inner pieces only. The finishing pass keeps to it.
     evaluate : "center" or "middle"
         Where f is taken for a new point: at the center of gravity of the triangle that is about to be made,
         or at the middle of its edge, as the chapter has it. For a constant size both are the same.
@@ -116,11 +118,12 @@ def voronoi_segment(
     f, so that the number of points is bounded. Sources: S. Rebay, Journal of Computational Physics 106 (1993)
     125-138; L. P. Chew, Symposium on Computational Geometry (1993) 274-280. Book: 2.6c.
     """
-    rule = rule_of(accept, evaluate, order, priority, split_boundary)
+    rule = rule_of(accept, evaluate, order, priority, bool(split_boundary))
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
-    run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, history)
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, kept, history)
     with progress_bar(progress, " points") as bar:
         run.insert(budget, bar)
     return run.result(run.finish(budget) if finish and not run.spent else None)

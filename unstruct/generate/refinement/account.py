@@ -10,12 +10,25 @@ from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
 from .encroachment import across_small_angle
 from .limits import ANGLE, Limits, misses
-from .state import CIRCUMCENTERS, CURVE, FLOOR, LARGE, PRECISION, REJECTED, REMOVED, SMALL_ANGLE, SPLITS, Work
+from .state import (
+    CIRCUMCENTERS,
+    CURVE,
+    FLOOR,
+    KEPT,
+    LARGE,
+    PRECISION,
+    REJECTED,
+    REMOVED,
+    SMALL_ANGLE,
+    SPLITS,
+    Work,
+)
 from .steps import shortest_first
 
 __all__ = ["account", "history_of"]
 
 TEXTS = {
+    KEPT: "kept: only a vertex on a piece that must not be split would help",
     FLOOR: "too near: the angle would need edges below a thousandth of the input's there, or near rounding",
     PRECISION: "precision: the point needed is no double between its neighbors",
     CURVE: "curve: a split of a curve would meet another feature",

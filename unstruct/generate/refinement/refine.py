@@ -23,6 +23,7 @@ from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
+from ..boundary.kept import SplitBoundary, kept_pieces
 from .account import account, history_of
 from .limits import make_limits
 from .remeshing import carry, plan_mesh
@@ -42,6 +43,7 @@ def refine(
     min_angle: float | None = None,
     max_area: Any = None,
     method: Literal["ruppert", "chew", "off-centers"] = "off-centers",
+    split_boundary: SplitBoundary = True,
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
@@ -67,6 +69,10 @@ def refine(
         vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are taken
         away first. Off-centers (Üngör), with Chew's rule: points no farther from the shortest edge than the
         angle needs; by far the fewest triangles where the angle drives, and as many where size or area does.
+    split_boundary : bool or "inner"
+        Whether vertices are put on pieces (in a mesh: on edges that are kept), once they are cut by the size:
+        True, False, or "inner": on inner pieces only. Triangles that need such a vertex stay; the reason
+        says so.
     budget : int, optional
         The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
         its triangulation are made in any case.
@@ -122,6 +128,7 @@ def refine(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
     run = RefineRun(planned, limits, offset, _budget(budget), history)
+    run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
     code = _loop(run, progress)
     slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
     steps = None

@@ -21,6 +21,7 @@ from .state import (
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
+    KEPT,
     LARGE,
     REMOVED,
     SEGMENT_TOP,
@@ -76,6 +77,11 @@ class RefineRun:
         c.reserve(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
         self._allocate(len(c.xy), len(c.where), len(c.region) + 1)
         begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32))
+
+    def keep(self, kept: NDArray[np.uint8]) -> None:
+        """Split no subsegment of the pieces with a 1; before the first step."""
+        s = self.complex.segments
+        self.lock[:s][kept[self.complex.piece[:s]] > 0] = KEPT
 
     def _allocate(self, n: int, s: int, t: int) -> None:
         """Arrays for so many vertices, subsegments and slots."""

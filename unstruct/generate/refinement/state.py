@@ -25,8 +25,8 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
 # what is known of a triangle: nothing; the bucket in which it waits, for its angle; that it is too large; or
 # the reason why it, or a subsegment, was given up
-OPEN, LARGE = 0, 250
-SMALL_ANGLE, FLOOR, PRECISION, CURVE = 251, 252, 253, 254
+OPEN, LARGE = 0, 249
+KEPT, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 250, 251, 252, 253, 254
 STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
 CURVES, BUDGET = 8, 9  # what `advance` returns, besides DONE, MORE and ROOM
 # entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened

@@ -32,12 +32,12 @@ CENTERS: dict[str, dict[str, Any]] = {
         ],
         "steps": 13,
     },
-    "nasty: a triangle, its edges kept": {"points": TRIANGLE, "steps": 6, "boundary": "keep"},
-    "the same triangle, its edges split": {"points": TRIANGLE, "steps": 12, "boundary": "split"},
+    "nasty: a triangle, its edges kept": {"points": TRIANGLE, "steps": 6, "split": False},
+    "the same triangle, its edges split": {"points": TRIANGLE, "steps": 12, "split": True},
     "a square, its edges kept": {
         "points": [[0, 0], [3, 0], [6, 0], [6, 3], [6, 6], [3, 6], [0, 6], [0, 3], [1, 1], [4.5, 2], [2, 4]],
         "steps": 12,
-        "boundary": "keep",
+        "split": False,
     },
 }  # fmt: skip
 
@@ -49,7 +49,7 @@ def _run(preset: str) -> tuple[np.ndarray, int]:
     points = np.array(given["points"], dtype=float)
     if "torus" in given:
         return np.array(periodic_circumcenters(points, budget=given["steps"]).points), len(points)
-    mesh = circumcenter_insertion(points, budget=given["steps"], boundary=given["boundary"])
+    mesh = circumcenter_insertion(points, budget=given["steps"], split_boundary=given["split"])
     return np.array(mesh.points), len(points)
 
 
@@ -100,7 +100,7 @@ def circumcenter_state(step: int, preset: str = next(iter(CENTERS))) -> fr.Frame
     view = [-0.1, 1.1, -0.1, 1.1] if torus else [low[0] - pad, high[0] + pad, low[1] - pad, high[1] + pad]
     shortest, mu = edge_lengths(corners).min(), quality("radius_ratio", corners).max()
     number = f"R = {radii[worst]:.3g}, l = {shortest:.3g}, μ = {mu:.3g}"
-    split = CENTERS[preset].get("boundary") == "split"
+    split = CENTERS[preset].get("split", False)
     caption = _caption(points, first + step, centers[worst], radii[worst] / before, torus, split)
     return fr.frame(caption, *items, number=number, view=view)
 

@@ -1,0 +1,39 @@
+"""Which pieces of a domain must get no further vertices."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+
+__all__ = ["SplitBoundary", "kept_pieces"]
+
+SplitBoundary = bool | Literal["inner"]
+
+
+def kept_pieces(split_boundary: SplitBoundary, facets: int, pieces: int) -> NDArray[np.uint8]:
+    """For each piece, facets first, whether it must stay as it is: 1 or 0.
+
+    Parameters
+    ----------
+    split_boundary : bool or "inner"
+        Whether all pieces may be split, or none, or only the inner ones.
+    facets, pieces : int
+        The number of facets, and that of all pieces.
+
+    Raises
+    ------
+    InputError
+        For another choice.
+    """
+    if not (isinstance(split_boundary, bool | np.bool_) or split_boundary == "inner"):
+        raise InputError(f"split_boundary must be True, False or 'inner', not {split_boundary!r}")
+    kept = np.zeros(pieces, dtype=np.uint8)
+    if split_boundary == "inner":
+        kept[:facets] = 1
+    elif not split_boundary:
+        kept[:] = 1
+    return kept
