@@ -133,7 +133,7 @@ def join_queue(plane, front, t):
             push(links, front.gates, front.turn, t, front.rule.last_first)
 
 
-@lean
+@inline  # handing over the arrays of both records, once a point, took a fifth of the time of `advance`
 def settle(plane, front, fresh, k):
     """Classify new triangles; queue those at the front, and the neighbors that the front now reaches."""
     twin, mark, links = plane.twin, plane.mark, front.links
