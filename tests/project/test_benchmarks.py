@@ -227,7 +227,7 @@ def test_a_tiny_small_run(tmp_path, monkeypatch, capsys):
     assert cases["constrained", "A", 29]["Triangle p"]["cells"] == 29
     for work, n in (("refined", 29), ("sized", 100)):
         ours, its = cases[work, "A", n]["unstruct"], cases[work, "A", n]["Triangle pq30"]
-        assert ours["least_angle"] >= 30.0 <= its["least_angle"]
+        assert ours["min_angle"] >= 30.0 <= its["min_angle"]
         assert 0.8 < ours["cells"] / its["cells"] < 1.25
     assert set(cases["round holes", "coarse", 260]) == {"unstruct"}
     text = (tmp_path / "small.md").read_text()
