@@ -1,10 +1,10 @@
 """Insertion among constrained edges in two phases, compiled: a cavity is found and judged, then replaced.
 
 The half-edges are those of `insertion.plane`: the triangulation covers the sphere, with ghost triangles
-beyond the hull, so that every edge has two sides. In addition, ``mark[e]`` is the number of the *subsegment* on
-half-edge e (the same on its twin), -1 for none, and ``region[t]`` is the part of the domain to which triangle
-t belongs, -1 outside. Kernels take these arrays as one record, `Plane`, and write cavities into another,
-`Scratch`.
+beyond the hull, so that every edge has two sides. In addition, ``mark[e]`` is the number of the *subsegment*
+on half-edge e (the same on its twin), -1 for none, and ``region[t]`` is the part of the domain to which
+triangle t belongs, -1 outside. Kernels take these arrays as one record, `Plane`, and write cavities into
+another, `Scratch`.
 
 An insertion of p first collects its *cavity*, without any change: the triangles whose open circle contains p
 and that are reached from a seed across unmarked edges. The array ``cells`` gets the triangles, and ``rim``
