@@ -45,7 +45,7 @@ class CellComplex:
         cells: Mapping[str, Any] | None = None,
         _ready: bool = False,
     ):
-        if _ready:  # made by our own kernels: of the right types, in the right ranges, nobody else's
+        if _ready:  # arrays of our own kernels have the right types and ranges, and nothing else uses them
             self._hold(points, simplices, neighbors, origin, markers or {})
             return
         self.points: np.ndarray = frozen(as_points(points))

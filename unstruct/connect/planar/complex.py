@@ -63,8 +63,8 @@ def survey(plane, facets, number, place):
 def extract(plane, facets, number, place, cells, subsegments):
     """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
 
-    ``cells`` gets the vertices, neighbors and regions of the cells; ``subsegments`` gets ends, pieces and spans
-    of all subsegments, then again the ends of those of facets, and the ends of the others.
+    ``cells`` gets the vertices, neighbors and regions of the cells. ``subsegments`` gets ends, pieces and
+    spans of all subsegments, then again the ends of those of facets, and the ends of the others.
     """
     simplices, neighbors, regions = cells
     rows, pieces, spans, one, two = subsegments
@@ -345,7 +345,7 @@ class PlanarComplex:
         )
 
     def _unscaled(self, known: NDArray[np.float64] | None) -> NDArray[np.float64]:
-        """Coordinates of all vertices as the domain has them, the first of which are known."""
+        """The coordinates of all vertices in the units of the domain; the first of them are ``known``."""
         n = self.size
         if known is None:
             return self.xy[:n] / self.factor

@@ -64,7 +64,7 @@ def insert_all(
     if status != DONE:
         raise _refusal(status, int(i), int(other), ends, piece, facets)
     crossed = np.zeros(len(ends), dtype=np.int64)
-    if i == 0 and not progress:  # none is left
+    if i == 0 and not progress:  # no segment is missing
         _enter(complex_, ends, piece, span, where, known=True)
         return crossed
     order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
@@ -92,8 +92,8 @@ def insert_all(
 def _order(missing, left, ends, corner, draw, bits):
     """An order in random rounds, each eight times as large as the one before; within a round, by corners.
 
-    If many long segments cross many triangles, an order without rounds can cost a hundred times more. ``left``
-    segments are missing; ``bits`` are enough for the number of a corner.
+    If many long segments cross many triangles, an order without rounds can cost a hundred times more.
+    ``left`` segments are missing; ``bits`` are enough for the number of a corner.
     """
     rows, keys = np.empty(left, dtype=np.int64), np.empty(left, dtype=np.int64)
     k = 0
