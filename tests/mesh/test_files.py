@@ -70,13 +70,13 @@ def test_random_regions_come_back(tmp_path_factory: pytest.TempPathFactory, kind
     mesh = constrained_delaunay(domain)
     folder = tmp_path_factory.mktemp("files")
     for suffix in ("vtu", "msh"):
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             mesh.write(folder / f"mesh.{suffix}")
         again = Mesh.read(folder / f"mesh.{suffix}")
-        if not told:
+        if not caught:
             assert_same(mesh, again, order=suffix != "msh")
-        assert suffix == "msh" or not told
+        assert suffix == "msh" or not caught
 
 
 @pytest.mark.parametrize("suffix", ["vtu", "vtk", "msh"])

@@ -24,7 +24,7 @@ ROUNDS = 3  # the number of rounds, as in `brio`
 
 @kernel
 def _scaled(rows, xy):
-    """Write ``xy = rows * factor`` with the factor of `power_of_two`; return it, and whether that is exact."""
+    """Write ``xy = rows * factor``, by the factor of `power_of_two`; return it, and whether this is exact."""
     largest = 0.0
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
