@@ -1,4 +1,4 @@
-"""The validator: well meshes pass, and every kind of defect is caught with the right culprit."""
+"""The validator: valid meshes pass, and every kind of defect is found with the right culprit."""
 
 from fractions import Fraction
 from itertools import combinations, permutations
@@ -65,7 +65,7 @@ def culprits(report, kind):
 
 @pytest.mark.parametrize("d", [1, 2, 3, 4])
 @pytest.mark.parametrize("make", [random_points, lambda n, d: lattice(max(2, round(n ** (1 / d))), d)])
-def test_delaunay_meshes_are_well(d, make):
+def test_delaunay_meshes_are_valid(d, make):
     mesh = delaunay(make({1: 20, 2: 40, 3: 27, 4: 16}[d], d))
     report = check(mesh, delaunay=True, brute=True)
     assert report, report
@@ -220,7 +220,7 @@ def test_two_sheets_over_an_edge_in_space():
 
 @pytest.mark.parametrize("brute", [False, True])
 def test_a_strip_over_itself(brute):
-    """Locally one-to-one everywhere: only the boundary tells."""
+    """Locally one-to-one everywhere: only the boundary shows the overlap."""
     points, cells = spiral(1.4)
     report = check(Mesh(points, cells), brute=brute)
     assert kinds(report) == {"crossing", "overlap"}

@@ -1,4 +1,4 @@
-"""`check` for cells of all kinds: well meshes pass, and every defect is caught with its culprits."""
+"""`check` for cells of all kinds: valid meshes pass, and every defect is found with its culprits."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def culprits(report: Report, kind: str) -> tuple[tuple[int, ...], tuple[int, ...
     return found.cells, found.vertices
 
 
-WELL = {
+VALID = {
     "flat": planar(4),
     "bent": planar(5, jitter=0.15, seed=1),
     **{f"solid {seed}": spatial(2, seed=seed) for seed in range(2)},
@@ -30,9 +30,9 @@ WELL = {
 }
 
 
-@pytest.mark.parametrize("name", WELL)
-def test_well_meshes(name: str) -> None:
-    mesh = WELL[name]
+@pytest.mark.parametrize("name", VALID)
+def test_valid_meshes(name: str) -> None:
+    mesh = VALID[name]
     report = check(mesh, brute=False)
     assert report, report
     assert not report.skipped
@@ -46,7 +46,7 @@ def test_well_meshes(name: str) -> None:
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 3), st.booleans(), st.data())
 def test_a_vertex_moved_too_far_is_found(seed: int, solid: bool, data: st.DataObject) -> None:
-    """Well exactly where every Jacobian is positive: the boundary stays, and all that is inside moves."""
+    """Valid exactly when every Jacobian is positive: the boundary stays, and an inner vertex moves."""
     mesh = spatial(2, seed=seed) if solid else planar(4, seed=seed)
     points = np.array(mesh.points)
     high = points.max()
@@ -88,7 +88,7 @@ def test_facets_of_three_cells() -> None:
     points = [*BOX, [0.5, 0.5, 2], [0.5, 0.5, 3]]
     mesh = Mesh(points, cells={"hexahedron": [range(8)], "pyramid": [[4, 5, 6, 7, 8], [4, 5, 6, 7, 9]]})
     report = check(mesh)
-    assert culprits(report, "facet") == ((0, 1, 2), (4, 5, 6, 7)) and "sound adjacency" in report.skipped[-1]
+    assert culprits(report, "facet") == ((0, 1, 2), (4, 5, 6, 7)) and "valid adjacency" in report.skipped[-1]
     with pytest.raises(MeshError, match=r"\[4, 5, 6, 7\] is shared by 3 cells, \[0, 1, 2\]"):
         _ = mesh.facet_cells
 
@@ -137,15 +137,15 @@ def test_overlaps_in_space() -> None:
     assert "overlap" in kinds(check(book))
 
 
-def test_cells_that_cannot_be_cut_are_told() -> None:
+def test_cells_that_cannot_be_cut_are_reported() -> None:
     """A hexahedron whose Jacobian is positive, though a tetrahedron of its cut is not."""
     rng = np.random.default_rng(0)
     x = np.array(GOOD["hexahedron"]) + 1.0 * rng.normal(size=(3000, 8, 3))
     x = x[cloud("hexahedron", x).jacobian_signs() == 1]
-    told = [check(Mesh(p, cells={"hexahedron": [range(8)]})) for p in x[:150]]
-    skipped = [report for report in told if report.skipped]
-    assert 0 < len(skipped) < len(told)
-    assert "overlap, which needs cells that are cut into positive simplices" in skipped[0].skipped[0]
+    reports = [check(Mesh(p, cells={"hexahedron": [range(8)]})) for p in x[:150]]
+    skipped = [report for report in reports if report.skipped]
+    assert 0 < len(skipped) < len(reports)
+    assert "overlap, which needs cells that can be cut into positive simplices" in skipped[0].skipped[0]
 
 
 def test_overlaps_in_the_plane() -> None:

@@ -82,7 +82,7 @@ def test_good_meshes_of_random_regions_pass(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", range(4))
-def test_mended_garbage_passes(kind: int) -> None:
+def test_repaired_random_input_passes(kind: int) -> None:
     """Random segments on few points: integers, doubles, a strip of sixteen last bits, multiples of 0.1."""
     for seed in range(40):
         rng = np.random.default_rng([kind, seed])
@@ -171,7 +171,7 @@ def test_a_wrong_order_along_a_piece() -> None:
         markers={"facets": [[0, 3], [3, 4], [4, 1], [1, 2], [2, 0]]},
     )
     assert not check(folded, domain=domain)
-    # geometry is judged before; the order itself is judged on a chain whose cells are well
+    # geometry is tested before; the order itself is tested on a chain whose cells are valid
     from unstruct.assess.region import Chain, _curves_met
     from unstruct.base.report import Report
 
@@ -218,7 +218,7 @@ def loose_edge(mesh: Mesh) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", MARKS)
-def test_wrong_marks(good, name: str) -> None:
+def test_wrong_markers(good, name: str) -> None:
     mesh, domain = good
     damage, kind = MARKS[name]
     assert kind in kinds(damage(mesh), domain)

@@ -17,8 +17,9 @@ SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
 def test_a_square_cut_in_two() -> None:
     found = statistics(SQUARE, 1.0)
     assert (found.vertices, found.cells) == (4, 2)
-    assert found.least_angle == found.low_angle == pytest.approx(45.0)
-    assert found.greatest_angle == pytest.approx(90.0)
+    assert found.min_angle == found.low_angle == pytest.approx(45.0)
+    assert found.least_angle == found.min_angle and found.greatest_angle == found.max_angle
+    assert found.max_angle == pytest.approx(90.0)
     assert found.mean_round == pytest.approx(2 * (math.sqrt(2) - 1))
     assert (found.short, found.median) == (1.0, 1.0) and found.long == pytest.approx(math.sqrt(2))
     # the diagonal is sqrt(2) times the size, up to rounding: ask a little less
@@ -37,8 +38,8 @@ def test_against_the_law_of_cosines() -> None:
             every.append(math.degrees(math.acos((q * q + r * r - p * p) / (2 * q * r))))
         p, q, r = sides
         round_.append((q + r - p) * (r + p - q) * (p + q - r) / (p * q * r))
-    assert found.least_angle == pytest.approx(min(every), rel=1e-6)
-    assert found.greatest_angle == pytest.approx(max(every), rel=1e-6)
+    assert found.min_angle == pytest.approx(min(every), rel=1e-6)
+    assert found.max_angle == pytest.approx(max(every), rel=1e-6)
     assert found.mean_round == pytest.approx(sum(round_) / len(round_))
     counts, edges = angle_histogram(mesh, 18)
     assert counts.sum() == 3 * mesh.size and len(edges) == 19
@@ -51,7 +52,7 @@ def test_against_the_law_of_cosines() -> None:
     assert found.conforming == pytest.approx(good / len(mesh.edges))
 
 
-def test_without_a_size_nothing_is_said_of_it() -> None:
+def test_without_a_size_its_figures_are_left_out() -> None:
     found = statistics(SQUARE)
     assert math.isnan(found.conforming) and "size" not in str(found)
     assert "45.0°" in str(found)
@@ -61,7 +62,7 @@ def test_side_by_side() -> None:
     text = compare({"one": SQUARE, "two": delaunay([[0, 0], [1, 0], [0.5, math.sqrt(3) / 2]])}, 1.01)
     head, _, *lines = text.splitlines()
     assert head == "| | one | two |"
-    assert "| least angle | 45.0° | 60.0° |" in lines
+    assert "| minimum angle | 45.0° | 60.0° |" in lines
     assert "| edges within √2 of the size | 100.0% | 100.0% |" in lines
 
 
@@ -77,7 +78,7 @@ def test_tetrahedra_and_mixtures() -> None:
         assert found.kinds == {kind: len(block) for kind, block in mixed.cells.items()}
         assert found.cells == mixed.size and math.isnan(found.mean_round)
         assert found.mean_scaled == pytest.approx(mixed.quality("scaled_jacobian").mean())
-        assert found.least_angle == mixed.quality("min_angle").min()
+        assert found.min_angle == mixed.quality("min_angle").min()
         ends = mixed.points[mixed.edges]
         assert found.long == pytest.approx(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).max())
         assert "2r/R" not in str(found) and "mean scaled Jacobian" in str(found)
@@ -85,7 +86,7 @@ def test_tetrahedra_and_mixtures() -> None:
     text = compare({"flat": SQUARE, "square": squares, "solid": spatial(2)})
     lines = text.splitlines()
     assert "| quads |  | 1 |  |" in lines and "| triangles | 2 |  |  |" in lines
-    assert "| least angle | 45.0° | 90.0° |" in text and "| least scaled Jacobian |  | 1.000 |" in text
+    assert "| minimum angle | 45.0° | 90.0° |" in text and "| minimum scaled Jacobian |  | 1.000 |" in text
     assert all(line.count("|") == 5 for line in lines)
 
 

@@ -1,4 +1,4 @@
-"""Kinds of cells: polygons as compressed rows, corners by kind, words."""
+"""Kinds of cells: polygons as compressed rows, corners by kind, counts in words."""
 
 from __future__ import annotations
 

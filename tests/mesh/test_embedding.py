@@ -1,4 +1,4 @@
-"""Overlaps against an oracle that knows no adjacency: separating planes, in integers."""
+"""Overlaps, compared with separating planes in integers: a test that uses no adjacency."""
 
 from itertools import combinations, product
 

@@ -1,4 +1,4 @@
-"""Meshes of regions in files and back: markers, names, and what a format cannot hold."""
+"""Meshes of regions in files and back: markers, names, and what a format cannot store."""
 
 from __future__ import annotations
 
@@ -70,13 +70,13 @@ def test_random_regions_come_back(tmp_path_factory: pytest.TempPathFactory, kind
     mesh = constrained_delaunay(domain)
     folder = tmp_path_factory.mktemp("files")
     for suffix in ("vtu", "msh"):
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             mesh.write(folder / f"mesh.{suffix}")
         again = Mesh.read(folder / f"mesh.{suffix}")
-        if not told:
+        if not caught:
             assert_same(mesh, again, order=suffix != "msh")
-        assert suffix == "msh" or not told
+        assert suffix == "msh" or not caught
 
 
 @pytest.mark.parametrize("suffix", ["vtu", "vtk", "msh"])
@@ -94,7 +94,7 @@ def test_names_of_any_kind(tmp_path_factory: pytest.TempPathFactory, name: str, 
 def test_a_face_of_several_markers_is_in_one_group_of_gmsh(tmp_path: Path) -> None:
     domain = Domain(BOX, SIDES, markers={"wall": [0, 1], "hot": [1, 2], "cold": [0]})
     mesh = refine(domain, 0.5)
-    with pytest.warns(UserWarning, match=r"not written: 'hot', 'cold'; \.msh holds each face in one group"):
+    with pytest.warns(UserWarning, match=r"not written: 'hot', 'cold'; \.msh stores each face in one group"):
         mesh.write(tmp_path / "mesh.msh")
     again = Mesh.read(tmp_path / "mesh.msh").markers
     assert keys(again["wall"]) == keys(mesh.markers["wall"]) and "cold" not in again
@@ -146,7 +146,7 @@ def test_groups_of_cells_by_name(tmp_path: Path) -> None:
     assert again.markers["solid"].tolist() == [False, True] and again.markers["inlet"].tolist() == [[0, 1]]
 
 
-def test_what_scikit_fem_cannot_find_is_told() -> None:
+def test_what_scikit_fem_cannot_find_is_reported() -> None:
     skfem = pytest.importorskip("skfem")
     mesh = refine(halves(), 0.3)
     theirs = mesh.to_skfem()

@@ -1,4 +1,4 @@
-"""Meshes of several kinds in files: everything comes back, or an error says what the format cannot hold."""
+"""Meshes of several kinds in files: everything comes back, or an error says what the format cannot store."""
 
 from __future__ import annotations
 
@@ -103,22 +103,22 @@ def test_cells_alone(tmp_path: Path, suffix: str) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["stl", "off", "obj", "ply", "xml", "tec", "inp", "hello"])
-def test_solids_that_a_format_cannot_hold(tmp_path: Path, suffix: str) -> None:
+def test_solids_that_a_format_cannot_store(tmp_path: Path, suffix: str) -> None:
     with pytest.raises(InputError, match=rf"cannot write this mesh as '\.{suffix}'"):
         spatial(2).write(tmp_path / f"mesh.{suffix}")
     assert not (tmp_path / f"mesh.{suffix}").exists()
 
 
 @pytest.mark.parametrize("suffix", ["stl", "off", "msh", "mesh", "su2", "f3grid", "xml", "avs", "bdf"])
-def test_polygons_that_a_format_cannot_hold(tmp_path: Path, suffix: str) -> None:
-    with pytest.raises(InputError, match=r"polygon.*; \.vtu holds all"):
+def test_polygons_that_a_format_cannot_store(tmp_path: Path, suffix: str) -> None:
+    with pytest.raises(InputError, match=r"polygon.*; \.vtu stores all"):
         planar(4, seed=1).write(tmp_path / f"mesh.{suffix}")
 
 
 def test_node_and_ele_are_for_simplices(tmp_path: Path) -> None:
     mesh = planar(4, seed=1)
     for suffix in ("node", "ele"):
-        with pytest.raises(MeshError, match=r"\.node and \.ele hold simplices of one kind, not .*quad"):
+        with pytest.raises(MeshError, match=r"\.node and \.ele store simplices of one kind, not .*quad"):
             mesh.write(tmp_path / f"mesh.{suffix}")
     kinds = np.repeat(list(mesh.cells), [len(block) for block in mesh.cells.values()])
     part = mesh.select(kinds == "triangle")

@@ -15,7 +15,7 @@ from unstruct.mesh.split import simplices_of_cells
 
 
 def in_polygon(corners: list[list[Fraction]], q: list[Fraction]) -> bool:
-    """On a side, or an upward ray crosses an odd number of sides; flat polygons hold nothing."""
+    """On a side, or an upward ray crosses an odd number of sides; flat polygons contain nothing."""
     sides = list(zip(corners, [*corners[1:], corners[0]]))
     first = corners[0]
     other = next((c for c in corners if c != first), first)
@@ -45,7 +45,7 @@ lattice = st.tuples(st.integers(0, 4), st.integers(0, 4))
     st.sampled_from([1.0, 0.1, 1e-200]),
 )
 def test_any_polygons_on_a_lattice(polygons: list, queries: list, scale: float) -> None:
-    """Crossed, folded, flat ones too; halves of the lattice, so that most points are on sides or corners."""
+    """Crossed, folded and flat ones too; queries at half steps, so that most are on sides or corners."""
     points = np.array([p for polygon in polygons for p in polygon], dtype=float) * scale
     start = np.cumsum([0, *map(len, polygons)])
     rows = [np.arange(a, a + len(polygon)) for a, polygon in zip(start, polygons)]
@@ -119,7 +119,7 @@ def test_cells_with_bent_faces_tile(seed: int) -> None:
 
 
 def test_corners_of_cells_with_bent_faces() -> None:
-    """They lie on many cells: the lowest number."""
+    """A corner lies on many cells; the one with the lowest number is returned."""
     mesh = spatial(2, jitter=0.2, seed=1)
     indptr, stars = mesh.stars
     assert mesh.find_simplex(mesh.points).tolist() == stars[indptr[:-1]].tolist()
@@ -138,7 +138,7 @@ def test_orientation_and_scale_do_not_matter(kind: str) -> None:
 
 
 def test_solids_that_are_not_convex_or_flat() -> None:
-    """A hexahedron with a dent: the half-spaces of its faces would not do."""
+    """A hexahedron with a dent, which the half-spaces of its faces would not decide."""
     corners = np.array(GOOD["hexahedron"], dtype=float)
     corners[6] = [1, 1, 1]
     mesh = Mesh(corners, cells={"hexahedron": [range(8)]})

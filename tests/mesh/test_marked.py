@@ -1,4 +1,4 @@
-"""Sides looked up among given edges: as sets say it, and without sorting what is not marked."""
+"""Sides among given edges, compared with sets, and found without sorting the unmarked sides."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def ring(n=12):
         (dict(points=SQUARE, simplices=TWO, markers={"a": [[1, 9]]}), r"markers\['a'\]\[0\] = \[1, 9\]"),
         (dict(points=SQUARE, cells={}), "empty"),
         (dict(points=SQUARE, cells={"circle": [[0, 1]]}), "no kind of cell is called 'circle'"),
-        (dict(points=SQUARE, cells={"quad": [[0, 1, 2]]}), "4 vertices a row"),
+        (dict(points=SQUARE, cells={"quad": [[0, 1, 2]]}), "4 vertices per row"),
         (dict(points=SQUARE, cells={"quad": [[0, 1, 2, 5]]}), r"cells\['quad'\].*\[0, 1, 2, 5\]"),
         (dict(points=SQUARE, cells={"polygon": [[0, 1, 2], [0, 1]]}), "polygon 1"),
         (dict(points=SQUARE, cells={"polygon": [[0, 1, 2, 1]]}), "repeats"),
@@ -162,7 +162,7 @@ def test_surfaces_in_space():
 
 
 def holds(mesh, t, x):
-    """Exact: x is a convex combination of the corners of cell t (barycentric coordinates in rationals)."""
+    """Whether x is a convex combination of the corners of cell t (barycentric coordinates in rationals)."""
     corners = [[Fraction(v) for v in row] for row in mesh.points[mesh.simplices[t]].tolist()]
     (ax, ay), (bx, by), (cx, cy) = corners
     qx, qy = map(Fraction, x)
@@ -175,7 +175,7 @@ def holds(mesh, t, x):
 @given(st.lists(st.tuples(st.integers(-5, 25), st.integers(-5, 25)), min_size=1, max_size=30))
 @settings(deadline=None, max_examples=40)
 def test_location_on_a_lattice_is_exact_and_lowest(queries):
-    """Eighth parts of a lattice: most queries lie on edges and vertices."""
+    """Queries at eighths of a lattice: most of them lie on edges and vertices."""
     i, j = np.meshgrid(np.arange(4), np.arange(4), indexing="ij")
     mesh = delaunay(np.column_stack([i.ravel(), j.ravel()]) * 0.7)
     x = np.array(queries) * (0.7 / 8)
@@ -224,7 +224,7 @@ def test_location_of_wrong_points():
         mesh.find_simplex([["a", "b"]])
 
 
-def test_flat_cells_hold_nothing():
+def test_flat_cells_contain_nothing():
     mesh = Mesh([[0, 0], [1, 0], [2, 0], [0, 1]], [[0, 1, 2], [0, 1, 3]])
     assert mesh.find_simplex([[0.5, 0.0], [1.5, 0.0]]).tolist() == [1, -1]
 
@@ -410,7 +410,7 @@ def test_triangle_files_from_elsewhere(tmp_path):
     assert mesh.markers["attribute"].tolist() == [7, 8]
     assert mesh.markers["vertices 1"].tolist() == [[0], [1]] and mesh.markers["vertices 2"].tolist() == [[3]]
     (tmp_path / "box.ele").write_text("3 3 1\n1 1 2 3 7\n")
-    with pytest.raises(InputError, match="announces 3 rows but holds 1"):
+    with pytest.raises(InputError, match="announces 3 rows but contains 1"):
         Mesh.read(tmp_path / "box.ele")
     (tmp_path / "box.ele").write_text("hello\n")
     with pytest.raises(InputError, match="Triangle's format"):

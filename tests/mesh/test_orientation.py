@@ -1,4 +1,4 @@
-"""Signs of cells of all kinds, simple polygons, and turning what is negative."""
+"""Signs of cells of all kinds, simple polygons, and the turning of negative cells."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def quad_sign(p: list[Point]) -> int:
 @settings(max_examples=200, deadline=None)
 @given(st.lists(lattice, min_size=4, max_size=4), st.sampled_from([1.0, 0.1, 2.0**-500]))
 def test_quadrilaterals_on_a_lattice(corners: list[Point], scale: float) -> None:
-    """Convex, and nothing else: an arrow is well as a polygon, but not as a quad."""
+    """Exactly the convex ones are positive: an arrow is valid as a polygon, but not as a quad."""
     mesh = cloud("quad", np.array([corners]) * scale)
     exact = [(Fraction(x * scale), Fraction(y * scale)) for x, y in corners]
     assert mesh.jacobian_signs().tolist() == [quad_sign(exact)]
@@ -151,7 +151,7 @@ def test_surfaces_have_no_sign() -> None:
         mesh.oriented()
 
 
-def test_undecided_cells_are_told() -> None:
+def test_undecided_cells_are_reported() -> None:
     base = np.array([[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], dtype=float)
     top = base * [-0.5, -0.5, 1] + [0, 0, 4]
     mesh = Mesh([*base, *top], cells={"hexahedron": [range(8)]})

@@ -64,7 +64,7 @@ def test_ideal_cells_have_one(kind: str) -> None:
 
 
 def test_known_values() -> None:
-    """Rectangles are as good as squares by this measure, rhombi have the sine of their angle."""
+    """By this measure rectangles are as good as squares, and a rhombus has the sine of its angle."""
     rectangle = cloud("quad", np.array([[[0, 0], [9, 0], [9, 1], [0, 1]]]))
     assert rectangle.quality("scaled_jacobian") == pytest.approx([1])
     rhombus = cloud("quad", np.array([[[0, 0], [1, 0], [1.5, 3**0.5 / 2], [0.5, 3**0.5 / 2]]]))

@@ -1,4 +1,4 @@
-"""Cells cut into simplices: from both sides of a facet in the same way."""
+"""Cells cut into simplices: both cells of a facet cut it in the same way."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def test_rows_are_grouped_as_python_would(rows):
 
 
 def test_a_bad_hash_would_still_be_right():
-    """Many rows in few buckets: chains are followed."""
+    """With many rows in few buckets, chains are followed."""
     rows = np.array([[i, 0] for i in range(1000)] * 2)
     group, first = topology.group_rows(rows)
     assert (group == np.tile(np.arange(1000), 2)).all() and (first == np.arange(1000)).all()

@@ -20,21 +20,21 @@ def check_brute(mesh: Mesh, report: Report) -> None:
     cells, vertices = np.nonzero(inside)
     report.note(
         "brute force: no vertex in any sphere",
-        problem("not Delaunay", "spheres that hold vertices (all pairs)", cells, vertices),
+        problem("not Delaunay", "spheres that contain vertices (all pairs)", cells, vertices),
     )
     beyond = _beyond(points, mesh.boundary)
     report.note(
         "brute force: no vertex beyond a boundary facet",
         problem("concave boundary", "vertices beyond boundary facets", vertices=np.nonzero(beyond)[0]),
     )
-    if points.shape[1] > 1:  # the ends of a segment are no oriented facets
+    if points.shape[1] > 1:  # in one dimension facets are points, without orientation
         total, hull = _exact_volume(points, mesh.simplices), _exact_volume(points, mesh.boundary)
         wrong = None if total == hull else Problem("volume", f"cells {float(total)}, hull {float(hull)}")
-        report.note("brute force: the cells' volume is the hull's, in rational numbers", wrong)
+        report.note("brute force: the cells and the hull have equal volumes (rational numbers)", wrong)
 
 
 def _beyond(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Which points lie strictly outside some boundary facet; (q, facet) is positive for q inside."""
+    """Which points lie strictly outside some boundary facet; orient(q, facet) is positive for q inside."""
     n, d = points.shape
     if d == 1:
         ends = points[boundary[:, 0], 0]
@@ -57,7 +57,7 @@ def _exact_volume(points: np.ndarray, rows: np.ndarray) -> Fraction:
 
 
 def _determinant(rows: list[list[Fraction]]) -> Fraction:
-    """By elimination."""
+    """The determinant, by elimination."""
     rows, result = [row[:] for row in rows], Fraction(1)
     for i in range(len(rows)):
         pivot = next((r for r in range(i, len(rows)) if rows[r][i] != 0), None)

@@ -53,16 +53,17 @@ def check(
 
     Notes
     -----
-    Always: arrays; every vertex used or a listed duplicate; at most two cells at a facet; neighbors mutual
-    and right; links of vertices (exact for k <= 3; necessary conditions above); coherent orientation; the
-    Euler characteristic against the boundary's. With k = d also: every cell positively oriented; cells
-    around each ridge (vertex in 2D, edge in 3D) wind once; and no overlap: for ``delaunay=True`` the
-    boundary must be convex, which together with the local tests makes the mesh tile the convex hull; else
-    the boundary must not meet itself (d <= 3) and no boundary vertex may lie in a foreign cell.
+    Always tested: the arrays; every vertex is used or is a listed duplicate; at most two cells share a facet;
+    the neighbors are mutual and correct; the links of vertices (exactly for k <= 3; above, only necessary
+    conditions); the orientation is coherent; the Euler characteristic agrees with that of the boundary. Also
+    tested if k = d: every cell is positively oriented; the cells around each ridge (vertex in 2D, edge in 3D)
+    wind around it once; no cells overlap. For ``delaunay=True`` the boundary must be convex, which together
+    with the local tests makes the mesh tile the convex hull. Otherwise the boundary must not meet itself
+    (d <= 3), and no boundary vertex may lie in a cell of which it is not a corner.
 
     The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
     dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
-    in a triangulation of a convex region, or up to opaque facets, are empty. O(m log m) in all; a million
+    in a triangulation of a convex region, or up to opaque facets, are empty. O(m log m) in total; a million
     points in the plane or a hundred thousand in space take some ten seconds.
     """
     if delaunay not in (False, True, "constrained"):
@@ -82,9 +83,9 @@ def check(
         if check_mixed(mesh, report, pinches):
             _by_simplices(mesh, domain, brute, report)
         return report
-    sound, manifold = _topology(mesh, report, pinches)
-    if not sound:
-        report.skipped.append("everything that needs sound adjacency, the domain included")
+    valid, manifold = _topology(mesh, report, pinches)
+    if not valid:
+        report.skipped.append("everything that needs valid adjacency, including the domain")
         return report
     if mesh.dimension < mesh.points.shape[1]:
         _surface(mesh, report)
@@ -96,10 +97,10 @@ def check(
     if brute is None:
         brute = len(mesh.points) * mesh.size <= BRUTE_LIMIT
     fans = RidgeFans(mesh.points, mesh.simplices, mesh.neighbors) if mesh.dimension > 1 else None
-    locally_well = fans is None or _local_overlap(fans, report)
+    locally_valid = fans is None or _local_overlap(fans, report)
     if delaunay is True and manifold:
         _hull(mesh, fans, report)
-    elif locally_well:
+    elif locally_valid:
         _overlap(mesh, report, everything=brute)
     if delaunay:
         _spheres(mesh, report, opaque=delaunay == "constrained")
@@ -114,7 +115,7 @@ def check(
 
 
 def _arrays(mesh: Mesh, report: Report) -> bool:
-    """The arrays may have been written to since the mesh was made."""
+    """Test the arrays again: they may have been changed since the mesh was made."""
     finite = np.isfinite(mesh.points).all(axis=1)
     bad = problem("points", "coordinates that are not finite", vertices=np.nonzero(~finite)[0])
     problems = [bad]
@@ -142,15 +143,17 @@ def _vertices(mesh: Mesh, report: Report) -> None:
     wrong = differ | used[copies] | ~used[kept]
     report.note(
         "every vertex used, or listed as a duplicate of a used one",
-        problem("unused vertex", "in no cell and no duplicate", vertices=np.nonzero(~used & ~listed)[0]),
-        problem("duplicate", "the copy must equal a used vertex and be unused", vertices=copies[wrong]),
+        problem(
+            "unused vertex", "in no cell, and not a listed duplicate", vertices=np.nonzero(~used & ~listed)[0]
+        ),
+        problem("duplicate", "the copy must be unused and equal to a used vertex", vertices=copies[wrong]),
     )
 
 
 def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bool]:
-    """Whether the adjacency is sound, and whether the complex is a manifold besides.
+    """Whether the adjacency is valid, and whether the complex is also a manifold.
 
-    At ``pinches`` the cells may fall into several fans, as the domain has it.
+    At the vertices ``pinches`` the cells may form several fans, because facets of the domain meet there.
     """
     simplices, k, n = mesh.simplices, mesh.dimension, len(mesh.points)
     table = topology.FaceTable(simplices)
@@ -162,11 +165,11 @@ def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bo
     differ = (neighbors != mesh.neighbors).any(axis=1)
     text = "neighbors do not lie across the facet opposite each vertex"
     wrong = problem("neighbors", text, cells=np.nonzero(differ)[0])
-    well = report.note("neighbors mutual and across the right facets", wrong)
+    valid = report.note("neighbors mutual and across the right facets", wrong)
     facets, cells = incoherent_facets(table)
-    text = "two cells on the same side of a facet, or against its orientation"
+    text = "two cells on the same side of a facet, or with different orientations"
     folded = problem("orientation", text, cells, facets.ravel())
-    well &= report.note("coherent orientation: the two cells of a facet on opposite sides", folded)
+    valid &= report.note("coherent orientation: the two cells of a facet on opposite sides", folded)
     pinched = []
     allowed = False
     for faces, fans in pinched_faces(table, neighbors):
@@ -177,12 +180,12 @@ def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bo
         kind = {1: "pinched vertex", 2: "pinched edge"}.get(faces.shape[1], "pinched face")
         text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
         pinched.append(problem(kind, text, vertices=faces.ravel()))
-    manifold = report.note("cells around every vertex hang together", *pinched)
+    manifold = report.note("cells around every vertex are connected through facets", *pinched)
     boundary = topology.boundary(simplices, neighbors)
     if manifold and k == 3:
         bad = bad_vertex_links(table, boundary, n)
         manifold = report.note(
-            "the link of every vertex is a sphere or a disc",
+            "the link of every vertex is a sphere or a disk",
             problem("link", "the cells around the vertex form neither a ball nor a half-ball", vertices=bad),
         )
     elif k > 3:
@@ -191,7 +194,7 @@ def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bo
         report.skipped.append("the Euler characteristic, where facets of the domain meet at a vertex")
     elif manifold:
         manifold = _euler(table, boundary, report)
-    return well, manifold
+    return valid, manifold
 
 
 def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> bool:
@@ -201,7 +204,7 @@ def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> b
     around = 0
     if len(boundary):
         around = len(np.unique(boundary)) if k == 1 else topology.euler(boundary)
-    text = f"{inside} inside and {around} on the boundary cannot go together"
+    text = f"{inside} inside and {around} on the boundary contradict each other"
     wrong = None if around == (1 - (-1) ** k) * inside else Problem("Euler characteristic", text)
     return report.note(f"Euler characteristic: {inside}, boundary {around}", wrong)
 
@@ -210,7 +213,7 @@ def _euler(table: topology.FaceTable, boundary: np.ndarray, report: Report) -> b
 
 
 def _surface(mesh: Mesh, report: Report) -> None:
-    """Cells of lower dimension: none may be flat (some projection to coordinate axes must be solid)."""
+    """Test that no cell is flat: its projection to some of the coordinate axes must not be flat."""
     from itertools import combinations
 
     k, d = mesh.dimension, mesh.points.shape[1]
@@ -227,7 +230,7 @@ def _orientation(mesh: Mesh, report: Report) -> bool:
     signs = orient_rows(mesh.points, mesh.simplices)
     return report.note(
         "every cell positively oriented (exact)",
-        problem("negative cell", "turned inside out; Mesh.oriented() mends it", np.nonzero(signs < 0)[0]),
+        problem("negative cell", "turned inside out; Mesh.oriented() corrects it", np.nonzero(signs < 0)[0]),
         problem("flat cell", "its corners lie in a lower dimension", np.nonzero(signs == 0)[0]),
     )
 
@@ -240,7 +243,7 @@ def _local_overlap(fans: RidgeFans, report: Report) -> bool:
 
 
 def _hull(mesh: Mesh, fans: RidgeFans | None, report: Report) -> bool:
-    """Connected and locally convex, so (Tietze-Nakajima) convex: the mesh tiles its points' hull."""
+    """Whether the mesh tiles the hull of its points: connected and locally convex (Tietze-Nakajima)."""
     count, label = topology.components(mesh.neighbors)
     problems = [None if count == 1 else problem("pieces", f"{count} pieces", np.nonzero(label > 0)[0])]
     if fans is not None:
@@ -253,7 +256,7 @@ def _hull(mesh: Mesh, fans: RidgeFans | None, report: Report) -> bool:
 
 
 def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
-    """The boundary must not meet itself, and no cell may hold a vertex that is not its own."""
+    """Test that the boundary does not meet itself and that no cell contains a vertex that is not its own."""
     d = mesh.points.shape[1]
     if d in (2, 3):
         facets = mesh.facets if everything else mesh.boundary
@@ -267,20 +270,21 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
     vertices = np.unique(mesh.simplices if everything or d > 3 else mesh.boundary)
     query, cells = mesh.holding(mesh.points[vertices])
     foreign = (mesh.simplices[cells] != vertices[query][:, None]).all(axis=1)
-    wrong = problem("overlap", "cells that hold a vertex of others", cells[foreign], vertices[query[foreign]])
-    report.note("no cell holds a foreign vertex", wrong)
+    text = "cells that contain a vertex of others"
+    wrong = problem("overlap", text, cells[foreign], vertices[query[foreign]])
+    report.note("no cell contains a vertex that is not its own", wrong)
 
 
 def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report: Report) -> None:
-    """What is decided for simplices, asked of the parts into which cells are cut; culprits are the cells."""
+    """Cut cells into simplices and apply to these what is decided for simplices only; report the cells."""
     if mesh.dimension == 2 and domain is None:
         return
     rows, owner = simplices_of_cells(mesh.cells)
     turned = np.unique(owner[orient_rows(mesh.points, rows) <= 0])
     if len(turned):
         report.skipped.append(
-            f"{'overlap' if mesh.dimension == 3 else 'the domain'}, which needs cells that are cut into "
-            f"positive simplices from their lowest vertices; cells {turned[:8].tolist()} are not "
+            f"{'overlap' if mesh.dimension == 3 else 'the domain'}, which needs cells that can be cut into "
+            f"positive simplices from their lowest vertices; cells {turned[:8].tolist()} cannot "
             f"({len(turned)} in all)"
         )
         return
@@ -289,8 +293,8 @@ def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report:
     parts = Mesh(mesh.points, rows, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers)
     found = Report(report.title)
     if mesh.dimension == 3:
-        well = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
-        if well:
+        valid = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
+        if valid:
             everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
             _overlap(parts, found, everything=everything)
     if domain is not None:
@@ -315,13 +319,13 @@ def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
         name = "locally Delaunay across every facet that is not marked (exact)"
         closed = _marked(mesh, topology.oriented_facet(simplices, cells, corner))
         cells, corner, others = cells[~closed], corner[~closed], others[~closed]
-    # The vertex across: that of the other cell which is not on the facet. Sums avoid a search.
+    # The vertex across is that of the other cell which is not on the facet. Sums find it without a search.
     across = simplices[others].sum(axis=1) - simplices[cells].sum(axis=1) + simplices[cells, corner]
     inside = np.empty(len(cells), dtype=bool)
     for i in range(0, len(cells), SIGNS_AT_ONCE):
         part = slice(i, i + SIGNS_AT_ONCE)
         inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
-    text = "spheres of cells that hold the vertex across a facet"
+    text = "spheres of cells that contain the vertex across a facet"
     report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))
 
 

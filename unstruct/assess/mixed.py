@@ -1,8 +1,9 @@
 """`unstruct.check` for meshes of quadrilaterals, polygons, solids of several faces, and mixtures.
 
-What holds for simplices is asked of these cells too, in the same words: sound arrays, two cells at a facet
-that see it from opposite sides, vertices and edges around which the cells hang together, and the Euler
-characteristic. The shape of cells is decided by the exact sign of the Jacobian over the whole cell.
+The tests for simplices are applied to these cells too, and reported in the same words: the arrays are valid,
+at most two cells share a facet and they lie on opposite sides of it, the cells around vertices and edges are
+connected, and the Euler characteristic agrees with that of the boundary. The shape of cells is decided by the
+exact sign of the Jacobian over the whole cell.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ __all__ = ["array_faults", "check_mixed"]
 
 
 def array_faults(mesh: Mesh) -> list[Problem | None]:
-    """Numbers that are no vertices, and vertices that a cell has twice: arrays may have been written to."""
+    """Numbers that are no vertices, and vertices that a cell has twice; arrays may have been changed."""
     indptr, corners = cell_rows(mesh.cells)
     n, owner = len(mesh.points), np.repeat(np.arange(mesh.size), np.diff(indptr))
     outside = owner[(corners < 0) | (corners >= n)]
@@ -38,33 +39,33 @@ def array_faults(mesh: Mesh) -> list[Problem | None]:
 
 
 def check_mixed(mesh: Mesh, report: Report, pinches: np.ndarray) -> bool:
-    """Adjacency, orientation and shape of cells; tells whether the mesh is fit for a test of overlap.
+    """Test adjacency, orientation and shape of cells; return whether the mesh can be tested for overlap.
 
     Parameters
     ----------
     mesh : Mesh
     report : Report
     pinches : ndarray of int
-        Vertices where the cells may fall into several fans.
+        Vertices where the cells may form several fans.
     """
     rows, owner, group = incident_facets(mesh.cells)
     crowded = np.bincount(group)[group] > 2
     text = "shared by more than two cells"
     wrong = problem("facet", text, owner[crowded], _vertices(rows[crowded]))
     if not report.note("at most two cells at a facet", wrong):
-        report.skipped.append("everything that needs sound adjacency, the domain included")
+        report.skipped.append("everything that needs valid adjacency, including the domain")
         return False
     pairs = _pairs(group)
     same, twisted = _sides(rows[pairs[:, 0]], rows[pairs[:, 1]])
-    text = "two cells on the same side of a facet, or against its orientation"
+    text = "two cells on the same side of a facet, or with different orientations"
     across = "two cells list its corners in different cyclic orders"
-    well = report.note(
+    valid = report.note(
         "coherent orientation: the two cells of a facet on opposite sides",
         problem("orientation", text, owner[pairs[same]].ravel(), _vertices(rows[pairs[same, 0]])),
         problem("facet", across, owner[pairs[twisted]].ravel(), _vertices(rows[pairs[twisted, 0]])),
     )
     if twisted.any():
-        report.skipped.append("everything that needs sound adjacency, the domain included")
+        report.skipped.append("everything that needs valid adjacency, including the domain")
         return False
     _manifold(mesh, rows, owner[pairs], rows[pairs[:, 0]], report, pinches)
     if mesh.dimension < mesh.points.shape[1]:
@@ -73,9 +74,9 @@ def check_mixed(mesh: Mesh, report: Report, pinches: np.ndarray) -> bool:
     signs, undecided = jacobian_signs(mesh)
     zero = np.setdiff1d(np.nonzero(signs == 0)[0], undecided)
     text = "the Jacobian is not positive everywhere (polygons: sides cross or touch)"
-    well &= report.note(
-        "every cell positively oriented: its Jacobian everywhere (exact)",
-        problem("negative cell", "turned inside out; Mesh.oriented() mends it", np.nonzero(signs < 0)[0]),
+    valid &= report.note(
+        "every cell positively oriented: its Jacobian is positive everywhere (exact)",
+        problem("negative cell", "turned inside out; Mesh.oriented() corrects it", np.nonzero(signs < 0)[0]),
         problem("negative cell", text, zero),
     )
     if len(undecided):
@@ -83,11 +84,11 @@ def check_mixed(mesh: Mesh, report: Report, pinches: np.ndarray) -> bool:
             f"whether the Jacobian of cells {undecided[:8].tolist()} ({len(undecided)} in all) is positive: "
             "it comes too close to zero"
         )
-    if mesh.dimension == 2 and well:
+    if mesh.dimension == 2 and valid:
         return _plane(mesh, report)
-    if not well:
+    if not valid:
         report.skipped.append("overlap and domain, which need positively oriented cells")
-    return well
+    return valid
 
 
 def _vertices(rows: np.ndarray) -> np.ndarray:
@@ -102,7 +103,7 @@ def _pairs(group: np.ndarray) -> np.ndarray:
 
 
 def _sides(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Facets, as two cells list them, that go the same way round; and those that agree in no direction."""
+    """Facets that both cells list in the same direction, and facets whose lists agree in no direction."""
     sizes = (a >= 0).sum(axis=1)
     same, twisted = np.zeros(len(a), dtype=bool), np.zeros(len(a), dtype=bool)
     for size in np.unique(sizes).tolist():
@@ -112,7 +113,7 @@ def _sides(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         step = np.arange(size)
         along = (np.take_along_axis(second, (place + step) % size, axis=1) == first).all(axis=1)
         against = (np.take_along_axis(second, (place - step) % size, axis=1) == first).all(axis=1)
-        if size == 2:  # the two directions of a segment differ by where it starts
+        if size == 2:  # the direction of a segment is given by the vertex where it starts
             along, against = first[:, 0] == second[:, 0], first[:, 0] != second[:, 0]
         same[which], twisted[which] = along, ~along & ~against
     return same, twisted
@@ -124,7 +125,7 @@ def _sides(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _manifold(
     mesh: Mesh, rows: np.ndarray, cells: np.ndarray, shared: np.ndarray, report: Report, pinches: np.ndarray
 ) -> None:
-    """Cells around vertices and edges hang together; links; the Euler characteristic."""
+    """Test that cells around vertices and edges are connected, the links, and the Euler characteristic."""
     indptr, corners = cell_rows(mesh.cells)
     owner = np.repeat(np.arange(mesh.size), np.diff(indptr))
     facet, column = np.nonzero(shared >= 0)
@@ -137,10 +138,10 @@ def _manifold(
         pinched, most = _pinched_edges(mesh, rows, cells, shared)
         text = f"up to {most} separate fans of cells meet there"
         problems.append(problem("pinched edge", text, vertices=pinched.ravel()))
-    manifold = report.note("cells around every vertex hang together", *problems)
+    manifold = report.note("cells around every vertex are connected through facets", *problems)
     if manifold and mesh.dimension == 3:
         manifold = report.note(
-            "the link of every vertex is a sphere or a disc",
+            "the link of every vertex is a sphere or a disk",
             problem("link", "the cells around the vertex form neither a ball nor a half-ball",
                     vertices=_bad_links(mesh, corners)),
         )  # fmt: skip
@@ -164,7 +165,7 @@ def _facet_sides(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _pinched_edges(
     mesh: Mesh, rows: np.ndarray, cells: np.ndarray, shared: np.ndarray
 ) -> tuple[np.ndarray, int]:
-    # Each edge of a cell is a side of two of its facets: so it comes twice here, which does no harm.
+    # Each edge of a cell is a side of two of its facets, so it occurs twice here. This does no harm.
     own, facet = _facet_sides(rows)
     owner = incident_facets(mesh.cells)[1][facet]
     inner, which = _facet_sides(shared)
@@ -194,7 +195,7 @@ def _euler(mesh: Mesh, report: Report) -> None:
         around = len(np.unique(_vertices(boundary))) - len(boundary)
         if mesh.dimension == 3:
             around += 2 * len(boundary) - len(np.unique(_facet_sides(boundary)[0], axis=0))
-    text = f"{inside} inside and {around} on the boundary cannot go together"
+    text = f"{inside} inside and {around} on the boundary contradict each other"
     wrong = None if around == (1 - (-1) ** mesh.dimension) * inside else Problem("Euler characteristic", text)
     report.note(f"Euler characteristic: {inside}, boundary {around}", wrong)
 
@@ -203,7 +204,7 @@ def _euler(mesh: Mesh, report: Report) -> None:
 
 
 def _surface(mesh: Mesh, report: Report) -> None:
-    """Cells of surfaces in space: some projection to coordinate axes must be solid."""
+    """Test that no cell of a surface is flat: some projection to two coordinate axes must not be flat."""
     flat = np.ones(mesh.size, dtype=bool)
     indptr, corners = cell_rows(mesh.cells)
     polygons = np.split(corners, indptr[1:-1])
@@ -217,7 +218,7 @@ def _surface(mesh: Mesh, report: Report) -> None:
 
 
 def _plane(mesh: Mesh, report: Report) -> bool:
-    """No two edges cross and no vertex lies in a foreign cell: then the cells do not overlap."""
+    """Test that no edges cross and no cell contains a vertex that is not its own: then no cells overlap."""
     points = mesh.points
     pairs = crossing_facets(points, mesh.edges)
     wrong = problem(
@@ -232,5 +233,5 @@ def _plane(mesh: Mesh, report: Report) -> bool:
     pair = np.repeat(np.arange(len(cells)), counts)
     place = np.arange(len(pair)) + np.repeat(indptr[cells] - (np.cumsum(counts) - counts), counts)
     own = np.bincount(pair, weights=corners[place] == vertices[query][pair], minlength=len(cells)) > 0
-    wrong = problem("overlap", "cells that hold a vertex of others", cells[~own], vertices[query[~own]])
-    return report.note("no cell holds a foreign vertex", wrong)
+    wrong = problem("overlap", "cells that contain a vertex of others", cells[~own], vertices[query[~own]])
+    return report.note("no cell contains a vertex that is not its own", wrong)

@@ -31,7 +31,7 @@ class Chain:
 
 
 def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
-    """Mesh vertices where four or more facets of the domain meet, so that the cells may fall into fans."""
+    """Mesh vertices where four or more facets of the domain meet, so that the cells may form several fans."""
     degree = np.bincount(domain.facets.ravel(), minlength=len(domain.points))
     origin = np.asarray(mesh.origin)
     known = (origin >= 0) & (origin < len(domain.points))
@@ -39,7 +39,7 @@ def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
 
 
 def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
-    """Hold a planar mesh against its domain; the report says what was examined and names the culprits.
+    """Compare a planar mesh with its domain; the report says what was examined and names the culprits.
 
     Parameters
     ----------
@@ -61,11 +61,11 @@ def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
     place = _places(mesh, domain, report)
     marked = {name: _edges(mesh, name) for name in ("facets", "inner")}
     if place is None or not _marked(mesh, marked, report):
-        report.skipped.append("the pieces of the domain, which need sound origins and markers")
+        report.skipped.append("the pieces of the domain, which need valid origins and markers")
         return
     chains = _chains(mesh, place, np.concatenate(list(marked.values())), report)
     if chains is None or not _assign(mesh, domain, chains, marked["facets"], report):
-        report.skipped.append("places and area of the chains, which need one for each piece")
+        report.skipped.append("places and area of the chains, which need one chain for each piece")
         return
     _inside_out(mesh, domain, place, marked["facets"], report)
     _curves_met(mesh, domain, chains, report)
@@ -108,7 +108,7 @@ def _keys(rows: np.ndarray, n: int) -> np.ndarray:
 
 
 def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
-    """Marked edges are edges, each marked once; facets are the boundary, inner ones are not in it."""
+    """Test that marked edges are edges marked once, facets are the boundary, and inner edges are inside."""
     n = len(mesh.points)
     border = _keys(mesh.boundary, n)
     facets, inner = _keys(marked["facets"], n), _keys(marked["inner"], n)
@@ -132,12 +132,12 @@ def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
 
 
 def _chains(mesh: Mesh, place: np.ndarray, edges: np.ndarray, report: Report) -> list[Chain] | None:
-    """Marked edges in chains between domain vertices; each new vertex on them must have two."""
+    """The marked edges as chains between domain vertices; a new vertex must be on exactly two of them."""
     known = np.zeros(len(mesh.points), dtype=bool)
     known[place[place >= 0]] = True
     degree = np.bincount(edges.ravel(), minlength=len(mesh.points))
     loose = (degree > 0) & (degree != 2) & ~known
-    text = "new vertices where other than two marked edges meet: a segment is missing, or several cross"
+    text = "new vertices that are not on exactly two marked edges: a segment is missing, or several cross"
     if not report.note("marked edges form chains", problem("chain", text, vertices=np.nonzero(loose)[0])):
         return None
     order = np.argsort(edges.ravel(), kind="stable")
@@ -201,7 +201,7 @@ def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray,
 
 
 def _meshed(domain: Domain) -> np.ndarray:
-    """Whether each piece bounds or lies inside: pieces do not cross, so that the side of one end tells."""
+    """Whether each piece bounds the domain or lies inside; one end decides, since pieces do not cross."""
     sampled = domain.sampled()
     facets = sampled.piece < len(domain.facets)
     first = np.unique(sampled.piece, return_index=True)[1]
@@ -210,7 +210,7 @@ def _meshed(domain: Domain) -> np.ndarray:
 
 
 def _away(mesh: Mesh, domain: Domain, chain: Chain, piece: int) -> float:
-    """How far a chain is from a piece: of its vertices, or of its middle where it has only ends."""
+    """The distance of a chain from a piece: of its inner vertices, or of its middle if it has only ends."""
     x = mesh.points[chain.vertices]
     inside = x[1:-1] if len(x) > 2 else x.mean(axis=0, keepdims=True)
     return float(distance_to_piece(domain, piece, inside)[0].max())
@@ -220,7 +220,7 @@ def _away(mesh: Mesh, domain: Domain, chain: Chain, piece: int) -> float:
 
 
 def _curves_met(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
-    """New vertices of chains lie on the true piece up to rounding, in the order of the piece."""
+    """Test that new vertices of chains lie on the true piece up to rounding, in the order of the piece."""
     off: list[int] = []
     back: list[int] = []
     worst = 0.0
@@ -252,7 +252,7 @@ def _curves_met(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report)
 
 
 def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarray, report: Report) -> None:
-    """The region enclosed by the chains, even-odd, is what is meshed; loose vertices in it are vertices."""
+    """Test that the mesh covers what the chains enclose (even-odd) and uses the loose vertices in it."""
     if len(domain.facets) == 0:
         report.skipped.append("area and loose vertices of a domain without facets")
         return
@@ -284,7 +284,7 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
 
 
 def _names(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
-    """Each marker of the domain holds the edges of its pieces, and no others."""
+    """Test that each marker of the domain contains the edges of its pieces, and no others."""
     n = len(mesh.points)
     wrong: list[Problem | None] = []
     rows_of = {c.piece: np.column_stack([c.vertices[:-1], c.vertices[1:]]) for c in chains}
@@ -296,18 +296,20 @@ def _names(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> N
             continue
         found = _keys(_edges(mesh, name), n)
         differ = np.setxor1d(wanted, found)
-        text = f"marker {name!r} is not on the edges of its pieces, or on others"
+        text = f"marker {name!r} does not contain exactly the edges of its pieces"
         wrong.append(problem("marker", text, vertices=np.concatenate([differ // n, differ % n])))
     if domain.markers:
         report.note("named edges are those of the named pieces", *wrong)
 
 
 def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> None:
-    """Parts, as marked edges divide the mesh, have one number each: that of their seed's name, if any."""
+    """Test that each part between marked edges has one number: that of the name of its seed, if any."""
     number = mesh.markers.get("region")
     if number is None or number.ndim != 1:
         if domain.regions:
-            report.note("regions", Problem("region", "the mesh has no marker 'region', one number a cell"))
+            report.note(
+                "regions", Problem("region", "the mesh has no marker 'region' with one number per cell")
+            )
         return
     part = parts(mesh, edges)
     values, code = np.unique(number, return_inverse=True)
@@ -316,7 +318,7 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
     last = rows[np.diff(pairs[rows] // len(values), append=-1) != 0]
     usual = values[pairs[last] % len(values)]  # the most frequent number of each part
     mixed = number != usual[part]
-    wrong = [problem("region", "cells numbered otherwise than their part", cells=np.nonzero(mixed)[0])]
+    wrong = [problem("region", "cells whose number is not that of their part", cells=np.nonzero(mixed)[0])]
     named: set[int] = set()
     for i, (name, seeds) in enumerate(domain.regions.items()):
         cells = mesh.find_simplex(seeds)
@@ -331,7 +333,7 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
     once = len(set(own)) == len(own) and all(v >= len(domain.regions) for v in own)
     text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {own[:16]}"
     report.note(
-        "regions: one number a part, the seed's where there is one",
+        "regions: one number per part, that of its seed if there is one",
         *wrong,
         None if once else Problem("region", text),
     )

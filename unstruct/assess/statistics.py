@@ -1,4 +1,4 @@
-"""How good a mesh is, in one row: angles, roundness, and how well its edges have the wanted length.
+"""How good a mesh is, in a few figures: angles, roundness, and how well its edges have the wanted length.
 
 See the book, chapters 2.6b to 2.6d.
 """
@@ -23,40 +23,40 @@ __all__ = ["Statistics", "angle_histogram", "compare", "statistics"]
 NAMES = {
     "vertices": "vertices",
     "cells": "triangles",
-    "least_angle": "least angle",
-    "low_angle": "1 % of the least angles below",
-    "greatest_angle": "greatest angle",
-    "least_round": "least 2r/R",
+    "min_angle": "minimum angle",
+    "low_angle": "1 % of the minimum angles below",
+    "max_angle": "maximum angle",
+    "least_round": "minimum 2r/R",
     "mean_round": "mean 2r/R",
-    "least_scaled": "least scaled Jacobian",
+    "least_scaled": "minimum scaled Jacobian",
     "mean_scaled": "mean scaled Jacobian",
     "conforming": "edges within √2 of the size",
     "short": "shortest edge / size",
     "long": "longest edge / size",
     "median": "median edge / size",
 }
-DEGREES = ("least_angle", "low_angle", "greatest_angle")
+DEGREES = ("min_angle", "low_angle", "max_angle")
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """Figures of a mesh, as `statistics` makes them.
+    """Figures of a mesh, as `statistics` returns them.
 
     Attributes
     ----------
     vertices, cells : int
         How many vertices are used, and how many cells there are.
-    least_angle, low_angle, greatest_angle : float
-        Degrees: the least of all angles; the value that the least angles of one cell in a hundred do not
-        exceed; the greatest of all angles. For solids, the angles of all faces.
+    min_angle, low_angle, max_angle : float
+        In degrees: the smallest of all angles; the value that the minimum angles of one cell in a hundred do
+        not exceed; the largest of all angles. For solids, these are the angles of all faces.
     least_round, mean_round : float
-        2 r / R over triangles, 3 r / R over tetrahedra: inradius over circumradius, 1 for regular ones; NaN
-        where the mesh has other cells.
+        2 r / R of triangles, 3 r / R of tetrahedra: inradius over circumradius, scaled to 1 for regular
+        cells; NaN if the mesh has other cells.
     conforming : float
-        The share of edges whose length is within a factor sqrt(2) of the size at their midpoint; NaN without
-        a size, as are the next three.
+        The share of edges whose length is within a factor sqrt(2) of the size at their midpoint. This and
+        the next three are NaN without a size.
     short, long, median : float
-        The least, greatest and median quotient of length and size.
+        The smallest, largest and median quotient of length and size.
     least_scaled, mean_scaled : float
         The scaled Jacobian (`Mesh.quality`), 1 for ideal cells; NaN for meshes of triangles alone.
     kinds : dict of str to int
@@ -65,9 +65,9 @@ class Statistics:
 
     vertices: int
     cells: int
-    least_angle: float
+    min_angle: float
     low_angle: float
-    greatest_angle: float
+    max_angle: float
     least_round: float
     mean_round: float
     conforming: float
@@ -78,8 +78,18 @@ class Statistics:
     mean_scaled: float = float("nan")
     kinds: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def least_angle(self) -> float:
+        """The earlier name of ``min_angle``."""
+        return self.min_angle
+
+    @property
+    def greatest_angle(self) -> float:
+        """The earlier name of ``max_angle``."""
+        return self.max_angle
+
     def rows(self) -> list[tuple[str, str]]:
-        """(name, value) in words, what is not known left out."""
+        """The figures that are known, as pairs (name, value) of text."""
         found = []
         for each in fields(self):
             value = getattr(self, each.name)
@@ -120,7 +130,7 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
     Returns
     -------
     Statistics
-        Roundness is told of simplices, the scaled Jacobian of everything but triangles.
+        Roundness is reported for simplices, the scaled Jacobian for all meshes but those of triangles alone.
 
     Raises
     ------
@@ -135,7 +145,7 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         raise MeshError(
             f"these statistics are for meshes of triangles or cells with more corners; this is {mesh!r}"
         )
-    least = mesh.quality("min_angle")
+    smallest = mesh.quality("min_angle")
     nothing = np.full(1, np.nan)
     rounds = mesh.quality("2r/R") if mesh.is_simplicial else nothing
     scaled = nothing if list(mesh.cells) == ["triangle"] else mesh.quality("scaled_jacobian")
@@ -147,9 +157,9 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
     return Statistics(
         vertices=len(distinct(cell_rows(mesh.cells)[1])),
         cells=mesh.size,
-        least_angle=float(least.min()),
-        low_angle=float(np.quantile(least, 0.01)),
-        greatest_angle=float(mesh.quality("max_angle").max()),
+        min_angle=float(smallest.min()),
+        low_angle=float(np.quantile(smallest, 0.01)),
+        max_angle=float(mesh.quality("max_angle").max()),
         least_round=float(rounds.min()),
         mean_round=float(rounds.mean()),
         conforming=float(close.mean()) if size is not None else float("nan"),
@@ -195,7 +205,7 @@ def compare(meshes: Mapping[str, Mesh], size: Any = None) -> str:
     Returns
     -------
     str
-        One line a figure that some mesh has, one column a mesh.
+        One line for each figure that some mesh has, and one column for each mesh.
     """
     if not isinstance(meshes, Mapping):
         raise InputError(f"meshes must be a dict of names to meshes, not {type(meshes).__name__}")
@@ -207,7 +217,7 @@ def compare(meshes: Mapping[str, Mesh], size: Any = None) -> str:
 
 
 def _merged(lists: list[list[str]]) -> list[str]:
-    """All names once, each after the one that it follows in the first list that has it."""
+    """All names once, each placed after the name that it follows in the first list that contains it."""
     result: list[str] = []
     for names in lists:
         place = 0

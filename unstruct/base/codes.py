@@ -1,10 +1,15 @@
-"""What kernels of several methods return, under one name and number each; a method's own are 8 and above."""
+"""Codes that kernels of several methods return. A method's own codes are 8 and above."""
 
 from __future__ import annotations
 
-# how a call ended: nothing is left to do; all steps that it was to do are done; arrays must grow first; an
-# edge of the boundary is to be split first
-DONE, MORE, ROOM, SPLIT = 0, 1, 2, 3
-# what becomes of a point: it is a vertex now; it lies outside of what is meshed; an edge or a facet stands
-# between it and its cavity; it, or its circle, is rounded away
-INSERTED, OUTSIDE, HIDDEN, ROUNDED = 4, 5, 6, 7
+# How a call ended.
+DONE = 0  # nothing is left to do
+MORE = 1  # all steps that it was asked to do are done
+ROOM = 2  # the arrays must grow first
+SPLIT = 3  # an edge of the boundary must be split first
+
+# What becomes of a point.
+INSERTED = 4  # it is a vertex now
+OUTSIDE = 5  # it lies outside of the region that is meshed
+HIDDEN = 6  # an edge or a facet lies between it and its cavity
+ROUNDED = 7  # it, or its circle, is lost to rounding

@@ -1,7 +1,7 @@
-"""Who is next to whom among cells of any kinds: facets and their two cells, stars, faces that remain.
+"""Adjacency of cells of any kinds: facets and their two cells, stars, and faces that remain in a selection.
 
-Cells are numbered through the kinds in their order. What meshes of one kind of simplex need besides is in
-`unstruct.topology`. See the book, chapter 1.
+Cells are numbered through the kinds, in the order of the kinds. Further functions, for meshes of one kind of
+simplex, are in `unstruct.topology`. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def facet_pairs(cells: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _increasing(rows: np.ndarray) -> np.ndarray:
-    """Rows sorted, but the padding of -1 stays at the end."""
+    """Each row sorted; the padding of -1 stays at the end."""
     last = np.iinfo(np.int32).max
     rows = np.sort(np.where(rows < 0, last, rows), axis=1)
     return np.where(rows == last, -1, rows).astype(np.int32)
@@ -67,7 +67,7 @@ def _increasing(rows: np.ndarray) -> np.ndarray:
 
 @kernel
 def _pair(number, owner, pairs, count):
-    """Note the two lowest cells of each facet, whatever the order in which they come."""
+    """Record the two lowest-numbered cells of each facet, in whatever order the cells come."""
     for r in range(number.shape[0]):
         f, t = number[r], owner[r]
         if count[f] == 0:
@@ -81,12 +81,12 @@ def _pair(number, owner, pairs, count):
 
 
 def two_cells(cells: Mapping) -> tuple[np.ndarray, np.ndarray]:
-    """``facets`` and ``pairs`` of `facet_pairs`, where at most two cells meet.
+    """``facets`` and ``pairs`` of `facet_pairs`, for meshes with at most two cells at each facet.
 
     Raises
     ------
     MeshError
-        Where more than two cells share a facet; the message names the facets and the cells of the first.
+        If more than two cells share a facet; the message names the facets and the cells of the first.
     """
     facets, pairs, count = facet_pairs(cells)
     crowded = np.nonzero(count > 2)[0]
@@ -114,7 +114,7 @@ def _cells_at(cells: Mapping, facet: np.ndarray) -> np.ndarray:
 
 
 def stars_of_cells(cells: Mapping, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cells around each vertex, as compressed rows: `unstruct.topology.stars` for any kinds.
+    """Cells around each vertex, as compressed rows: as `unstruct.topology.stars`, for any kinds.
 
     Returns
     -------
@@ -139,10 +139,10 @@ def chosen_cells(cells: Mapping, chosen: np.ndarray) -> tuple[dict[str, np.ndarr
     Returns
     -------
     parts : dict of str to ndarray
-        For each kind the rows that are chosen, as numbers within the kind, in the order asked for. Kinds
-        of which none is chosen are left out, unless that leaves no kind.
+        For each kind the chosen rows, as numbers within the kind, in the order asked for. Kinds without a
+        chosen cell are left out, unless no kind would remain.
     order : ndarray of int64, shape (c,)
-        The numbers of the cells as they now follow each other: by kinds, and as asked for within a kind.
+        The numbers of the chosen cells, ordered by kinds, and within a kind in the order asked for.
     """
     ends = np.cumsum([len(block) for block in cells.values()])
     kind = np.searchsorted(ends, chosen, side="right")
@@ -154,7 +154,7 @@ def chosen_cells(cells: Mapping, chosen: np.ndarray) -> tuple[dict[str, np.ndarr
 
 
 def remaining_faces(faces: np.ndarray, cells: Mapping) -> np.ndarray:
-    """Those rows of vertices that are still faces of some cell: `marked.remaining` for any kinds.
+    """The rows of vertices that are still faces of some cell: as `marked.remaining`, for any kinds.
 
     Parameters
     ----------

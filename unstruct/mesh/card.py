@@ -9,7 +9,9 @@ from .complex import CellComplex
 
 __all__ = ["html"]
 
-PIXELS, MARGIN, MOST_CELLS = 200, 6, 400  # pixels, pixels, cells drawn
+PIXELS = 200  # width and height of the picture
+MARGIN = 6  # pixels that stay free on each side
+MOST_CELLS = 400  # the largest number of cells that are drawn
 
 
 def html(mesh: CellComplex) -> str:
@@ -40,12 +42,16 @@ def _picture(mesh: CellComplex) -> str:
 
 
 def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
-    """Edges to draw, in pixels: of all cells, or of the boundary (3D), thinned out to a readable number."""
+    """Edges to draw, in pixels, and the number of cells that they belong to.
+
+    If there are too many cells, only some of them are drawn, at even steps of their numbers, and for cells of
+    dimension two also some edges of the boundary.
+    """
     number = np.arange(mesh.size)
     pairs: set[tuple[int, int]] = set()
     if len(number) > MOST_CELLS:
         number = np.linspace(0, len(number) - 1, MOST_CELLS).astype(int)
-        if mesh.dimension == 2:  # the outline, lest scattered cells look like nothing
+        if mesh.dimension == 2:  # the outline shows the region to which the scattered cells belong
             outline = mesh.boundary[:: 1 + len(mesh.boundary) // (2 * MOST_CELLS)]
             pairs |= {(min(a, b), max(a, b)) for a, b in outline.tolist()}
     start = 0
@@ -72,7 +78,10 @@ def _edges_of(name: str, row: list[int]) -> list[tuple[int, int]]:
 
 
 def _project(points: np.ndarray) -> np.ndarray:
-    """Any dimension onto paper, scaled against overflow; space in an oblique view, more axes are left out."""
+    """Points of any dimension in the plane: space in an oblique view, without any further axes.
+
+    They are first scaled so that nothing overflows.
+    """
     largest = np.abs(points).max(initial=0.0)
     points = points / largest if largest > 0 else points
     if points.shape[1] == 1:

@@ -1,4 +1,4 @@
-"""Kinds of cells (meshio's names) and what they are made of: edges and facets of mixed meshes.
+"""Kinds of cells, by meshio's names, and their edges and facets in mixed meshes.
 
 A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See the book, chapter 1.
 """
@@ -26,7 +26,7 @@ __all__ = [
     "simplex_type",
 ]
 
-# name -> (dimension, corners, edges, facets); corners in VTK's order, facets outward
+# name -> (dimension, number of corners, edges, facets). Corners are in VTK's order; facets point outward.
 CELL_TYPES: dict[str, tuple[int, int, list[list[int]], list[list[int]]]] = {
     "line": (1, 2, [[0, 1]], [[1], [0]]),
     "triangle": (2, 3, [[1, 2], [2, 0], [0, 1]], [[1, 2], [2, 0], [0, 1]]),
@@ -65,7 +65,7 @@ def simplex_type(k: int) -> str:
 
 
 def counted(count: int, name: str) -> str:
-    """In words: "1 triangle", "12 triangles", "5 tetrahedra", "3 4-simplices"."""
+    """A number of cells in words: "1 triangle", "12 triangles", "5 tetrahedra", "3 4-simplices"."""
     if name.startswith("simplex"):
         return f"{count} {name[7:]}-simplex" if count == 1 else f"{count} {name[7:]}-simplices"
     word = {"tetra": "tetrahedron"}.get(name, name)
@@ -75,7 +75,7 @@ def counted(count: int, name: str) -> str:
 
 
 def simplex_dimension(name: str) -> int | None:
-    """The dimension of a kind of simplex; None for kinds that are no simplices."""
+    """The dimension of a kind of simplex; None for kinds that are not simplices."""
     for k, known in SIMPLEX_NAMES.items():
         if name == known:
             return k
@@ -113,7 +113,7 @@ def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
         simplex = simplex_dimension(name)
         corners = CELL_TYPES[name][1] if simplex is None else simplex + 1
         if rows.shape[1] != corners:
-            raise InputError(f"cells[{name!r}] must have {corners} vertices a row, not {rows.shape[1]}")
+            raise InputError(f"cells[{name!r}] must have {corners} vertices per row, not {rows.shape[1]}")
         rows.flags.writeable = False
         result[name] = rows
     dimensions = {name: cell_dimension(name) for name in result}
@@ -123,7 +123,7 @@ def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
 
 
 def _polygons(block: Any, vertices: int) -> tuple[np.ndarray, ...]:
-    """Read-only rows of int32; all are looked at together, and one by one only where something is wrong."""
+    """Read-only rows of int32. All are tested together, and one by one only if something is wrong."""
     rows = [np.asarray(row) for row in block]
     if any(row.ndim != 1 or len(row) < 3 or row.dtype.kind not in "iu" for row in rows):
         return tuple(_polygon(row, i, vertices) for i, row in enumerate(rows))
@@ -173,7 +173,7 @@ def cell_rows(cells: Mapping) -> tuple[np.ndarray, np.ndarray]:
 
 
 def equal_rows(block: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """The rows of one kind, by their lengths: pairs (which rows, these as an array (r, corners))."""
+    """The rows of one kind, grouped by length: pairs (numbers of the rows, the rows as an array)."""
     if isinstance(block, np.ndarray):
         if len(block):
             yield np.arange(len(block)), block
@@ -226,7 +226,7 @@ def incident_facets(cells: Mapping) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     Returns
     -------
     rows : ndarray of int32, shape (r, w)
-        One row a cell and facet, outward for positively oriented cells, padded by -1 at the end.
+        One row for each cell and facet, outward for positively oriented cells, padded by -1 at the end.
     owner : ndarray of int, shape (r,)
         The cell (numbered through all kinds, in the order of the dictionary).
     group : ndarray of int64, shape (r,)

@@ -1,6 +1,6 @@
 """CellComplex: points and cells as flat arrays, their adjacency and counts, computed when asked for.
 
-The record under `Mesh`: what measures, searches and files need to know. See the book, chapter 1.
+`Mesh` is built on it; it has what measures, searches and files need. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 class CellComplex:
-    """Points, cells, and the account of where they came from, without any measure: see `Mesh`."""
+    """Points, cells, and the record of where the points came from, without any measures: see `Mesh`."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class CellComplex:
         cells: Mapping[str, Any] | None = None,
         _ready: bool = False,
     ):
-        if _ready:  # made by our own kernels: of the right types, in the right ranges, nobody else's
+        if _ready:  # arrays of our own kernels have the right types and ranges, and nothing else uses them
             self._hold(points, simplices, neighbors, origin, markers or {})
             return
         self.points: np.ndarray = frozen(as_points(points))
@@ -105,7 +105,7 @@ class CellComplex:
             return frozen(array)
         if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(
-                f"markers[{name!r}] must be one value a cell, shape ({size},), or faces as rows of "
+                f"markers[{name!r}] must be one value per cell, shape ({size},), or faces as rows of "
                 f"vertices, not {array.dtype} of shape {array.shape}"
             )
         if within(array, len(self.points)):
@@ -133,19 +133,19 @@ class CellComplex:
 
     @property
     def simplices(self) -> np.ndarray:
-        """The cells, int32 of shape (m, k + 1); `MeshError` where cells are of other or several kinds."""
+        """The cells, int32 of shape (m, k + 1); `MeshError` if cells are of other or several kinds."""
         if not self.is_simplicial:
-            raise MeshError(f"this mesh holds cells of kind {', '.join(self.cells)}: use .cells")
+            raise MeshError(f"this mesh has cells of kind {', '.join(self.cells)}: use .cells")
         return next(iter(self.cells.values()))
 
     @cached_property
     def neighbors(self) -> np.ndarray:
         """``neighbors[t, i]``: the cell across the facet opposite vertex i of cell t, -1 for none.
 
-        For simplices of one kind; `facet_cells` tells the same for cells of any kinds.
+        For simplices of one kind; `facet_cells` gives the same for cells of any kinds.
         """
         if not self.is_simplicial:
-            raise MeshError(f"this mesh holds cells of kind {', '.join(self.cells)}: use .facet_cells")
+            raise MeshError(f"this mesh has cells of kind {', '.join(self.cells)}: use .facet_cells")
         return frozen(topology.neighbors(self.simplices))
 
     @cached_property
@@ -157,7 +157,7 @@ class CellComplex:
     def facets(self) -> np.ndarray:
         """Faces of codimension one, rows sorted, lexicographic: int32, shape (f, k).
 
-        For other kinds than simplices the rows are as long as the largest facet that a cell may have, and
+        For kinds other than simplices the rows are as long as the largest facet that a cell may have, and
         shorter ones are padded by -1 at the end, as in `boundary`: triangles among quadrilaterals are
         (i, j, k, -1).
         """
@@ -169,13 +169,13 @@ class CellComplex:
     def facet_cells(self) -> np.ndarray:
         """The two cells of each facet: int32, shape (f, 2), in the order of `facets`.
 
-        For cells of any kinds, numbered through the kinds in their order. The lower number stands first; on
+        For cells of any kinds, numbered through the kinds in their order. The lower number comes first; on
         the boundary the second is -1.
 
         Raises
         ------
         MeshError
-            Where more than two cells share a facet; the message names the facets.
+            If more than two cells share a facet; the message names the facets.
         """
         facets, pairs = two_cells(self.cells)
         self.__dict__.setdefault("facets", frozen(facets))
@@ -185,7 +185,7 @@ class CellComplex:
     def boundary(self) -> np.ndarray:
         """Facets with one cell, outward for positively oriented cells (2D: the mesh on the left).
 
-        Rows of kinds with facets of several sizes are padded by -1 at the end, as in `facets`.
+        If facets have several sizes, shorter rows are padded by -1 at the end, as in `facets`.
         """
         if self.is_simplicial:
             return frozen(topology.boundary(self.simplices, self.neighbors))

@@ -1,4 +1,4 @@
-"""DomainMesh: the mesh of a domain, with the account of what was reached and what was not."""
+"""DomainMesh: the mesh of a domain, with a record of what was reached and what was not."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class DomainMesh(Mesh):
     points, simplices, **rest
         As for `Mesh`.
     unrefined : array_like of int, shape (k,), optional
-        Cells that miss what was asked for.
+        Cells that do not satisfy what was asked for.
     reasons : array_like of str, shape (k,), optional
-        Why, for each of them.
+        The reason for each of them.
     counts : dict of str to int, optional
-        What happened on the way, by name: insertions, splits, exceptional cases.
+        Counters of the run, by name: insertions, splits, exceptional cases.
     steps : dict of str to array, optional
-        The record of the run, where it was asked for; its arrays are described by the method.
+        The record of the run, if it was asked for; the method describes its arrays.
     figures : dict of str to float, optional
-        Measured on the way, by name, such as the quality before the last step.
+        Values measured during the run, by name, such as the quality before the last step.
     segments : array_like of int, shape (s, 2), optional
         All subsegments of the domain's pieces that are in the mesh, in the direction of their piece.
     piece : array_like of int, shape (s,), optional
@@ -44,7 +44,7 @@ class DomainMesh(Mesh):
     Attributes
     ----------
     complete : bool
-        Whether everything that was asked for is reached: then ``unrefined`` is empty.
+        Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class DomainMesh(Mesh):
         self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
         self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
         if not len(self.segments) == len(self.piece) == len(self.span):
-            raise InputError("segments, piece and span must have one row a subsegment")
+            raise InputError("segments, piece and span must have one row per subsegment")
 
 
 def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:

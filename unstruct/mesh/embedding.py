@@ -22,7 +22,7 @@ __all__ = ["RidgeFans", "boundary_is_convex", "crossing_facets", "segments_meet"
 
 
 class RidgeFans:
-    """All (ridge, cell) incidences of a mesh, each with its wedge from apex ``a`` on to apex ``b``.
+    """All (ridge, cell) incidences of a mesh, each with its wedge from apex ``a`` to apex ``b``.
 
     The order of a and b is such that (ridge, a, b), the ridge sorted, is positively oriented. A mesh of m
     cells in d dimensions has m d (d + 1) / 2 incidences.
@@ -41,7 +41,7 @@ class RidgeFans:
             ridges.append(np.take_along_axis(simplices, order, axis=1))
             a.append(simplices[row, first])
             b.append(simplices[row, second])
-            # The facet through the ridge and a lies opposite b: nothing beyond it means that the fan starts.
+            # The facet through the ridge and a lies opposite b. With no cell beyond it the fan starts there.
             open_a.append(neighbors[row, second] < 0)
             open_b.append(neighbors[row, first] < 0)
             cells.append(row)
@@ -49,23 +49,23 @@ class RidgeFans:
         self.starts, self.ends = np.concatenate(open_a), np.concatenate(open_b)
         self.cells = np.concatenate(cells)
         self.group, first_row = group_rows(self.ridges)
-        # Where the fan begins: its first wedge on the boundary, any wedge inside.
+        # The fan of a boundary ridge begins with its first wedge, that of an inner ridge with any wedge.
         self.begin = first_row
         self.begin[self.group[self.starts]] = np.nonzero(self.starts)[0]
 
     def overlaps(self) -> np.ndarray:
-        """Incidences, not the first of their fan, whose wedge holds the half-plane where the fan begins."""
+        """Incidences, not the first of their fan, whose wedge contains the half-plane that begins the fan."""
         reference = self.a[self.begin][self.group]
         row = np.nonzero((self.a != reference) & (self.b != reference))[0]
         row = row[self._sign(row, self.a[row], reference[row]) >= 0]
         return row[self._sign(row, reference[row], self.b[row]) > 0]
 
     def concave(self) -> np.ndarray:
-        """Boundary ridges with an angle above pi, as the incidences that end them (overlaps apart)."""
+        """Boundary ridges with an angle above pi, as the last incidences of their fans (overlaps apart)."""
         row = np.nonzero(self.ends)[0]
         begin = self.begin[self.group[row]]
         sign = self._sign(row, self.a[begin], self.b[row])
-        # Sign 0 is an angle of pi, or of 2 pi: the fan then ends more than pi after its second apex.
+        # Sign 0 means an angle of pi or 2 pi. In the second case the fan ends over pi after its second apex.
         straight = sign == 0
         sign[straight] = self._sign(row[straight], self.b[begin[straight]], self.b[row[straight]])
         return row[sign <= 0]
@@ -130,7 +130,7 @@ def segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarra
 
 
 def _ranks(points: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """Numbers in the lexicographic order of the places of vertices, equal for equal places."""
+    """The rank of each vertex in the lexicographic order of places; equal places have equal ranks."""
     some = np.unique(vertices)
     order = some[np.lexsort(points[some].T[::-1])]
     step = (points[order[1:]] != points[order[:-1]]).any(axis=1)
@@ -155,8 +155,8 @@ def _edges_meet_triangles(points: np.ndarray, edges: np.ndarray, triangles: np.n
 
 
 def _meet_in_plane(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The coplanar case, in a coordinate plane on which the triangle does not collapse."""
-    meet = np.ones(len(edges), dtype=bool)  # a flat facet with a segment in its line
+    """The coplanar case, projected to a coordinate plane in which the triangle does not collapse."""
+    meet = np.ones(len(edges), dtype=bool)  # this remains for a flat facet with a segment in its line
     rows = np.arange(len(edges))
     for axes in ((0, 1), (1, 2), (2, 0)):
         if len(rows) == 0:
@@ -171,7 +171,7 @@ def _meet_in_plane(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray)
 
 
 def _meets_positive(points: np.ndarray, edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """An end inside that is no corner, or a side that is met in more than a common end."""
+    """Whether an end that is no corner lies inside, or an edge meets a side in more than a common end."""
     sides = [triangles[:, [k, (k + 1) % 3]] for k in range(3)]
     meet = np.zeros(len(edges), dtype=bool)
     for end in (0, 1):

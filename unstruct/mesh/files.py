@@ -1,7 +1,7 @@
 """Meshes in files and in other libraries: meshio, Triangle's .node/.ele, scikit-fem.
 
-What goes along: points, cells, `origin`, `duplicates`, cell markers, and named faces (as cells of lower
-dimension with the data "faces:<name>"), as far as the format can hold them. See the book, chapter 1.
+Files keep points, cells, `origin`, `duplicates`, cell markers, and named faces (as cells of lower dimension
+with the data "faces:<name>"), as far as the format can store them. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ __all__ = ["read", "to_meshio", "to_skfem", "write"]
 FACES_HEADER = "faces:"
 SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
 WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
-ORDER = "polygon:number"  # data of cells: where polygons of different sizes stood, which files group by size
-GMSH = {".msh"}  # meshio would take the suffix for Ansys; it writes other entities than groups in 2.2 only
+ORDER = "polygon:number"  # cell data: the numbers of polygons before a file grouped them by size
+GMSH = {".msh"}  # meshio would take the suffix for Ansys; we write version 2.2 of Gmsh's format
 
 
 def to_meshio(mesh: CellComplex) -> Any:
@@ -34,16 +34,16 @@ def to_meshio(mesh: CellComplex) -> Any:
     Returns
     -------
     meshio.Mesh
-        Polygons are grouped by their number of corners; where there are several, ``cell_data`` has the number
-        of each cell as "polygon:number". ``point_data`` holds "origin" and "kept" (the vertex
-        itself, or the one of which it is a duplicate); ``cell_data`` the markers; named faces follow as
-        blocks of lower dimension, with "faces:<name>" 1 on them and 0 elsewhere; a name without faces of
-        k vertices is -k everywhere.
+        Polygons are grouped by their number of corners; if there are several groups, ``cell_data`` has the
+        number of each cell as "polygon:number". ``point_data`` contains "origin" and "kept" (the vertex
+        itself, or the vertex that it duplicates); ``cell_data`` contains the markers. Named faces follow as
+        blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere. For a name of k vertices per
+        face that has no faces, it is -k everywhere.
     """
     import meshio
 
     blocks: list[tuple[str, np.ndarray]] = []
-    rows: list[np.ndarray] = []  # which cells a block holds
+    rows: list[np.ndarray] = []  # the cells of each block
     start = 0
     for name, block in mesh.cells.items():
         if name == "polygon":
@@ -100,7 +100,7 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     Raises
     ------
     InputError
-        For a suffix that no format has, and for meshes that a format cannot hold.
+        For a suffix that no format has, and for meshes that a format cannot store.
     """
     path = Path(path)
     if path.suffix in (".node", ".ele"):
@@ -109,10 +109,10 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     fits(list(mesh.cells), path.suffix)
     if (
         mesh.points.shape[1] < 3
-    ):  # most formats know only space; a zero third coordinate is dropped on reading
+    ):  # most formats have three coordinates; a zero third one is dropped on reading
         other.points = np.pad(other.points, ((0, 0), (0, 3 - mesh.points.shape[1])))
     if path.suffix not in WITH_DATA:
-        _drop(mesh, f"{path.suffix} holds points and cells only", mesh.markers)
+        _drop(mesh, f"{path.suffix} stores points and cells only", mesh.markers)
         other.point_data, other.cell_data = {}, {}
         del other.cells[len(other.cells) - len(face_blocks(_named_faces(mesh))) :]
     elif path.suffix in GMSH:
@@ -125,13 +125,13 @@ def write(mesh: CellComplex, path: str | Path) -> None:
         _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
     try:
         other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
-    except Exception as error:  # meshio raises many kinds, for unknown suffixes and unfit cells alike
+    except Exception as error:  # meshio raises many kinds of errors for suffixes and cells alike
         raise InputError(f"meshio cannot write this mesh as {path.suffix or path.name!r}: {error}") from error
     return None
 
 
 def _named_faces(mesh: CellComplex) -> dict[str, np.ndarray]:
-    """Markers of faces, empty ones too; not those of whole cells, which would be read as more of them."""
+    """Markers of faces, including empty ones, but not of whole cells, which would be read as more cells."""
     lower = {width: min(width - 1, 2) < mesh.dimension for width in FACE_NAMES}
     faces = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2}
     return {name: rows for name, rows in faces.items() if lower.get(rows.shape[1], False)}
@@ -146,11 +146,12 @@ def _drop(mesh: CellComplex, why: str, names: Any) -> None:
 
 
 def _for_gmsh(mesh: CellComplex, other: Any) -> None:
-    """Regions and named faces become physical groups; data must be real numbers, of one block of cells."""
+    """Make regions and named faces physical groups; keep real data if there is only one block of cells."""
     faces = _named_faces(mesh)
     data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES_HEADER)}
     held, lost = to_groups(mesh, other, faces)
-    _drop(mesh, ".msh holds each face in one group, by the first marker that is not facets or inner", lost)
+    why = ".msh stores each face in one group, that of its first marker other than facets and inner"
+    _drop(mesh, why, lost)
     rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
     if len(other.cells) > 1:  # meshio cannot read such data back
         _drop(mesh, ".msh keeps other cell data only where there is one kind of cell and no named face", rest)
@@ -163,7 +164,7 @@ def read(path: str | Path) -> dict[str, Any]:
     """Read a file: the arguments of a `Mesh`; see `Mesh.read`.
 
     The cells of the highest dimension are the mesh; lower ones become markers. A third coordinate that is
-    zero throughout is dropped when the cells are plane.
+    zero throughout is dropped if the cells are plane.
     """
     path = Path(path)
     if path.suffix in (".node", ".ele"):
@@ -179,7 +180,7 @@ def read(path: str | Path) -> dict[str, Any]:
     kinds = [block.type for block in other.cells]
     dimensions = [0 if kind == "vertex" else cell_dimension(kind) for kind in kinds]
     if not kinds or max(dimensions) == 0:
-        raise InputError(f"{path.name} holds no cells")
+        raise InputError(f"{path.name} contains no cells")
     top = max(dimensions)
     points = np.asarray(other.points, dtype=np.float64)
     while points.shape[1] > max(top, 1) and not points[:, -1].any():
@@ -210,7 +211,7 @@ def read(path: str | Path) -> dict[str, Any]:
 
 
 def _in_order(cells: dict[str, Any], number: np.ndarray) -> np.ndarray:
-    """Put polygons back in their order; the place of each cell in the file."""
+    """Put polygons back in their order; return the place of each cell in the file."""
     start = sum(len(block) for block in list(cells.values())[: list(cells).index("polygon")])
     polygons = cells["polygon"]
     order = np.argsort(number[start : start + len(polygons)], kind="stable")
@@ -221,7 +222,7 @@ def _in_order(cells: dict[str, Any], number: np.ndarray) -> np.ndarray:
 
 
 def _by_type(blocks: list[Any]) -> dict[str, Any]:
-    """Cells by their type; blocks of one type are put together."""
+    """Cells by their type; blocks of the same type are joined."""
     cells: dict[str, Any] = {}
     for block in blocks:
         rows = np.asarray(block.data)
@@ -233,7 +234,7 @@ def _by_type(blocks: list[Any]) -> dict[str, Any]:
 
 
 def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
-    """Markers that are data of cells, and those of faces in our own files."""
+    """The markers of cells, from cell data, and those of faces, in files that `write` wrote."""
     markers: dict[str, np.ndarray] = {}
     lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
     ours = is_ours(other)
@@ -244,12 +245,13 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
         column = np.concatenate([np.asarray(values[i]) for i in main])
         if name.startswith(FACES_HEADER):
             chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
-            width = -int(column.min(initial=0))  # of a marker without faces
+            width = -int(column.min(initial=0))  # for a marker without faces, else 0
             chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
             markers[name.removeprefix(FACES_HEADER)] = stacked(chosen)
         elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
             warnings.warn(
-                f"cell data {name!r} of shape {column.shape} is not read: one value a cell", stacklevel=4
+                f"cell data {name!r} of shape {column.shape} is not read: markers have one value per cell",
+                stacklevel=4,
             )
         elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
             whole = (
@@ -264,12 +266,14 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
 
 
 def _write_node_ele(mesh: CellComplex, path: Path) -> None:
-    """`path`.node and `path`.ele, numbered from 0, with 17 significant digits: doubles survive."""
+    """Write .node and .ele, numbered from 0, with as many digits as restore each double exactly."""
     if not mesh.is_simplicial:
         kinds = ", ".join(mesh.cells)
-        raise MeshError(f".node and .ele hold simplices of one kind, not {kinds}: write .vtu, or select them")
+        raise MeshError(
+            f".node and .ele store simplices of one kind, not {kinds}: write .vtu, or select them"
+        )
     simplices = mesh.simplices
-    _drop(mesh, ".node and .ele hold points and cells only", mesh.markers)
+    _drop(mesh, ".node and .ele store points and cells only", mesh.markers)
     n, d = mesh.points.shape
     lines = [f"{n} {d} 0 0"]
     lines += [f"{i} {' '.join(map(repr, row))}" for i, row in enumerate(mesh.points.tolist())]
@@ -280,7 +284,7 @@ def _write_node_ele(mesh: CellComplex, path: Path) -> None:
 
 
 def _read_node_ele(path: Path) -> dict[str, Any]:
-    """Numbered from 0 or 1, as the first vertex says; attributes and boundary marks become markers."""
+    """Read .node and .ele, numbered like their first vertex; attributes and boundary marks become markers."""
     header, rows = _table(path.with_suffix(".node"))
     d, attributes, marks = header[1], header[2], header[3] if len(header) > 3 else 0
     base = int(rows[0, 0]) if len(rows) else 0
@@ -298,7 +302,7 @@ def _read_node_ele(path: Path) -> dict[str, Any]:
 
 
 def _table(path: Path) -> tuple[list[int], np.ndarray]:
-    """Header and rows of numbers of a file in Triangle's manner; # starts a comment."""
+    """Header and rows of numbers of a file in Triangle's format; # starts a comment."""
     lines = [line.split("#")[0].split() for line in path.read_text().splitlines()]
     lines = [line for line in lines if line]
     try:
@@ -307,7 +311,7 @@ def _table(path: Path) -> tuple[list[int], np.ndarray]:
     except (IndexError, ValueError) as error:
         raise InputError(f"{path.name} is not in Triangle's format: {error}") from None
     if len(rows) != header[0]:
-        raise InputError(f"{path.name} announces {header[0]} rows but holds {len(rows)}")
+        raise InputError(f"{path.name} announces {header[0]} rows but contains {len(rows)}")
     return header, rows
 
 
@@ -367,14 +371,14 @@ def _skfem_facets(mesh: CellComplex, theirs: Any, number: np.ndarray) -> dict[st
     if not named:
         return {}
     wanted = np.concatenate(list(named.values()))
-    marked = np.zeros(theirs.p.shape[1] + 1, dtype=bool)  # the last entry is that of -1, a vertex not used
+    marked = np.zeros(theirs.p.shape[1] + 1, dtype=bool)  # the last entry belongs to -1, an unused vertex
     marked[wanted] = True
-    near = np.flatnonzero(marked[theirs.facets].all(axis=0))  # few: so nothing large is sorted
+    near = np.flatnonzero(marked[theirs.facets].all(axis=0))  # few, so that nothing large is sorted
     group, first = group_rows(np.sort(np.concatenate([theirs.facets.T[near], wanted]), axis=1))
     place = first[group[len(near) :]]
     lost = place >= len(near)
     if lost.any():
         every = np.concatenate([mesh.markers[name] for name in named])
-        raise MeshError(f"{every[int(np.argmax(lost))].tolist()} has a marker, but is no facet of a cell")
+        raise MeshError(f"{every[int(np.argmax(lost))].tolist()} has a marker, but is not a facet of a cell")
     parts = np.split(near[place], np.cumsum([len(rows) for rows in named.values()])[:-1])
     return dict(zip(named, parts))

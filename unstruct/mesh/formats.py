@@ -1,6 +1,6 @@
-"""Which kinds of cells a file can hold: some formats make something else of others, or leave them out.
+"""Which kinds of cells a file format can store.
 
-meshio says so on the screen at most; here it is an error.
+meshio converts other kinds, or leaves them out, with at most a message on the screen; here it is an error.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys([".msh", ".avs"], ("line", *FLAT, *SOLID)),
     ".inp": ("line", *FLAT, "tetra", "wedge", "hexahedron"),
 }
-ALONE = (".xml", ".tec", ".dat")  # they hold cells of one kind only
+ALONE = (".xml", ".tec", ".dat")  # these formats store cells of one kind only
 
 
 def fits(kinds: Sequence[str], suffix: str) -> None:
-    """See whether a format holds cells of these kinds as they are.
+    """Check that a format can store cells of these kinds unchanged.
 
     Raises
     ------
     InputError
-        Where it does not; the message names the kinds.
+        If it cannot; the message names the kinds.
     """
     known = WRITABLE_KINDS.get(suffix, tuple(kinds))
     lost = [name for name in kinds if name not in known]
     why = ""
     if lost:
-        why = f"it holds cells of kind {', '.join(known)}, not {', '.join(lost)}"
+        why = f"it stores cells of kind {', '.join(known)}, not {', '.join(lost)}"
     elif suffix in ALONE and len(kinds) > 1:
-        why = f"it holds cells of one kind only, not {', '.join(kinds)}"
+        why = f"it stores cells of one kind only, not {', '.join(kinds)}"
     if why:
-        raise InputError(f"meshio cannot write this mesh as {suffix!r}: {why}; .vtu holds all")
+        raise InputError(f"meshio cannot write this mesh as {suffix!r}: {why}; .vtu stores all")

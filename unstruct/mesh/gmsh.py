@@ -1,10 +1,10 @@
 """Markers as Gmsh's physical groups, and back.
 
-Written is version 2.2 of the format, in which each cell and each face has the number of one group. So a face
-of several markers goes to the first of them that is not "facets" or "inner": these two follow from the
+Files are written in version 2.2 of the format, in which each cell and each face has the number of one group.
+A face in several markers goes to the first of them that is not "facets" or "inner"; these two follow from the
 others, because facets are where the mesh ends. Groups of cells are "region 0", "region 1", ..., by the values
-of the marker "region"; without it, the names of Boolean markers that have no cell in common. Other data of
-cells are kept where nothing but one kind of cells is in the file.
+of the marker "region". Without that marker, they are Boolean markers that have no cell in common. Other cell
+data are kept only if the file contains nothing but cells of one kind.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 
 
 def coded(name: str, *, spaces: bool = False) -> str:
-    """A name with percent codes for what files do not hold: quotes, brackets, control characters, spaces."""
+    """A name with percent codes for what files cannot store: quotes, brackets, control characters, spaces."""
     bad = [c in '%<>&"\\' or not c.isprintable() or (c == " " and spaces) for c in name]
     return "".join(quote(c, safe="") if b else c for c, b in zip(name, bad))
 
@@ -72,9 +72,9 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
     Returns
     -------
     cells : list of str
-        Markers of cells that are in groups.
+        Markers of cells that the groups keep.
     lost : list of str
-        Markers of faces of which not all is in the file.
+        Markers of faces that the groups do not keep completely.
     """
     blocks = face_blocks(faces)
     top = len(other.cells) - len(blocks)
@@ -91,9 +91,9 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
         groups = _split({name: part[name] for name in some})
         for name, rows in groups.items():
             if len(rows) < len(part[name]) and len(rows) == 0 and name not in OWN_NAMES:
-                continue  # better no name than one of nothing
+                continue  # no group without faces: the marker is lost
             dimension = min(width - 1, 2)
-            if coded(name) not in other.field_data:  # else its triangles are there, and these are its quads
+            if coded(name) not in other.field_data:  # otherwise its triangles are there
                 count[dimension] += 1
                 other.field_data[coded(name)] = np.array([count[dimension], dimension])
             if len(rows):
@@ -106,7 +106,7 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
 
 
 def _split(faces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Each face in the first marker that has it."""
+    """The markers, with each face only in the first marker that contains it."""
     if not faces:
         return {}
     rows = np.concatenate(list(faces.values()))
@@ -116,7 +116,7 @@ def _split(faces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[str, np.ndarray]:
-    """The markers "facets" and "inner" with the faces of other groups, where the mesh ends and where not."""
+    """Add faces of other groups to "facets", if the mesh ends there, and to "inner", if it does not."""
     result = dict(groups)
     for name, rows in groups.items():
         if name not in OWN_NAMES and len(border) and rows.shape[1] == border.shape[1]:
@@ -128,7 +128,7 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
 
 
 def _border(mesh: CellComplex, width: int) -> np.ndarray:
-    """Facets of so many vertices where the mesh ends."""
+    """The facets with ``width`` vertices where the mesh ends."""
     rows = np.asarray(mesh.boundary)
     return rows[(rows >= 0).sum(axis=1) == width][:, :width]
 
@@ -138,7 +138,7 @@ def _keys(rows: np.ndarray) -> set[tuple[int, ...]]:
 
 
 def _cell_groups(mesh: CellComplex, other: Any, top: int) -> tuple[list[np.ndarray], list[str], list[str]]:
-    """A number for each cell of each block, the names of 1, 2, ..., and the markers that this holds."""
+    """The group of each cell of each block, the names of groups 1, 2, ..., and the markers that they keep."""
     region = mesh.markers.get("region")
     if region is not None and region.ndim == 1 and region.dtype.kind in "iu":
         values = np.unique(region)
@@ -159,7 +159,7 @@ def _cell_groups(mesh: CellComplex, other: Any, top: int) -> tuple[list[np.ndarr
 def from_groups(
     mesh: CellComplex, other: Any, main: list[int], dimensions: list[int]
 ) -> dict[str, np.ndarray]:
-    """Markers of physical groups.
+    """The markers that physical groups stand for.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def from_groups(
         The cells.
     other : meshio.Mesh
     main : list of int
-        The blocks of ``other`` that are the cells, in order.
+        The blocks of ``other`` that contain the cells, in order.
     dimensions : list of int
         The dimension of each block.
 

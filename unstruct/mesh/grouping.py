@@ -1,4 +1,4 @@
-"""Rows of small integers, sorted and grouped without a sort of all: one hash table."""
+"""Rows of small integers, sorted row by row and grouped by one hash table, without sorting all rows."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def sort_rows(rows):
 def _group(rows, heads, following, group, first):
     """Number the distinct rows in order of appearance: group[r], and first[g], where g appears.
 
-    A hash table with chaining: ``heads`` (its length a power of two) holds the youngest group of a
-    bucket, ``following`` the next older one. Horner's rule modulo 2^31 - 1 keeps every product below
+    A hash table with chaining: ``heads`` (its length a power of two) has the latest group of each
+    bucket, ``following`` the one before each group. Horner's rule modulo 2^31 - 1 keeps every product below
     2^52, so that nothing wraps around, compiled or as plain Python. Returns the number of groups.
     """
     count = 0

@@ -1,9 +1,10 @@
-"""Which cells hold a point: exact signs for simplices, polygons of the plane, and solids of several faces.
+"""Which cells contain a point: exact signs for simplices, polygons of the plane, and solids of several faces.
 
-Simplices and convex cells could be decided side by side; here it is the even-odd rule along a ray, which asks
-nothing of a cell but that its surface is closed. A point on the surface is decided first, so that the rule
-may move the others by as little as it likes: the ray misses every corner and edge (H. Edelsbrunner, E. P.
-Mücke, *Simulation of simplicity*, ACM Trans. Graphics 9, 1990). See the book, chapter 1.
+Simplices are decided facet by facet, which is possible for all convex cells. Other cells are decided by the
+even-odd rule along a ray, which only requires that the surface of a cell is closed. Points on the surface are
+decided first. The rule may then move any other point by an arbitrarily small amount, so that the ray misses
+every corner and edge (H. Edelsbrunner, E. P. Mücke, *Simulation of simplicity*, ACM Trans. Graphics 9,
+1990). See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from .split import surface_triangles
 __all__ = ["PlanarCells", "SimplexCells", "SolidCells"]
 
 QUERIES_PER_PART = 1 << 14  # pairs of points and cells at a time
-PLANES = ((1, 2), (2, 0), (0, 1))  # coordinates that are kept, the dropped one being the place in this list
+PLANES = ((1, 2), (2, 0), (0, 1))  # PLANES[i]: the coordinates that are kept when coordinate i is dropped
 
 
 class SimplexCells:
-    """Simplices of full dimension; `holds` tells for pairs of points and cells."""
+    """Simplices of full dimension; `holds` decides pairs of points and cells."""
 
     def __init__(self, points: np.ndarray, simplices: np.ndarray):
         self.points, self.simplices = points, simplices
@@ -33,7 +34,7 @@ class SimplexCells:
         self.low, self.high = corners.min(axis=1), corners.max(axis=1)
 
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """Whether the closed cell ``cells[i]`` holds the point ``x[i]``; flat cells hold nothing."""
+        """Whether the closed cell ``cells[i]`` contains the point ``x[i]``; flat cells contain nothing."""
         found = np.zeros(len(cells), dtype=bool)
         left = np.nonzero(self.sign[cells] != 0)[0]
         for i in range(self.simplices.shape[1]):
@@ -47,7 +48,7 @@ class SimplexCells:
 
 
 class PlanarCells:
-    """Quadrilaterals or polygons of the plane, convex or not, even-odd where they cross themselves."""
+    """Quadrilaterals or polygons of the plane, convex or not; even-odd if they cross themselves."""
 
     def __init__(self, points: np.ndarray, polygons: Sequence[np.ndarray]):
         self.points = points
@@ -61,7 +62,7 @@ class PlanarCells:
         self.solid = ~self._flat(x) if some else np.empty(0, dtype=bool)
 
     def _flat(self, x: np.ndarray) -> np.ndarray:
-        """Whether all corners of a cell lie in the line of its first and its last, from left to right."""
+        """Whether all corners of a cell lie on the line through its leftmost and its rightmost corner."""
         owner = np.repeat(np.arange(len(self.indptr) - 1), np.diff(self.indptr))
         order = self.corners[np.lexsort((x[:, 1], x[:, 0], owner))]
         first, last = order[self.indptr[:-1]], order[self.indptr[1:] - 1]
@@ -69,7 +70,7 @@ class PlanarCells:
         return ~np.logical_or.reduceat(turns != 0, self.indptr[:-1])
 
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """As `SimplexCells.holds`: on a side, or a ray to the right crosses an odd number of sides."""
+        """As `SimplexCells.holds`; true on a side, or if a ray to the right crosses an odd number."""
         found = np.zeros(len(cells), dtype=bool)
         for i in range(0, len(cells), QUERIES_PER_PART):
             part = slice(i, i + QUERIES_PER_PART)
@@ -81,7 +82,7 @@ class PlanarCells:
         pair = np.repeat(np.arange(len(cells)), counts)
         place = np.arange(len(pair)) + np.repeat(self.indptr[cells] - (np.cumsum(counts) - counts), counts)
         a, b = self.points[self.corners[place]], self.points[self.corners[self.after[place]]]
-        # Sides that do not reach the height of the point, or end on its left, have no say.
+        # Sides that do not reach the height of the point, or that lie to its left, do not count.
         y, right = x[pair, 1], np.maximum(a[:, 0], b[:, 0]) >= x[pair, 0]
         near = np.nonzero(right & (np.minimum(a[:, 1], b[:, 1]) <= y) & (y <= np.maximum(a[:, 1], b[:, 1])))[
             0
@@ -100,8 +101,8 @@ class PlanarCells:
 class SolidCells:
     """Solids of one kind, their quadrilaterals cut along the diagonal through the lowest vertex.
 
-    Cells with plane faces are then what they are; where a face is not plane the two cells beside it agree on
-    the triangles, so that cells which tile do so exactly, without gap or overlap.
+    This does not change cells with plane faces. If a face is not plane, its two cells agree on its triangles,
+    so that cells that tile a region do so exactly, without gaps or overlaps.
     """
 
     def __init__(self, kind: str, points: np.ndarray, block: np.ndarray):
@@ -116,7 +117,7 @@ class SolidCells:
         self.solid = ~flat
 
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """As `SimplexCells.holds`: on a triangle, or a ray along the first axis meets an odd number."""
+        """As `SimplexCells.holds`; true on a triangle, or if a ray along axis 0 meets an odd number."""
         found = np.zeros(len(cells), dtype=bool)
         for i in range(0, len(cells), QUERIES_PER_PART):
             part = slice(i, i + QUERIES_PER_PART)
@@ -126,7 +127,7 @@ class SolidCells:
     def _holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
         corners = self.points[self.triangles[cells]]
         low, high = corners.min(axis=2), corners.max(axis=2)
-        # The ray goes to the right; triangles that it passes by have no say.
+        # The ray goes to the right; triangles that it cannot meet do not count.
         near = (low[:, :, 1:] <= x[:, None, 1:]) & (x[:, None, 1:] <= high[:, :, 1:])
         pair, which = np.nonzero(near.all(axis=2) & (high[:, :, 0] >= x[:, None, 0]))
         abc, q = corners[pair, which], x[pair]
@@ -143,7 +144,7 @@ class SolidCells:
 
 
 def _turns(abc: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """On which side of each side of triangles (r, 3, 2) a point lies: (r, 3)."""
+    """The side of each edge of triangles (r, 3, 2) on which points (r, 2) lie: signs (r, 3)."""
     if len(q) == 0:
         return np.empty((0, 3), dtype=np.int8)
     sides = [orient(np.stack([abc[:, i], abc[:, (i + 1) % 3], q], axis=1)) for i in range(3)]
@@ -151,7 +152,7 @@ def _turns(abc: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def _perturbed_turns(abc: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """As `_turns`, for the point moved to the right by very little, and up by much less still."""
+    """As `_turns`, for points moved to the right by very little, and up by still much less."""
     turns = _turns(abc, q)
     step = np.roll(abc, -1, axis=1) - abc
     across = np.where(step[..., 1] != 0, -np.sign(step[..., 1]), np.sign(step[..., 0])).astype(np.int8)
@@ -159,10 +160,11 @@ def _perturbed_turns(abc: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def _in_triangles(abc: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Whether closed triangles in space hold points of their planes.
+    """Whether closed triangles in space contain points of their planes.
 
-    In each of the three coordinate planes the point must lie in the shadow. One shadow that is not flat
-    would do; of a triangle without area all three together leave the segment that it is.
+    In each of the three coordinate planes the projection of the point must lie in that of the triangle. One
+    projection that is not flat would be enough; for a triangle without area, which is a segment, all three
+    together leave only this segment.
     """
     inside = ((abc.min(axis=1) <= q) & (q <= abc.max(axis=1))).all(axis=1)
     for axes in PLANES:

@@ -1,7 +1,7 @@
 """Point location in any mesh of full dimension: a tree of bounding boxes, then exact signs.
 
 A walk from cell to cell is faster where the mesh is convex (`Triangulation.locate` does that), but it
-stops at holes and notches. The tree needs no adjacency at all. See the book, chapter 1.
+stops at holes and notches. The tree needs no adjacency. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from .holding import PlanarCells, SimplexCells, SolidCells
 
 __all__ = ["Locator"]
 
-QUERIES_AT_ONCE = 1 << 16  # queries at a time: bounds the memory
+QUERIES_AT_ONCE = 1 << 16  # queries at a time, which bounds the memory
 
 
 class Locator:
-    """The tree of a mesh's cells; `find` is what `Mesh.find_simplex` calls."""
+    """The tree of the cells of a mesh; `Mesh.find_simplex` calls `find`."""
 
     def __init__(self, mesh: CellComplex):
         d = mesh.points.shape[1]
@@ -35,7 +35,7 @@ class Locator:
         self.tree = BoxTree(low, np.concatenate([part.high for part in self.parts]))
 
     def find(self, x: Any) -> np.ndarray:
-        """The lowest-numbered cell that holds each point of ``x`` (..., d), -1 for none."""
+        """The lowest-numbered cell that contains each point of ``x`` (..., d), -1 for none."""
         try:
             queries = np.asarray(x, dtype=np.float64)
         except (TypeError, ValueError) as error:
@@ -57,7 +57,7 @@ class Locator:
         return result.astype(np.int32).reshape(queries.shape[:-1])
 
     def holding(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (row, closed cell that holds it); flat cells hold nothing."""
+        """All pairs (row, closed cell that contains it); flat cells contain nothing."""
         query, cells = self.tree.pairs(rows, rows)
         keep = np.zeros(len(cells), dtype=bool)
         for part, end in zip(self.parts, self.ends.tolist()):

@@ -43,8 +43,8 @@ def incoherent_facets(faces: FaceTable) -> tuple[np.ndarray, np.ndarray]:
 
 
 @kernel
-def _join(neighbors, number, holds, parent):
-    """Union-find over the pairs (cell, face): join those of neighboring cells that share face and facet."""
+def _join(neighbors, number, contains, parent):
+    """Union-find over pairs (cell, face): join those of neighboring cells with a face on their facet."""
     width, faces = number.shape[1], number.shape[1]
     for t in range(neighbors.shape[0]):
         for i in range(neighbors.shape[1]):
@@ -52,7 +52,7 @@ def _join(neighbors, number, holds, parent):
             if s <= t:
                 continue
             for c in range(faces):
-                if holds[c, i]:
+                if contains[c, i]:
                     continue  # the face has the vertex opposite the facet, so it is not on the facet
                 for e in range(faces):
                     if number[s, e] == number[t, c]:
@@ -74,7 +74,7 @@ def _root(parent, x):
 
 
 def pinched_faces(table: FaceTable, neighbors: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Faces whose cells do not hang together through facets around them: vertices, edges, ...
+    """Faces (vertices, edges, ...) whose cells are not connected through the facets around them.
 
     Returns
     -------
@@ -83,18 +83,18 @@ def pinched_faces(table: FaceTable, neighbors: np.ndarray) -> list[tuple[np.ndar
 
     Notes
     -----
-    In a surface, a vertex is well when its link is one path or one cycle: exactly this test. In higher
-    dimensions it is necessary; `bad_vertex_links` completes it for k = 3.
+    On a surface, a vertex is valid exactly when its link is one path or one cycle; this is what is tested. In
+    higher dimensions the condition is necessary; `bad_vertex_links` completes it for k = 3.
     """
     width = table.simplices.shape[1]
     result = []
     for j in range(width - 2):
         found, number = table(j)
-        holds = np.array(
+        contains = np.array(
             [[i in columns for i in range(width)] for columns in combinations(range(width), j + 1)]
         )
         parent = np.arange(number.size, dtype=np.int64)
-        _join(neighbors, number, holds, parent)
+        _join(neighbors, number, contains, parent)
         roots = np.nonzero(parent == np.arange(number.size))[0]
         fans = np.bincount(number.ravel()[roots], minlength=len(found))
         result.append((found[fans > 1], fans[fans > 1]))
@@ -102,10 +102,10 @@ def pinched_faces(table: FaceTable, neighbors: np.ndarray) -> list[tuple[np.ndar
 
 
 def bad_vertex_links(table: FaceTable, boundary: np.ndarray, n: int) -> np.ndarray:
-    """Vertices of a three-dimensional complex whose link is no disc (on the boundary) or sphere (inside).
+    """Vertices of a three-dimensional complex whose link is no disk (on the boundary) or sphere (inside).
 
     The link of a vertex in a complex without pinched edges or vertices is a connected surface; by the
-    classification of surfaces its Euler characteristic, f_1 - f_2 + f_3 of the faces at the vertex, tells.
+    classification of surfaces its Euler characteristic, f_1 - f_2 + f_3 of the faces at the vertex, decides.
     """
     link = np.zeros(n, dtype=np.int64)
     for j in (1, 2, 3):
@@ -121,16 +121,16 @@ def bad_vertex_links(table: FaceTable, boundary: np.ndarray, n: int) -> np.ndarr
 def fans_of_faces(
     incident: tuple[np.ndarray, np.ndarray], cells: np.ndarray, faces: np.ndarray, count: int
 ) -> np.ndarray:
-    """Into how many fans the cells around each face fall, for cells of any kinds.
+    """The number of fans that the cells around each face form, for cells of any kinds.
 
     Parameters
     ----------
     incident : (cells, faces), two ndarrays of int, shape (i,)
-        All pairs of a cell and a face of it, perhaps several times.
+        All pairs of a cell and a face of it; a pair may occur several times.
     cells : ndarray of int, shape (p, 2)
-        Pairs of cells that share a facet ...
+        Pairs of cells that share a facet.
     faces : ndarray of int, shape (p,)
-        ... on which this face lies: they are then in the same fan around it.
+        For each pair a face that lies on the shared facet; the two cells are in the same fan around it.
     count : int
         The number of faces.
 

@@ -1,4 +1,4 @@
-"""Which sides of triangles are among some given edges: looked up without sorting what is not marked.
+"""Which sides of triangles are among given edges, found without sorting the sides that are not marked.
 
 A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` would sort, or hash, all sides.
 """
@@ -27,7 +27,7 @@ def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.n
     ----------
     simplices : ndarray of int, shape (m, 3)
     edges : ndarray of int, shape (c, 2)
-        In either direction; an edge may come twice.
+        In either direction; an edge may occur twice.
     n : int
         The number of vertices.
 
@@ -76,7 +76,7 @@ def marked_facets(facets: np.ndarray, named: np.ndarray, n: int) -> np.ndarray:
 
 
 def parts(mesh: CellComplex, edges: Iterable) -> np.ndarray:
-    """The part of each cell, as marked edges divide the mesh; numbered by their first cells."""
+    """The part of each cell, if marked edges divide the mesh; parts are numbered by their first cells."""
     neighbors = np.array(mesh.neighbors)
     neighbors[marked_sides(mesh.simplices, np.asarray(edges), len(mesh.points))[0]] = -1
     label = topology.components(neighbors)[1]
@@ -87,7 +87,7 @@ def parts(mesh: CellComplex, edges: Iterable) -> np.ndarray:
 
 
 def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
-    """Those rows of vertices (-1: gone) that are still faces of some cell."""
+    """The rows of vertices that are still faces of some cell; -1 is a vertex that is gone."""
     faces = faces[(faces >= 0).all(axis=1)]
     width = faces.shape[1]
     if len(faces) == 0 or width > simplices.shape[1]:
@@ -102,7 +102,7 @@ def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
 def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
     """The arguments of a mesh of some cells (numbers), on the vertices that they use; see `Mesh.select`.
 
-    O(m + n) and, for cells of other kinds than simplices, a hash table of all faces where faces are named.
+    O(m + n) and, for kinds other than simplices, a hash table of all faces if markers name faces.
     """
     parts, order = chosen_cells(mesh.cells, chosen)
     cells: dict[str, Any] = {}
@@ -110,7 +110,7 @@ def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
         block = mesh.cells[name]
         cells[name] = [block[i] for i in rows.tolist()] if name == "polygon" else block[rows]
     used = distinct(cell_rows(cells)[1])
-    number = np.full(len(mesh.points) + 1, -1, dtype=np.int32)  # the last entry is that of -1, no vertex
+    number = np.full(len(mesh.points) + 1, -1, dtype=np.int32)  # the last entry belongs to -1, no vertex
     number[used] = np.arange(len(used))
     cells = {
         name: [number[row] for row in block] if name == "polygon" else number[block]

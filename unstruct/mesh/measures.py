@@ -46,7 +46,7 @@ def _ring_areas(mesh: CellComplex, kind: str) -> np.ndarray:
 
 
 def _polyhedron_volumes(corners: np.ndarray, facets: list[list[int]]) -> np.ndarray:
-    """Signed volumes by the divergence theorem; a facet that is not plane is a fan about its mean corner."""
+    """Signed volumes by the divergence theorem; a facet that is not plane is a fan around its mean corner."""
     corners = corners - corners[:, :1]
     total = np.zeros(len(corners))
     for facet in facets:
@@ -81,10 +81,10 @@ def summarize(mesh: CellComplex) -> Summary:
     Returns
     -------
     Summary
-        Keys ``title``, ``points``, ``cells``, ``edges``, ``boundary``, ``euler``, ``volume``, ``degree``,
-        ``edge_length`` and, for cells of dimension 2 and 3, names of qualities: for simplices some of
-        `unstruct.simplex.QUALITIES`, for other kinds those that all kinds have. Where there are several
-        kinds, their numbers by name.
+        Keys ``title``, ``points``, ``used``, ``cells``, ``edges``, ``boundary``, ``euler``, ``volume``,
+        ``degree``, ``edge_length`` and, for cells of dimension 2 and 3, names of qualities: for simplices
+        some of `unstruct.simplex.QUALITIES`, for other kinds those that all kinds have. If there are several
+        kinds, also the number of cells of each kind, by its name.
     """
     counts = mesh.face_counts()
     result = Summary(

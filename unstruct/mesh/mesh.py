@@ -1,4 +1,4 @@
-"""Mesh: points and cells, and what follows from them, computed when asked for.
+"""Mesh: points and cells, and what follows from them, which is computed when asked for.
 
 See the book, chapter 1.
 """
@@ -31,7 +31,7 @@ _plot = door("unstruct.view:plot")
 
 
 class Mesh(CellComplex):
-    """An unstructured mesh: points, cells, and the account of where they came from.
+    """An unstructured mesh: points, cells, and a record of where they came from.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Mesh(CellComplex):
     neighbors : array_like of int, shape (m, k + 1), optional
         ``neighbors[t, i]`` lies opposite vertex i of cell t, -1 for none. Computed when missing.
     origin : array_like of int, shape (n,), optional
-        The input vertex that each vertex is, or -1 for a new one. All are input by default.
+        The input vertex that each vertex is, or -1 for a new one. By default all are input.
     duplicates : array_like of int, shape (c, 2), optional
         Rows (copy, kept): vertex ``copy`` equals vertex ``kept`` and is used by no cell.
     markers : dict of str to array, optional
@@ -70,8 +70,8 @@ class Mesh(CellComplex):
     def convex_hull(self) -> np.ndarray:
         """Facets of the convex hull of the points, as SciPy's `Delaunay.convex_hull`: int32, (h, d).
 
-        The boundary where that is convex (always so for a Delaunay mesh); otherwise the boundary of the
-        Delaunay mesh of the points.
+        This is the boundary of the mesh if that is convex (always so for a Delaunay mesh); otherwise it is
+        the boundary of the Delaunay mesh of the points.
         """
         if self.is_simplicial and self.dimension == self.points.shape[1] and boundary_is_convex(self):
             return self.boundary
@@ -90,12 +90,12 @@ class Mesh(CellComplex):
         return fsum(self.volumes)
 
     def quality(self, name: str) -> np.ndarray:
-        """One number for the shape of each cell, in their order.
+        """One number for the shape of each cell, in the order of the cells.
 
         Parameters
         ----------
         name : str
-            For simplices those of `unstruct.simplex.quality` (which lists them). All kinds of cells have
+            For simplices the names that `unstruct.simplex.quality` lists. All kinds of cells have
             "scaled_jacobian" (the least determinant of unit edge vectors at a corner, over that of the
             ideal cell: 1 at best, at most 0 for cells turned or flat at a corner) and "min_angle",
             "max_angle" (degrees: inner angles in quadrilaterals and polygons, those of all faces in
@@ -112,8 +112,8 @@ class Mesh(CellComplex):
 
         Notes
         -----
-        Ideal are the regular polygon, the cube, the right wedge over an equilateral triangle, and the
-        pyramid of eight equal edges; a pyramid is measured by the four tetrahedra of three successive
+        The ideal cells are the regular polygon, the cube, the right wedge over an equilateral triangle,
+        and the pyramid of eight equal edges. A pyramid is measured by the four tetrahedra of three successive
         corners of its base and the apex, each from the base and from the apex. Hexahedra are measured at
         their corners alone (Verdict adds the center). Sources: P. M. Knupp, *Algebraic mesh quality
         metrics*, SIAM J. Sci. Comput. 23 (2001) 193-218; the Verdict library, SAND2007-1751.
@@ -127,9 +127,9 @@ class Mesh(CellComplex):
         -------
         ndarray of int8, shape (m,)
             1 where the Jacobian of the (multi)linear map is positive everywhere in the closed cell, -1
-            where it is negative everywhere, 0 where it vanishes somewhere or changes its sign. Polygons,
-            which have no such map: 1 and -1 for simple ones, counterclockwise and clockwise, 0 for others.
-            At the apex of a pyramid, where it always vanishes, it is not asked.
+            where it is negative everywhere, 0 where it vanishes somewhere or changes its sign. The apex of a
+            pyramid, where it always vanishes, is left out. Polygons have no such map: their sign is 1 if they
+            are simple and counterclockwise, -1 if they are simple and clockwise, and 0 otherwise.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class Mesh(CellComplex):
         Positive signs at the corners are enough for simplices, quadrilaterals and pyramids, but not for
         wedges, where three quadratics decide, and hexahedra, whose 27 Bernstein coefficients are bounded on
         ever smaller parts (`unstruct.geometry.jacobians`). A hexahedron whose least Jacobian is so near zero
-        that the budget ends first has the sign 0, and `unstruct.check` tells that it is undecided. O(m).
+        that the budget ends first has the sign 0, and `unstruct.check` reports it as undecided. O(m).
         """
         return jacobian_signs(self)[0]
 
@@ -150,7 +150,7 @@ class Mesh(CellComplex):
         return Locator(self)
 
     def find_simplex(self, x: Any) -> np.ndarray:
-        """The cell that holds each point, by exact signs; -1 outside.
+        """The cell that contains each point, by exact signs; -1 outside.
 
         Parameters
         ----------
@@ -159,15 +159,15 @@ class Mesh(CellComplex):
         Returns
         -------
         ndarray of int32, shape (...)
-            Cells are closed; a point on several has the lowest number among them.
+            Cells are closed; a point in several cells has the lowest of their numbers.
 
         Notes
         -----
         "Simplex" is SciPy's word: cells of all kinds are found. Quadrilaterals and polygons of the plane
-        need not be convex, and are even-odd where they cross themselves. In space a quadrilateral face is
-        cut along the diagonal through its lowest vertex number: that is exact where it is plane, and
-        elsewhere neighbors agree, so that cells tile without gap or overlap. Cells whose corners all lie in
-        a line (in space: a plane) hold nothing.
+        need not be convex; the even-odd rule decides if they cross themselves. In space a quadrilateral face
+        is cut along the diagonal through its lowest vertex number. That is exact if the face is plane;
+        otherwise its two cells agree, so that cells tile without gaps or overlaps. Cells whose corners all
+        lie on a line (in space: in a plane) contain nothing.
 
         The mesh need be neither convex nor connected. A tree of bounding boxes, built on the first call in
         O(m log m), leads to a few cells each, which exact orientation signs decide.
@@ -175,7 +175,7 @@ class Mesh(CellComplex):
         return self._locator.find(x)
 
     def holding(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (row of ``points``, closed cell that holds it), sorted by rows; flat cells hold nothing.
+        """All pairs (row of ``points``, closed cell that contains it), sorted by rows, without flat cells.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class Mesh(CellComplex):
     def oriented(self) -> Mesh:
         """The mesh with negatively oriented cells turned (their first two vertices swapped); k = d only.
 
-        Negative are cells of negative area or volume, by exact signs. Quadrilaterals, polygons and the bases
+        A cell is negative if its area or volume is, by exact signs. Quadrilaterals, polygons and the bases
         of pyramids keep their first corner and list the others backward; wedges and hexahedra do so in both
         of their faces, bottom and top.
         """
@@ -220,19 +220,19 @@ class Mesh(CellComplex):
         -------
         Mesh
             `origin` still points to the input vertices; per-cell markers and the named faces that remain
-            are kept; `duplicates` has nothing to tell any more and is empty.
+            are kept; `duplicates` is empty.
 
         Notes
         -----
-        Cells of several kinds stay grouped by kind, the kinds in their order and numbers in the order asked
-        for within each kind; markers of cells follow. Kinds of which no cell is kept are left out (all stay,
-        empty, where no cell is kept at all), so that the triangles alone of a mixed mesh are simplices.
+        Cells of several kinds stay grouped by kind, in the order of the kinds, and within each kind in the
+        order asked for; so do markers of cells. Kinds of which no cell is kept are left out, so that the
+        triangles alone of a mixed mesh are simplices; if no cell is kept at all, all kinds stay, empty.
         """
         chosen = np.asarray(mask)
         if chosen.dtype == bool and chosen.shape != (self.size,):
             raise InputError(f"mask must have shape ({self.size},), not {chosen.shape}")
         if chosen.dtype != bool and (chosen.ndim != 1 or (chosen.size and chosen.dtype.kind not in "iu")):
-            raise InputError("mask must be booleans, one a cell, or cell numbers")
+            raise InputError("mask must be booleans, one per cell, or cell numbers")
         if chosen.dtype != bool and chosen.size and not 0 <= chosen.min() <= chosen.max() < self.size:
             raise InputError(f"cell numbers must lie in 0..{self.size - 1}")
         chosen = np.nonzero(chosen)[0] if chosen.dtype == bool else chosen.astype(np.int64)
@@ -241,13 +241,13 @@ class Mesh(CellComplex):
     # ------------------------------------------------------------------ pictures and files
 
     def plot(self, **options: Any) -> Any:
-        """Draw with matplotlib: `unstruct.view.plot`, which see for the options."""
+        """Draw with matplotlib: see `unstruct.view.plot` for the options."""
         return _plot(self, **options)
 
     def write(self, path: str | Path) -> None:
         """Write a file; its suffix chooses the format.
 
-        What `Mesh.read` finds again; of the rest, a warning tells the names:
+        The table shows what `Mesh.read` finds again; a warning names the rest:
 
         ============ ============== ================= ==================== ===================
         format       points, cells  origin, copies    markers of faces     markers of cells
@@ -258,10 +258,10 @@ class Mesh(CellComplex):
         others       yes            no                no                   no
         ============ ============== ================= ==================== ===================
 
-        In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`): "region 0", ... for cells; a face
-        of several markers is in the first but "facets" and "inner", which follow from where the mesh ends.
-        A format that has no cells of some kind in the mesh, as .msh has no polygons, is refused by name;
-        .vtu and .vtk hold all kinds, polygons in their order too.
+        In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`): "region 0", ... for cells. A face
+        in several markers is in the group of the first one other than "facets" and "inner", which follow
+        from where the mesh ends. If a format has no cells of some kind in the mesh (.msh has no polygons),
+        an error names the kind; .vtu and .vtk store all kinds, and polygons in their order.
         """
         files.write(self, path)
 

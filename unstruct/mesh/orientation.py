@@ -1,7 +1,7 @@
 """Which cells are positive, which are turned inside out, and which are neither: exact, for all kinds.
 
-The Jacobians are those of `unstruct.geometry.jacobians`; here they are taken kind by kind, polygons are told
-simple or not, and negative cells are turned. See the book, chapters 1 and 12.5.
+The Jacobians are those of `unstruct.geometry.jacobians`. Here they are applied kind by kind, polygons are
+tested for being simple, and negative cells are turned. See the book, chapters 1 and 12.5.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from .embedding import crossing_facets, segments_meet
 
 __all__ = ["cell_signs", "jacobian_signs", "polygon_signs", "turned_cells"]
 
-FEW_CELLS = 64  # corners of a polygon, up to which all pairs of its sides are compared
-CELLS_PER_PART = 1 << 19  # pairs of sides at a time
+FEW_CORNERS = 64  # all pairs of sides are compared in polygons of at most this many corners
+SIDES_PER_PART = 1 << 19  # pairs of sides at a time
 
 # How the corners of a negative cell are listed to make it positive; simplices swap their first two.
 MIRRORED = {
@@ -35,17 +35,19 @@ MIRRORED = {
 def _full(mesh: CellComplex) -> None:
     d = mesh.points.shape[1]
     if mesh.dimension != d:
-        raise MeshError(f"cells of dimension {mesh.dimension} in {d} dimensions are neither negative nor not")
+        raise MeshError(
+            f"cells of dimension {mesh.dimension} have no sign in {d} dimensions: give cells of dimension {d}"
+        )
 
 
 def jacobian_signs(mesh: CellComplex) -> tuple[np.ndarray, np.ndarray]:
-    """As `Mesh.jacobian_signs`, with an account of what the budget left undecided.
+    """As `Mesh.jacobian_signs`, and the cells that the budget left undecided.
 
     Returns
     -------
     signs : ndarray of int8, shape (m,)
     undecided : ndarray of int64, shape (u,)
-        Hexahedra whose Jacobian comes closer to zero than was looked; their sign is 0.
+        Hexahedra whose Jacobian comes too close to zero to be decided within the budget; their sign is 0.
     """
     _full(mesh)
     signs, undecided, start = [np.empty(0, dtype=np.int8)], [np.empty(0, dtype=np.int64)], 0
@@ -85,7 +87,7 @@ def cell_signs(mesh: CellComplex) -> np.ndarray:
 
 
 def turned_cells(mesh: CellComplex) -> dict[str, Any]:
-    """The cells, those of negative area or volume turned: see `Mesh.oriented`."""
+    """The cells, where those of negative area or volume are turned: see `Mesh.oriented`."""
     negative = cell_signs(mesh) < 0
     result: dict[str, Any] = {}
     start = 0
@@ -110,7 +112,7 @@ def turned_cells(mesh: CellComplex) -> dict[str, Any]:
 
 
 def polygon_signs(points: np.ndarray, polygons: Sequence[np.ndarray]) -> np.ndarray:
-    """Whether polygons in the plane are simple, and which way they go.
+    """Whether polygons in the plane are simple, and their direction.
 
     Returns
     -------
@@ -121,7 +123,7 @@ def polygon_signs(points: np.ndarray, polygons: Sequence[np.ndarray]) -> np.ndar
     Notes
     -----
     A polygon that turns the same way at every corner and has one lowest corner is convex: O(k). The sides
-    of others are compared in pairs, or, from 64 corners on, by a tree of boxes.
+    of others are compared in pairs, or, with more than 64 corners, by a tree of boxes.
     """
     indptr, corners = cell_rows({"polygon": polygons})
     signs = np.zeros(len(polygons), dtype=np.int8)
@@ -160,12 +162,12 @@ def _crossed(points: np.ndarray, polygons: list[np.ndarray]) -> np.ndarray:
     crossed = np.zeros(len(polygons), dtype=bool)
     for which, block in equal_rows(polygons):
         size = block.shape[1]
-        if size > FEW_CELLS:
+        if size > FEW_CORNERS:
             for i, row in zip(which.tolist(), block):
                 crossed[i] = len(crossing_facets(points, np.column_stack([row, np.roll(row, -1)]))) > 0
             continue
         first, second = np.triu_indices(size, 1)
-        step = max(1, CELLS_PER_PART // len(first))
+        step = max(1, SIDES_PER_PART // len(first))
         for k in range(0, len(block), step):
             part = block[k : k + step]
             sides = np.stack([part, np.roll(part, -1, axis=1)], axis=2)

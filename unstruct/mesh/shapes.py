@@ -1,7 +1,7 @@
-"""How well cells of any kind are shaped: the qualities that all kinds have, cell by cell.
+"""The quality of the shape of cells of any kind: the measures that all kinds have, cell by cell.
 
-Simplices are measured by `unstruct.simplex`; what is told here of quadrilaterals, polygons and solids agrees
-with that where a triangle is called a polygon. See the book, chapter 1.
+Simplices are measured by `unstruct.simplex`. For a triangle that is given as a polygon, the measures of
+quadrilaterals, polygons and solids here agree with it. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FRAMES = {
         *((0, 1, 3, 4), (1, 2, 0, 5), (2, 3, 1, 6), (3, 0, 2, 7)),
         *((4, 7, 5, 0), (5, 4, 6, 1), (6, 5, 7, 2), (7, 6, 4, 3)),
     ],
-    # At each corner of the base, then the same tetrahedra seen from the apex.
+    # A frame at each corner of the base, then for each of the same tetrahedra a frame at the apex.
     "pyramid": [
         *((0, 1, 3, 4), (1, 2, 0, 4), (2, 3, 1, 4), (3, 0, 2, 4)),
         *((4, 3, 1, 0), (4, 0, 2, 1), (4, 1, 3, 2), (4, 2, 0, 3)),
@@ -49,7 +49,7 @@ def cell_quality(mesh: CellComplex, name: str) -> np.ndarray:
         return simplex.quality(name, mesh.corners)
     if name not in COMMON:
         raise InputError(
-            f"{name!r} is a quality of simplices, and this mesh holds cells of kind {', '.join(others)}; "
+            f"{name!r} is a quality of simplices, and this mesh has cells of kind {', '.join(others)}; "
             f"all kinds have {', '.join(map(repr, COMMON))}"
         )
     result = np.empty(mesh.size)

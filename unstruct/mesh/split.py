@@ -1,9 +1,9 @@
 """Cells of several corners cut into simplices, so that neighbors cut their common facet in the same way.
 
 A quadrilateral is cut along the diagonal through its lowest vertex number, which is the same seen from both
-sides. The faces that hold the lowest vertex of a cell are then cut through that vertex, and the cell is the
-cone from it over the triangles of its other faces: two tetrahedra for a pyramid, three for a wedge, six for a
-hexahedron (J. Dompierre, P. Labbe, M.-G. Vallet, R. Camarero, *How to subdivide pyramids, prisms, and
+sides. The faces that contain the lowest vertex of a cell are then cut through that vertex, and the cell is
+the cone from it over the triangles of its other faces: two tetrahedra for a pyramid, three for a wedge, six
+for a hexahedron (J. Dompierre, P. Labbe, M.-G. Vallet, R. Camarero, *How to subdivide pyramids, prisms, and
 hexahedra into tetrahedra*, 8th International Meshing Roundtable, 1999). See the book, chapter 1.
 """
 

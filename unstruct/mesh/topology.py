@@ -1,7 +1,7 @@
-"""Who is next to whom: adjacency of simplices as plain index arrays, without coordinates.
+"""Adjacency of simplices as plain index arrays, without coordinates.
 
 A complex is an array ``simplices`` of shape (m, k + 1): one row of vertex numbers for each cell. All work for
-every k >= 1, in O(m) expected time (one hash table of faces) and that to sort. See the book, chapter 1.
+every k >= 1, in O(m) expected time (one hash table of faces) plus sorting. See the book, chapter 1.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def as_simplices(simplices: np.ndarray, *, vertices: int | None = None) -> np.nd
 
 @kernel
 def _first_wrong(rows, limit):
-    """The first row with a number that is no vertex, or twice the same (then True); -1 for none."""
+    """The first row with a number out of range (and False) or with a number twice (and True); -1 if none."""
     for r in range(rows.shape[0]):
         for i in range(rows.shape[1]):
             if rows[r, i] < 0 or rows[r, i] >= limit:
@@ -79,7 +79,7 @@ def _first_wrong(rows, limit):
 
 
 def incident_faces(simplices: np.ndarray, dimension: int) -> tuple[np.ndarray, np.ndarray]:
-    """All faces of one dimension, and which cell has which.
+    """All faces of one dimension, and the faces of each cell.
 
     Returns
     -------
@@ -128,7 +128,7 @@ def facets(simplices: np.ndarray) -> np.ndarray:
 
 
 class FaceTable:
-    """The faces of a complex in every dimension, each looked up once: see `incident_faces`."""
+    """The faces of a complex in every dimension, each computed once: see `incident_faces`."""
 
     def __init__(self, simplices: np.ndarray):
         self.simplices = simplices
@@ -170,7 +170,7 @@ class FaceTable:
 def _count_used(simplices: np.ndarray) -> int:
     """The number of different vertices."""
     top = int(simplices.max(initial=-1)) + 1
-    if top > 8 * simplices.size:  # numbers from far apart: no array as long as that
+    if top > 8 * simplices.size:  # the numbers are far apart: avoid an array of that length
         return len(np.unique(simplices))
     used = np.zeros(top, dtype=bool)
     used[simplices] = True
@@ -179,7 +179,7 @@ def _count_used(simplices: np.ndarray) -> int:
 
 @kernel
 def _link(number, partner, result):
-    """Join the two cells of each facet; return (-1, -1) or a facet's number and the third cell there.
+    """Join the two cells of each facet; return (-1, -1), or a facet with more cells and its third cell.
 
     ``partner[f]`` is -1 at first, then the corner t (k + 1) + i that saw facet f first, then -2.
     """
@@ -221,7 +221,7 @@ def neighbors(simplices: np.ndarray) -> np.ndarray:
 
 
 def twins(neighbors: np.ndarray) -> np.ndarray:
-    """The same facet as its two cells number it: facet i of cell t has the number t (k + 1) + i.
+    """The number of each facet in its other cell; facet i of cell t has the number t (k + 1) + i.
 
     In the plane these are half-edges.
 
@@ -290,7 +290,7 @@ def vertex_neighbors(simplices: np.ndarray, n: int) -> tuple[np.ndarray, np.ndar
     """
     pairs = edges(as_simplices(simplices, vertices=n))
     tails, heads = np.concatenate([pairs[:, 1], pairs[:, 0]]), np.concatenate([pairs[:, 0], pairs[:, 1]])
-    # The first half holds smaller partners, the second larger ones, each sorted: so is every row.
+    # The first half has the smaller partners, the second the larger ones. Both are sorted, so every row is.
     indptr, order = rows_by_value(tails, n)
     return indptr.astype(np.int32), heads[order].astype(np.int32)
 
@@ -309,7 +309,7 @@ def stars(simplices: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def components(neighbors: np.ndarray) -> tuple[int, np.ndarray]:
-    """Pieces that hang together through facets.
+    """The pieces that are connected through facets.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""Point by point: the growing Delaunay triangulation, in the plane, in space, in any dimension."""
+"""The Delaunay triangulation that grows point by point: in the plane, in space, and in any dimension."""

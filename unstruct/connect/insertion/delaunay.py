@@ -20,7 +20,7 @@ def delaunay(points: ArrayLike, *, progress: bool = False) -> Mesh:
     points : array_like, shape (n, d)
         Finite coordinates, d >= 1, at least d + 1 points that span the space.
     progress : bool
-        Show a bar.
+        Show a progress bar.
 
     Returns
     -------
@@ -34,16 +34,16 @@ def delaunay(points: ArrayLike, *, progress: bool = False) -> Mesh:
     InputError
         NaN, infinite or masked entries, wrong shape or type, too few points; the message names the first row.
     DegenerateInputError
-        All points equal, collinear, coplanar, ...; ``dimension`` tells which.
+        All points equal, collinear, coplanar, ...; ``dimension`` says which of these.
 
     Notes
     -----
     Points are inserted in a biased randomized order along a Hilbert curve: O(n) in practice for points
-    that are spread out (2D and 3D), O(n log n) expected in the plane for any. Where points are cospherical
-    the result is one of the Delaunay triangulations, the same for the same input; there are never flat cells.
-    Two and three dimensions are compiled; the general path, exact integers, does about two hundred points
-    a second in four dimensions. Sources: A. Bowyer, The Computer Journal 24 (1981) 162-166; D. F. Watson,
-    ibid. 167-172. Book: 12.2.2, 12.2.4.
+    that are spread out (2D and 3D), O(n log n) expected for any points of the plane. If points are
+    cospherical, the result is one of the Delaunay triangulations, the same for the same input; no cell is
+    ever flat. The code for two and three dimensions is compiled; the general code, in exact integers, inserts
+    about two hundred points a second in four dimensions. Sources: A. Bowyer, The Computer Journal 24 (1981)
+    162-166; D. F. Watson, ibid. 167-172. Book: 12.2.2, 12.2.4.
     """
     rows = as_points(points)
     n, d = rows.shape

@@ -1,4 +1,4 @@
-"""What the compiled insertions in the plane and in space share: growing arrays around their kernels.
+"""What the compiled insertions in the plane and in space share: arrays that grow, and kernels for them.
 
 Points are numbered by *rank*, the order in which they are inserted. Cells live in *slots*: the vertices
 of slot t are ``vertex[w t : w t + w]`` with w = d + 1, and ``across[w t + k] // w`` is the slot beyond its
@@ -15,12 +15,19 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 
 GHOST = -1  # the vertex at infinity
-COUNT, LAST, BUSY, REACHED, FREE, STAMP = 0, 1, 2, 3, 4, 5  # entries of the state, written by the kernels
+
+# Entries of the state, which the kernels write.
+COUNT = 0  # how many slots there are, free ones included
+LAST = 1  # the slot where the next walk begins
+BUSY = 2  # 1 while a change is under way
+REACHED = 3  # how many points are inserted
+FREE = 4  # in space the number of free slots, in a planar complex the first free slot
+STAMP = 5  # the number of the next search for a cavity, in space
 
 
 @kernel
 def gather(rows, order, factor, scaled):
-    """``scaled = rows[order] * factor``; whether that was exact."""
+    """Write ``scaled = rows[order] * factor``; return whether that was exact."""
     exact = True
     for i in range(len(order)):
         for k in range(rows.shape[1]):
@@ -33,7 +40,7 @@ def gather(rows, order, factor, scaled):
 
 @kernel
 def number_cells(vertex, width, count, number):
-    """Number the real cells (no ghost, in use) in slot order, the others -1; how many there are."""
+    """Number the real cells (in use, no ghosts) in slot order, the others -1; return how many there are."""
     m = 0
     for t in range(count):
         real = True
@@ -57,7 +64,7 @@ def extract_cells(vertex, across, width, count, labels, number, simplices, neigh
 
 
 def grown(array: NDArray, size: int) -> NDArray:
-    """A copy of ``array`` with at least ``size`` rows, growing by half at least."""
+    """``array`` if it has ``size`` rows, otherwise a copy that has, and is longer by at least half."""
     before = len(array)
     if size <= before:
         return array
@@ -67,10 +74,10 @@ def grown(array: NDArray, size: int) -> NDArray:
 
 
 class Compiled(ABC):
-    """State of an insertion, and the arrays that the kernels work on."""
+    """The state of an insertion, and the arrays that the kernels work on."""
 
     width: int  # vertices of a cell
-    chunk: int  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
+    chunk: int  # points per kernel call: a fraction of a second, so that Ctrl-C takes effect
 
     def __init__(self, first: NDArray[np.float64]):
         """``first``: d + 1 affinely independent points, |coordinates| <= 1."""
@@ -86,7 +93,7 @@ class Compiled(ABC):
 
     @abstractmethod
     def _reserve(self, points: int) -> None:
-        """Make room for the cells of so many points."""
+        """Make room for the cells of this many points."""
 
     @abstractmethod
     def _start(self) -> None:

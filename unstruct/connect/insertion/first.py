@@ -11,7 +11,7 @@ from ...predicates.batch import orient_at
 from ...predicates.kernels import orient2, orient3
 from .general import exact_integers, independent_rows
 
-FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}  # what points in a flat of so many dimensions are
+FLATS = {0: "equal", 1: "collinear", 2: "coplanar"}  # what points in a flat of this dimension are called
 
 
 @kernel
@@ -26,7 +26,7 @@ def _not_equal(p, start):
 @kernel
 def _not_collinear(p, j, start):
     for i in range(start, p.shape[0]):
-        for k in range(p.shape[1]):  # in space, from three sides
+        for k in range(p.shape[1]):  # in space, in three projections
             if p.shape[1] == 2 and k == 1:
                 break
             x, y = k, (k + 1) % p.shape[1]
@@ -50,9 +50,10 @@ def _not_coplanar(p, j, k, start):
 
 
 def first_simplex(rows: NDArray[np.float64], *, compiled: bool) -> list[int]:
-    """The first rows that are affinely independent of those before them: d + 1, or fewer where all
-    points lie in a flat of lower dimension (its dimension is one less than their number).
+    """The first rows that are affinely independent of those before them.
 
+    There are d + 1, or fewer if all points lie in a flat of lower dimension; its dimension is one less than
+    their number.
     ``compiled`` requires |coordinates| <= 1 and two or three dimensions.
     """
     if not compiled:
@@ -69,7 +70,7 @@ def first_simplex(rows: NDArray[np.float64], *, compiled: bool) -> list[int]:
 
 
 def not_spanning(rows: NDArray[np.float64], flat: int) -> DegenerateInputError:
-    """What is wrong with points that lie in a flat of lower dimension."""
+    """The error for points that lie in a flat of lower dimension."""
     n, d = rows.shape
     if n == 0:
         return DegenerateInputError("there are no points yet: insert some", -1)
@@ -77,6 +78,6 @@ def not_spanning(rows: NDArray[np.float64], flat: int) -> DegenerateInputError:
     what = f"the only point is {rows[0].tolist()}" if n == 1 else f"all {n} points are {where}"
     return DegenerateInputError(
         f"{what} (dimension {flat}): a triangulation in {d} dimensions needs points that span the "
-        "space; add others, or drop the coordinates that carry nothing",
+        "space; add others, or use fewer coordinates",
         flat,
     )

@@ -1,10 +1,10 @@
 """Bowyer-Watson insertion in any dimension, by integer arithmetic.
 
 Every finite double is an integer times a power of two; over a common power, coordinates are Python
-integers, of any size. So nothing rounds, overflows or underflows: this is the path for one
-dimension and for four and more, and in the plane and in space for coordinates whose exponents are too far
-apart for the compiled kernels. Cells and ghosts are as in `insertion3`; a sphere is kept as the hyperplane
-through its lifted vertices, made when it is first asked for.
+integers, of any size. So nothing rounds, overflows or underflows. This code serves one dimension, four and
+more dimensions, and in the plane and in space coordinates whose exponents are too far apart for the compiled
+kernels. Cells and ghosts are as in `space`; a sphere is kept as the hyperplane through its lifted vertices,
+which is computed when it is first needed.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Vector = list[int]
 
 
 def exact_integers(rows: NDArray[np.float64], bits: int) -> tuple[list[Vector], int]:
-    """Rows times ``2**b`` as integers, with the least b >= bits that serves; and b."""
+    """Rows times ``2**b`` as integers, with the smallest b >= bits for which they are integers; and b."""
     ratios = [[value.as_integer_ratio() for value in row] for row in rows.tolist()]
     bits = max([bits, *(den.bit_length() - 1 for row in ratios for _, den in row)])
     return [[num << (bits - den.bit_length() + 1) for num, den in row] for row in ratios], bits
@@ -114,7 +114,7 @@ class General:
         self.size = len(self.rows)
 
     def _refine(self, bits: int) -> None:
-        """Go over to units of ``2**-bits`` where these are finer than the present ones."""
+        """Change to units of ``2**-bits`` if these are finer than the present ones."""
         if bits > self.bits:
             self.points = [[x << (bits - self.bits) for x in point] for point in self.points]
             self.bits, self.planes = bits, [None] * len(self.planes)
@@ -176,7 +176,7 @@ class General:
                 waiting[key] = t, k
 
     def _locate(self, q: Vector) -> int:
-        """Walk to a cell that contains q, or to a ghost that q sees strictly."""
+        """Walk to a cell that contains q, or to a ghost beyond whose facet q strictly lies."""
         t, entered = self.last, -1
         if self.is_ghost(t):
             t = self.neighbors[t][self.vertices[t].index(GHOST)]
@@ -240,7 +240,7 @@ class General:
         return dot(plane, [*row, dot(row, row)]) < 0
 
     def _query(self, x: NDArray[np.float64]) -> Vector:
-        """The integers of a point that is not inserted (which may need a finer common power)."""
+        """The integers of a point that is not inserted; it may need a finer common power."""
         points, bits = exact_integers(np.array([x], dtype=np.float64), self.bits)
         self._refine(bits)
         return points[0]

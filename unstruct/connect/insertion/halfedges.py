@@ -32,8 +32,8 @@ __all__ = [
 class HalfEdges(NamedTuple):
     """A triangulation of the plane in half-edges (see `plane`), whose vertices are numbered as the input was.
 
-    `GHOST` is the third vertex beyond each hull edge. ``xy`` is the input times ``factor``, a power of two
-    that takes it to |xy| <= 1.
+    `GHOST` is the third vertex of the triangle beyond each hull edge. ``xy`` is the input times ``factor``, a
+    power of two such that |xy| <= 1.
     """
 
     xy: NDArray[np.float64]
@@ -78,7 +78,7 @@ def start2(xy, vertex, twin, state):
 
 @kernel
 def locate2(xy, vertex, twin, t, px, py):
-    """Walk from triangle t to a triangle that contains p, or to a ghost that p sees strictly.
+    """Walk from triangle t to a triangle that contains p, or to a ghost beyond whose edge p strictly lies.
 
     The walk crosses only edges that have p strictly beyond them; in a Delaunay triangulation it
     cannot return to a triangle.
@@ -110,7 +110,7 @@ def locate2(xy, vertex, twin, t, px, py):
 
 @kernel
 def locate_all2(xy, vertex, twin, t, rows, found):
-    """`locate2` for one row after the other, each walk from where the last one ended."""
+    """`locate2` for each row; every walk begins where the last one ended."""
     for i in range(len(rows)):
         t = locate2(xy, vertex, twin, t, rows[i, 0], rows[i, 1])
         found[i] = t
@@ -118,7 +118,7 @@ def locate_all2(xy, vertex, twin, t, rows, found):
 
 @inline
 def conflict_across(xy, a, b, c, px, py):
-    """Is p in the open disc of triangle (c, b, a), entered from the cavity over the edge a -> b?"""
+    """Is p in the open disk of triangle (c, b, a), entered from the cavity across the edge a -> b?"""
     if (a | b | c) >= 0:
         return incircle(xy[c, 0], xy[c, 1], xy[b, 0], xy[b, 1], xy[a, 0], xy[a, 1], px, py) > 0
     if c == GHOST:  # entered from inside the hull: p beyond the hull edge, or on it
@@ -128,8 +128,9 @@ def conflict_across(xy, a, b, c, px, py):
     return _side(xy, a, c, px, py) > 0
 
 
-VERTICES, SEGMENTS = 8, 9  # further entries of the state: vertices and subsegments in use
-
+# Further entries of the state.
+VERTICES = 8  # how many vertices there are
+SEGMENTS = 9  # how many subsegments there are
 
 UNUSED = -2  # the first vertex of a slot without a triangle; its first twin is the next such slot, or -1
 

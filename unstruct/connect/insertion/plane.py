@@ -1,7 +1,7 @@
 """Bowyer-Watson insertion in the plane, compiled.
 
 The triangulation covers the whole sphere: beyond every hull edge lies a *ghost* triangle, whose third
-vertex is the ghost at infinity (number -1). Triangles are two flat arrays of half-edges, three a triangle:
+vertex is the ghost at infinity (number -1). Triangles are two flat arrays of half-edges, three per triangle:
 
     vertex[e]   the vertex of the triangle opposite half-edge e        e // 3  the triangle
     twin[e]     the half-edge of the neighboring triangle on the same edge
@@ -12,11 +12,12 @@ vertex is the ghost at infinity (number -1). Triangles are two flat arrays of ha
                 /____\\
             a      e      b
 
-Why no cavity mark is needed, and why no flat triangle can arise: a triangle belongs to the cavity of p if
-p is strictly inside its circle (ties stay outside). The power of p decreases strictly across every edge
-between a triangle with p inside and one with p not inside, so p sees each edge of the cavity's boundary
-strictly from within, and no old vertex is left without a triangle. Hence the cavity's dual is a tree, which
-a depth-first search runs through counterclockwise, meeting the boundary edges in the order of the star.
+Why is no mark for the cavity needed, and why can no flat triangle arise? A triangle belongs to the cavity of
+p exactly when p is strictly inside its circle (ties stay outside). The power of p decreases strictly across
+every edge between a triangle with p inside and one with p not inside, so p sees each edge of the boundary of
+the cavity strictly from within, and no old vertex is left without a triangle. Hence the dual of the cavity is
+a tree. A depth-first search runs through it counterclockwise and meets the boundary edges in the order of the
+star.
 The circle of a ghost is the open half-plane beyond its hull edge, and the open edge itself.
 """
 
@@ -33,11 +34,11 @@ from .removal import remove2
 
 @kernel
 def insert2(xy, vertex, twin, state, stack, spare, copy_of, stop):
-    """Insert the next points, as far as ``p < stop``; a point equal to a vertex is noted in ``copy_of``.
+    """Insert the next points, while ``p < stop``; ``copy_of`` records points that equal a vertex.
 
-    For each point: locate, turn through the cavity counterclockwise, and join every boundary edge
-    to p as soon as it is met. The slots of the cavity are used again at once: a star has two triangles
-    more than its cavity.
+    For each point: locate it, run through its cavity counterclockwise, and join every edge of the boundary of
+    the cavity to p as soon as it is met. The slots of the cavity are used again at once; a star has two
+    triangles more than its cavity.
     """
     count, last = state[COUNT], state[LAST]
     for p in range(state[REACHED], stop):
@@ -89,7 +90,7 @@ def insert2(xy, vertex, twin, state, stack, spare, copy_of, stop):
 
 @kernel
 def cavity2(xy, vertex, twin, t, px, py, stack, found):
-    """Triangles, ghosts included, whose open disc contains p, starting from one of them; their number."""
+    """Triangles, ghosts included, whose open disk contains p, from one of them on; return how many."""
     found[0] = t
     size = 1
     for k in range(3):
@@ -114,7 +115,7 @@ class Planar(Compiled):
     chunk = 100_000
 
     def _reserve(self, points: int) -> None:
-        # n vertices and the ghost: 2 n - 2 triangles, always
+        # n vertices and the ghost always have 2 n - 2 triangles
         self.vertex = grown(self.vertex, 6 * points)
         self.across = grown(self.across, 6 * points)
 
@@ -135,7 +136,7 @@ class Planar(Compiled):
         return found
 
     def cavity(self, x: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Slots of the triangles, ghosts included, whose open disc contains x."""
+        """Slots of the triangles, ghosts included, whose open disk contains x."""
         (t,) = self.locate_all(x[None])
         t = int(t)
         v = self.vertex[3 * t : 3 * t + 3]
@@ -147,6 +148,6 @@ class Planar(Compiled):
         return found[:size]
 
     def remove(self, rank: int) -> bool:
-        """Remove a vertex; False, and nothing changed, where the rest would be collinear."""
+        """Remove a vertex; False, without any change, if the other vertices are collinear."""
         scratch = np.empty((4, 2 * self.size + 4), dtype=np.int64)
         return bool(remove2(self.rows, self.vertex, self.across, self.state, rank, scratch))

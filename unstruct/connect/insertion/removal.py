@@ -1,10 +1,10 @@
 """Removing a vertex from a Delaunay triangulation of the plane, compiled.
 
 The triangles around the vertex v leave a hole, whose polygon c_0, c_1, ... runs counterclockwise about v.
-All triangles outside stay: their discs were empty with v, and are empty without. The hole is filled
-from an edge inwards: the triangle on an edge takes the vertex of the polygon whose circle holds no other,
-and what is left on its two sides is filled in the same way. On the hull, the ghost is one of the polygon's
-vertices; the new hull runs over the rest of the polygon as Graham's scan about v finds it.
+All triangles outside stay: their disks were empty with v, so they are empty without it. The hole is filled
+from an edge inward: the triangle on an edge gets the vertex of the polygon whose circle contains no other,
+and the parts on its two sides are filled in the same way. On the hull, the ghost is one of the vertices of
+the polygon; the new hull is the part of the polygon that Graham's scan about v finds.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .halfedges import GHOST, locate2, next_edge
 
 @kernel
 def star_of(xy, vertex, twin, state, v, ring, outer, slots):
-    """Write the polygon around v (from the ghost on, if it is there), the half-edges outside, the slots."""
+    """Write the polygon around v (from the ghost on, if present), the half-edges outside and the slots."""
     t = locate2(xy, vertex, twin, state[LAST], xy[v, 0], xy[v, 1])
     e = 3 * t
     while vertex[e] != v:
@@ -95,7 +95,7 @@ def new_hull(xy, ring, degree, hull):
 
 @kernel
 def fill_on_hull(xy, vertex, twin, ring, outer, slots, degree, hull):
-    """As `fill` where ring[0] is the ghost; False, and nothing changed, where all the rest is collinear."""
+    """As `fill` if ring[0] is the ghost; False, without any change, if all other vertices are collinear."""
     size = new_hull(xy, ring, degree, hull)
     flat = size == degree - 1
     for i in range(1, degree - 1):
@@ -124,7 +124,7 @@ def fill_on_hull(xy, vertex, twin, ring, outer, slots, degree, hull):
 
 @kernel
 def remove2(xy, vertex, twin, state, v, scratch):
-    """Remove vertex v; False, and nothing changed, where no triangle would be left."""
+    """Remove vertex v; False, without any change, if no triangle would be left."""
     ring, outer, slots, hull = scratch[0], scratch[1], scratch[2], scratch[3]
     degree = star_of(xy, vertex, twin, state, v, ring, outer, slots)
     if ring[0] == GHOST:
@@ -132,7 +132,7 @@ def remove2(xy, vertex, twin, state, v, scratch):
             return False
     else:
         fill(xy, vertex, twin, ring, outer, slots, 0, (0, degree - 1, outer[degree - 1]))
-    # two slots are left: the last triangles move into them, so that slots stay dense
+    # two slots are left over; the last triangles move into them, so that no gaps remain
     x, y = slots[degree - 2], slots[degree - 1]
     for slot in (max(x, y), min(x, y)):
         last = state[COUNT] - 1

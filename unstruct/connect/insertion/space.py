@@ -6,16 +6,16 @@ always its last one. Tetrahedra are two flat arrays, four entries each:
     vertex[4 t + k]   vertex k of tetrahedron t
     across[4 t + k]   4 u + j: beyond the face opposite vertex k lies u, which has that face opposite vertex j
 
-A tetrahedron is in the cavity of p if p is strictly inside its sphere; ties stay outside. The ball of a
-ghost is the open half-space beyond its hull facet and, in the plane of the facet, the open ball of the
+A tetrahedron is in the cavity of p exactly when p is strictly inside its sphere; ties stay outside. The ball
+of a ghost is the open half-space beyond its hull facet and, in the plane of the facet, the open ball of the
 tetrahedron on the other side.
 
-No flat tetrahedron can arise, ties or not. Let F be a face of the cavity's boundary, T within, U outside. The
-points where the powers with respect to the two spheres are equal are the plane of F, and the power of T is
-the smaller one on T's side. At p the power of T is negative and that of U is not; so p lies strictly on T's
-side of F. (Ghosts are limits of cells, and the rule above is the limit of theirs.) In other words: every
-tie is decided as if the newer point were lifted a little, which is one consistent perturbation, so
-that walks never run in circles either.
+No flat tetrahedron can arise, not even with ties. Let F be a face of the boundary of the cavity, T the cell
+within and U the cell outside. The points where the powers with respect to the two spheres are equal are the
+plane of F, and the power of T is the smaller one on T's side. At p the power of T is negative and that of U
+is not; so p lies strictly on T's side of F. (Ghosts are limits of cells, and the rule above is the limit of
+theirs.) In other words: every tie is decided as if the newer point were lifted a little. This is one
+consistent perturbation, so walks never run in circles either.
 """
 
 from __future__ import annotations
@@ -31,11 +31,14 @@ from ...predicates.batch import orient_at
 from ...predicates.kernels import insphere, orient3
 from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown
 
-WELL, MORE_CELLS, MORE_SCRATCH = 0, 1, 2  # why insert3 returned
+# Why insert3 returned.
+FINISHED = 0  # all points are inserted
+MORE_CELLS = 1  # there are too few slots for tetrahedra
+MORE_SCRATCH = 2  # the arrays for the cavity are too short
 
 
 class Space(NamedTuple):
-    """The triangulation: points, cells, what is known of them, slots that are free."""
+    """The triangulation: points, cells, marks of searches for cavities, and the free slots."""
 
     xyz: NDArray[np.float64]
     vertex: NDArray[np.int32]
@@ -46,7 +49,7 @@ class Space(NamedTuple):
 
 
 class Cavity(NamedTuple):
-    """What a search for a cavity is written into: its cells, its faces, and how many there are of both."""
+    """The result of a search for a cavity: its cells, its boundary faces, and the numbers of both."""
 
     cells: NDArray[np.int32]
     faces: NDArray[np.int32]
@@ -91,11 +94,11 @@ def start3(xyz, vertex, across, state):
         ghost = 4 * (1 + k)
         for j in range(3):
             vertex[ghost + j] = vertex[(k + 1 + j) % 4]
-        if k % 2 == 1:  # then this order of the face turns the ghost inside out
+        if k % 2 == 1:  # for these k the order above turns the ghost inside out
             vertex[ghost], vertex[ghost + 1] = vertex[ghost + 1], vertex[ghost]
         vertex[ghost + 3] = GHOST
         across[ghost + 3], across[k] = k, ghost + 3
-    for k in range(4):  # two ghosts share the face over an edge: opposite what the other one lacks
+    for k in range(4):  # two ghosts share the face over an edge, opposite the vertex that the other lacks
         for i in range(3):
             v = vertex[4 * (1 + k) + i]
             u = 0
@@ -109,7 +112,7 @@ def start3(xyz, vertex, across, state):
 
 @kernel
 def locate3(xyz, vertex, across, t, px, py, pz):
-    """Walk from t to a tetrahedron that contains p, or to a ghost that p sees strictly."""
+    """Walk from t to a tetrahedron that contains p, or to a ghost beyond whose face p strictly lies."""
     if vertex[4 * t + 3] == GHOST:
         t = across[4 * t + 3] >> 2
     t = np.int64(t)
@@ -129,7 +132,7 @@ def locate3(xyz, vertex, across, t, px, py, pz):
 
 @kernel
 def locate_all3(xyz, vertex, across, t, rows, found):
-    """`locate3` for one row after the other, each walk from where the last one ended."""
+    """`locate3` for each row; every walk begins where the last one ended."""
     for i in range(len(rows)):
         t = locate3(xyz, vertex, across, t, rows[i, 0], rows[i, 1], rows[i, 2])
         found[i] = t
@@ -137,9 +140,10 @@ def locate_all3(xyz, vertex, across, t, rows, found):
 
 @lean
 def cavity3(space, cavity, t, px, py, pz, stamp):
-    """Breadth-first search from t: the cells of the cavity, and its faces as 4 t + k seen from within.
+    """Breadth-first search from t for the cells of the cavity and its boundary faces, as 4 t + k from within.
 
-    ``mark`` becomes 2 stamp in the cavity and 2 stamp + 1 in tested cells beside it. False: no room.
+    ``mark`` becomes 2 stamp in the cavity and 2 stamp + 1 in tested cells beside it. False if there
+    is no room. The boundary faces are called walls.
     """
     xyz, vertex, across, mark, cells, faces = (
         space.xyz, space.vertex, space.across, space.mark, cavity.cells, cavity.faces,
@@ -172,9 +176,9 @@ def cavity3(space, cavity, t, px, py, pz, stamp):
 
 @inline
 def _turn(vertex, across, mark, inside, t, k, j):
-    """Turn about the ridge common to faces k (a wall) and j of t, through the cavity, to the next wall.
+    """Turn about the common edge of faces k (a wall) and j of t, through the cavity, to the next wall.
 
-    Returns the wall as 4 u + i, and which vertex of u, other than i, is not on the ridge.
+    Returns the wall as 4 u + i, and which vertex of u, other than i, is not on that edge.
     """
     enter, out = k, j
     beyond = np.int64(across[4 * t + out])
@@ -194,7 +198,7 @@ def star3(space, cavity, p, stamp):
     vertex, across, mark, free, state = space.vertex, space.across, space.mark, space.free, space.state
     cells, faces, size, walls = cavity.cells, cavity.faces, cavity.sizes[0], cavity.sizes[1]
     count, unused, inside = state[COUNT], state[FREE], 2 * stamp
-    for i in range(walls):  # one tetrahedron on each wall: its inner cell with p in place of a vertex
+    for i in range(walls):  # one tetrahedron on each wall: the cell within it, with p for one vertex
         face = np.int64(faces[i])
         if unused > 0:
             unused -= 1
@@ -229,9 +233,9 @@ def star3(space, cavity, p, stamp):
 
 @lean
 def insert3(space, cavity, copy_of, stop):
-    """Insert the next points, as far as ``p < stop``: locate, cavity, star.
+    """Insert the next points, while ``p < stop``: locate each, find its cavity, replace it by the star.
 
-    Returns WELL, or what there is not enough of; the state is consistent in each case.
+    Returns FINISHED, or what there is not enough of; the state is consistent in each case.
     """
     xyz, vertex, across, state = space.xyz, space.vertex, space.across, space.state
     capacity = space.mark.shape[0]
@@ -256,7 +260,7 @@ def insert3(space, cavity, copy_of, stop):
         state[BUSY] = 1
         state[LAST] = star3(space, cavity, p, stamp)
         state[REACHED], state[BUSY] = p + 1, 0
-    return WELL
+    return FINISHED
 
 
 class Spatial(Compiled):
@@ -270,7 +274,7 @@ class Spatial(Compiled):
             self.mark = np.empty(0, dtype=np.int32)
             self.free = np.empty(0, dtype=np.int32)
             self._reserve_scratch(1024)
-        # uniform points have 6.8 tetrahedra each; where there are more, `advance` makes room
+        # uniform points have 6.8 tetrahedra each; if there are more, `advance` makes room
         self._reserve_cells(7 * points + 100)
 
     def _reserve_cells(self, slots: int) -> None:
@@ -278,7 +282,9 @@ class Spatial(Compiled):
         if slots > old:
             slots = max(slots, old + old // 2)  # as `grown` does
         if 4 * slots >= 2**31:
-            raise InputError(f"{self.size} points make more tetrahedra than 32-bit numbers serve: 5 * 10^8")
+            raise InputError(
+                f"{self.size} points need more than 5 * 10^8 tetrahedra, the 32-bit limit: use fewer points"
+            )
         vertex, across = grown(self.vertex, 4 * slots), grown(self.across, 4 * slots)
         mark, free = grown(self.mark, slots), grown(self.free, slots)
         mark[old:] = 0
@@ -302,7 +308,7 @@ class Spatial(Compiled):
         stop = min(self.size, self.done + self.chunk)
         while True:
             lacking = insert3(self._space(), self._cavity(), self.copy_of, stop)
-            if lacking == WELL:
+            if lacking == FINISHED:
                 return
             if lacking == MORE_CELLS:
                 self._reserve_cells(len(self.mark) + len(self.mark) // 2 + len(self.faces))
@@ -310,7 +316,7 @@ class Spatial(Compiled):
                 self._reserve_scratch(2 * len(self.cavity_cells))
 
     def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
-        """For each row the slot of a tetrahedron that contains it, or of a ghost that it sees."""
+        """For each row the slot of a tetrahedron that contains it, or of a ghost beyond whose face it is."""
         found = np.empty(len(rows), dtype=np.int32)
         locate_all3(self.rows, self.vertex, self.across, int(self.state[LAST]), rows, found)
         return found

@@ -1,8 +1,8 @@
 """Triangulation: a Delaunay triangulation that grows.
 
-It holds the points in input order and an engine that holds the cells: `Planar` and `Spatial` (compiled) or
-`General` (integers, any dimension). It translates between the numbers that the user sees, those of
-the input, and the ranks in which points were inserted. See the book, sections 12.2.2 and 12.2.4.
+It has the points in input order and an engine with the cells: `Planar` and `Spatial` (compiled) or
+`General` (integers, any dimension). It translates between the numbers of the input, which the user sees,
+and the ranks, the order in which points were inserted. See the book, sections 12.2.2 and 12.2.4.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from .space import Spatial
 __all__ = ["Triangulation"]
 
 COMPILED: dict[int, type[Compiled]] = {2: Planar, 3: Spatial}
-MOST_POINTS = 2**28  # points: their triangles have 6 half-edges a point
+MOST_POINTS = 2**28  # with 6 half-edges per point, their numbers stay below 2^31
 
 
 class Triangulation:
@@ -40,9 +40,9 @@ class Triangulation:
     points : array_like, shape (n, d), optional
         First points to insert.
     dimension : int, optional
-        d, where there are no points yet.
+        d, if there are no points yet.
     progress : bool
-        Show a bar while inserting.
+        Show a progress bar while inserting.
 
     Raises
     ------
@@ -54,8 +54,8 @@ class Triangulation:
     A batch is inserted along a Hilbert curve, so that a point of a large one costs a constant in practice; a
     point by itself costs a walk, O(n^(1/d)) cells. Ties are decided by the order of insertion: a point on a
     sphere counts as outside. Two dimensions and three are compiled; others, and coordinates whose exponents
-    span more than one scale can serve, take integer arithmetic. An interrupt (Ctrl-C) is heard within a
-    second and loses nothing: what is not inserted yet will be at the next call. Sources: A. Bowyer, The
+    differ too much for one scale, use integer arithmetic. An interrupt (Ctrl-C) takes effect within a
+    second and loses nothing: the remaining points are inserted at the next call. Sources: A. Bowyer, The
     Computer Journal 24 (1981) 162-166; D. F. Watson, ibid. 167-172. Book: 12.2.2, 12.2.4.
     """
 
@@ -78,23 +78,23 @@ class Triangulation:
             self._append(first, progress)
 
     def _forget(self) -> None:
-        """Drop the cells, keep the points: the next call triangulates anew."""
+        """Drop the cells and keep the points; the next call triangulates anew."""
         self._engine: Compiled | General | None = None
         self._input = np.empty(0, dtype=np.int32)  # rank -> number in the input
         self._given = 0  # points that the engine has, or that were found not to span the space
-        self._flat = -1  # dimension of the flat that holds all points, while they do not span the space
+        self._flat = -1  # dimension of the flat that contains all points, while they do not span the space
         self._factor = 1.0
         self._mesh: Mesh | None = None
         self._number = np.empty(0, dtype=np.int32)  # slot -> cell of the mesh
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """All points ever inserted, (n, d), in the order of insertion; a vertex keeps its number for ever."""
+        """All points ever inserted, (n, d), in the order of insertion; a vertex keeps its number."""
         return self._rows[: self._size].copy()
 
     @property
     def spans(self) -> bool:
-        """Whether the points span the space. As long as they do not, they are held and there are no cells."""
+        """Whether the points span the space. As long as they do not, they are kept and there are no cells."""
         self._update(False)
         return self._engine is not None
 
@@ -114,7 +114,7 @@ class Triangulation:
         """Insert points, one (d,) or many (m, d), inside or outside the present hull.
 
         They are numbered from ``len(self)`` on. A point equal to a vertex is listed in
-        ``mesh().duplicates``. Points that do not yet span the space are held.
+        ``mesh().duplicates``. Points that do not yet span the space are kept.
         """
         rows = np.asanyarray(points)
         rows = as_points(rows[None] if rows.ndim == 1 else rows)
@@ -128,7 +128,7 @@ class Triangulation:
         size = self._size + len(rows)
         if size > MOST_POINTS:
             raise InputError(
-                f"{size} points are more than 32-bit numbers of cells can serve: at most {MOST_POINTS}"
+                f"{size} points are too many for 32-bit numbers of cells: insert at most {MOST_POINTS}"
             )
         larger, removed = grown(self._rows, size), grown(self._removed, size)
         larger[self._size : size] = rows
@@ -183,7 +183,7 @@ class Triangulation:
         self._engine = engine
 
     def _enqueue(self, order: NDArray[np.int64]) -> None:
-        """Hand further points to the engine, in this order; scale all anew where these are too large."""
+        """Give further points to the engine, in this order; rescale all points if these are too large."""
         engine = self._engine
         assert engine is not None
         rows = self._rows[order]
@@ -198,7 +198,7 @@ class Triangulation:
             self._factor = factor
         numbers = np.concatenate([self._input, order.astype(np.int32)])
         engine.add(rows * self._factor)
-        self._input, self._given = numbers, self._size  # nothing between: an interrupt finds all or none
+        self._input, self._given = numbers, self._size  # together: an interrupt finds all or none
 
     @staticmethod
     def _fits(rows: NDArray[np.float64], factor: float) -> bool:
@@ -210,7 +210,7 @@ class Triangulation:
     # ------------------------------------------------------------------ results
 
     def _labels(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """The number in the input that each rank shows, and the duplicates as (copy, kept).
+        """The number in the input that stands for each rank, and the duplicates as (copy, kept).
 
         Of several equal points the one with the least number is kept, whichever was inserted first.
         """
@@ -234,11 +234,11 @@ class Triangulation:
 
     @property
     def duplicates(self) -> NDArray[np.int32]:
-        """Points that equal others, as rows (copy, kept): of several the one of least number is kept."""
+        """Points that equal others, as rows (copy, kept); the point with the lowest number is kept."""
         return np.empty((0, 2), dtype=np.int32) if not self.spans else self._labels()[1]
 
     def half_edges(self) -> HalfEdges | None:
-        """The triangles for kernels, in the plane; None where there are none, or no one scale serves."""
+        """The triangles of the plane, for kernels; None without triangles, or if no single scale is exact."""
         self._update(False)
         engine, factor = self._engine, self._factor
         if not isinstance(engine, Planar):
@@ -298,8 +298,8 @@ class Triangulation:
         Returns
         -------
         int or ndarray of int32, shape (m,)
-            Cells are closed: for a point on several, one of them. -1 everywhere while there are no cells.
-            Many queries are walked to along a Hilbert curve.
+            Cells are closed: for a point in several cells, one of them. -1 everywhere while there are none.
+            Many queries are processed along a Hilbert curve.
         """
         rows = self._queries(x)
         result = np.full(len(rows), -1, dtype=np.int32)
@@ -312,7 +312,7 @@ class Triangulation:
         return int(result[0]) if np.ndim(x) == 1 else result
 
     def _locate_scaled(self, rows: NDArray[np.float64], result: NDArray[np.int32]) -> None:
-        """`locate` by the compiled engine; what cannot be scaled is looked for among all cells."""
+        """`locate` by the compiled engine; points that cannot be scaled are sought in all cells."""
         assert isinstance(self._engine, Compiled)
         with np.errstate(over="ignore", under="ignore"):
             scaled = rows * self._factor
@@ -324,14 +324,14 @@ class Triangulation:
             result[i] = self._locate_exactly(rows[i])
 
     def _locate_exactly(self, x: NDArray[np.float64]) -> int:
-        """All cells by signs that take any doubles: for queries that cannot be scaled."""
+        """Test all cells, by signs that are exact for any doubles, for a query that cannot be scaled."""
         simplices = self.mesh().points[self.mesh().simplices]
-        holds = np.ones(len(simplices), dtype=bool)
+        inside = np.ones(len(simplices), dtype=bool)
         for k in range(self.dimension + 1):
             turned = simplices.copy()
             turned[:, k] = x
-            holds &= np.asarray(orient(turned)) >= 0
-        return int(np.argmax(holds)) if holds.any() else -1
+            inside &= np.asarray(orient(turned)) >= 0
+        return int(np.argmax(inside)) if inside.any() else -1
 
     def cavity(self, p: ArrayLike) -> NDArray[np.int32]:
         """The cells whose open circumscribed ball contains p: those that an insertion of p would replace.
@@ -367,12 +367,12 @@ class Triangulation:
         ----------
         vertex : int
             Its number in ``points``. The numbers of the others do not change there; ``mesh().origin`` has
-            them. Of several equal points only this one goes; the least of the others then stands for them.
+            them. Of several equal points only this one goes; the lowest of the others then stands for them.
 
         Raises
         ------
         MeshError
-            In other dimensions than two, and for a vertex that is not there.
+            In dimensions other than two, and for a vertex that is not there.
 
         Notes
         -----
@@ -380,7 +380,7 @@ class Triangulation:
         """
         if self.dimension != 2:
             raise MeshError(
-                f"vertices can be removed in two dimensions, not in {self.dimension}; build it anew"
+                f"vertices can be removed in two dimensions only, not in {self.dimension}; triangulate anew"
             )
         if not 0 <= vertex < self._size or self._removed[vertex]:
             raise MeshError(f"there is no vertex {vertex} to remove")

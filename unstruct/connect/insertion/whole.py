@@ -1,4 +1,4 @@
-"""All points of the plane at once, as half-edges, for those who go on from there; see the book, 2.4a."""
+"""All points of the plane at once, as half-edges for further work; see the book, 2.4a."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ from .triangulation import Triangulation
 
 __all__ = ["half_edges"]
 
-RATIO, ROUNDS = 8, 3  # of `brio`
+RATIO = 8  # each round is about so many times as large as all rounds before it, as in `brio`
+ROUNDS = 3  # the number of rounds, as in `brio`
 
 
 @kernel
 def _scaled(rows, xy):
-    """``xy = rows * factor`` by the factor of `power_of_two`; the factor, and whether that was exact."""
+    """Write ``xy = rows * factor``, by the factor of `power_of_two`; return it, and whether this is exact."""
     largest = 0.0
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
@@ -40,9 +41,9 @@ def _scaled(rows, xy):
 
 @kernel
 def _triangulate(xy, draw, levels, ranks, turns, vertex, twin):
-    """Order the points, insert them, and number vertices as the points were.
+    """Order the points, insert them, and number the vertices as the points are numbered.
 
-    False where some are equal, or the first three are on a line.
+    Returns False if some points are equal, or if the first three are on a line.
     """
     n = xy.shape[0]
     order = along_curve(xy, 2, random_rounds(draw, RATIO, ROUNDS), levels, ranks, turns)
@@ -65,14 +66,14 @@ def _triangulate(xy, draw, levels, ranks, turns, vertex, twin):
 
 
 def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdges:
-    """The Delaunay triangulation of points in the plane: that of `Triangulation`, without its account.
+    """The Delaunay triangulation of points in the plane: as `Triangulation`, without its records.
 
     Parameters
     ----------
     rows : ndarray, shape (n, 2)
-        Finite.
+        Finite coordinates.
     progress : bool
-        Show a bar while they are inserted.
+        Show a progress bar while they are inserted.
 
     Returns
     -------
@@ -82,12 +83,12 @@ def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdge
     Raises
     ------
     InputError
-        For equal points, and coordinates whose exponents are too wide for one scale.
+        For equal points, and for coordinates whose exponents differ too much for one scale.
     DegenerateInputError
         For points on a line.
     """
     n = len(rows)
-    if 3 <= n <= Planar.chunk and not progress:  # a moment, so that Ctrl-C may wait
+    if 3 <= n <= Planar.chunk and not progress:  # this is so short that Ctrl-C may wait
         xy = np.empty((n, 2))
         factor, exact = _scaled(rows, xy)
         vertex, twin = np.empty(6 * n - 6, dtype=np.int32), np.empty(6 * n - 6, dtype=np.int32)
@@ -98,15 +99,15 @@ def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdge
 
 
 def _step_by_step(rows: NDArray[np.float64], progress: bool) -> HalfEdges:
-    """`half_edges` by way of a `Triangulation`: of many points, and to tell what is wrong."""
+    """`half_edges` by a `Triangulation`: for many points, and to report what is wrong."""
     delaunay = Triangulation(rows, progress=progress)
     if not delaunay.spans:
-        delaunay.mesh()  # raises, and says which flat holds the points
+        delaunay.mesh()  # raises, and says which flat contains the points
     start = delaunay.half_edges()
     if start is None:
         raise InputError(
-            "the exponents of the coordinates span too much for one scale: drop or move points that are "
-            "nearer to each other than 1e-300 of the largest coordinate"
+            "the exponents of the coordinates differ too much for one scale: drop or move points that are "
+            "closer to each other than 1e-300 of the largest coordinate"
         )
     for copy, kept in delaunay.duplicates[:1].tolist():
         raise InputError(f"points {kept} and {copy} are equal, {rows[copy].tolist()}: merge them first")

@@ -1,1 +1,1 @@
-"""The planar complex with its outside: cavities, segments, fillings, floods, stars."""
+"""The planar complex, which covers the outside of the domain too: cavities, segments, regions, stars."""

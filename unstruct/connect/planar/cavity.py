@@ -1,27 +1,28 @@
-"""Insertion among constrained edges in two phases, compiled: find and judge, then commit.
+"""Insertion among constrained edges in two phases, compiled: a cavity is found and judged, then replaced.
 
-The half-edges are those of `insertion2`: the triangulation covers the sphere, with ghost triangles beyond the
-hull, so that every edge has two sides. Besides, ``mark[e]`` is the number of the *subsegment* on half-edge e
-(the same on its twin), -1 for none, and ``region[t]`` the part of the domain that triangle t belongs to,
--1 outside. Kernels take these arrays as one record, `Plane`, and what they write cavities into as another,
-`Scratch`.
+The half-edges are those of `insertion.plane`: the triangulation covers the sphere, with ghost triangles
+beyond the hull, so that every edge has two sides. In addition, ``mark[e]`` is the number of the *subsegment*
+on half-edge e (the same on its twin), -1 for none, and ``region[t]`` is the part of the domain to which
+triangle t belongs, -1 outside. Kernels take these arrays as one record, `Plane`, and write cavities into
+another, `Scratch`.
 
-An insertion of p first collects, without a change, the triangles whose open circle holds p and that are
-reached from a seed over unmarked edges: ``cells``, and the edges around them, counterclockwise: ``rim``.
-If p lies strictly to the left of every rim edge, the polygon is star-shaped about p, and joining p to the
-rim gives a valid triangulation, whatever the seed was and however p was rounded. Otherwise the caller learns
-which edge is in the way, and nothing has happened. In a constrained Delaunay triangulation the result is
-constrained Delaunay: a circle that holds p belongs to a triangle in the cavity, or to one that is hidden from
-p behind a marked edge.
+An insertion of p first collects its *cavity*, without any change: the triangles whose open circle contains p
+and that are reached from a seed across unmarked edges. The array ``cells`` gets the triangles, and ``rim``
+the half-edges of the boundary of the cavity, counterclockwise. If p lies strictly to the left of every
+boundary edge, the polygon is star-shaped about p, and joining p to the boundary gives a valid triangulation,
+whatever the seed was and however p was rounded. Otherwise the caller learns which edge is in the way, and
+nothing has changed. In a constrained Delaunay triangulation the result is constrained Delaunay: a circle that
+contains p belongs to a triangle in the cavity, or to one that is hidden from p behind a marked edge.
 
-A subsegment a -> b is split in the same way, from both of its sides at once; p need not lie on it (it may be
-rounded, or lie on the curve that the subsegment stands for):
+A subsegment a -> b is split in the same way, from both of its sides at once. The point p need not lie on it:
+it may be rounded, or lie on the curve that the subsegment stands for. The *fan* of a side is the set of new
+triangles on that side.
 
-           left rim                 the left fan keeps the region of the left triangle, the right fan that
-         v --------- .              of the right one; p-u and p-v are the two halves. Where p is beyond the
-         |  \\   p  /  \\             chord, the triangle between chord and halves changes sides: that is
-         . -- \\--/---- u            what following a curve means.
-               right rim
+         boundary, left             The left fan keeps the region of the left triangle, the right fan that
+         v --------- .              of the right one; p-u and p-v are the two halves. If p is beyond the
+         |  \\   p  /  \\             chord, the triangle between chord and halves changes sides: this is
+         . -- \\--/---- u            how the boundary follows a curve.
+         boundary, right
 
 Source: the cavity by A. Bowyer and D. F. Watson (1981), with marked edges opaque. Book: 2.5, 2.6a.
 """
@@ -46,15 +47,15 @@ from ..insertion.halfedges import (
     start_of,
 )
 
-TOO_LARGE = -1  # for the number of rim edges: the search met more triangles than there are
+TOO_LARGE = -1  # in place of the number of boundary edges: the search met more triangles than there are
 
 
 @lean
 def walk(xy, vertex, twin, t, px, py):
-    """A triangle that contains p, or a ghost beyond whose hull edge p lies; any triangulation will do.
+    """A triangle that contains p, or a ghost beyond whose hull edge p lies, in any triangulation.
 
-    At each triangle the edge that is looked at first changes, in a fixed sequence: a walk in a triangulation
-    that is not Delaunay could otherwise go round for ever. Marked edges are no obstacle.
+    The edge of a triangle that is tested first changes, in a fixed sequence: otherwise a walk in a
+    triangulation that is not Delaunay could run in a circle for ever. Marked edges are no obstacle.
     """
     for k in range(3):
         if vertex[3 * t + k] == GHOST:
@@ -81,7 +82,7 @@ def walk(xy, vertex, twin, t, px, py):
 
 @inline
 def _grow(plane, scratch, depth, px, py, m, k):
-    """Turn through the cavity from the inner half-edges on the stack; marked edges belong to the rim."""
+    """Search the cavity from the inner half-edges on the stack; marked edges belong to its boundary."""
     vertex, stack = plane.vertex, scratch.stack
     while depth > 0:
         depth -= 1
@@ -104,7 +105,7 @@ def _grow(plane, scratch, depth, px, py, m, k):
 
 @inline
 def find_cavity_here(plane, scratch, t, px, py):
-    """`find_cavity`, inlined: for hot loops. Any records with these arrays will do."""
+    """`find_cavity`, inlined for hot loops, with any records that have these arrays."""
     stack = scratch.stack
     scratch.cells[0] = t
     stack[0], stack[1], stack[2] = 3 * t + 2, 3 * t + 1, 3 * t
@@ -113,19 +114,20 @@ def find_cavity_here(plane, scratch, t, px, py):
 
 @lean
 def find_cavity(plane, scratch, t, px, py):
-    """The cavity of p from triangle t, whose open circle holds p: (m, k), ``cells[:m]`` and ``rim[:k]``.
+    """The cavity of p from triangle t, whose open circle contains p: (m, k), ``cells[:m]`` and ``rim[:k]``.
 
-    The rim has the inner half-edges, counterclockwise; k = m + 2. k is ``TOO_LARGE`` where the seed is hidden
-    from p in such a way that the search goes round (the arrays have the length of the triangulation).
+    ``rim`` has the inner half-edges of its boundary, counterclockwise; k = m + 2. k is ``TOO_LARGE`` if the
+    seed is hidden from p in such a way that the search runs in a circle (the arrays have the length of the
+    triangulation).
     """
     return find_cavity_here(plane, scratch, t, px, py)
 
 
 @lean
 def blocked_by(xy, vertex, rim, k, px, py):
-    """The place in the rim of the first edge that p does not have strictly on its left; -1 for none.
+    """The place in ``rim`` of the first edge that does not have p strictly on its left; -1 for none.
 
-    k where p has all of them on its left, but the rim winds round it twice (a seed from which p is hidden).
+    The answer is k if all edges have p on their left, but wind around it twice (p is hidden from the seed).
     """
     turns = 0
     for i in range(k):
@@ -133,14 +135,14 @@ def blocked_by(xy, vertex, rim, k, px, py):
         if a != GHOST and b != GHOST:
             if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) <= 0:
                 return i
-            if xy[a, 1] <= py < xy[b, 1]:  # it crosses the ray from p to the right, upward
+            if xy[a, 1] <= py < xy[b, 1]:  # the edge crosses the ray from p to the right, upward
                 turns += 1
     return k if turns > 1 else -1
 
 
 @inline
 def _star(plane, scratch, m, k, split, p):
-    """Join p to the rim: the triangle on rim edge i is ``fresh[i]``, p first. Mark ``split`` is dropped."""
+    """Join p to the boundary: the triangle on edge i is ``fresh[i]``, p first. Mark ``split`` is dropped."""
     vertex, twin, mark, hold, fresh = plane.vertex, plane.twin, plane.mark, scratch.hold, scratch.fresh
     for i in range(k):
         e = scratch.rim[i]
@@ -152,7 +154,7 @@ def _star(plane, scratch, m, k, split, p):
         fresh[i] = slot
         new = 3 * slot
         o, s = hold[i, 2], hold[i, 3]
-        if s == split:  # the chord, where p has left it on one side
+        if s == split:  # the chord, where it is an edge of the boundary
             s = -1
             mark[o] = -1
         vertex[new], vertex[new + 1], vertex[new + 2] = p, hold[i, 0], hold[i, 1]
@@ -185,8 +187,8 @@ def commit_here(plane, scratch, m, k, p):
 def commit(plane, scratch, m, k, p):
     """Replace the cavity by the star of p, whose coordinates are in its row of ``xy``.
 
-    ``fresh[:k]`` are the new triangles; each has p as its first vertex, so that half-edge 3 t is on the rim.
-    They inherit the region of the cavity.
+    ``fresh[:k]`` are the new triangles; each has p as its first vertex, so that half-edge 3 t is on the
+    boundary of the cavity. They inherit the region of the cavity.
     """
     commit_here(plane, scratch, m, k, p)
 
@@ -195,8 +197,8 @@ def commit(plane, scratch, m, k, p):
 def find_split(plane, scratch, e, px, py):
     """The cavity of a split of the subsegment on half-edge e at p: (m, k, h).
 
-    ``rim[:h]`` is the rim on the left of e, ``rim[h:k]`` that on the right; m = 0 or k = ``TOO_LARGE`` where
-    there is none. Judge it by `blocked_by`.
+    ``rim[:h]`` is its boundary on the left of e, ``rim[h:k]`` that on the right; m = 0 or k = ``TOO_LARGE``
+    if there is no cavity. `blocked_by` judges it.
     """
     mark, stack = plane.mark, scratch.stack
     f = plane.twin[e]
@@ -207,7 +209,7 @@ def find_split(plane, scratch, e, px, py):
     m, h = _grow(plane, scratch, one, px, py, none, none)
     k = h
     if h >= 0:
-        # where the left side is not in the cavity its rim is the chord: it must not be crossed again
+        # if the left side is not in the cavity, its boundary is the chord, which must not be crossed again
         mark[e], mark[f] = -1, s
         stack[0] = e
         m, k = _grow(plane, scratch, one, px, py, m, h)
@@ -217,10 +219,10 @@ def find_split(plane, scratch, e, px, py):
 
 @lean
 def commit_split(plane, scratch, e, m, k, h, p, t):
-    """Split the subsegment on half-edge e at vertex p, parameter t of its piece; the new one's number.
+    """Split the subsegment on half-edge e at vertex p, parameter t of its piece; return the new number.
 
-    The half that holds the old first end keeps its number; the other half is the last subsegment. As
-    `commit` otherwise; ``fresh[:h]`` lie on the left of e.
+    The half that contains the old first end keeps its number; the other half is the last subsegment.
+    Otherwise as `commit`; ``fresh[:h]`` lie on the left of e.
     """
     twin, mark, region, state, fresh = plane.twin, plane.mark, plane.region, plane.state, scratch.fresh
     ends, piece, span = plane.ends, plane.piece, plane.span
@@ -238,7 +240,7 @@ def commit_split(plane, scratch, e, m, k, h, p, t):
     span[new, 0], span[new, 1] = t, span[s, 1]
     to_u, to_v = (s, new) if ends[s, 0] == u else (new, s)
     ends[s, 1], span[s, 1] = p, t
-    # the left chain begins at v, the right one at u: half-edge 3 t + 2 runs from p to where a chain begins
+    # The left boundary begins at v, the right one at u; half-edge 3 t + 2 runs from p to such a beginning.
     for i, number in ((h, to_u), (0, to_v)):
         o = 3 * fresh[i] + 2
         mark[o], mark[twin[o]] = number, number

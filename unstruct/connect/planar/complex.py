@@ -1,8 +1,8 @@
 """PlanarComplex: the triangulation of a domain while it grows, constrained edges and regions included.
 
-All methods that mesh a planar domain work on these arrays with the kernels of `cavity2`. The triangulation
-covers the hull of all points, the outside of the domain too: so every change of the boundary is judged from
-both sides, and what touches or crosses is found out before it happens. See the book, 2.5.
+All methods that mesh a planar domain work on these arrays with the kernels of `cavity`. The triangulation
+covers the hull of all points, including the outside of the domain. So every change of the boundary is judged
+from both sides, and whatever would touch or cross is found before it happens. See the book, 2.5.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["PlanarComplex"]
 
 @kernel
 def number_kept(vertex, region, count, number, place):
-    """Number the triangles of the domain and the vertices that they use, -1 for the others; how many."""
+    """Number the triangles of the domain and their vertices, the others -1; return how many there are."""
     place[:] = -1
     cells = 0
     for t in range(count):
@@ -48,7 +48,7 @@ def number_kept(vertex, region, count, number, place):
 
 @kernel
 def survey(plane, facets, number, place):
-    """`number_kept`; and how many subsegments bound a triangle with a number, how many of them of facets."""
+    """`number_kept`, and how many subsegments bound a triangle with a number, and how many of facets do."""
     cells, vertices = number_kept(plane.vertex, plane.region, plane.state[COUNT], number, place)
     kept = outer = 0
     for s in range(plane.state[SEGMENTS]):
@@ -63,8 +63,8 @@ def survey(plane, facets, number, place):
 def extract(plane, facets, number, place, cells, subsegments):
     """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
 
-    ``cells``: their vertices, neighbors and regions. ``subsegments``: their ends, pieces and spans, then the
-    ends of those of facets once more, and of the others.
+    ``cells`` gets the vertices, neighbors and regions of the cells. ``subsegments`` gets ends, pieces and
+    spans of all subsegments, then again the ends of those of facets, and the ends of the others.
     """
     simplices, neighbors, regions = cells
     rows, pieces, spans, one, two = subsegments
@@ -102,7 +102,7 @@ def copy_all(old, new):
 
 @kernel
 def bounds(xy, n, box):
-    """Write the least x and y, and the greatest, of the first n rows."""
+    """Write the smallest x and y, then the largest, of the first n rows."""
     box[0] = box[1] = np.inf
     box[2] = box[3] = -np.inf
     for i in range(n):
@@ -112,7 +112,7 @@ def bounds(xy, n, box):
 
 @kernel
 def greatest(values, count):
-    """The greatest of the first values; -1 for none."""
+    """The largest of the first ``count`` values; -1 for none."""
     most = -1
     for i in range(count):
         most = max(most, values[i])
@@ -125,9 +125,9 @@ class PlanarComplex:
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        Vertices; all different, not all on a line. They keep their numbers.
+        Vertices, all different and not all on a line. They keep their numbers.
     progress : bool
-        Show a bar while they are inserted.
+        Show a progress bar while they are inserted.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class PlanarComplex:
     xy : ndarray, shape (capacity, 2)
         Coordinates of the vertices, of which ``size`` are in use.
     vertex, twin : ndarray of int32
-        Half-edges, as in `insertion2`: three a triangle, ghost triangles beyond the hull.
+        Half-edges, as in `insertion.plane`: three per triangle, with ghost triangles beyond the hull.
     mark : ndarray of int32
         The subsegment on each half-edge, -1 for none.
     region : ndarray of int32
@@ -150,7 +150,7 @@ class PlanarComplex:
     Raises
     ------
     InputError
-        For duplicate points, and coordinates whose exponents are too wide for one scale.
+        For duplicate points, and for coordinates whose exponents differ too much for one scale.
     DegenerateInputError
         For points on a line.
     """
@@ -194,27 +194,27 @@ class PlanarComplex:
         return int(self.state[SEGMENTS])
 
     def box(self) -> NDArray[np.float64]:
-        """The least x and y of all vertices and the greatest, as the input has them."""
+        """The smallest x and y of all vertices, then the largest, in the units of the input."""
         found = np.empty(4)
         bounds(self.xy, self.size, found)
         return found / self.factor
 
     def parts(self) -> int:
-        """How many numbers of regions there are: one more than the greatest."""
+        """How many numbers of regions there are: one more than the largest."""
         return int(greatest(self.region, self.triangles)) + 1
 
     @property
     def broken(self) -> bool:
-        """Whether an interrupt hit a change half done (possible only where kernels are not compiled)."""
+        """Whether an interrupt hit a half-done change (possible only if kernels are not compiled)."""
         return bool(self.state[BUSY])
 
     def reserve(self, vertices: int, segments: int) -> None:
-        """Make room for so many vertices and subsegments in all; the arrays are replaced where they grow.
+        """Make room for this many vertices and subsegments in total; arrays that grow are replaced.
 
-        Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels go on as
-        long as there are rows of ``xy``, and it may have grown by more than was asked for: so all rows count.
+        Triangles need no count of their own: n vertices and the ghost have 2 n - 2 of them. Kernels continue
+        as long as ``xy`` has rows, and it may have grown by more than was asked for, so all its rows count.
         """
-        # the usual case, all arrays grow by half at least, needs fewer calls
+        # In the usual case all arrays grow by at least half; this needs fewer calls.
         before, slots, s = len(self.region), 2 * vertices, len(self.where)
         fit = len(self.vertex) == len(self.mark) == 3 * before and len(self.ends) == len(self.span) == s
         if fit and 3 * max(before, 2 * len(self.xy)) <= 2 * slots and 3 * s <= 2 * segments:
@@ -235,7 +235,7 @@ class PlanarComplex:
         )  # fmt: skip
 
     def _enlarge(self, vertices: int, slots: int, segments: int) -> None:
-        """`reserve` where all arrays grow: they are copied in one call."""
+        """`reserve` if all arrays grow: they are copied in one call."""
         xy, span = np.empty((vertices, 2)), np.empty((segments, 2))
         vertex, twin = np.empty(3 * slots, dtype=np.int32), np.empty(3 * slots, dtype=np.int32)
         mark, region = np.empty(3 * slots, dtype=np.int32), np.empty(slots, dtype=np.int32)
@@ -247,7 +247,7 @@ class PlanarComplex:
 
     def scratch(self) -> Scratch:
         """Arrays that fit any cavity of the present triangulation."""
-        # a search that goes round is given up when the cells are full: the rim has two edges more than cells
+        # A search that runs in a circle ends when the cells are full. There are two more edges than cells.
         room = len(self.region) + 8
         stack, cells = np.empty(room + 8, dtype=np.int32), np.empty(room, dtype=np.int32)
         rim, fresh = np.empty(room + 8, dtype=np.int32), np.empty(room + 8, dtype=np.int32)
@@ -288,18 +288,18 @@ class PlanarComplex:
         markers : dict of str to array of int, optional
             Names of sets of pieces: their subsegments become markers of edges.
         regions : bool
-            Whether to add the marker "region", one number a cell.
+            Whether to add the marker "region", one number per cell.
         points : ndarray, shape (n, 2), optional
-            Coordinates to store for the first n vertices (by default those that the kernels used, unscaled,
-            which are the same).
+            Coordinates to store for the first n vertices. By default these are the coordinates that the
+            kernels used, unscaled, which are the same.
         **rest
-            Handed on to `DomainMesh`; ``unrefined`` holds slots here, and cells there.
+            Passed on to `DomainMesh`; ``unrefined`` contains slots here, and cells there.
 
         Returns
         -------
         DomainMesh
-            Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" hold the
-            subsegments of each kind that bound a triangle.
+            Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" contain
+            the subsegments of each kind that bound a triangle.
         """
         count, n = self.triangles, self.size
         number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
@@ -345,7 +345,7 @@ class PlanarComplex:
         )
 
     def _unscaled(self, known: NDArray[np.float64] | None) -> NDArray[np.float64]:
-        """Coordinates of all vertices as the domain has them, the first of which are known."""
+        """The coordinates of all vertices in the units of the domain; the first of them are ``known``."""
         n = self.size
         if known is None:
             return self.xy[:n] / self.factor

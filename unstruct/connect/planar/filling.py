@@ -3,11 +3,12 @@
 The polygon lies on the left of its base V_0 V_n; its other sides are a chain V_0 ... V_n, each corner of
 which was joined to the other side of the base by an old edge. So every corner sees the base.
 
-`fill` asks, base by base, for the corner whose circle is empty: Anglada's way, k log k tests for corners
-strewn at random, but k^2 for rows of points along the segment, where each base cuts off one corner only.
-When it has asked too often, the polygons left are cut by `cut_ears` in one pass, and the edges made Delaunay
-by swaps afterwards. An ear at a corner b with neighbors a and c may be cut: the lines of sight from a and c
-to the base enclose no corner but b. And while there is a corner there is an ear, by the sum of angles.
+`fill` finds, for one base after the other, the corner whose circle is empty. This is Anglada's method; it
+needs k log k tests for corners at random places, but k^2 for rows of points along the segment, where each
+base cuts off one corner only. After too many tests, `cut_ears` cuts the remaining polygons in one pass, and
+swaps then make the edges Delaunay. An ear at a corner b with neighbors a and c may be cut: the lines of sight
+from a and c to the base enclose no corner but b. As long as there is a corner there is an ear, by the sum of
+angles.
 
 Sources: M. V. Anglada, Computers & Graphics 21 (1997) 215-223; G. T. Toussaint, D. Avis, On a convex hull
 algorithm for polygons and its application to triangulation problems, Pattern Recognition 15 (1982) 23-29.
@@ -30,34 +31,34 @@ __all__ = ["Chain", "Filling", "cut_ears", "fill", "load", "swap_all"]
 
 
 class Chain(NamedTuple):
-    """A chain of corners that is to be filled: the corners, and what is between each and the next one."""
+    """A chain of corners that is to be filled: the corners, and the edge from each to the next."""
 
     corners: NDArray[np.int64]  # vertices
-    beyond: NDArray[np.int64]  # the half-edge on the other side
+    beyond: NDArray[np.int64]  # the half-edge on the other side of the edge
     marks: NDArray[np.int64]
-    fresh: NDArray[np.int64]  # the half-edge that has taken its place, -1 as long as there is none
+    fresh: NDArray[np.int64]  # the half-edge that has replaced it, -1 as long as there is none
 
 
 class Filling(NamedTuple):
-    """What the insertion of segments works on: the triangulation, and scratch for one segment at a time."""
+    """The arrays for the insertion of segments: the triangulation, and scratch for one segment at a time."""
 
     xy: NDArray[np.float64]
     vertex: NDArray[np.int32]
     twin: NDArray[np.int32]
     mark: NDArray[np.int32]
-    corner: NDArray[np.int32]  # for each vertex a slot that shows it
+    corner: NDArray[np.int32]  # for each vertex a half-edge opposite it
     where: NDArray[np.int32]  # for each segment a half-edge along it
-    left: NDArray[np.int64]  # half-edges of the chain above a segment; then scratch
-    right: NDArray[np.int64]  # and below
+    left: NDArray[np.int64]  # half-edges of the chain above a segment; afterwards scratch
+    right: NDArray[np.int64]  # half-edges of the chain below it; afterwards scratch
     cells: NDArray[np.int64]  # the triangles that a segment crosses
     chains: NDArray[np.int64]  # (8, .) the rows of two `Chain`s
-    stack: NDArray[np.int64]  # (., 3) polygons that wait
-    pending: NDArray[np.int32]  # edges that wait to be looked at
+    stack: NDArray[np.int64]  # (., 3) polygons that remain to be filled
+    pending: NDArray[np.int32]  # edges that remain to be tested
 
 
 @inline
 def load(w, half_edges, n, chain):
-    """Note what a chain of n half-edges borders on, before its triangles are overwritten.
+    """Record what a chain of n half-edges borders on, before its triangles are overwritten.
 
     Both sides of a dangling edge are in the chain; ``beyond[k]`` is then -2 - (place of the other side).
     """
@@ -76,12 +77,12 @@ def load(w, half_edges, n, chain):
 
 @inline
 def close(w, chain, g, k):
-    """Let half-edge g take the place of edge k of the chain."""
+    """Let half-edge g replace edge k of the chain."""
     twin, fresh = w.twin, chain.fresh
     o = chain.beyond[k]
     w.mark[g] = chain.marks[k]
     fresh[k] = g
-    if o < 0:  # a dangling edge: joined when its other side is there
+    if o < 0:  # a dangling edge: it is joined when its other side is there
         o = fresh[-2 - o]
     if o >= 0:
         twin[g], twin[o] = o, g
@@ -89,7 +90,7 @@ def close(w, chain, g, k):
 
 @inline
 def write(w, slot, a, b, c):
-    """The triangle on the base a b with apex c: its base half-edge s; b c is s + 1, c a is s + 2."""
+    """Write the triangle on the base a b with apex c; return the base s; b c is s + 1, c a is s + 2."""
     vertex, mark, corner = w.vertex, w.mark, w.corner
     s = 3 * np.int64(slot)
     vertex[s], vertex[s + 1], vertex[s + 2] = c, a, b
@@ -100,10 +101,10 @@ def write(w, slot, a, b, c):
 
 @lean
 def cut_ears(w, cells, used, chain, i, j):
-    """Triangulate the polygon of the chain from V_i to V_j; triangles used, and the base half-edge.
+    """Triangulate the polygon of the chain from V_i to V_j; return triangles used, and the base half-edge.
 
-    A pile of corners: as long as the last three turn right, the middle one is an ear. ``links`` has for
-    each the half-edge towards the one before, -1 for an edge of the chain.
+    The corners form a stack: as long as the last three turn right, the middle one is an ear. For each corner
+    ``links`` has the half-edge towards the corner before it, -1 for an edge of the chain.
     """
     xy, twin, corners, places, links = w.xy, w.twin, chain.corners, w.left, w.right
     places[0] = i
@@ -130,12 +131,12 @@ def cut_ears(w, cells, used, chain, i, j):
 
 @lean
 def fill(w, cells, chain, n, patience):
-    """Triangulate the polygon on the left of V_0 V_n; its base half-edge, and from which cell on there are
-    edges that may not be Delaunay.
+    """Triangulate the polygon on the left of V_0 V_n; return its base half-edge, and the place of the first
+    cell whose edges may not be Delaunay.
 
-            V_c                 On V_i V_j: slot s, the base opposite V_c;
-           /   \\  s + 1        the chain's parts from V_i to V_c and from V_c to V_j
-    s + 2 /  s  \\              come next, on s + 2 and s + 1.
+            V_c                 On V_i V_j: slot s, the base opposite V_c. The parts of
+           /   \\  s + 1        the chain from V_i to V_c and from V_c to V_j are
+    s + 2 /  s  \\              filled next, on s + 2 and s + 1.
         V_i-----V_j
     """
     xy, twin, corners, stack = w.xy, w.twin, chain.corners, w.stack
@@ -174,7 +175,7 @@ def fill(w, cells, chain, n, patience):
 
 @lean
 def swap_all(w, cells, first, last):
-    """Swap the edges of ``cells[first:last]``, and what follows, until all are locally Delaunay."""
+    """Swap edges of ``cells[first:last]``, and the edges affected, until all are locally Delaunay."""
     xy, vertex, twin, mark, pending = w.xy, w.vertex, w.twin, w.mark, w.pending
     again = True
     while again:

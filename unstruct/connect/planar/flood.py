@@ -1,4 +1,4 @@
-"""What is inside: even-odd parity from the ghosts, and the connected parts of the inside, compiled."""
+"""The inside of a domain: even-odd parity from the ghosts on, and the connected parts, compiled."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ __all__ = ["flood", "hold_seeds", "mark_regions"]
 
 @kernel
 def _parity(vertex, twin, mark, piece, facets, part, stack):
-    """-1 outside, -2 inside: every facet that is crossed changes sides, inner segments do not."""
+    """Write -1 outside and -2 inside: crossing a facet changes sides, crossing an inner segment does not.
+
+    Returns -1, or a facet where this fails.
+    """
     part[:] = -3
     for t in range(len(part)):
         if vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0:
@@ -47,7 +50,7 @@ def _odd_facet(vertex, mark, piece, facets):
     degree = np.zeros(vertex.max() + 1, dtype=np.int64)
     for e in range(len(mark)):
         if mark[e] >= 0 and piece[mark[e]] < facets:
-            degree[vertex[next_edge(e)]] += 1  # each subsegment is met twice, once from either side
+            degree[vertex[next_edge(e)]] += 1  # each subsegment is met twice, once from each side
     for e in range(len(mark)):
         if mark[e] >= 0 and piece[mark[e]] < facets and degree[vertex[next_edge(e)]] % 2 == 1:
             return np.int64(mark[e])
@@ -56,7 +59,7 @@ def _odd_facet(vertex, mark, piece, facets):
 
 @inline
 def _root(above, t):
-    """The first of the triangles that t hangs on; ways are halved."""
+    """The root of the tree of triangle t; paths are halved."""
     while above[t] != t:
         above[t] = above[above[t]]
         t = np.int64(above[t])
@@ -67,9 +70,9 @@ def _root(above, t):
 def flood(plane, facets, hull, part, stack, least):
     """Number the connected parts of the inside in ``part``, one entry a triangle; -1 outside.
 
-    Returns -1 and the number of parts; or a facet with the same side of the boundary on both of its sides
-    (the facets do not close). ``least`` gets the least vertex of each part where there are several. With
-    ``hull`` everything but the ghosts is inside. Parts hang together over edges that are not marked.
+    Returns -1 and the number of parts, or a facet with the same side of the boundary on both of its sides
+    (the facets do not close). ``least`` gets the lowest vertex of each part if there are several. With
+    ``hull`` everything but the ghosts is inside. Parts are connected across edges that are not marked.
     """
     vertex, twin, mark = plane.vertex, plane.twin, plane.mark
     if hull:
@@ -80,7 +83,7 @@ def flood(plane, facets, hull, part, stack, least):
         odd = _parity(vertex, twin, mark, plane.piece, facets, part, stack)
         if odd >= 0:
             return odd, 0
-    for t in range(len(part)):  # a forest: each triangle hangs on one before it, if they hang together
+    for t in range(len(part)):  # a forest: each triangle is joined to connected ones before it
         if part[t] != -2:
             continue
         root = np.int64(t)
@@ -110,9 +113,9 @@ def flood(plane, facets, hull, part, stack, least):
 
 @kernel
 def hold_seeds(xy, vertex, mark, count, seeds):
-    """For each seed the slot of a closed triangle that holds it; -1 for none, -2 on a segment.
+    """For each seed the slot of a closed triangle that contains it; -1 for none, -2 on a segment.
 
-    Looks at all triangles: a walk may run in circles where the triangulation is not Delaunay.
+    All triangles are tested: a walk may run in circles if the triangulation is not Delaunay.
     """
     found = np.full(len(seeds), -1, dtype=np.int64)
     for t in range(count):
@@ -161,7 +164,7 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
 
 @kernel
 def _rank(least, number):
-    """Number the parts by the least vertex in each, not by where their slots are."""
+    """Number the parts in the order of their lowest vertices, not of their slots."""
     keys = least[: len(number)].astype(np.int64)
     order = radix_argsort(keys, 31) if len(number) > 1 else np.zeros(1, dtype=np.int64)
     for i in range(len(order)):
@@ -178,7 +181,7 @@ def _relabel(part, label):
 def _named(
     complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
 ) -> NDArray[np.int32]:
-    """For each part the place of the name of its seed, or, in the order of ``number``, further numbers."""
+    """For each part the place of the name of its seed; without one, further numbers ordered by ``number``."""
     names, count = list(regions), complex_.triangles
     named = np.full(len(number), -1, dtype=np.int32)
     for k, name in enumerate(names):
@@ -192,7 +195,7 @@ def _named(
             if p < 0:
                 raise InputError(f"{where} lies outside of the domain: move it inside")
             if named[p] not in (-1, k):
-                raise InputError(f"{where} lies in one part with {names[named[p]]!r}: drop one of them")
+                raise InputError(f"{where} lies in the same part as {names[named[p]]!r}: drop one of them")
             named[p] = k
     free = np.flatnonzero(named < 0)
     named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))

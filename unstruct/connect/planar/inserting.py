@@ -1,4 +1,4 @@
-"""Segments into a planar complex: all of them, each an edge or several, exactly."""
+"""The exact insertion of segments into a planar complex; each becomes one edge or several."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ __all__ = ["insert_all"]
 
 
 PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
-
-
-SEGMENTS_A_CALL = 20_000  # segments a kernel call: a fraction of a second, so that Ctrl-C is heard
+SEGMENTS_A_CALL = 20_000  # segments per kernel call: a fraction of a second, so that Ctrl-C takes effect
 
 
 def insert_all(
@@ -32,7 +30,7 @@ def insert_all(
     facets: int,
     progress: bool = False,
 ) -> NDArray[np.int64]:
-    """Insert subsegments into a complex that has none: exact, every one ends up as an edge or several.
+    """Insert subsegments into a complex that has none, exactly: each becomes one edge or several.
 
     Parameters
     ----------
@@ -41,19 +39,19 @@ def insert_all(
     piece : ndarray of int32, shape (s,)
     span : ndarray, shape (s, 2)
     facets : int
-        How many pieces are facets; messages call the others inner segments (with -1, all are edges).
+        How many pieces are facets; messages call the others inner segments (if -1, all are called edges).
     progress : bool
-        Show a bar.
+        Show a progress bar.
 
     Returns
     -------
     ndarray of int64, shape (s,)
-        How many triangles each of them crossed when its turn came: 0 for those that were there.
+        How many triangles each of them crossed when it was inserted: 0 for those that were edges already.
 
     Raises
     ------
     InputError
-        For segments that cross or overlap: both are named. The complex is then of no use.
+        For segments that cross or overlap; both are named. The complex is then no longer valid.
     """
     count, n = complex_.triangles, complex_.size
     corner = np.empty(n, dtype=np.int32)
@@ -66,7 +64,7 @@ def insert_all(
     if status != DONE:
         raise _refusal(status, int(i), int(other), ends, piece, facets)
     crossed = np.zeros(len(ends), dtype=np.int64)
-    if i == 0 and not progress:  # none is left
+    if i == 0 and not progress:  # no segment is missing
         _enter(complex_, ends, piece, span, where, known=True)
         return crossed
     order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
@@ -92,10 +90,10 @@ def insert_all(
 
 @kernel
 def _order(missing, left, ends, corner, draw, bits):
-    """Random rounds, each eight times as large as those before, along the curve that the triangles follow.
+    """An order in random rounds, each eight times as large as the one before; within a round, by corners.
 
-    Where many long segments cross many triangles, an order without rounds can cost a hundred times more.
-    ``left``: how many are missing. ``bits`` hold a number of a corner.
+    If many long segments cross many triangles, an order without rounds can cost a hundred times more.
+    ``left`` segments are missing; ``bits`` are enough for the number of a corner.
     """
     rows, keys = np.empty(left, dtype=np.int64), np.empty(left, dtype=np.int64)
     k = 0
@@ -134,9 +132,9 @@ def _refusal(status: int, i: int, other: int, ends: NDArray, piece: NDArray, fac
 def _enter(
     complex_: PlanarComplex, ends: NDArray, piece: NDArray, span: NDArray, where: NDArray, known: bool
 ) -> None:
-    """Number the subsegments that the segments have become, in their order, and enter them.
+    """Number the subsegments that the segments have become, in their order, and store them.
 
-    ``known``: each is one edge, and ``where`` has its half-edge.
+    With ``known`` each segment is one edge, and ``where`` has its half-edge.
     """
     slots = 3 * complex_.triangles
     complex_.state[SEGMENTS] = len(ends)
@@ -152,7 +150,7 @@ def _enter(
     vertex, of = complex_.vertex, complex_.mark[half]
     start, stop = vertex[_next(half)], vertex[_prev(half)]
     a, b = complex_.xy[ends[of, 0]], complex_.xy[ends[of, 1]]
-    axis = np.abs(b - a).argmax(axis=1)  # vertices on a segment are told apart along its longer side
+    axis = np.abs(b - a).argmax(axis=1)  # vertices on a segment are ordered along its longer coordinate
     rows = np.arange(len(half))
     x, y = complex_.xy[start][rows, axis], complex_.xy[stop][rows, axis]
     low, high = a[rows, axis], b[rows, axis]

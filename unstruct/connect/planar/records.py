@@ -1,8 +1,8 @@
-"""What kernels on a planar triangulation are handed: its arrays, and scratch for cavities, as two records.
+"""Two records for kernels on a planar triangulation: its arrays, and scratch for cavities.
 
-A record is a tuple of arrays with names, which numba takes apart when it compiles: under `lean` and `inline`
-handing one on costs no more than handing on its arrays. Where an array is replaced because it has to grow,
-the record is made anew (`PlanarComplex.plane` and `.scratch` do).
+A record is a tuple of named arrays, which numba takes apart when it compiles: under `lean` and `inline`,
+passing one on costs no more than passing on its arrays. When an array is replaced because it has to grow,
+the record is made again (by `PlanarComplex.plane` and `.scratch`).
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class Plane(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """What a search for a cavity and the star in its place are written into."""
+    """Arrays for the result of a search for a cavity, and for the star that replaces it."""
 
-    stack: NDArray[np.int32]  # half-edges to be crossed
+    stack: NDArray[np.int32]  # half-edges that remain to be crossed
     cells: NDArray[np.int32]  # the triangles of the cavity
-    rim: NDArray[np.int32]  # the half-edges around it, from within, counterclockwise
-    hold: NDArray[np.int64]  # (., 4) of each rim edge its start, its end, its twin and its mark
+    rim: NDArray[np.int32]  # the half-edges of its boundary, from within, counterclockwise
+    hold: NDArray[np.int64]  # (., 4) start, end, twin and mark of each boundary edge
     fresh: NDArray[np.int32]  # the triangles of the star

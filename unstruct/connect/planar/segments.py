@@ -1,22 +1,23 @@
-"""Insertion of segments into a Delaunay triangulation in the plane, compiled (half-edges of `insertion2`).
+"""Insertion of segments into a Delaunay triangulation in the plane, compiled.
 
-``mark[e]`` is the number of the segment that half-edge e lies on, -1 for none; ``corner[v]`` is one slot e
-with ``vertex[e] == v``, so that the star of v can be turned through. A segment a b is put in like this:
+The half-edges are those of `insertion.plane`. ``mark[e]`` is the number of the segment on which half-edge e
+lies, -1 for none; ``corner[v]`` is one half-edge e with ``vertex[e] == v``, from which the star of v can be
+traversed. A segment a b is inserted in three steps:
 
 1. *Aim*: turn through the star of a to the triangle that the ray to b enters, or to an edge along it.
-2. *March* through the triangles that the segment crosses, up to the first vertex on it (b, or a vertex
-   that happens to lie there: the segment is then in parts). The sides of these triangles that are not
-   crossed form one chain above and one below.
-3. *Fill* both pseudo-polygons with their constrained Delaunay triangles (`filling2`): on the base V_i V_j
-   stands the vertex of the chain between whose circle holds no other; so on, on the two new bases.
+2. *March* through the triangles that the segment crosses, up to the first vertex on it. This is b, or a
+   vertex that happens to lie on the segment, which then consists of several parts. The sides of these
+   triangles that are not crossed form one chain above the segment and one below.
+3. *Fill* both polygons with their constrained Delaunay triangles (`filling`): the apex over the base V_i V_j
+   is the vertex of the chain between them whose circle contains no other; then the two new bases are treated.
 
-Why the third step is right: every vertex of a chain was joined to the other side by an edge across
-the segment. This straight edge runs within the polygon, so it crosses every base that is set between
-its vertex and the segment: each vertex stays strictly on the left of the base below it, and among
-the circles through the two ends of a base there is a least one. A chain may pass a vertex, or both sides
-of an edge, twice (a dangling edge): its tip then lies in the triangle of that vertex and the segment,
-so the vertex is never chosen before the tip. Outside the two polygons nothing changes, and edges that
-were constrained Delaunay stay so, as a new segment can only hide vertices.
+Why the third step is correct: every vertex of a chain was joined to the other side by an edge across the
+segment. This straight edge runs within the polygon, so it crosses every base between its vertex and the
+segment. Each vertex stays strictly on the left of the base below it, and among the circles through the two
+ends of a base there is a smallest one. A chain may pass a vertex, or both sides of an edge, twice (a dangling
+edge). Its tip then lies in the triangle of that vertex and the segment, so the vertex is never chosen before
+the tip. Outside the two polygons nothing changes, and edges that were constrained Delaunay remain so, because
+a new segment can only hide vertices.
 
 Book: 2.5.
 """
@@ -36,12 +37,16 @@ __all__ = [
     "find_edge", "insert_segments", "mark_present",
 ]  # fmt: skip
 
-CROSSES, OVERLAPS, LOST, LEAVES = 8, 9, 10, 11  # how `insert_segments` ends, besides DONE
+# How `insert_segments` ends, if not with DONE.
+CROSSES = 8  # a segment crosses another one
+OVERLAPS = 9  # a segment overlaps another one
+LOST = 10  # the star of an end has no triangle in the direction of the other end
+LEAVES = 11  # a segment leaves the mesh
 
 
 @lean
 def fill_corners(vertex, slots, corner):
-    """For each vertex one slot that shows it."""
+    """For each vertex one half-edge opposite it."""
     for e in range(slots):
         if vertex[e] >= 0:
             corner[vertex[e]] = e
@@ -49,7 +54,7 @@ def fill_corners(vertex, slots, corner):
 
 @lean
 def carriers(vertex, mark, slots, ends, where):
-    """For each segment that is one edge the half-edge that runs along it; how many half-edges are marked."""
+    """For each segment that is one edge the half-edge that runs along it; return how many are marked."""
     marked = 0
     for t in range(slots // 3):
         for k in range(3):
@@ -63,7 +68,7 @@ def carriers(vertex, mark, slots, ends, where):
 
 @inline
 def turn(twin, e):
-    """The next triangle counterclockwise about ``vertex[e]``: its slot of that vertex."""
+    """The half-edge opposite ``vertex[e]`` in the next triangle counterclockwise about that vertex."""
     return next_edge(np.int64(twin[next_edge(e)]))
 
 
@@ -88,9 +93,10 @@ def absent(vertex, twin, corner, ends, missing):
 
 @lean
 def mark_present(vertex, twin, mark, corner, ends, where, missing):
-    """Mark the segments that are edges; DONE and how many are left, or two equal ones, the second first.
+    """Mark the segments that are edges; return DONE and how many are left, or the code and two equal ones.
 
-    ``missing`` tells which are left, ``where`` has the half-edges along the others.
+    Of two equal segments the second comes first. ``missing`` says which segments are not edges, ``where`` has
+    the half-edges along the others.
     """
     left = 0
     for i in range(len(ends)):
@@ -108,7 +114,7 @@ def mark_present(vertex, twin, mark, corner, ends, where, missing):
 
 @lean
 def aim(xy, vertex, twin, corner, a, b):
-    """Where the ray from a to b leaves a: (e, 0) within the triangle of slot e, (e, 1) along half-edge e.
+    """How the ray from a to b leaves a: (e, 0) within the triangle of half-edge e, (e, 1) along half-edge e.
 
     If b is next to a, that is the edge between them, found without signs.
 
@@ -140,11 +146,11 @@ def aim(xy, vertex, twin, corner, a, b):
 
 @inline
 def march(w, e, a, b):
-    """Cross triangles from slot e at a towards b, up to the first vertex on the line.
+    """Cross triangles from half-edge e, opposite a, towards b, up to the first vertex on the line.
 
-    Returns the lengths of both chains, and -1; or, as the last value, the half-edge that is in the way: that
-    of an earlier segment, or one with a ghost behind it. Of a chain the half-edges within the crossed
-    triangles are noted, from a on.
+    Returns the lengths of both chains, and -1 or the half-edge that is in the way: that of an earlier
+    segment, or one with a ghost beyond it. The chains are recorded as their half-edges within the crossed
+    triangles, from a on.
     """
     vertex, left, right, cells = w.vertex, w.left, w.right, w.cells
     cells[0] = e // 3
@@ -171,7 +177,7 @@ def march(w, e, a, b):
 
 @inline
 def replace(w, above, below, i, patience):
-    """Fill what is above and below segment i after a march, and mark it; its half-edge, from a on."""
+    """Fill both polygons of segment i after a march, and mark it; return its half-edge, which starts at a."""
     vertex, twin, mark, cells, right = w.vertex, w.twin, w.mark, w.cells, w.right
     for k in range(below // 2):  # the lower polygon is on the left of b a
         right[k], right[below - 1 - k] = right[below - 1 - k], right[k]
@@ -194,10 +200,10 @@ def replace(w, above, below, i, patience):
 
 @lean
 def insert_segments(w, ends, order, crossed, patience):
-    """Insert the segments ``order``; (DONE, -1, -1), or why not, the segment, and the other one.
+    """Insert the segments ``order``; return (DONE, -1, -1), or the reason, the segment, and the other one.
 
-    ``crossed[i]`` gets the number of triangles that segment i crossed; ``patience``: tests of a corner, per
-    corner, after which `fill` cuts ears.
+    ``crossed[i]`` gets the number of triangles that segment i crossed; after ``patience``
+    circle tests per corner, `fill` cuts ears.
     """
     vertex, twin, mark = w.vertex, w.twin, w.mark
     for i in order:

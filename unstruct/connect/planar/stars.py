@@ -1,17 +1,16 @@
-"""Stars of vertices, compiled: what they are worth, where is a better place, which swaps a move asks for.
+"""Stars of vertices, compiled: their quality, better places for a vertex, and the swaps after a move.
 
-The arrays are those of `planar`: ``vertex``, ``twin``, ``mark`` and, for each vertex, ``at``: a half-edge
-that is opposite to it. A marked edge is never crossed, so ``twin`` may be -1 there and the same kernels serve
-a mesh without ghosts. A vertex may move where no marked edge ends at it; then the half-edges opposite to it
-close up to its star, which is looked at through a list of the places around it: nothing else is needed to
-judge where the vertex is to go.
+The arrays are those of `PlanarComplex`: ``vertex``, ``twin``, ``mark`` and, for each vertex, ``at``, a
+half-edge opposite it. A marked edge is never crossed, so ``twin`` may be -1 there, and the same kernels serve
+a mesh without ghosts. A vertex may move if no marked edge ends at it. The half-edges opposite it then close
+around its star. A list of the places around the vertex is all that is needed to judge where it should go.
 
-A triangle is measured by 2 r / R (r inradius, R circumradius), 1 where it is equilateral, or, where a
-vertex is looked at in a fraction of a microsecond, by its *fairness*, 4 sqrt(3) area / (a^2 + b^2 + c^2),
-which near 1 falls as 2 r / R does, and takes no roots. Beside it the sine of the least angle is watched,
-which may not fall while it is below that of 30 degrees: a triangle may become rounder and have a smaller
-least angle. Every place is judged by exact signs: all triangles of the star stay counterclockwise, or it is
-refused. Book: 2.6c, 2.6d.
+A triangle is measured by 2 r / R (r inradius, R circumradius), which is 1 if it is equilateral, or, where a
+vertex must be judged in a fraction of a microsecond, by its *fairness*, 4 sqrt(3) area / (a^2 + b^2 + c^2).
+Near 1 this decreases as 2 r / R does, and it needs no roots. In addition, the sine of the minimum angle must
+not decrease while it is below that of 30 degrees, because a triangle may become rounder although its minimum
+angle becomes smaller. Every place is judged by exact signs: it is refused unless all triangles of the star
+stay counterclockwise. Book: 2.6c, 2.6d.
 """
 
 from __future__ import annotations
@@ -26,13 +25,17 @@ from ...base.jit import inline, lean
 from ...predicates.kernels import incircle, orient2
 from ..insertion.halfedges import end_of, next_edge, prev_edge, start_of
 
-FAIRNESS, ROUNDNESS = 0, 1  # how stars are judged: by fairness and sine, or by the least 2 r / R alone
+FAIRNESS = 0  # stars are judged by fairness and sine
+ROUNDNESS = 1  # stars are judged by the smallest 2 r / R alone
 TWICE_ROOT3 = 2.0 * sqrt(3.0)
 EASY = 0.77  # beyond it every angle is above 30 degrees: the extreme triangle has angles of 30, 75 and 75
-SAFE = 0.25  # the squared sine of 30 degrees: a least angle beyond it may become smaller
-GIVE = 1e-6  # the least gain of fairness for which a vertex is moved
-FAIR = 0.85  # a triangle beyond it may become less fair if the others of its star gain more
-CERTAIN, TINY_AREA = 1e-9, 1e-280  # twice the area by the sum of squared edges: far beyond the filter's error
+SAFE = 0.25  # the squared sine of 30 degrees: a minimum angle above it may become smaller
+GIVE = 1e-6  # the smallest gain of fairness for which a vertex is moved
+FAIR = 0.85  # a triangle above it may become less fair if the others of its star gain more
+# Twice an area is certainly positive if it exceeds CERTAIN times the sum of the squared edges plus TINY_AREA:
+# this is far above the error of the filter.
+CERTAIN = 1e-9
+TINY_AREA = 1e-280
 COMPASS = (
     (1.0, 0.0),
     (0.7, 0.7),
@@ -46,7 +49,7 @@ COMPASS = (
 
 
 class Stars(NamedTuple):
-    """The arrays of a triangulation whose vertices are moved, and what a look at a star is written into."""
+    """The arrays of a triangulation whose vertices are moved, and scratch for one star."""
 
     xy: NDArray[np.float64]
     vertex: NDArray[np.int32]
@@ -54,11 +57,11 @@ class Stars(NamedTuple):
     mark: NDArray[np.int32]
     where: NDArray[np.int32]
     at: NDArray[np.int32]
-    still: NDArray[np.bool_]  # per vertex: it may not move
+    still: NDArray[np.bool_]  # whether each vertex must not move
     ring: NDArray[np.int32]  # half-edges opposite the vertex
-    places: NDArray[np.float64]  # (., 2) where they begin
-    stack: NDArray[np.int32]  # half-edges to be looked at after a move
-    counts: NDArray[np.int64]  # what happened
+    places: NDArray[np.float64]  # (., 2) the points where these half-edges begin
+    stack: NDArray[np.int32]  # half-edges to be tested after a move
+    counts: NDArray[np.int64]  # how often each kind of event happened
 
 
 # --- swaps ----------------------------------------------------------------------------------------
@@ -66,7 +69,7 @@ class Stars(NamedTuple):
 
 @lean
 def opposite_half_edges(vertex, region, count, at):
-    """For each vertex of the triangles that have a region a half-edge opposite to it; -1 for the others."""
+    """For each vertex of a triangle that has a region a half-edge opposite it; -1 for the others."""
     at[:] = -1
     for t in range(count):
         if region[t] >= 0:
@@ -109,7 +112,10 @@ def flip_edge(vertex, twin, mark, where, at, e):
 
 @lean
 def legalize(xy, vertex, twin, mark, where, at, stack, depth):
-    """Swap the half-edges on the stack, and what follows, until all are locally Delaunay; how many."""
+    """Swap half-edges on the stack, and those affected, until all are locally Delaunay; return how many.
+
+    Returns -1 if the stack is full; the work must then be repeated.
+    """
     flips = 0
     while depth > 0:
         depth -= 1
@@ -127,7 +133,7 @@ def legalize(xy, vertex, twin, mark, where, at, stack, depth):
                 stack[depth], stack[depth + 1] = e, prev_edge(e)
                 stack[depth + 2], stack[depth + 3] = o, prev_edge(o)
                 depth += 4
-            else:  # rather begin anew than leave an edge unseen
+            else:  # begin again rather than leave an edge untested
                 return -1
     return flips
 
@@ -140,10 +146,10 @@ def touched(vertex, t, moved):
 
 @lean
 def legalize_moved(stars, region, count, moved):
-    """Swap the diagonals that moves of all these vertices ask for; how many."""
+    """Swap the diagonals that the moves of all these vertices require; return how many."""
     vertex, twin, mark, stack = stars.vertex, stars.twin, stars.mark, stars.stack
     flips, full = 0, True
-    while full:  # again where more waits than the stack holds: hardly ever
+    while full:  # repeated if the stack was too short, which is rare
         full = False
         for t in range(count):
             if region[t] < 0 or not touched(vertex, t, moved):
@@ -161,7 +167,7 @@ def legalize_moved(stars, region, count, moved):
 
 @inline
 def star_of(xy, vertex, twin, first, ring, places):
-    """The half-edges opposite a vertex, counterclockwise from ``first``; how many, k.
+    """Write the half-edges opposite a vertex, counterclockwise from ``first``; return their number k.
 
     ``places[:k + 1]`` gets the points where they begin, the first one once more at the end.
     """
@@ -178,7 +184,7 @@ def star_of(xy, vertex, twin, first, ring, places):
 
 @inline
 def measures(ax, ay, bx, by, cx, cy):
-    """2 r / R of a counterclockwise triangle, and the squared sine of its least angle."""
+    """2 r / R of a counterclockwise triangle, and the squared sine of its minimum angle."""
     ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
     double = ux * (cy - ay) - uy * (cx - ax)
     u, v, w = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
@@ -191,10 +197,10 @@ def measures(ax, ay, bx, by, cx, cy):
 
 @inline
 def star_measures(places, k, x, y, floor, judge):
-    """The least quality and squared sine, and the sum of the qualities, in a star put at (x, y).
+    """The smallest quality and squared sine, and the sum of the qualities, in a star with its vertex at x, y.
 
-    -1 for all where a triangle is not counterclockwise, or its quality not above ``floor``. The sine is 1
-    where it does not matter.
+    All three are -1 if a triangle is not counterclockwise or its quality is not above ``floor``. The sine is
+    1 if it does not matter.
     """
     least, sine, total = 2.0, 1.0, 0.0
     ux, uy = places[0, 0] - x, places[0, 1] - y
@@ -205,7 +211,7 @@ def star_measures(places, k, x, y, floor, judge):
         v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
         around, below = u + v + w, u * v * w
         if (
-            double <= CERTAIN * around + TINY_AREA  # else the filter of the predicate would be satisfied, too
+            double <= CERTAIN * around + TINY_AREA  # otherwise the sign is certain
             and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
         ):
             return -1.0, -1.0, -1.0
@@ -216,7 +222,7 @@ def star_measures(places, k, x, y, floor, judge):
                 quality = 4.0 * double * double / ((a + b + c) * a * b * c)
             else:
                 quality = TWICE_ROOT3 * double / around
-                # the sine opposite the shortest side is twice the area by the product of the other two
+                # the sine opposite the shortest side is twice the area over the product of the other two
                 angle = double * double * min(u, min(v, w)) / below if quality < EASY else 1.0
         if quality <= floor:
             return -1.0, -1.0, -1.0
@@ -228,7 +234,7 @@ def star_measures(places, k, x, y, floor, judge):
 
 @inline
 def floor_for(least, judge):
-    """What all triangles of a star must be above to be preferred to a star of this least quality."""
+    """The bound above which all triangles of a star must be, to replace a star of this smallest quality."""
     if judge == ROUNDNESS:
         return least
     return least + GIVE if least < FAIR else FAIR
@@ -236,9 +242,9 @@ def floor_for(least, judge):
 
 @inline
 def better(new, old, judge):
-    """Whether a star with the measures ``new``, for `floor_for` the old ones, is to be preferred.
+    """Whether a star with the measures ``new``, computed with `floor_for` the old ones, is to be preferred.
 
-    Where the worst triangle is poor, it must become better; where all are fair, the sum of fairness.
+    If the worst triangle is poor, it must become better; if all are fair, the sum of fairness must increase.
     """
     if new[0] < 0.0:
         return False
@@ -249,7 +255,7 @@ def better(new, old, judge):
 
 @lean
 def search(places, k, x, y, old, judge):
-    """A better place for a star by pattern search: eight directions, steps that are halved."""
+    """A better place for the vertex of a star, by pattern search in eight directions with halved steps."""
     step = 0.25 * sqrt((places[0, 0] - x) ** 2 + (places[0, 1] - y) ** 2)
     smallest = step / 64.0
     while step > smallest:
@@ -266,7 +272,7 @@ def search(places, k, x, y, old, judge):
 
 @lean
 def swap_around(stars, k):
-    """Swap the diagonals that a move of the vertex inside the ring asks for; how many."""
+    """Swap the diagonals that a move of the vertex inside the ring requires; return how many."""
     ring, stack = stars.ring, stars.stack
     depth = 0
     for i in range(k):
