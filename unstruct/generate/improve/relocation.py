@@ -1,9 +1,9 @@
 """Local improvement of a planar triangulation, compiled: smart Laplace steps, pattern search, and a survey.
 
 The arrays are those of `PlanarComplex` and of `Stars`. ``still[v]`` says that vertex v must not move: it lies
-on a constrained edge, is a given point, or is outside. ``todo[v]`` says that v is to be looked at, so that the
-cost depends on the number of poor triangles and not on the number of all. ``moved[v]`` says that v has been
-moved. Book: 2.6c.
+on a constrained edge, is a given point, or is outside. ``todo[v]`` says that v is to be looked at, so that
+the cost depends on the number of poor triangles and not on the number of all. ``moved[v]`` says that v has
+been moved. Book: 2.6c.
 """
 
 from __future__ import annotations
@@ -71,7 +71,10 @@ def improve(stars, todo, moved, threshold, patterns, start, stop):
 
 @lean
 def look_for(xy, vertex, region, count, threshold, among, todo):
-    """Put triangles with a corner ``among`` these and 2 r / R below the threshold on the list, by corners."""
+    """Put the corners of triangles with 2 r / R below the threshold on the list ``todo``.
+
+    Only triangles that have at least one corner ``among`` these vertices are looked at.
+    """
     for t in range(count):
         if region[t] >= 0 and touched(vertex, t, among):
             a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]

@@ -123,9 +123,9 @@ def voronoi_segment(
 
     All signs that decide the topology are exact. Triangles are taken by R / f from buckets of half an octave
     of its square, first in, first out. It takes O(n) after the boundary is triangulated. No point is inserted
-    nearer than 0.7 f to a vertex that it would be joined to, so that the number of points is bounded. Sources:
-    S. Rebay, Journal of Computational Physics 106 (1993) 125-138; L. P. Chew, Symposium on Computational
-    Geometry (1993) 274-280. Book: 2.6c.
+    nearer than 0.7 f to a vertex that it would be joined to, so that the number of points is bounded.
+    Sources: S. Rebay, Journal of Computational Physics 106 (1993) 125-138; L. P. Chew, Symposium on
+    Computational Geometry (1993) 274-280. Book: 2.6c.
     """
     rule = rule_of(accept, evaluate, order, priority, split_boundary)
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
