@@ -107,7 +107,7 @@ def test_spiky_regions() -> None:
     for seed in range(SPIKY):
         domain = spiky(seed)
         mesh = voronoi_segment(domain, size_of(domain, [0.03, 0.06, 0.1, 0.2][seed % 4]))
-        worst_raw = min(worst_raw, mesh.figures["least angle before"])
+        worst_raw = min(worst_raw, mesh.figures["minimum angle before"])
         worst = min(worst, least_angle_beside_listed(mesh))
         listed = [float(why.split()[2].rstrip("°")) for why in mesh.reasons if why.startswith("input")]
         assert len(listed) == len(mesh.reasons) and max(listed, default=0.0) < 60.0
@@ -138,7 +138,7 @@ def test_far_from_the_origin() -> None:
     shifted = Domain(lake().points + 1e6, lake().facets)
     mesh = voronoi_segment(shifted, 0.1)
     assert check(mesh, domain=shifted, delaunay="constrained")
-    assert mesh.figures["least angle after"] > 30
+    assert mesh.figures["minimum angle after"] > 30
 
 
 def test_powers_of_two_change_nothing() -> None:
@@ -458,10 +458,10 @@ def test_large_and_uniform() -> None:
     size = np.sqrt(4 / ROOT3 / 1e5)
     mesh = voronoi_segment(Domain.rectangle(), size)
     assert abs(mesh.size - 1e5) < 2000 and mesh.complete
-    assert mesh.figures["mean 2r/R after"] >= 0.998 and mesh.figures["least angle after"] >= 35
-    assert mesh.figures["mean 2r/R before"] >= 0.997 and mesh.figures["least angle before"] >= 30
+    assert mesh.figures["mean 2r/R after"] >= 0.998 and mesh.figures["minimum angle after"] >= 35
+    assert mesh.figures["mean 2r/R before"] >= 0.997 and mesh.figures["minimum angle before"] >= 30
     np.testing.assert_allclose(mesh.quality("2r/R").mean(), mesh.figures["mean 2r/R after"])
-    np.testing.assert_allclose(mesh.quality("min_angle").min(), mesh.figures["least angle after"])
+    np.testing.assert_allclose(mesh.quality("min_angle").min(), mesh.figures["minimum angle after"])
     assert check(mesh, delaunay="constrained")
 
 
@@ -470,7 +470,7 @@ def test_large_and_graded() -> None:
         Domain.disc((0.5, 0.5), 0.5), lambda x: 0.0004 + 0.1 * np.hypot(*(x - (0.4, 0.6)).T)
     )
     assert mesh.complete and mesh.figures["mean 2r/R after"] >= 0.98
-    assert mesh.figures["least angle after"] >= 32
+    assert mesh.figures["minimum angle after"] >= 32
 
 
 # --- parts -----------------------------------------------------------------------------------------

@@ -567,7 +567,7 @@ def test_a_curve_that_has_no_point() -> None:
             return np.column_stack([t, y])
 
     domain = Domain(SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0]], curves={0: Broken()})
-    with pytest.raises(InputError, match="piece 0 is not finite at parameter"):
+    with pytest.raises(InputError, match="piece 0 has no finite point at parameter"):
         refine(domain, max_area=1e-5)
 
 

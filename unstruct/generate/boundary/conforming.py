@@ -1,12 +1,13 @@
-"""Boundary-conforming Delaunay triangulation: midpoints until every subsegment is an edge by itself.
+"""Boundary-conforming Delaunay triangulation: every subsegment becomes an edge by midpoints.
 
-A subsegment that is in no Delaunay triangulation of the vertices gets a new vertex in its middle (on the
-true curve, for curved pieces), and so on with the halves. Vertices make subsegments missing, never present:
-so each of these splits must happen in any order, and the result depends on the domain only. It exists for
-domains in which the pieces at each vertex leave a gap of 180 degrees; elsewhere midpoints may go on for
-ever (`fans`). Then *concentric shells* help: at an apex, a vertex where pieces meet at less than 60 degrees,
-split at distances that are powers of two. Pieces of equal length never cut each other, and the first vertex
-on each piece keeps its distance from the apex: so shells at all apices always end.
+A subsegment that is in no Delaunay triangulation of the vertices is called *missing*. It receives a new
+vertex in its middle (for a curved piece on the true curve), and the same is done with its halves. A new
+vertex can make subsegments missing, but never present. So each of these splits is needed in any order, and
+the result depends on the domain only. It exists if the pieces at each vertex leave a gap of 180 degrees.
+Otherwise midpoints may never end (see `fans`), and *concentric shells* help: at an apex, a vertex where
+pieces meet at less than 60 degrees, pieces are split at distances that are powers of two. Pieces of equal
+length never cut each other, and the first vertex on each piece keeps its distance from the apex; therefore
+shells at all apices always end.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585 (midpoints, shells, lower bounds on lengths); H.
 Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-213 (how many points it may take).
@@ -34,24 +35,24 @@ from .midpoints import GABRIEL, MISSING, pick, split_all
 
 __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
-SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, for rounding would bend them
+SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, as rounding would bend them
 JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
-DEEP = 12  # halvings next to an apex, after which shells="auto" turns to shells there
-SPLITS_A_CALL = 100_000  # splits a kernel call: a fraction of a second
-SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment stays
-TOO_SHORT, TOO_CLOSE = "it is shorter than 2^-40 of the extent", "a split would touch or cross another piece"
-SHARP = (
-    0.5000000000000001  # the cosine, rounded up: pieces at 60 degrees or more cannot cut each other for ever
-)
+DEEP = 12  # shells="auto" turns to shells at an apex after this many halvings next to it
+SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
+SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment is not split
+TOO_SHORT = "it is shorter than 2^-40 of the extent"
+TOO_CLOSE = "a split would touch or cross another piece"
+# The cosine of 60 degrees, rounded up: pieces that meet at 60 degrees or more cannot cut each other for ever.
+SHARP = 0.5000000000000001
 
 
 class Conforming(DomainMesh):
-    """A boundary-conforming Delaunay mesh, with the account of how it came about.
+    """A boundary-conforming Delaunay mesh, with the account of how it was made.
 
     Parameters
     ----------
     mesh : DomainMesh
-        What was reached; the other parameters become the attributes below.
+        The mesh that was reached. The other parameters become the attributes below.
 
     Attributes
     ----------
@@ -64,12 +65,12 @@ class Conforming(DomainMesh):
     rounds : (r,) int64
         How many points each round added.
     added : (f + g,) int64
-        How many points were put on each piece of the domain, beyond those of its first cutting.
+        How many points were put on each piece of the domain, beyond those by which it was cut at first.
     apices : (k,) int32
         Vertices of the domain around which pieces were split on shells.
     endless : (k,) int32
-        Vertices of the domain, among the first 5000 in question, at which midpoints alone provably never
-        end (`never_ends`).
+        Vertices of the domain at which midpoints alone provably never end (`never_ends`). At most 5000
+        vertices are tested.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ def conforming_delaunay(
     budget: int | None = None,
     progress: bool = False,
 ) -> Conforming:
-    """A Delaunay triangulation of a domain's vertices and of points on its pieces that shows every piece.
+    """A Delaunay triangulation in which each piece of a domain is a chain of edges, by new points on pieces.
 
     Parameters
     ----------
@@ -107,21 +108,24 @@ def conforming_delaunay(
         Cut the pieces by a size first; see `Domain.sampled`.
     test : {"missing", "gabriel"}
         Split subsegments that are in no Delaunay triangulation of the vertices; or, more cautiously, those
-        with a vertex inside their diametral circle (then all later points outside of these leave them alone).
+        with a vertex inside their diametral circle. After the second test all subsegments remain edges,
+        whatever points are added later outside of their diametral circles.
     shells : bool or "auto"
         Whether pieces that meet at less than 60 degrees are split on concentric shells about their vertex
-        instead of in the middle. "auto": where midpoints provably never end, or have not after 12 halvings.
+        instead of in the middle. "auto" does so where midpoints provably never end, or have not ended after
+        12 halvings.
     budget : int, optional
-        The most new points; by default 10,000 and 5 for each subsegment.
+        The largest number of new points; by default 10,000 and 5 more for each subsegment.
     progress : bool
         Show the number of new points.
 
     Returns
     -------
     Conforming
-        A `DomainMesh`. Not ``complete`` where a budget, a length of 2^-40 of the extent, or a neighbor too
-        close to be avoided stopped a split: then ``missing`` and ``why`` tell where, ``unrefined`` holds the
-        cells beside, and the mesh is the constrained Delaunay triangulation.
+        A `DomainMesh`. It is not ``complete`` if a subsegment could not be split: the budget was spent, the
+        subsegment was shorter than 2^-40 of the extent, or another piece was too close. Then ``missing`` and
+        ``why`` say where and why, ``unrefined`` lists the cells beside these subsegments, and the mesh is the
+        constrained Delaunay triangulation.
 
     Raises
     ------
@@ -130,9 +134,10 @@ def conforming_delaunay(
 
     Notes
     -----
-    Exact tests; points are rounded, and a split that would then touch or cross another piece is refused. Of
-    several Delaunay triangulations (ties) one that shows the pieces is taken. A round costs the subsegments
-    that it touched. Proofs of termination are for straight pieces. Book: 2.4b.
+    Tests are exact. Points are rounded, and a split that would then touch or cross another piece is refused.
+    If there are several Delaunay triangulations (ties), one in which the pieces are edges is taken. The time
+    of a round is proportional to the subsegments that the round before touched. Termination is proved for
+    straight pieces. Book: 2.4b.
     """
     if test not in ("missing", "gabriel"):
         raise InputError(f"test = {test!r} must be 'missing' or 'gabriel'")
@@ -154,7 +159,7 @@ def conform(
     budget: int | None = None,
     progress: bool = False,
 ) -> ConformingRun:
-    """`conforming_delaunay` for a complex that stands already, in place."""
+    """`conforming_delaunay` in place, for a complex that has been made already."""
     run = ConformingRun(domain, complex_, test, shells, budget)
     with progress_bar(progress, "", desc="splits") as bar:
         while len(run.queue):
@@ -163,7 +168,7 @@ def conform(
 
 
 class ConformingRun:
-    """One run: the queue of subsegments to be looked at, and what has been found out."""
+    """One run: the queue of subsegments to be looked at, and what has been found about them."""
 
     def __init__(
         self, domain: Domain, complex_: PlanarComplex, test: str, shells: bool | str, budget: int | None
@@ -175,9 +180,7 @@ class ConformingRun:
         self.curved[list(domain.curves)] = True
         self.start = complex_.size
         self.queue = np.arange(complex_.segments, dtype=np.int32)
-        self.why = np.zeros(
-            complex_.segments, dtype=np.int8
-        )  # why a subsegment was not split when it was to be
+        self.why = np.zeros(complex_.segments, dtype=np.int8)  # why a failing subsegment was not split
         self.made: list[int] = []
         self.added = np.zeros(len(domain.pieces), dtype=np.int64)
         xy = complex_.xy[: self.start]
@@ -193,7 +196,7 @@ class ConformingRun:
         self.used = np.zeros(len(domain.points), dtype=bool)
 
     def round(self) -> int:
-        """Split what fails the test among the queue; the next queue is what that touched."""
+        """Split the subsegments of the queue that fail the test; those touched by it are the next queue."""
         c = self.complex
         chosen = np.empty(len(self.queue), dtype=np.int32)
         rows = chosen[: pick(c.xy, c.vertex, c.twin, c.where, self.queue, self.test, chosen)]
@@ -212,7 +215,7 @@ class ConformingRun:
         return len(rows)
 
     def _split(self, rows: NDArray[np.int32]) -> None:
-        """Split these subsegments, in chunks, so that Ctrl-C is heard."""
+        """Split these subsegments in chunks; Ctrl-C works between chunks."""
         c, before = self.complex, self.complex.size
         points, t = self._places(rows)
         c.reserve(c.size + len(rows), c.segments + len(rows))
@@ -230,7 +233,7 @@ class ConformingRun:
         self.queue = touched[:count].copy()
 
     def _places(self, rows: NDArray[np.int32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Where to split: midpoints, or shells where an end is an apex; and the parameters there."""
+        """Where to split: at the midpoint, or on a shell if an end is an apex; and the parameters there."""
         c, n = self.complex, len(self.domain.points)
         ends, span, piece = c.ends[rows], c.span[rows], c.piece[rows]
         a, b = c.xy[ends[:, 0]], c.xy[ends[:, 1]]
@@ -276,7 +279,7 @@ class ConformingRun:
         return np.bincount(self.domain.pieces.ravel(), minlength=len(self.domain.points))
 
     def failing(self) -> NDArray[np.int32]:
-        """All subsegments that fail the test now."""
+        """All subsegments that fail the test at present."""
         c = self.complex
         chosen = np.empty(c.segments, dtype=np.int32)
         every = np.arange(c.segments, dtype=np.int32)
@@ -290,7 +293,7 @@ class ConformingRun:
         why = np.array([text.get(code, "") for code in range(4)])[self.why[failing]]
         half = c.where[failing].astype(np.int64)
         slots = np.concatenate([half // 3, c.twin[half] // 3])
-        reasons = np.tile(np.char.add("a subsegment beside it stays: ", why), 2)
+        reasons = np.tile(np.char.add("a subsegment beside it was not split: ", why), 2)
         kept = c.region[slots] >= 0
         slots, first = np.unique(slots[kept], return_index=True)
         counts = {"rounds": len(self.made), "splits": sum(self.made), "missing": len(failing)}
@@ -309,7 +312,7 @@ class ConformingRun:
 
 
 def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray, NDArray]:
-    """Vertices at which pieces meet at less than 60 degrees; and those where midpoints provably never end."""
+    """Vertices at which pieces meet at less than 60 degrees, and those at which midpoints never end."""
     n, ends = len(domain.points), c.ends[: c.segments]
     tail = np.concatenate([ends[:, 0], ends[:, 1]])
     head = np.concatenate([ends[:, 1], ends[:, 0]])
@@ -326,7 +329,7 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     length = np.linalg.norm(d, axis=1)
     sharp = (dot > SHARP * length * length[following]) & (following != np.arange(len(tail)))
     candidates = np.unique(tail[sharp]).astype(np.int32)
-    # next to a gap of 180 degrees nothing can be missing for ever
+    # at a vertex with a gap of 180 degrees no subsegment stays missing for ever
     gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
     suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
     endless = []

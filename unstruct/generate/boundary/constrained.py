@@ -1,10 +1,11 @@
 """Constrained Delaunay triangulation of a planar domain: every segment is an edge.
 
-A triangulation that holds given segments is *constrained Delaunay* where no circle of a triangle holds a
-vertex that is visible from within the triangle, the segments being opaque. It is enough (and what `check`
-tests) that no edge but those of segments has the far corner of one triangle inside the circle of the
-other. We make the Delaunay triangulation of all points, insert one segment after the other (`segments2`),
-then flood the inside from the ghosts beyond the hull. See the book, 2.5.
+A triangulation that contains given segments is called *constrained Delaunay* if the circle of no triangle
+contains a vertex that is visible from within the triangle, the segments being opaque. A local test is enough,
+and `check` uses it: except at segments, the far corner of one triangle beside an edge is not inside the
+circle of the other. We make the Delaunay triangulation of all points, insert one segment after the other
+(`connect.planar.inserting`), and then find the inside by flooding from the ghosts beyond the hull. See the
+book, 2.5.
 """
 
 from __future__ import annotations
@@ -31,33 +32,31 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     hull : bool
         Whether to mesh the whole convex hull and ignore holes; then ``domain.facets`` may be empty.
     progress : bool
-        Show a bar while segments go in.
+        Show a bar while segments are inserted.
 
     Returns
     -------
     DomainMesh
-        Without ``hull`` vertices in holes or beyond the boundary are not in the mesh; ``origin`` tells which
-        vertex of the domain each one is. Markers "facets" and "inner", those of the domain, and "region":
-        cells in a part with a named seed have the place of the name in ``domain.regions``, those of the
-        other connected parts further numbers, one for each part.
+        Without ``hull`` the vertices in holes or beyond the boundary are not in the mesh. ``origin`` says
+        which vertex of the domain each vertex is. The markers are "facets", "inner", those of the domain, and
+        "region". In "region" a cell of a part with a named seed has the place of the name in
+        ``domain.regions``; cells of the other connected parts have further numbers, one for each part.
 
     Raises
     ------
     InputError
-        Equal vertices, exponents too wide for one scale; facets that bound no area; a seed on a segment,
-        outside, or in one part with a seed of another name.
-    InputError
-        Segments that cross or overlap (a `Domain` refuses them earlier).
+        For equal vertices, and for exponents too wide for one scale. For facets that bound no area. For a
+        seed that is on a segment, outside, or in the same part as a seed of another name. For segments that
+        cross or overlap (a `Domain` refuses them earlier).
 
     Notes
     -----
     Exact for any scaled doubles. A vertex on a segment splits it; both parts keep its number in ``piece``.
     Ties (four points on a circle) are decided by the Delaunay triangulation of the vertices, the same for the
-    same input. After the O(n) practice of `delaunay`, a segment that crosses k triangles takes O(k log k) in
-    practice, rows of points along it included. Sources: D. T. Lee, A. K. Lin, Discrete & Computational
-    Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108; M. V. Anglada, Computers & Graphics
-    21 (1997) 215-223.
-    Book: 2.5.
+    same input. The Delaunay triangulation takes O(n) in practice (`delaunay`); then a segment that crosses k
+    triangles takes O(k log k) in practice, also if rows of points lie along it. Sources: D. T. Lee,
+    A. K. Lin, Discrete & Computational Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108;
+    M. V. Anglada, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
     """
     sampled = as_domain(domain).sampled()
     complex_ = complex_of(domain, sampled, hull=hull, progress=progress)
@@ -75,12 +74,12 @@ def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) 
     size : number, function (k, 2) -> (k,), or size field, optional
         The wanted length of subsegments; see `Domain.sampled`.
     progress : bool
-        Show a bar while segments go in.
+        Show a bar while segments are inserted.
 
     Returns
     -------
     PlanarComplex
-        Regions flooded, as told in `constrained_delaunay`, which see for errors and sources.
+        Its triangles are numbered by regions. For regions, errors and sources see `constrained_delaunay`.
     """
     return complex_of(domain, domain.sampled(size), progress=progress)
 
@@ -88,17 +87,17 @@ def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) 
 def complex_of(
     domain: Domain, sampled: Sampled, *, hull: bool = False, progress: bool = False
 ) -> PlanarComplex:
-    """`planar_complex` for pieces that are cut already.
+    """`planar_complex` for pieces that have been cut already.
 
     Parameters
     ----------
     domain : Domain
     sampled : Sampled
-        As `Domain.sampled` gives it; further points may follow.
+        The result of `Domain.sampled`; further points may follow.
     hull : bool
         Whether everything within the convex hull is inside.
     progress : bool
-        Show a bar while segments go in.
+        Show a bar while segments are inserted.
 
     Returns
     -------
@@ -106,14 +105,8 @@ def complex_of(
     """
     facets = len(domain.facets)
     if not facets and not hull:
-        raise InputError("the domain has no facets, so nothing is inside: give some, or take hull=True")
+        raise InputError("the domain has no facets, so nothing is inside: give facets, or use hull=True")
     complex_ = PlanarComplex(sampled.points, progress=progress)
     insert_all(complex_, sampled.ends, sampled.piece, sampled.span, facets=facets, progress=progress)
     mark_regions(complex_, facets, domain.regions, hull)
     return complex_
-
-
-# ---------------------------------------------------------------------- segments
-
-
-# ---------------------------------------------------------------------- regions

@@ -1,8 +1,8 @@
-"""Missing edges recovered, the outside removed: Weatherill and Hassan's way to a boundary (12.2.5).
+"""Weatherill and Hassan's way to a boundary (12.2.5): recover missing edges, then remove the outside.
 
-The vertices are triangulated without a thought of the boundary. Then its missing edges are put in, and the
-triangles outside are deleted. In the plane the first always succeeds without new points, whatever the
-triangulation: the two polygons beside an edge have triangulations. See the book, 2.5.
+The vertices are triangulated first, without regard to the boundary. Then missing edges of the boundary are
+inserted, and the triangles outside are deleted. In the plane edges can always be inserted without new points,
+whatever the triangulation is, because the two polygons beside an edge have triangulations. See the book, 2.5.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = ["complex_of_mesh", "recover_edges", "remove_outside"]
 
 
 def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
-    """Put edges into a planar triangulation, Delaunay or not, without new points.
+    """Insert edges into a planar triangulation, Delaunay or not, without new points.
 
     Parameters
     ----------
@@ -41,24 +41,25 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
     Returns
     -------
     DomainMesh
-        The same points; ``segments`` are the parts of the edges (a vertex that lies on one splits it) and
-        ``piece`` the row each belongs to, also as marker "recovered". ``counts``: "missing", the edges that
-        were not there, "crossed", the triangles that had to go, "split", the edges with vertices on them.
-        ``steps``: which edges were "missing", and the triangles that each one "crossed" when its
-        turn came (an edge may have come with an earlier one). Markers of cells are
-        dropped where cells changed; of marked edges those remain that still are edges.
+        The same points. ``segments`` are the parts of the edges (a vertex that lies on an edge splits it),
+        and ``piece`` contains the row of ``edges`` of each part; the parts are also the marker "recovered".
+        ``counts``: "missing" is the number of edges that were not in the mesh, "crossed" that of the
+        triangles that were replaced, and "split" that of the edges with vertices on them. ``steps``: which
+        edges were "missing", and how many triangles each edge "crossed" when it was inserted (none, if an
+        earlier edge had produced it). Markers of cells are dropped if any cell has changed. Marked edges are
+        kept if they are still edges.
 
     Raises
     ------
     InputError
-        For edges that cross or overlap, that leave the mesh, or end where no triangle is.
+        For edges that cross or overlap, that leave the mesh, or that have an end in no triangle.
     MeshError
-        Where the mesh is no triangulation in the plane, or pinched at a vertex.
+        If the mesh is no triangulation in the plane, or pinched at a vertex.
 
     Notes
     -----
-    Exact. From a (constrained) Delaunay mesh the result is constrained Delaunay; from another one it is
-    valid, and constrained Delaunay in the polygons beside the new edges only: `swap_diagonals` with
+    Exact. If the mesh was (constrained) Delaunay, the result is constrained Delaunay. Otherwise it is valid,
+    but constrained Delaunay only in the polygons beside the new edges; `swap_diagonals` with
     ``constrained="recovered"`` makes it so everywhere. O(m), and for an edge across k triangles O(k log k) in
     practice. Source: N. P. Weatherill, O. Hassan, International Journal for Numerical Methods in
     Engineering 37 (1994) 2005-2039, in three dimensions. Book: 2.5.
@@ -100,44 +101,46 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
 
 
 def remove_outside(mesh: Mesh, domain: Domain) -> DomainMesh:
-    """Delete the triangles outside of a domain from a mesh that holds its boundary.
+    """Delete the triangles outside of a domain from a mesh that contains its boundary.
 
     Parameters
     ----------
     mesh : Mesh
-        In one piece, with every piece of ``domain.sampled()`` as an edge or a chain of edges
-        (`recover_edges`); its vertices are matched by their coordinates.
+        A connected mesh in which every piece of ``domain.sampled()`` is an edge or a chain of edges (see
+        `recover_edges`). Its vertices are matched by their coordinates.
     domain : Domain
 
     Returns
     -------
     DomainMesh
-        Inside by the even-odd rule, by flooding from beyond the boundary: no point is tested, so nothing is
-        rounded. Markers and regions as in `unstruct.constrained_delaunay`; ``counts``: "removed cells",
-        "removed vertices".
+        The cells inside by the even-odd rule. They are found by flooding from beyond the boundary; no point
+        is tested, so nothing is rounded. Markers and regions are as in `unstruct.constrained_delaunay`.
+        ``counts``: "removed cells", "removed vertices".
 
     Raises
     ------
     InputError
-        Where a vertex or an edge of the boundary is missing.
+        If a vertex or an edge of the boundary is missing.
     MeshError
         As for `recover_edges`.
     """
     sampled, facets = domain.sampled(), len(domain.facets)
     if not facets:
-        raise InputError("the domain has no facets, so nothing is inside: give some")
+        raise InputError("the domain has no facets, so nothing is inside: give facets")
     place = _match(mesh, sampled.points)
     lost = np.flatnonzero(place[sampled.ends].min(axis=1) < 0)
     if len(lost):
         raise InputError(
-            f"{domain.name(int(sampled.piece[lost[0]]))} has an end that is no vertex of the mesh"
+            f"{domain.name(int(sampled.piece[lost[0]]))} has an end that is no vertex of the mesh: "
+            "triangulate the points of domain.sampled()"
         )
     complex_ = complex_of_mesh(mesh)
     crossed = insert_all(complex_, place[sampled.ends], sampled.piece, sampled.span, facets=facets)
     if crossed.any():
         piece = domain.name(int(sampled.piece[np.argmax(crossed > 0)]))
         raise InputError(
-            f"{piece} is no edge of the mesh, nor are {(crossed > 0).sum() - 1} others: recover_edges first"
+            f"{piece} is not an edge of the mesh, nor are {(crossed > 0).sum() - 1} other parts of the "
+            "boundary: use recover_edges first"
         )
     mark_regions(complex_, facets, domain.regions, False)
     origin = np.full(len(mesh.points), -1, dtype=np.int32)
@@ -149,7 +152,7 @@ def remove_outside(mesh: Mesh, domain: Domain) -> DomainMesh:
 
 
 def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
-    """The half-edges of a mesh, with a ghost beyond each edge of its boundary; nothing is marked.
+    """The half-edges of a mesh, with a ghost triangle beyond each edge of its boundary; no edge is marked.
 
     Parameters
     ----------
@@ -164,7 +167,7 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
     Raises
     ------
     MeshError
-        For other meshes, and where triangles meet in a vertex only.
+        For other meshes, and if triangles meet only in a vertex.
     InputError
         For coordinates whose exponents are too wide for one scale.
     """
@@ -173,7 +176,7 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
     xy, exact = scaled(mesh.points)
     if not exact:
         raise InputError(
-            "the exponents of the coordinates span too much for one scale: round small ones to 0"
+            "the exponents of the coordinates span too wide a range for one scale: round small ones to 0"
         )
     complex_ = PlanarComplex.__new__(PlanarComplex)
     vertex, twin = with_ghosts(mesh)
@@ -189,29 +192,29 @@ def complex_of_mesh(mesh: Mesh) -> PlanarComplex:
 
 
 def with_ghosts(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """``vertex`` and ``twin`` as in `insertion2`: the triangles of the mesh, then the ghosts."""
+    """``vertex`` and ``twin`` as in `connect.insertion.plane`: the triangles of the mesh, then the ghosts."""
     m = mesh.size
     vertex = as_simplices(mesh.simplices, vertices=len(mesh.points)).ravel()
     twin = twins(mesh.neighbors)
-    rim = np.flatnonzero(twin < 0)
+    outer = np.flatnonzero(twin < 0)
     start, stop = (
-        vertex[np.where(rim % 3 == 2, rim - 2, rim + 1)],
-        vertex[np.where(rim % 3 == 0, rim + 2, rim - 1)],
+        vertex[np.where(outer % 3 == 2, outer - 2, outer + 1)],
+        vertex[np.where(outer % 3 == 0, outer + 2, outer - 1)],
     )
     twice = np.flatnonzero(np.bincount(start) > 1)
     if len(twice):
         raise MeshError(
-            f"triangles meet at vertex {twice[0]} only: a mesh must not be pinched; select one part"
+            f"the mesh is pinched at vertex {twice[0]}: parts of it meet only there; select one part"
         )
-    ghost = 3 * (m + np.arange(len(rim)))  # its edges: stop -> start, start -> infinity, infinity -> stop
+    ghost = 3 * (m + np.arange(len(outer)))  # its edges: stop -> start, start -> infinity, infinity -> stop
     leaving = np.full(len(mesh.points), -1, dtype=np.int64)
     leaving[start] = ghost
-    ring = np.empty((len(rim), 3), dtype=np.int64)
-    ring[:, 0] = rim
+    ring = np.empty((len(outer), 3), dtype=np.int64)
+    ring[:, 0] = outer
     ring[:, 2] = leaving[stop] + 1
     ring[(leaving[stop] - 3 * m) // 3, 1] = ghost + 2
-    twin[rim] = ghost
-    ghosts = np.column_stack([np.full(len(rim), GHOST), stop, start])
+    twin[outer] = ghost
+    ghosts = np.column_stack([np.full(len(outer), GHOST), stop, start])
     return (
         np.concatenate([vertex, ghosts.ravel()]).astype(np.int32),
         np.concatenate([twin, ring.ravel()]).astype(np.int32),
@@ -230,12 +233,12 @@ def _edges(mesh: Mesh, edges: ArrayLike) -> NDArray[np.int32]:
     bad[~bad] = ~used[rows[~bad]].all(axis=1)
     if bad.any():
         i = int(np.argmax(bad))
-        raise InputError(f"edges[{i}] = {rows[i].tolist()} has an end that no triangle uses")
+        raise InputError(f"edges[{i}] = {rows[i].tolist()} has an end that is a vertex of no triangle")
     return rows.astype(np.int32)
 
 
 def _match(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.int32]:
-    """For each point the vertex of the mesh (used by a triangle) at the same place, or -1."""
+    """For each point the vertex of a triangle of the mesh at the same place, or -1."""
     used = np.unique(mesh.simplices)
     both = np.concatenate([mesh.points[used], points]) + 0.0  # no negative zeros
     _, group = np.unique(both, axis=0, return_inverse=True)

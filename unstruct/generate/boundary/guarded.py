@@ -1,8 +1,8 @@
-"""Compiled insertion of points that may be turned away: they would break a marked edge, or come too near.
+"""Compiled insertion of points; those that would break a marked edge, or that come too near, are rejected.
 
-An edge between two triangles is broken by a point that lies in both their circles. In a Delaunay
-triangulation that shows all marked edges, the cavity that is searched over unmarked edges is the whole one
-unless it ends at a marked edge with the point in the circle beyond: there it would go on.
+A point breaks an edge between two triangles if it lies in both their circles. Take a Delaunay triangulation
+in which all marked edges are edges, and search the cavity of a point without crossing a marked edge. This is
+the whole cavity unless the point lies in the circle of a triangle beyond a marked edge at its boundary.
 """
 
 from __future__ import annotations
@@ -27,12 +27,15 @@ from ...predicates.kernels import orient2
 
 __all__ = ["BREAKS", "CROWDED", "REPEATED", "guard_all", "hit_all"]
 
-REPEATED, BREAKS, CROWDED = 8, 9, 10  # what happened to a point, besides INSERTED, OUTSIDE and HIDDEN
+REPEATED, BREAKS, CROWDED = 8, 9, 10  # verdicts on a point, besides INSERTED, OUTSIDE and HIDDEN
 
 
 @lean
 def judge_in(xy, vertex, mark, region, part, t, px, py):
-    """(verdict, culprit): is p, in triangle t, a vertex, on a marked edge, outside of ``part`` (-1: any)?"""
+    """(verdict, culprit) of p in triangle t: it may be a vertex, on a marked edge, or outside of ``part``.
+
+    ``part`` is -1 if p may be in any part of the domain.
+    """
     for k in range(3):
         v = vertex[3 * t + k]
         if v == GHOST:
@@ -51,10 +54,10 @@ def judge_in(xy, vertex, mark, region, part, t, px, py):
 
 @lean
 def judge_rim(plane, rim, k, discs, gap, px, py):
-    """(verdict, culprit) by the edges around the cavity of p.
+    """(verdict, culprit) of p by the boundary of its cavity, the half-edges ``rim[:k]``.
 
-    Without ``discs``: is p in the circle beyond a marked edge? With it: in the diametral circle of one?
-    And is a vertex, which is then a corner of the rim, nearer than ``gap``?
+    p breaks a marked edge if it lies in the circle beyond it or, with ``discs``, in its diametral circle. p
+    is crowded if a vertex is nearer than ``gap``; the nearest vertex is a corner of this boundary.
     """
     xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     for i in range(k):
@@ -69,13 +72,13 @@ def judge_rim(plane, rim, k, discs, gap, px, py):
             hit = conflict_across(xy, vertex[prev_edge(o)], vertex[next_edge(o)], vertex[o], px, py)
         if hit:
             return BREAKS, np.int64(mark[e])
-    nearest, least = np.int64(-1), gap * gap
+    nearest, smallest = np.int64(-1), gap * gap
     for i in range(k):
         a = start_of(vertex, np.int64(rim[i]))
         if a != GHOST:
             d = (xy[a, 0] - px) ** 2 + (xy[a, 1] - py) ** 2
-            if d < least:
-                nearest, least = np.int64(a), d
+            if d < smallest:
+                nearest, smallest = np.int64(a), d
     if nearest >= 0:
         return CROWDED, nearest
     return INSERTED, np.int64(-1)
@@ -83,9 +86,10 @@ def judge_rim(plane, rim, k, discs, gap, px, py):
 
 @lean
 def guard_all(plane, scratch, points, parts, gaps, discs, verdict, culprit):
-    """Insert the points in this order, each unless it is turned away, with the next free vertex.
+    """Insert the points in this order, each with the next free vertex, unless they are rejected.
 
-    ``verdict`` and ``culprit`` (a subsegment or a vertex, -1 for none) tell what happened to each.
+    ``verdict`` and ``culprit`` (a subsegment or a vertex, -1 for none) say what happened to each point. The
+    culprit of an inserted point is its vertex.
     """
     xy, vertex, mark, state, rim = plane.xy, plane.vertex, plane.mark, plane.state, scratch.rim
     for i in range(len(points)):
@@ -109,7 +113,7 @@ def guard_all(plane, scratch, points, parts, gaps, discs, verdict, culprit):
 
 @lean
 def hit_from(plane, scratch, t, px, py, hit):
-    """``hit`` for the cavity of p that begins with triangle t, if that is inside."""
+    """Set ``hit`` for the triangles of the cavity of p that begins with triangle t, if t is inside."""
     if plane.region[t] >= 0:
         m, _ = find_cavity(plane, scratch, t, px, py)
         for j in range(m):
@@ -118,9 +122,9 @@ def hit_from(plane, scratch, t, px, py, hit):
 
 @lean
 def hit_all(plane, scratch, start, points, hit):
-    """``hit[t]`` for each triangle in the cavity of one of the points: what they would replace.
+    """Set ``hit[t]`` for each triangle in the cavity of one of the points, which the point would replace.
 
-    A point on a marked edge has two cavities, one on either side.
+    A point on a marked edge has two cavities, one on each side.
     """
     xy, vertex, twin = plane.xy, plane.vertex, plane.twin
     t = start

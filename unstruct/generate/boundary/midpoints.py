@@ -1,10 +1,11 @@
 """Compiled parts of boundary recovery: which subsegments are to be split, and splitting them.
 
-Both work on the arrays of `PlanarComplex`, whose triangulation holds all subsegments by constraint. There
-a subsegment with the far corners of its two triangles in each other's circles is in no Delaunay
-triangulation of the vertices; and when no subsegment is like that, the triangulation *is* Delaunay. So the
-triangles on both sides tell all that is needed. With diametral circles it is the same: if a vertex is in
-that of some subsegment, then the corner of a triangle is in that of its own.
+Both work on the arrays of `PlanarComplex`, whose triangulation contains all subsegments as constrained edges.
+If the far corners of the two triangles beside a subsegment are in each other's circles, the subsegment is in
+no Delaunay triangulation of the vertices. If this is true of no subsegment, the triangulation *is* Delaunay.
+So it suffices to look at the two triangles. The same holds for diametral circles: if a vertex is inside the
+diametral circle of some subsegment, then the diametral circle of some subsegment contains the far corner of
+a triangle beside it.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from ...predicates.kernels import incircle
 
 __all__ = ["GABRIEL", "MISSING", "pick", "split_all"]
 
-MISSING, GABRIEL = 0, 1  # what makes a subsegment be split
+MISSING, GABRIEL = 0, 1  # the two tests for subsegments that are to be split
 
 
 @lean
 def pick(xy, vertex, twin, where, rows, test, chosen):
-    """Those of the subsegments ``rows`` that fail the test, into ``chosen``; how many."""
+    """Write those of the subsegments ``rows`` that fail the test into ``chosen``; return how many."""
     count = 0
     for i in range(len(rows)):
         e = np.int64(where[rows[i]])
@@ -49,8 +50,9 @@ def pick(xy, vertex, twin, where, rows, test, chosen):
 def split_all(plane, scratch, rows, points, t, refused, seen, touched):
     """Split the subsegments ``rows`` at ``points`` (parameters ``t``), each with the next free vertex.
 
-    ``refused[i]`` where a split would touch or cross something; nothing has changed there. ``touched`` gets
-    each subsegment that lies on a new triangle once (``seen`` tells which); returned is their number.
+    ``refused[i]`` is set if a split would touch or cross something; then nothing is changed there. Each
+    subsegment on a new triangle is written once into ``touched``; ``seen`` marks these. Returned is their
+    number.
     """
     xy, mark = plane.xy, plane.mark
     count = 0

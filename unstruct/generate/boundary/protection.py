@@ -1,12 +1,12 @@
-"""Boundaries that stay: points turned away because they would break an edge; rows of points that guard it.
+"""Boundaries that stay: points that would break an edge are rejected, or rows of points protect the edges.
 
-Two remedies besides midpoints. `insert_without_breaking` refuses points that would remove an edge of the
-boundary, which always keeps it and may starve what lies along it: the triangles there stay as large as they
-are, and the account says which. `skeleton_points` puts an equilateral triangle on each subsegment, on
-all sides that are inside. It rests on two facts. An edge whose open diametral disk holds no vertex is
-Delaunay, whatever there is outside of the disk. And every point of that disk is within l / sqrt(3) of an
-end of an edge of length l, or of the tip of the triangle on its side: so points that keep a larger distance
-from all vertices leave the edge alone. Book: 2.4b.
+These are two remedies besides midpoints. `insert_without_breaking` rejects points that would remove an edge
+of the boundary. This always keeps the boundary, but triangles along it may stay too large: they are called
+*starved*, and the account lists them. `skeleton_points` puts an equilateral triangle on each subsegment, on
+each side that is inside. It uses two facts. An edge whose open diametral disk contains no vertex is Delaunay,
+whatever there is outside of the disk. And every point of the disk of an edge of length l is within
+l / sqrt(3) of an end of the edge, or of the tip of the triangle on its side; so points that keep a larger
+distance from all vertices leave the edge alone. Book: 2.4b.
 """
 
 from __future__ import annotations
@@ -34,25 +34,25 @@ from .guarded import BREAKS, CROWDED, REPEATED, guard_all, hit_all
 
 __all__ = ["Guarded", "Skeleton", "insert_without_breaking", "skeleton_points"]
 
-POINTS_A_CALL = 50_000  # points a kernel call: a fraction of a second, so that Ctrl-C is heard
+POINTS_A_CALL = 50_000  # points in one kernel call, a fraction of a second: Ctrl-C works between calls
 HEIGHT = np.sqrt(0.75)  # of an equilateral triangle on a side of length 1
 
 
 @dataclass(frozen=True)
 class Guarded:
-    """What became of points that must not break the boundary.
+    """The result of inserting points that must not break the boundary.
 
     Attributes
     ----------
     mesh : DomainMesh
-        The Delaunay mesh of the domain with the points that went in. ``unrefined`` are the *starved* cells: a
-        point was meant for them and could not go in (and, where a size was given, they are too large).
+        The Delaunay mesh of the domain with the inserted points. ``unrefined`` lists the *starved* cells: a
+        rejected point would have replaced them (and, if a size was given, they are too large).
     vertex : (k,) int32
-        For each given point its vertex in the mesh; -1 where it was turned away.
+        For each given point its vertex in the mesh; -1 if it was rejected.
     rejected : (r,) int32
-        The given points that were turned away.
+        The given points that were rejected.
     why : (r,) array of str
-        For each of them: what it would break, or that it lies outside, or which vertex it repeats.
+        The reason for each of them: what it would break, that it lies outside, or which vertex it repeats.
     edge : (r,) int32
         The subsegment that it would break, a row of ``mesh.segments``; -1 for other reasons.
     largest : float
@@ -70,16 +70,16 @@ class Guarded:
 def insert_without_breaking(
     domain: Domain, points: ArrayLike, *, size: Any = None, progress: bool = False
 ) -> Guarded:
-    """Insert points into the Delaunay triangulation of a domain, but for those that would break its boundary.
+    """Insert points into the Delaunay triangulation of a domain, except those that would break its boundary.
 
     Parameters
     ----------
     domain : Domain
-        Made boundary-conforming first, with as few extra points as that takes (`conforming_delaunay`).
+        Its triangulation is first made boundary-conforming by extra points (`conforming_delaunay`).
     points : array_like, shape (k, 2)
-        Inserted in this order: a point that is turned away is not tried again.
+        They are inserted in this order. A point that is rejected is not tried again.
     size : number, function or size field, optional
-        The wanted edge length: starved cells are then only those with a circumradius above size / sqrt(3).
+        The wanted edge length. Then only cells with a circumradius above size / sqrt(3) count as starved.
     progress : bool
         Show a bar.
 
@@ -90,7 +90,7 @@ def insert_without_breaking(
     Notes
     -----
     Exact. A point breaks an edge if it lies in the open circles of both triangles beside it, or on the edge.
-    Each point costs a walk from the one before. Book: 2.4b.
+    A point is located by a walk from the one before; this is fast if the two are near each other. Book: 2.4b.
     """
     rows = as_points(points)
     if rows.shape[1] != 2:
@@ -109,7 +109,7 @@ def insert_without_breaking(
     counts = {"inserted": len(rows) - len(out), "rejected": len(out), "starved": len(slots)}
     mesh = complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points,
-        unrefined=slots, reasons=np.full(len(slots), "a point meant for it would break the boundary"),
+        unrefined=slots, reasons=np.full(len(slots), "a point inserted here would break the boundary"),
         counts=counts | {"boundary": boundary - len(sampled.points)},
     )  # fmt: skip
     vertex = np.where(verdict == INSERTED, place[np.where(verdict == INSERTED, culprit, 0)], -1)
@@ -131,11 +131,14 @@ def _guard(
     discs: bool = False,
     progress: bool = False,
 ) -> tuple[NDArray[np.int8], NDArray[np.int64]]:
-    """Run the kernel over all points; verdicts and culprits."""
+    """Run the kernel over all points; return the verdicts and culprits."""
     count = len(rows)
     scaled = rows * c.factor
     if not np.array_equal(scaled / c.factor, rows):
-        raise InputError("the exponents of the points span too much for the scale of the domain")
+        raise InputError(
+            "the exponents of the points span too wide a range for the scale of the domain: round small "
+            "coordinates to 0, or leave out points far away"
+        )
     parts = np.full(count, -1, dtype=np.int32) if parts is None else parts
     gaps = np.zeros(count) if gaps is None else gaps * c.factor
     verdict, culprit = np.empty(count, dtype=np.int8), np.full(count, -1, dtype=np.int64)
@@ -153,7 +156,7 @@ def _guard(
 
 
 def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray[np.int64]:
-    """Slots of the triangles that these points would replace; with a size, only those above it."""
+    """Slots of the triangles that these points would replace; with a size, only those that are too large."""
     hit = np.zeros(c.triangles, dtype=bool)
     hit_all(c.plane(), c.scratch(), c.state[LAST], rows * c.factor, hit)
     slots = np.flatnonzero(hit & (c.region[: c.triangles] >= 0))
@@ -164,7 +167,7 @@ def _starved(c: PlanarComplex, rows: NDArray[np.float64], field: Any) -> NDArray
 
 
 def _used(c: PlanarComplex) -> NDArray[np.bool_]:
-    """Which vertices are in the mesh of the complex: those of triangles inside."""
+    """Which vertices are in the mesh of the complex: the corners of triangles inside."""
     used = np.zeros(c.size, dtype=bool)
     used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
     return used
@@ -179,7 +182,7 @@ def _rows(c: PlanarComplex) -> NDArray[np.int64]:
 def _reasons(
     domain: Domain, c: PlanarComplex, verdict: NDArray, culprit: NDArray, place: NDArray
 ) -> NDArray[np.str_]:
-    """In words why each point was turned away."""
+    """For each rejected point the reason, in words."""
 
     def word(code: int, who: int) -> str:
         if code == BREAKS:
@@ -188,7 +191,7 @@ def _reasons(
             OUTSIDE: "it lies outside of the domain",
             REPEATED: f"it equals vertex {place[who]}",
             CROWDED: f"vertex {place[who]} is too near",
-            HIDDEN: "an edge stands between it and its cavity",
+            HIDDEN: "an edge lies between it and a part of its cavity",
         }[code]
 
     return np.array([word(int(a), int(b)) for a, b in zip(verdict, culprit)], dtype=str)
@@ -199,7 +202,7 @@ def _reasons(
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Points in a row along the boundary, and where none could be put.
+    """Points in a row along the boundary, and the sides where no point could be put.
 
     Attributes
     ----------
@@ -211,15 +214,15 @@ class Skeleton:
     vertex : (k,) int32
         Its vertices in the mesh.
     segment : (k,) int32
-        The subsegment that each guards, a row of ``mesh.segments``.
+        The subsegment that each point protects, a row of ``mesh.segments``.
     side : (k,) int8
-        1 on the left of that, -1 on the right.
+        1 if the point is on the left of its subsegment, -1 on the right.
     bare : (b, 2) int32
         Rows (segment, side): sides inside the domain that have no tip of their own.
     why : (b,) array of str
-        Why, for each of them.
+        The reason for each of them.
     complete : bool
-        Whether all diametral disks could be emptied by midpoints before.
+        Whether midpoints could make all diametral disks empty at first.
     """
 
     mesh: DomainMesh
@@ -233,7 +236,7 @@ class Skeleton:
 
 
 def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -> Skeleton:
-    """The tips of equilateral triangles on the sides of each subsegment, as far as they get on together.
+    """The tips of equilateral triangles on the sides of each subsegment, as far as they are compatible.
 
     Parameters
     ----------
@@ -241,8 +244,8 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     size : number, function or size field, optional
         The wanted length of subsegments. They are halved further until their diametral disks are empty.
     gap : float
-        A tip nearer than ``gap`` times the length of its subsegment to a vertex that is there is left out;
-        short subsegments come first.
+        A tip is left out if an earlier vertex is nearer to it than ``gap`` times the length of its
+        subsegment. Tips of short subsegments are put first.
 
     Returns
     -------
@@ -251,16 +254,16 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     Raises
     ------
     InputError
-        For a gap that is negative or above 1: then no tip would be far enough from its own edge's ends.
+        For a gap that is negative, or above 1: then every tip would be too near to the ends of its own edge.
 
     Notes
     -----
-    No tip lies in an open diametral disk of any subsegment (exact), so all of them stay Delaunay. Afterwards
-    an edge of length l with both of its tips stays, whatever further points come, if these keep a distance
-    of more than l / sqrt(3) from all vertices. Book: 2.4b.
+    No tip lies in the open diametral disk of any subsegment (exact), so all subsegments stay Delaunay.
+    Afterwards an edge of length l with both of its tips stays an edge, whatever further points are inserted,
+    if these keep a distance of more than l / sqrt(3) from all vertices. Book: 2.4b.
     """
     if not 0 <= finite(gap, "gap") <= 1:
-        raise InputError(f"gap = {gap} must lie between 0 and 1")
+        raise InputError(f"gap = {gap} must be between 0 and 1")
     sampled = as_domain(domain).sampled(size)
     c = complex_of(domain, sampled)
     run = conform(domain, c, test="gabriel")

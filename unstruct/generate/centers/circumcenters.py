@@ -1,7 +1,8 @@
 """Circumcenter insertion: the next point goes to the circumcenter of the maximal triangle.
 
-The chapter's first strategy (12.2.6), and its generalized choice. What it leaves open, what to do where the
-boundary is in the way, is a choice here. See the book, 2.6a and 2.6b; for guaranteed angles `refine`.
+This is the first strategy of the source chapter (the textbook chapter that this book follows), section
+12.2.6, with its generalized choice of the triangle. The chapter does not say what to do where the boundary is
+in the way; here the caller chooses. See the book, 2.6a and 2.6b. For guaranteed angles see `refine`.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
 
-MOST_CENTERS = 1_000_000  # insertions, where nothing but a limit of shape could end the run
+MOST_CENTERS = 1_000_000  # the default budget where a limit is given: a limit of shape may never be reached
 SHORTEST_SPLIT = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
 STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
 
@@ -46,31 +47,33 @@ def circumcenter_insertion(
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """Put points at circumcenters, always of the worst triangle, until no triangle is bad.
+    """Insert the circumcenter of the worst triangle, again and again, until no triangle is bad.
 
     Parameters
     ----------
     domain_or_points : Domain, or array_like of shape (n, 2)
-        What to mesh. The edges of the convex hull bound a set of points.
+        What to mesh. The boundary of a set of points is its convex hull.
     size : float, function or SizeField, optional
-        The wanted edge length h. A triangle is bad where alpha = R / f(Q) >= 1, f = h / sqrt(3), R its
-        circumradius, Q its circumcenter; beyond the bounding box of the domain f has the value at the
-        box's nearest point. Pieces of a Domain are first cut into subsegments of ``step`` sizes.
+        The wanted edge length h. A triangle is bad if alpha = R / f(Q) >= 1, where f = h / sqrt(3), R is its
+        circumradius, and Q its circumcenter. Beyond the bounding box of the domain f has the value at the
+        nearest point of the box. Pieces of a Domain are first cut into subsegments of ``step`` sizes.
     priority : str, float, function or SizeField, optional
-        Which bad triangle is the worst: the largest "circumradius" (by default, without a size), "alpha" (by
-        default, with one), "radius_edge", "radius_ratio", "area", or the least "min_angle". A size g in
-        its place compares by sqrt(3) R / g(Q): the generalized choice.
+        Which bad triangle is the worst: the one with the largest "circumradius" (the default without a size),
+        "alpha" (the default with one), "radius_edge", "radius_ratio" or "area", or with the smallest
+        "min_angle". If a size g is given instead, the worst one has the largest sqrt(3) R / g(Q): this is the
+        generalized choice.
     limit : float, optional
-        Also bad is a triangle whose measure of this kind is greater ("min_angle": less, in degrees).
+        A triangle is also bad if its measure by ``priority`` is greater than this ("min_angle": if it is
+        less, in degrees).
     split_boundary : bool or "inner"
         What to do where the circumcenter lies beyond a boundary or inner edge, on it, or in its open
         diametral disk. True halves that edge instead, on the true curve, and looks again. False adds no
-        vertex to any edge: it inserts circumcenters near edges, and leaves triangles whose own lie beyond.
-        "inner" halves edges on inner pieces only.
+        vertex to any edge: it inserts circumcenters near edges, and leaves triangles whose circumcenters lie
+        beyond an edge. "inner" halves edges on inner pieces only.
     step : float
         Length of the first subsegments, in sizes.
     budget : int, optional
-        At most so many points are inserted; needed where there is neither a size nor a limit.
+        The largest number of points that are inserted; needed if there is neither a size nor a limit.
     history : bool
         Record the run in ``steps``.
     progress : bool
@@ -79,32 +82,34 @@ def circumcenter_insertion(
     Returns
     -------
     DomainMesh
-        ``points`` are the first ones, then the inserted ones in order: the (constrained) Delaunay
-        triangulation of a prefix of them is a state. Bad triangles that are left are ``unrefined``, with
-        ``reasons``; ``counts`` has "circumcenters", "splits", "encroachments" (circumcenters that were put
-        into a diametral disk; with a history only) and "duplicates" (input points that were left out).
-        ``steps``: for each state, the last one included, "R", "l", "L", "mu", "angle" (largest
-        circumradius, shortest and longest edge, largest R / r, least angle in degrees); for each insertion
-        "chosen" (the circumradius), "value" (the measure) and "triangle" (its vertices), "vertex" (the
-        inserted one), "split" and "encroaching" (bool).
+        ``points`` are the first points, then the inserted ones in order: each state of the run is the
+        (constrained) Delaunay triangulation of the first so many of them. Bad triangles that are left are
+        listed in ``unrefined``, with ``reasons``. ``counts``: "circumcenters", "splits", "encroachments"
+        (circumcenters that were put into a diametral disk; only with ``history``) and "duplicates" (input
+        points that were left out). ``steps`` contains for each state, the last one included, "R", "l", "L",
+        "mu" and "angle" (largest circumradius, shortest and longest edge, largest R / r, minimum angle in
+        degrees). For each insertion it contains "chosen" (the circumradius), "value" (the measure),
+        "triangle" (the vertices of the chosen triangle), "vertex" (the inserted one), "split" and
+        "encroaching" (bool).
 
     Raises
     ------
     InputError
-        For a choice that does not exist, sizes that are not positive, or no end in sight.
+        For an unknown choice, for a size that is not positive, and where without a size, a limit and a budget
+        the run would not end.
 
     Notes
     -----
-    With a size of at least h_0 everywhere it ends: each circumcenter is inserted at least h_0 / sqrt(3) away
-    from all that it sees, and an edge is halved for a center in its disk only if it is longer than
-    sqrt(2/3) h_0, or for one beyond it if so flat a triangle lies on it that finitely many halvings help.
-    With a limit on shapes there is no such bound: the budget (by default 10^6 points) then ends what does
-    not end. O(log n) to find the worst triangle, O(1) on average for its cavity. Sources: the chapter,
-    12.2.6; L. P. Chew, Cornell TR 89-983 (1989); the split is the step of J. Ruppert, Journal of
-    Algorithms 18 (1995) 548-585. Book: 2.6a, 2.6b.
+    With a size of at least h_0 everywhere the run ends: each circumcenter is inserted at least h_0 / sqrt(3)
+    away from all vertices that it sees. An edge is halved for a center in its disk only if it is longer than
+    sqrt(2/3) h_0, and for a center beyond it only if the triangle on it is so flat that finitely many
+    halvings suffice. With a limit on shapes there is no such bound: then the budget (by default 10^6 points)
+    ends a run that does not end by itself. O(log n) to find the worst triangle, O(1) on average for its
+    cavity. Sources: the source chapter, 12.2.6; L. P. Chew, Cornell TR 89-983 (1989); the split is the step
+    of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a, 2.6b.
     """
     if size is None and limit is None and budget is None:
-        raise InputError("without a size or a limit every triangle is bad: give a budget of points")
+        raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
     field = None if size is None else as_size(size)
     domain, origin, dropped = _as_domain(domain_or_points)
     sampled = domain.sampled(field if origin is None else None, step=step)
@@ -128,7 +133,7 @@ def circumcenter_insertion(
 
 
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
-    """The domain; for points also their numbers in the input, and how many repeat others."""
+    """The domain; for points also their numbers in the input, and how many of them repeat others."""
 
     if isinstance(given, Domain):
         return given, None, 0
@@ -175,12 +180,12 @@ class CircumcenterRun(Contest):
         enter_slots(self.complex.plane(), self.entries(), np.asarray(slots, dtype=np.int64), self.why)
 
     def advance(self, budget: int, progress: bool) -> None:
-        """Insert until nothing is bad that can be mended, or the budget is used up."""
+        """Insert points until no bad triangle is left that can be improved, or the budget is spent."""
         k, last = self.complex, self.first + budget
         bar = progress_bar(progress, " points")
         while self.end != DONE and k.size < last:
             before = k.size
-            stop = min(last, before + CENTERS_A_CALL, 2 * before)  # no more room than needed
+            stop = min(last, before + CENTERS_A_CALL, 2 * before)  # so that little memory stays unused
             self._reserve(stop)
             self.end = insert_centers(
                 k.plane(), self.scratch, self.entries(), self.why, self.kept, stop, self.first, self.ask
@@ -192,7 +197,7 @@ class CircumcenterRun(Contest):
         bar.close()
 
     def _split(self, e: int, t: int) -> None:
-        """Halve the subsegment on half-edge e, on its curve; leave triangle t where that cannot be."""
+        """Halve the subsegment on half-edge e, on its curve; if that is impossible, give up triangle t."""
         k = self.complex
         plane, scratch = k.plane(), self.scratch
         s = int(k.mark[e])
@@ -216,7 +221,7 @@ class CircumcenterRun(Contest):
         self.splits += 1
         self._enter(scratch.fresh[:n])
 
-    # ------------------------------------------------------------------ what is told
+    # ------------------------------------------------------------------ results
 
     def counts(self) -> dict[str, int]:
         inserted = self.complex.size - self.first
@@ -226,7 +231,7 @@ class CircumcenterRun(Contest):
         return counts
 
     def unrefined(self) -> dict[str, Any]:
-        """Bad triangles that are left, as slots, and why."""
+        """The slots of the bad triangles that are left, and the reasons."""
         k = self.complex
         slots = np.flatnonzero((self.waiting(k.triangles) | (self.why[: k.triangles] > 0)) & k.kept())
         return {"unrefined": slots, "reasons": [REASONS[int(code)] for code in self.why[slots]]}

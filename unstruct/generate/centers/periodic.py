@@ -1,6 +1,6 @@
-"""Triangulations of the unit torus: the unit square with opposite sides glued, where nothing has a boundary.
+"""Triangulations of the unit torus: the unit square with opposite sides glued together, without a boundary.
 
-`torus` puts points into them; see the book, 2.6a.
+`generate.centers.torus` inserts points into them; see the book, 2.6a.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .torus_steps import GRID
 __all__ = ["PeriodicMesh", "periodic_delaunay"]
 
 Array = NDArray[np.float64]
-LARGEST = 0.25  # circumradius up to which the cavity of a point contains no two copies of a triangle
+LARGEST = 0.25  # below this circumradius the cavity of a point contains no two copies of a triangle
 
 
 class PeriodicMesh:
@@ -36,7 +36,7 @@ class PeriodicMesh:
     simplices : ndarray of int, shape (m, 3)
         Counterclockwise triangles; m = 2 n.
     shifts : ndarray of int, shape (m, 3, 2)
-        By how many periods each corner is moved against its vertex.
+        By how many periods each corner is moved from its vertex.
     neighbors : ndarray of int, shape (m, 3)
         The triangle opposite each vertex.
     unrefined, reasons, counts, steps
@@ -64,7 +64,7 @@ class PeriodicMesh:
 
     @property
     def corners(self) -> Array:
-        """Coordinates of the corners, (m, 3, 2), each triangle in one piece, which may leave the square."""
+        """Coordinates of the corners, (m, 3, 2); each triangle is in one piece and may leave the square."""
         return self.points[self.simplices] + self.shifts
 
     def quality(self, name: str) -> Array:
@@ -72,7 +72,7 @@ class PeriodicMesh:
         return simplex.quality(name, self.corners)
 
     def plane(self) -> Mesh:
-        """The triangles laid into the plane; ``origin`` has the vertex of which each point is a copy."""
+        """The triangles laid into the plane; ``origin`` names the vertex of which each point is a copy."""
         rows = np.concatenate([self.simplices[..., None], self.shifts], axis=2).reshape(-1, 3)
         copies, number = np.unique(rows, axis=0, return_inverse=True)
         points = self.points[copies[:, 0]] + copies[:, 1:]
@@ -87,11 +87,11 @@ class PeriodicMesh:
         )
         back = self.neighbors[self.neighbors] == np.arange(m)[:, None, None]
         lonely = np.flatnonzero(~back.any(axis=2).all(axis=1))
-        report.note("adjacency", problem("adjacency", "a neighbor does not know them", lonely))
+        report.note("adjacency", problem("adjacency", "a neighbor does not name them in return", lonely))
         count = problem(
-            "count", f"{m} triangles, not twice as many as the {n} points", range(m * (m != 2 * n))
+            "count", f"{m} triangles are not twice as many as {n} points", range(m * (m != 2 * n))
         )
-        report.note("Euler: two triangles a vertex", count)
+        report.note("Euler: two triangles for each vertex", count)
         unused = np.setdiff1d(np.arange(n), self.simplices)
         report.note("all vertices used", problem("unused", "in no triangle", (), unused))
         whole = (corners / GRID).astype(np.int64).astype(object)  # exact: |corner| < 3
@@ -103,14 +103,14 @@ class PeriodicMesh:
         return report
 
     def _violations(self) -> NDArray[np.int64]:
-        """Triangles whose open circle holds the far corner of a neighbor: none, if Delaunay."""
+        """Triangles whose open circle contains the far corner of a neighbor: none in a Delaunay mesh."""
         t, k = np.divmod(np.arange(self.simplices.size), 3)
         s = self.neighbors[t, k]
-        # the corner of t after k is, in triangle s, a corner with the same vertex and one frame away
+        # triangle s has the same vertex as the corner of t after k, but perhaps in another frame
         v, place = self.simplices[t, (k + 1) % 3], self.corners[t, (k + 1) % 3]
         w, other = self.simplices[t, (k + 2) % 3], self.corners[t, (k + 2) % 3]
         bad = np.ones(len(t), dtype=bool)
-        for j in range(3):  # s has the edge w -> v at corners j, j + 1 if they agree up to a common shift
+        for j in range(3):  # s has the edge w -> v at its corners j and j + 1, if both have the same shift
             start, end = self.corners[s, j], self.corners[s, (j + 1) % 3]
             same = (self.simplices[s, j] == w) & (self.simplices[s, (j + 1) % 3] == v)
             same &= ((place - end) == (other - start)).all(axis=1)
@@ -128,18 +128,19 @@ def periodic_delaunay(points: ArrayLike) -> PeriodicMesh:
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        Taken modulo 1 and rounded to multiples of 2^-50; all different.
+        They are taken modulo 1 and rounded to multiples of 2^-50; then they must be different.
 
     Returns
     -------
     PeriodicMesh
-        Cocircular groups are cut as a fan from their lowest leftmost corner, in each copy alike.
+        Polygons of cocircular points are cut into a fan from their lowest leftmost corner, each copy in the
+        same way.
 
     Raises
     ------
     InputError
-        For equal points, or where a disk of radius 1/4 holds none: then neighbors are no longer told from
-        their own copies, and the remedy is to begin with more points (a lattice of 3 x 3 is enough).
+        For equal points, or if a disk of radius 1/4 contains none: then a triangle could meet its own copy.
+        The remedy is to begin with more points; a lattice of 3 x 3 is enough.
     """
     rows = as_points(points)
     if rows.shape[1] != 2:
@@ -149,7 +150,9 @@ def periodic_delaunay(points: ArrayLike) -> PeriodicMesh:
     _, first, back = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     if len(first) < len(rows):
         twice = int(np.flatnonzero(first[back.ravel()] != np.arange(len(rows)))[0])
-        raise InputError(f"points {first[back.ravel()[twice]]} and {twice} are equal on the torus")
+        raise InputError(
+            f"points {first[back.ravel()[twice]]} and {twice} are equal on the torus: remove one of them"
+        )
     moves = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
     copies = (rows[:, None] + moves).reshape(-1, 2)
     near = ((copies >= -0.5) & (copies <= 1.5)).all(axis=1)
@@ -161,14 +164,14 @@ def periodic_delaunay(points: ArrayLike) -> PeriodicMesh:
     wrong = len(rows) == 0 or len(simplices) != 2 * len(rows)
     if wrong or twin is None or simplex.circumradius(corners).max() >= LARGEST:
         raise InputError(
-            f"{len(rows)} points are too few or too uneven: a disk of radius 1/4 without one remains, and a "
-            "triangle could meet its own copy; begin with more points, such as a lattice of 3 x 3"
+            f"{len(rows)} points are too few or too uneven: a disk of radius 1/4 contains none of them, and "
+            "a triangle could meet its own copy; begin with more points, such as a lattice of 3 x 3"
         )
     return PeriodicMesh(rows, simplices, shifts, (twin // 3).reshape(-1, 3))
 
 
 def _fans(mesh: Mesh | None, source: NDArray, shift: NDArray) -> tuple[NDArray, NDArray]:
-    """One copy of each Delaunay polygon, cut from its lowest leftmost corner: vertices, shifts."""
+    """One copy of each Delaunay polygon as a fan from its lowest leftmost corner: vertices, shifts."""
     if mesh is None:
         return np.empty((0, 3), dtype=np.int32), np.empty((0, 3, 2), dtype=np.int32)
     m = mesh.size
@@ -177,7 +180,7 @@ def _fans(mesh: Mesh | None, source: NDArray, shift: NDArray) -> tuple[NDArray, 
     far = mesh.simplices[s][~(mesh.simplices[s][:, :, None] == mesh.simplices[t][:, None]).any(axis=2)]
     tied = np.asarray(in_sphere(mesh.corners[t], mesh.points[far])) == 0
     group = np.arange(m)
-    for a, b in zip(t[tied], s[tied]):  # few, but for lattices
+    for a, b in zip(t[tied], s[tied]):  # these are few, except in lattices
         group[group == group[b]] = group[a]
     triangles, shifts = [], []
     order = np.argsort(group, kind="stable")
@@ -203,7 +206,7 @@ def _around(points: Array, center: int, others: list[int]) -> list[int]:
 
 
 def half_edge_twins(simplices: NDArray, shifts: NDArray) -> NDArray[np.int32] | None:
-    """For each half-edge the other one of its edge, up to a common shift; None where one is left over."""
+    """For each half-edge the other one of its edge, up to a common shift; None if one has no partner."""
     a, b = np.roll(simplices, -1, axis=1), np.roll(simplices, -2, axis=1)
     step = np.roll(shifts, -2, axis=1) - np.roll(shifts, -1, axis=1)  # of edge k, from corner k+1 to k+2
     there = {row: i for i, row in enumerate(zip(a.ravel(), b.ravel(), *step.reshape(-1, 2).T))}

@@ -1,8 +1,8 @@
 """Circumcenter insertion among constrained edges, compiled: the worst triangle, its center, the insertion.
 
-A triangle of the domain that is bad has its value in the tournament ``tree``. If its circumcenter cannot be
-used, its value is taken out and ``why`` keeps the reason, until the slot holds another triangle. The
-insertion itself is that of `cavity2`: found and judged before anything changes.
+The value of each bad triangle of the domain is in the tournament ``tree``. If its circumcenter cannot be
+used, the value is taken out and ``why`` keeps the reason until the slot contains another triangle. Insertion
+is that of `connect.planar.cavity`: the cavity is found and judged before anything is changed.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
 from .worst import NONE, enter, measures, put, record, top, unwatch
 
-UNSPLIT = 8  # why a triangle is left as it is, or HIDDEN, ROUNDED
+UNSPLIT = 8  # a reason why a triangle is left as it is, besides HIDDEN and ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
-    ROUNDED: "its circumcenter cannot be told from the triangle's own edges by doubles",
+    ROUNDED: "rounding to doubles leaves no valid place for its circumcenter",
     UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
     0: "budget",
 }
-FAR_CENTER = 4.0  # a center this far away is only a direction (the domain lies within 1)
+FAR_CENTER = 4.0  # of a center farther away only the direction is used (the domain lies within 1)
 
 
 @inline
@@ -48,9 +48,9 @@ def enter_slots(plane, contest, slots, why):
 
 @lean
 def first_marked(xy, vertex, twin, mark, t, px, py):
-    """The first marked half-edge on the way from the middle of triangle t to p; -1 where there is none.
+    """The first marked half-edge on the way from the centroid of triangle t to p; -1 if there is none.
 
-    The way is followed by exact signs from edge to edge; it may end on the edge.
+    Exact signs lead from edge to edge; p may lie on the edge that is found.
     """
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     gx, gy = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
@@ -58,7 +58,7 @@ def first_marked(xy, vertex, twin, mark, t, px, py):
     for k in range(3):
         u, v = start_of(vertex, 3 * t + k), end_of(vertex, 3 * t + k)
         if orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], gx, gy) <= 0:
-            return np.int64(-1)  # too thin to have a middle
+            return np.int64(-1)  # the triangle is so thin that its rounded centroid is not inside
         if (
             orient2(gx, gy, px, py, xy[u, 0], xy[u, 1]) <= 0 <= orient2(gx, gy, px, py, xy[v, 0], xy[v, 1])
             and orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], px, py) <= 0
@@ -78,9 +78,9 @@ def first_marked(xy, vertex, twin, mark, t, px, py):
 
 @lean
 def judge_center(plane, scratch, t, px, py):
-    """The cavity of the center p of triangle t: (m, k, e). k = 0 where p cannot be inserted.
+    """The cavity of the center p of triangle t: (m, k, e); k = 0 if p cannot be inserted.
 
-    e is then the marked half-edge that hides p from t, -1 where rounding is the reason.
+    In this case e is the marked half-edge that hides p from t, or -1 if rounding is the reason.
     """
     xy, vertex = plane.xy, plane.vertex
     nothing = np.int64(0)
@@ -100,8 +100,9 @@ def judge_center(plane, scratch, t, px, py):
 
 @lean
 def encroached(plane, kept, rim, k, px, py):
-    """Of the marked half-edges of the rim with p in their open diametral disk the longest that may be split
-    (-1 for none), and whether there is any.
+    """Examine the marked half-edges on the boundary of the cavity with p in their open diametral disks.
+
+    Return the longest of those that may be split, or -1, and whether there is any of them.
     """
     xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     found, longest, close = np.int64(-1), 0.0, False
@@ -120,7 +121,7 @@ def encroached(plane, kept, rim, k, px, py):
 
 @lean
 def note(contest, vertex, t, i, radius, kind, close):
-    """Record step i: the state before it, and what is done about which triangle."""
+    """Record step i: the state before it, its triangle t, and what is done."""
     record(contest, vertex, t, i, radius)
     contest.events[i, 5], contest.events[i, 6] = kind, close
 
@@ -129,8 +130,8 @@ def note(contest, vertex, t, i, radius, kind, close):
 def insert_centers(plane, scratch, contest, why, kept, stop, first, ask):
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or SPLIT.
 
-    SPLIT (only where its piece is not ``kept``): the marked half-edge ``ask[0]`` hides the center of triangle
-    ``ask[1]``, or has it in its open diametral disk. Vertices from ``first`` on are recorded.
+    SPLIT: the marked half-edge ``ask[0]``, on a piece that is not ``kept``, hides the center of triangle
+    ``ask[1]``, or its open diametral disk contains it. Vertices from ``first`` on are recorded.
     """
     xy, vertex, state, tree = plane.xy, plane.vertex, plane.state, contest.tree
     while state[VERTICES] < stop:

@@ -1,7 +1,7 @@
-"""Circumcenter insertion without a boundary: on the unit torus, where nothing is left unsaid.
+"""Circumcenter insertion without a boundary, on the unit torus.
 
-There the three relations of the book's chapter 2.6a between circumradii and edge lengths hold without
-exception, which is why this set-up exists.
+There the three relations of the book's chapter 2.6a between circumradii and edge lengths are valid without
+exception. This is the purpose of this module.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .worst import CENTERS_A_CALL, Contest, Rule, make_rule
 
 __all__ = ["periodic_circumcenters"]
 
-MOST_ON_TORUS = 10_000_000  # insertions in all, if nothing else is said
+MOST_ON_TORUS = 10_000_000  # the default budget of insertions
 
 
 def periodic_circumcenters(
@@ -37,22 +37,22 @@ def periodic_circumcenters(
     history: bool = False,
     progress: bool = False,
 ) -> PeriodicMesh:
-    """Put points at circumcenters of maximal triangles, on the unit torus: no boundary, no exception.
+    """Insert the circumcenter of the worst triangle, again and again, on the unit torus, without a boundary.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        The first points, taken modulo 1; no disk of radius 1/4 may be without one.
+        The first points, taken modulo 1. Every disk of radius 1/4 must contain one of them.
     size : float or function of points (k, 2), optional
-        The wanted edge length h: triangles with sqrt(3) R >= h(Q) are bad, Q the circumcenter modulo 1.
+        The wanted edge length h: a triangle is bad if sqrt(3) R >= h(Q), Q being its circumcenter modulo 1.
     priority, limit, budget, history, progress : optional
         As for `circumcenter_insertion`; without a budget at most 10^7 points are inserted.
 
     Returns
     -------
     PeriodicMesh
-        ``points`` are the first ones, then the inserted ones in order: a prefix of them is the state. With
-        ``history`` its ``steps`` are as those of `circumcenter_insertion`.
+        ``points`` are the first points, then the inserted ones in order, so that the first so many of them
+        are the points of a state. With ``history`` its ``steps`` are as those of `circumcenter_insertion`.
 
     Notes
     -----
@@ -67,14 +67,14 @@ def periodic_circumcenters(
     rule = make_rule(field, priority, limit, ([-0.5, -0.5], [1.5, 1.5]))
     most = MOST_ON_TORUS if budget is None else as_count(budget, "budget")
     if size is None and limit is None and budget is None:
-        raise InputError("without a size or a limit every triangle is bad: give a budget of vertices")
+        raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
     run = TorusRun(start, rule, history)
     end = run.advance(len(start.points) + most, progress)
     return run.result(end)
 
 
 def _wrapped(size: Any) -> Any:
-    """A size on the unit square as a periodic one."""
+    """A size on the unit square, continued periodically."""
     field = as_size(size)
     return field if field.constant is not None else as_size(lambda x: field(x - np.floor(x)))
 
@@ -108,7 +108,7 @@ class TorusRun(Contest):
         self.make_room(slots, len(self.xy))
 
     def advance(self, last: int, progress: bool) -> int:
-        """Insert until nothing is bad or there are ``last`` vertices; how it ended."""
+        """Insert points until no triangle is bad or there are ``last`` vertices; return how it ended."""
         end = MORE
         bar = progress_bar(progress, " points")
         while end == MORE and self.state[VERTICES] < last:
@@ -128,7 +128,7 @@ class TorusRun(Contest):
         n, m = int(self.state[VERTICES]), int(self.state[COUNT])
         simplices, neighbors = (a[: 3 * m].reshape(-1, 3) for a in (self.vertex, self.twin // 3))
         bad = np.flatnonzero(self.waiting(m))
-        reason = "the circumcenter rounds out of its circle" if end == ROUNDED else "budget"
+        reason = "rounding puts a circumcenter out of its circle" if end == ROUNDED else "budget"
         steps: dict[str, NDArray] | None = None
         if len(self.watch):
             steps = {

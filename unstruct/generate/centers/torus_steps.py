@@ -1,12 +1,13 @@
 """Circumcenter insertion on the unit torus, compiled: Bowyer-Watson without a boundary.
 
-The half-edges are those of `insertion2`, without ghosts. Each corner has besides its vertex a ``shift`` by
-whole periods: in its own frame a triangle has the corners ``xy[vertex[e]] + shift[e]``. Two triangles at an
-edge agree about it up to a common shift. Coordinates are multiples of ``GRID``, so that all copies are exact.
+The half-edges are those of `connect.insertion.plane`, without ghosts. Besides its vertex each corner has a
+``shift`` by whole periods: in its own frame a triangle has the corners ``xy[vertex[e]] + shift[e]``. The two
+triangles at an edge have the same edge up to a common shift. Coordinates are multiples of ``GRID``, so that
+all copies are exact.
 
-While every circumradius is below 1/4 (the caller checks the first triangles, and relation (1) of the book's
-chapter 2.6a keeps the others) the cavity of a point lies within 1/2 of it: no two copies of a triangle
-belong to it, and the star has no vertex twice.
+Every circumradius must be below 1/4: the caller checks the first triangles, and by relation (1) of the book's
+chapter 2.6a it remains true for the others. Then the cavity of a point lies within 1/2 of it, so that it
+contains no two copies of a triangle, and no vertex appears twice in the star.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class Torus(NamedTuple):
 
 
 class TorusScratch(NamedTuple):
-    """What the search for a cavity is written into: half-edges that wait, in which frames; slots."""
+    """Work arrays of the search for a cavity: waiting half-edges and their frames, free and new slots."""
 
     stack: NDArray[np.int32]
     frame: NDArray[np.int32]
@@ -48,7 +49,7 @@ class TorusScratch(NamedTuple):
 
 @inline
 def corner(torus, e):
-    """Where the corner of half-edge e is, in the frame of its triangle."""
+    """The place of the corner of half-edge e, in the frame of its triangle."""
     v = torus.vertex[e]
     return torus.xy[v, 0] + torus.shift[e, 0], torus.xy[v, 1] + torus.shift[e, 1]
 
@@ -70,7 +71,7 @@ def enter_all(torus, contest):
 
 @inline
 def in_circle(torus, o, fx, fy, px, py):
-    """Is p in the open circle of the triangle of half-edge o, moved by (fx, fy)?"""
+    """Whether p is in the open circle of the triangle of half-edge o, moved by (fx, fy)."""
     ax, ay = corner(torus, o)
     bx, by = corner(torus, next_edge(o))
     cx, cy = corner(torus, prev_edge(o))
@@ -92,7 +93,7 @@ def in_circle(torus, o, fx, fy, px, py):
 
 @inline
 def push(twin, shift, stack, frame, depth, e, fx, fy):
-    """Put the half-edge beyond e on the stack, with the frame of its triangle; e's own frame is (fx, fy)."""
+    """Put the half-edge beyond e on the stack with the frame of its triangle; the frame of e is (fx, fy)."""
     o = twin[e]
     stack[depth] = o
     frame[depth, 0] = fx + shift[next_edge(e), 0] - shift[prev_edge(o), 0]
@@ -101,10 +102,11 @@ def push(twin, shift, stack, frame, depth, e, fx, fy):
 
 @lean
 def star(torus, scratch, p, t, px, py):
-    """Replace the cavity of p, found from triangle t in t's frame, by its star; how many triangles that has.
+    """Replace the cavity of p, found from triangle t, by its star, and return its number of triangles.
 
-    As `insertion2.insert2`: what is popped from the stack goes into the cavity or gives a triangle of the
-    star at once. (px, py) is p in the frame of t, ``xy[p]`` the same point in [0, 1) x [0, 1).
+    As in `insert2` of `connect.insertion.plane`, each half-edge that is taken from the stack either extends
+    the cavity or gives a triangle of the star at once. (px, py) is p in the frame of t; ``xy[p]`` becomes the
+    same point in [0, 1) x [0, 1).
     """
     xy, vertex, twin, shift, state = torus.xy, torus.vertex, torus.twin, torus.shift, torus.state
     stack, frame, spare = scratch.stack, scratch.frame, scratch.spare
@@ -160,8 +162,8 @@ def star(torus, scratch, p, t, px, py):
 def insert_on_torus(torus, scratch, contest, stop):
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or ROUNDED.
 
-    The contest's ``rows`` and ``events`` take the record of each step, where they have room: the state before
-    it, and circumradius, value and vertices of the triangle.
+    If the contest's ``rows`` and ``events`` have room, the record of each step is written into them: the
+    state before it, and circumradius, value and vertices of the triangle.
     """
     state, tree = torus.state, contest.tree
     while state[VERTICES] < stop:

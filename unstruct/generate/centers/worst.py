@@ -2,8 +2,8 @@
 
 A tournament is a flat binary tree over the slots of the triangles: ``tree[leaves + slot]`` is the value of
 a slot, ``tree[i]`` the larger of ``tree[2 i]`` and ``tree[2 i + 1]``, so that ``tree[1]`` is the largest of
-all. A slot that holds no triangle, or one that is well, has the value `NONE`. Against a heap with lazy
-deletion it has no old entries and no stamps, and its order of ties does not depend on the past.
+all. A slot without a triangle, or whose triangle is not bad, has the value `NONE`. Unlike a heap with lazy
+deletion a tournament has no old entries and no stamps, and the order of ties does not depend on the past.
 """
 
 from __future__ import annotations
@@ -23,22 +23,23 @@ from ...sizing import as_size
 from ...sizing.table import ROOT3, Nodes, size_at
 
 NONE = -np.inf
-CENTERS_A_CALL = 20_000  # insertions a kernel call: a fraction of a second, so that Ctrl-C is heard
-# The definitions of "worst", greater is worse: the numbers that kernels know them by.
+CENTERS_A_CALL = 20_000  # insertions in one kernel call, a fraction of a second: Ctrl-C works between calls
+# The measures that define the worst triangle, and their numbers in kernels. A greater value is worse; the
+# minimum angle is therefore negated.
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
-KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of a rule
-WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle as the largest negative
+KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of ``Rule.test``
+WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle are negated: minima are maxima
 
 
 class Rule(NamedTuple):
-    """Which triangles are bad, and which of them is the worst: what `judge` goes by.
+    """Which triangles are bad, and which of them is the worst. `judge` uses it.
 
     Attributes
     ----------
     test : ndarray, shape (4,)
-        The number of the measure; whether there are a size and a limit, and the limit.
+        The number of the measure, whether there is a size, whether there is a limit, and the limit.
     size, order : Nodes
-        Tables of the size, and of the field that alpha is measured with as a priority.
+        Tables of the size, and of the field by which the priority alpha is computed.
     """
 
     test: NDArray[np.float64]
@@ -47,7 +48,7 @@ class Rule(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """What kernels are handed of a `Contest`."""
+    """The arrays of a `Contest` that kernels work on."""
 
     rule: Rule
     tree: NDArray[np.float64]
@@ -80,7 +81,7 @@ def top(tree):
 
 
 def grown_tree(tree: NDArray[np.float64], slots: int) -> NDArray[np.float64]:
-    """The tournament with room for at least so many slots (the same one where it has)."""
+    """The tournament with room for at least so many slots; the same one if it has the room already."""
     half = len(tree) // 2
     if slots <= half:
         return tree
@@ -98,8 +99,8 @@ def grown_tree(tree: NDArray[np.float64], slots: int) -> NDArray[np.float64]:
 def measures(ax, ay, bx, by, cx, cy):
     """R, r, the shortest and the longest edge, the area, and the circumcenter of a counterclockwise triangle.
 
-    In doubles, relative to a: what is decided by them is where points are put, never what is connected.
-    R is infinite where rounding leaves no area.
+    They are computed in doubles, relative to a. They decide where points are put, never what is connected. R
+    is infinite if rounding leaves no area.
     """
     ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
     wx, wy = vx - ux, vy - uy
@@ -116,10 +117,10 @@ def measures(ax, ay, bx, by, cx, cy):
 
 @lean
 def judge(rule, ax, ay, bx, by, cx, cy):
-    """How bad a triangle is by the rule; `NONE` where it is well.
+    """How bad a triangle is by the rule; `NONE` if it is not bad.
 
-    Bad is a triangle with alpha = sqrt(3) R / size(Q) >= 1 (``HAS_SIZE``), or whose measure exceeds the limit
-    (``HAS_LIMIT``); without either every one is.
+    A triangle is bad if alpha = sqrt(3) R / size(Q) >= 1 (``HAS_SIZE``), or if its measure exceeds the limit
+    (``HAS_LIMIT``). Without a size and a limit every triangle is bad.
     """
     big, small, short, _, area, qx, qy = measures(ax, ay, bx, by, cx, cy)
     kind = int(rule.test[KIND])
@@ -172,7 +173,7 @@ def unwatch(watch, slot):
 
 @lean
 def record(contest, vertex, t, i, radius):
-    """Row i of a record: the state before a step; circumradius, value and vertices of its triangle t."""
+    """Write row i of a record: the state before a step; circumradius, value and vertices of triangle t."""
     watch, events = contest.watch, contest.events
     for k in range(len(watch)):
         contest.rows[i, k] = watch[k][1]
@@ -182,7 +183,7 @@ def record(contest, vertex, t, i, radius):
 
 
 def watched(rows: NDArray[np.float64], factor: float) -> dict[str, NDArray[np.float64]]:
-    """The record of ``rows`` (k, 5), the tops of the tournaments, in the units of the input."""
+    """The record by name, in the units of the input; ``rows`` (k, 5) are the tops of the tournaments."""
     scale = {"R": 1 / factor, "l": -1 / factor, "L": 1 / factor, "mu": 1.0, "angle": -1.0}
     return {name: rows[:, k] * scale[name] for k, name in enumerate(WATCHED)}
 
@@ -199,7 +200,7 @@ def make_rule(
     Raises
     ------
     InputError
-        For an unknown name, a limit that is no number or has no measure to limit, or "alpha" without a size.
+        For an unknown name, a limit that is not a finite number, or "alpha" without a size.
     """
     if priority is None:
         priority = "circumradius" if size is None else "alpha"
@@ -209,7 +210,7 @@ def make_rule(
         raise InputError(f"no priority {name!r}; use one of {known}, or a size to compare circumradii with")
     field = size if isinstance(priority, str) else priority
     if name == "alpha" and field is None:
-        raise InputError("the priority 'alpha' compares circumradii with a size: give one")
+        raise InputError("the priority 'alpha' compares circumradii with a size: give a size")
     test = np.zeros(4)
     test[KIND], test[HAS_SIZE], test[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
     if limit is not None:
@@ -221,12 +222,12 @@ def make_rule(
 
 
 def unscaled(priority: int, value: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
-    """Values of `judge` in the units of the input, the least angle as a positive number."""
+    """Values of `judge` in the units of the input, the minimum angle as a positive number."""
     return value * {0: 1 / factor, 3: -1.0, 5: 1 / factor**2}.get(priority, 1.0)
 
 
 class Contest:
-    """What a run keeps to know its worst triangle: rule, tournaments, and a record where it is wanted.
+    """What a run keeps to know its worst triangle: rule, tournaments, and a record if it is wanted.
 
     Attributes
     ----------
@@ -236,8 +237,8 @@ class Contest:
     watch : ndarray, shape (5 or 0, nodes)
         The tournaments of the record.
     rows, events : ndarray, shapes (steps, 5), (steps, columns)
-        Before each step the tops of the tournaments; circumradius, value and vertices of the triangle, and
-        what else a run notes of it.
+        For each step the tops of the tournaments before it; and the circumradius, the value and the vertices
+        of its triangle, with further columns that a run may add.
     """
 
     def __init__(self, rule: Rule, history: bool, columns: int = 5):
@@ -250,7 +251,7 @@ class Contest:
         return Entries(self.rule, self.tree, self.watch, self.rows, self.events)
 
     def make_room(self, slots: int, steps: int) -> None:
-        """For triangles in so many slots, and so many steps of the record."""
+        """Make room for triangles in so many slots, and for so many steps of the record."""
         self.tree = grown_tree(self.tree, slots)
         if len(self.watch):
             if self.watch.shape[1] < len(self.tree):
@@ -263,7 +264,7 @@ class Contest:
         return self.tree[half : half + slots] > NONE
 
     def story(self, first: int, last: int, factor: float) -> dict[str, NDArray[np.float64]]:
-        """The record of these steps and the state after them, in the units of the input."""
+        """The record of these steps, and of the state after them, in the units of the input."""
         events, rows = self.events[first:last], np.vstack([self.rows[first:last], self.watch[:, 1]])
         value = unscaled(int(self.rule.test[KIND]), events[:, 1], factor)
         return {**watched(rows, factor), "chosen": events[:, 0] / factor, "value": value}

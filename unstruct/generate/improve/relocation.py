@@ -1,8 +1,9 @@
 """Local improvement of a planar triangulation, compiled: smart Laplace steps, pattern search, and a survey.
 
-The arrays are those of `PlanarComplex` and `stars2`. ``still[v]`` tells which vertices may not move: those on
-constrained edges, given points, and all outside. ``todo[v]`` tells which are to be looked at, so that the
-cost follows the number of poor triangles and not that of all; ``moved[v]`` which have moved. Book: 2.6c.
+The arrays are those of `PlanarComplex` and of `Stars`. ``still[v]`` says that vertex v must not move: it lies
+on a constrained edge, is a given point, or is outside. ``todo[v]`` says that v is to be looked at, so that
+the cost depends on the number of poor triangles and not on the number of all. ``moved[v]`` says that v has
+been moved. Book: 2.6c.
 """
 
 from __future__ import annotations
@@ -21,18 +22,19 @@ from ...connect.planar.stars import (
     touched,
 )
 
-OVER = 0.2  # steps go that much farther than to the mean: three rounds then do what five do
+OVER = 0.2  # a step goes beyond the mean by this share of its length: three rounds then do the work of five
 
 
 @lean
 def improve(stars, todo, moved, threshold, patterns, start, stop):
-    """Look at the vertices ``start <= v < stop`` that are to be looked at, and move those that gain.
+    """Look at the vertices ``start <= v < stop`` on the list ``todo``, and move those that gain by it.
 
-    Each goes to the mean of its neighbors, and a little farther, if its star is `better` then (a *smart*
-    Laplace step), or else, with ``patterns``, to the best place that a pattern search finds. A star whose
-    triangles are all beyond ``threshold`` is left alone. Vertices around a move are looked at again.
-    Diagonals are swapped at once with ``patterns``; otherwise see `legalize_moved`: of 10^5 Laplace steps
-    in a good mesh only a hundred ask for it. ``counts``: moves, swaps.
+    A vertex is moved to the mean of its neighbors, and a little farther, if its star is `better` there (a
+    *smart* Laplace step). Otherwise, with ``patterns``, it is moved to the best place that a pattern search
+    finds. A star whose triangles all have at least the fairness ``threshold`` is left alone. The vertex that
+    was moved and those around it are put on the list again. With ``patterns`` diagonals are swapped at once;
+    otherwise the caller does this with `legalize_moved`, as of 10^5 Laplace steps in a good mesh only about a
+    hundred need it. ``counts``: moves, swaps.
     """
     xy, places, ring = stars.xy, stars.places, stars.ring
     moves = 0
@@ -69,7 +71,10 @@ def improve(stars, todo, moved, threshold, patterns, start, stop):
 
 @lean
 def look_for(xy, vertex, region, count, threshold, among, todo):
-    """Put the corners of triangles with 2 r / R below the threshold, and one ``among`` these, on the list."""
+    """Put the corners of triangles with 2 r / R below the threshold on the list ``todo``.
+
+    Only triangles that have at least one corner ``among`` these vertices are looked at.
+    """
     for t in range(count):
         if region[t] >= 0 and touched(vertex, t, among):
             a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
@@ -82,8 +87,8 @@ def look_for(xy, vertex, region, count, threshold, among, todo):
 def survey(xy, vertex, region, count, threshold, todo, found):
     """Look at all triangles, and put the corners of those with 2 r / R below the threshold on the list.
 
-    ``found`` gets the number of triangles, the sum and the least of 2 r / R, the least squared sine of an
-    angle, and how many are below the threshold.
+    ``found`` receives the number of triangles, the sum and the minimum of 2 r / R, the squared sine of the
+    minimum angle, and the number of triangles below the threshold.
     """
     total = poor = cells = 0.0
     least = sine = 1.0

@@ -1,7 +1,7 @@
-"""Rounds of smoothing, compiled: each vertex goes where its star is better, or where a mean has it.
+"""Rounds of smoothing, compiled: each vertex is moved to a mean, or to a place where its star is better.
 
-The arrays are those of `stars2`. Every move is judged by exact signs: all triangles around the vertex stay
-counterclockwise, or it stays where it is.
+The arrays are those of `Stars`. Every move is judged by exact signs: if a triangle around the vertex would
+not be counterclockwise, the vertex stays where it is.
 
 Sources: D. A. Field, Laplacian smoothing and Delaunay triangulations (1988); L. Chen and M. Holst, Efficient
 mesh optimization schemes based on optimal Delaunay triangulations (2011). Book: 2.6c, 2.6d.
@@ -12,14 +12,15 @@ from __future__ import annotations
 from ...base.jit import lean
 from ...connect.planar.stars import ROUNDNESS, search, star_measures, star_of, swap_around
 
-# where to: mean of the neighbors, of circumcenters, of centroids, or where a pattern search ends
+# Where a vertex is moved: to the mean of its neighbors, of the circumcenters or of the centroids of its
+# triangles, or to the place where a pattern search ends.
 LAPLACE, OPTIMAL, CENTROID, SEARCH = 0, 1, 2, 3
-MOVED, INVALID, WORSE, FLIPS, LOOKED = 0, 1, 2, 3, 4  # what is counted
+MOVED, INVALID, WORSE, FLIPS, LOOKED = 0, 1, 2, 3, 4  # places in the counts
 
 
 @lean
 def target(places, k, x0, y0, method):
-    """Where the method would have a vertex: relative to it, so that nothing is lost far from the origin."""
+    """The place of a vertex by the method; computed relative to it, so that no digits are lost far from 0."""
     sx, sy, weight = 0.0, 0.0, 0.0
     for i in range(k):
         ax, ay, bx, by = places[i, 0] - x0, places[i, 1] - y0, places[i + 1, 0] - x0, places[i + 1, 1] - y0
@@ -29,7 +30,7 @@ def target(places, k, x0, y0, method):
         area2 = ax * by - ay * bx
         if area2 <= 0.0:
             continue
-        if method == OPTIMAL:  # area times circumcenter: the area cancels
+        if method == OPTIMAL:  # the area cancels in the product of area and circumcenter
             aa, bb = ax * ax + ay * ay, bx * bx + by * by
             sx += 0.5 * (by * aa - ay * bb)
             sy += 0.5 * (ax * bb - bx * aa)
@@ -44,10 +45,11 @@ def target(places, k, x0, y0, method):
 
 @lean
 def smooth_round(stars, method, smart, swap, threshold, start, stop):
-    """Move each vertex of ``start <= v < stop`` whose worst triangle is below the threshold, in turn.
+    """Move each vertex ``start <= v < stop`` that has a triangle with 2 r / R below the threshold, in turn.
 
-    ``smart``: only where the least 2 r / R around it grows, as it always does in a search. Vertices that are
-    ``still`` stay. ``swap``: diagonals follow at once. The record's ``counts`` are added to.
+    With ``smart`` a vertex is moved only if the minimum 2 r / R around it grows, as it always does in a
+    search. Vertices that are ``still`` stay. With ``swap`` diagonals are swapped after each move. What
+    happened is added to ``stars.counts``.
     """
     xy, places, counts = stars.xy, stars.places, stars.counts
     for v in range(start, stop):

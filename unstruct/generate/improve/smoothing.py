@@ -1,6 +1,6 @@
-"""Smoothing: vertices move to better places, diagonals follow, the mesh stays valid at every step.
+"""Smoothing: vertices are moved to better places and diagonals are swapped; every step keeps the mesh valid.
 
-See `smoothing2` for the kernels and the sources. Book: 2.6d.
+See `generate.improve.rounds` for the kernels and the sources. Book: 2.6d.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, S
 __all__ = ["smooth"]
 
 METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
-VISITS_A_CALL = 200_000  # vertices between two looks at Ctrl-C
+VISITS_A_CALL = 200_000  # vertices visited in one kernel call: Ctrl-C works between calls
 COUNTED = {"moved": MOVED, "invalid": INVALID, "worse": WORSE, "swaps": FLIPS, "examined": LOOKED}
 
 
@@ -44,42 +44,43 @@ def smooth(
     mesh : Mesh
         Counterclockwise triangles in the plane.
     method : {"laplace", "optimal", "centroid", "search"}
-        Where a vertex goes, one after the other: to the mean of its neighbors; to the mean of the
-        circumcenters of its triangles weighted by their areas (optimal Delaunay triangulation); to the mean
-        of their centroids weighted in the same way (centroidal patches, close to a centroidal Voronoi
+        Where a vertex is moved, one vertex after the other: to the mean of its neighbors; to the mean of the
+        circumcenters of its triangles, weighted by their areas (optimal Delaunay triangulation); to the mean
+        of their centroids, weighted in the same way (centroidal patches, close to a centroidal Voronoi
         tessellation); or to the best place that a search in eight directions finds.
     rounds : int
-        How often all vertices are visited; it ends sooner when none moves.
+        How often all vertices are visited; smoothing ends sooner when no vertex moves.
     smart : bool
-        Move only where the least 2 r / R around the vertex grows. Otherwise every valid move is made.
+        Move a vertex only if the minimum 2 r / R around it grows. Otherwise every valid move is made.
     swap : bool
         Swap diagonals after each move, so that a constrained Delaunay triangulation stays one.
     below : float, optional
         Look only at vertices with a triangle whose 2 r / R is less than this.
     fixed : array_like of int, optional
-        Vertices that stay. By default, in a mesh of a domain (`DomainMesh`), those of the domain.
+        Vertices that stay. In a mesh of a domain (`DomainMesh`) the default is the vertices of the domain.
     progress : bool
         Show the rounds.
 
     Returns
     -------
     DomainMesh
-        The same vertices and markers, new places, and with ``swap`` new triangles. ``counts`` has how many
-        moves were "moved", refused as "invalid" (a triangle would turn over: exact) or as "worse", how many
-        visits were "examined", and the "swaps" and "rounds".
+        The same vertices and markers, with new places and, with ``swap``, new triangles. ``counts`` contains
+        the moves that were made ("moved"), those refused because a triangle would turn over ("invalid", an
+        exact test) or because the star would be no better ("worse"), the vertices looked at ("examined"), and
+        the "swaps" and "rounds".
 
     Raises
     ------
     MeshError
         For a mesh that is not made of counterclockwise triangles of the plane.
     InputError
-        For an unknown method, a negative number of rounds, vertices that are not there.
+        For an unknown method, a negative number of rounds, or numbers of vertices that do not exist.
 
     Notes
     -----
     Boundary vertices, those on marked edges and those named by a marker stay. With ``swap``, the input is
-    expected to be constrained Delaunay (otherwise see `swap_diagonals` first); regions and marked edges are
-    respected. O(n) a round. Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
+    expected to be constrained Delaunay (`swap_diagonals` makes it so); regions and marked edges are kept. A
+    round takes O(n). Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
     Book: 2.6d.
     """
     if method not in METHODS:
@@ -92,19 +93,19 @@ def smooth(
         raise MeshError(f"there is nothing to smooth: {mesh!r}")
     fault = first_fault(coordinates, mesh.simplices, mesh.neighbors, wide)
     if wide or fault >= 0:
-        what = "its coordinates span too many exponents" if wide else f"simplices[{fault}] is not well placed"
+        what = "its coordinates span too many exponents" if wide else f"simplices[{fault}] is not valid"
         raise MeshError(f"this mesh cannot be smoothed: {what}; see unstruct.check")
     markers, locked = constraints(mesh, None)
     xy = coordinates.copy()
     vertex, twin = mesh.simplices.ravel().copy(), twins(mesh.neighbors)
-    mark = np.where((twin >= 0) & ~locked.ravel(), -1, 0).astype(np.int32)  # 0 where an edge is closed
+    mark = np.where((twin >= 0) & ~locked.ravel(), -1, 0).astype(np.int32)  # 0: the edge must stay
     at = np.empty(len(xy), dtype=np.int32)
     opposite_half_edges(vertex, np.zeros(mesh.size, dtype=np.int32), mesh.size, at)
     closed = mark.reshape(-1, 3) >= 0
     stays = _staying(mesh, fixed) | (at < 0)
-    stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # their ends
+    stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # ends of these
     counts = np.zeros(8, dtype=np.int64)
-    where = np.zeros(1, dtype=np.int32)  # closed edges share one mark, and nobody asks where it is
+    where = np.zeros(1, dtype=np.int32)  # all edges that must stay share one mark; its place is never used
     ring, stack = np.empty(len(mark) + 8, dtype=np.int32), np.empty(4 * len(mark) + 64, dtype=np.int32)
     places = np.empty((len(ring) + 1, 2))
     stars = Stars(xy, vertex, twin, mark, where, at, stays, ring, places, stack, counts)
@@ -155,7 +156,7 @@ def _rounds(rounds: int, progress: bool) -> Any:
 def _result(
     mesh: Mesh, points: NDArray, simplices: NDArray, markers: dict[str, NDArray], counts: dict[str, int]
 ) -> DomainMesh:
-    """The same vertices with the account of a `DomainMesh`; unrefined cells that are still there stay so."""
+    """The smoothed mesh with the account of a `DomainMesh`; unrefined cells that still exist stay listed."""
     rest: dict[str, Any] = {}
     if isinstance(mesh, DomainMesh):
         rest = {"segments": mesh.segments, "piece": mesh.piece, "span": mesh.span}

@@ -1,6 +1,6 @@
-"""The finishing pass of `voronoi_segment`: poor triangles are smoothed, too small angles refined away.
+"""The finishing pass of `voronoi_segment`: poor triangles are smoothed, and small angles are refined away.
 
-Nothing here looks at good triangles more than once: what it costs follows the number of poor ones.
+Some passes survey all triangles; apart from these only poor triangles and their neighbors are looked at.
 """
 
 from __future__ import annotations
@@ -23,31 +23,33 @@ from ..refinement.state import REFUSALS
 
 __all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
 
-STARS_A_CALL = 100_000  # vertices of a kernel call
-# Laplace steps on stars with a triangle below this fairness, then a search on those below that; most rounds
+STARS_A_CALL = 100_000  # vertices looked at in one kernel call
+# Laplace steps are tried on stars with a triangle below the fairness `NEARLY`, and afterwards a pattern
+# search on stars with a triangle below the fairness `POOR`. Each of the two takes at most so many rounds.
 NEARLY, LAPLACE_ROUNDS = 0.995, 3
 POOR, SEARCH_ROUNDS = 0.9, 6
-PROMISED_ANGLE = 25.0  # degrees: what is promised
-WANTED_ANGLE = 26.0  # and what is asked for
-PASSES = 3  # of refinement and smoothing
+PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
+WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
+PASSES = 3  # of smoothing and refinement, at most
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
 
 
 def smooth_poor(
     complex_: PlanarComplex, given: int, since: int = 0
 ) -> tuple[int, int, NDArray[np.bool_], dict[str, float]]:
-    """Move vertices of poor triangles in place; those below number ``given`` and on segments stay.
+    """Move vertices of poor triangles in place. Vertices on segments and those numbered below ``given`` stay.
 
-    ``since``: where the mesh was smoothed before and nothing but vertices from this number on has come in,
-    that number; then only what is around them is looked at, and searched.
+    ``since`` is for a mesh that was smoothed before and has since changed only by new vertices: it is the
+    number of the first new one. Then only the triangles around new vertices are looked at, and only the
+    pattern search is used. 0 means the whole mesh.
 
     Returns
     -------
     moves, swaps : int
     moved : ndarray of bool
-        The vertices that have another place or, with ``since``, another triangle now.
+        The vertices that have been moved; with ``since`` also the corners of triangles that have changed.
     before : dict of str to float
-        The `figures` of the mesh as it was; empty with ``since``.
+        The `figures` of the mesh before smoothing; empty with ``since``.
     """
     c = complex_
     n, count = c.size, c.triangles
@@ -57,7 +59,8 @@ def smooth_poor(
     still[:given] = True
     still[c.ends[: c.segments].ravel()] = True
     todo, moved = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-    # a move asks for two edges a triangle of its star, and a swap for three more: room for all that may wait
+    # A move puts two edges for each triangle of its star on the stack, and a swap adds three more: this is
+    # room for all edges that may wait.
     stack, counts = np.empty(4 * len(c.mark) + 64, dtype=np.int32), np.zeros(2, dtype=np.int64)
     ring, places = np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2))
     stars = Stars(c.xy, c.vertex, c.twin, c.mark, c.where, at, still, ring, places, stack, counts)
@@ -70,7 +73,7 @@ def smooth_poor(
         if _rounds(stars, todo, moved, NEARLY, False, LAPLACE_ROUNDS):
             counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
-        # the others are as they were, beyond NEARLY
+        # the other triangles have not changed: their 2 r / R is still at least NEARLY
         look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
     _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
@@ -82,7 +85,7 @@ def smooth_poor(
 def _rounds(
     stars: Stars, todo: NDArray, moved: NDArray, threshold: float, patterns: bool, rounds: int
 ) -> int:
-    """Rounds of `improve` until nothing moves, but no more than so many; how many moves."""
+    """Repeat `improve` until nothing moves, for at most ``rounds`` rounds, and return the number of moves."""
     n, moves = len(todo), 0
     for _ in range(rounds):
         before = moves
@@ -94,7 +97,7 @@ def _rounds(
 
 
 def figures(complex_: PlanarComplex) -> dict[str, float]:
-    """Number of triangles of the domain, least angle in degrees, least and mean 2 r / R."""
+    """Number of triangles of the domain, minimum angle in degrees, minimum and mean 2 r / R."""
     return _named(_survey(complex_, 0.0, np.zeros(complex_.size, dtype=bool)))
 
 
@@ -107,8 +110,8 @@ def _survey(c: PlanarComplex, threshold: float, todo: NDArray[np.bool_]) -> NDAr
 def _named(found: NDArray[np.float64]) -> dict[str, float]:
     return {
         "triangles": float(found[0]),
-        "least angle": degrees(asin(sqrt(min(found[3], 0.75)))),
-        "least 2r/R": float(found[2]),
+        "minimum angle": degrees(asin(sqrt(min(found[3], 0.75)))),
+        "minimum 2r/R": float(found[2]),
         "mean 2r/R": float(found[1] / max(found[0], 1.0)),
     }
 
@@ -116,17 +119,17 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
 def refine_angles(
     domain: Domain, complex_: PlanarComplex, given: int, most: int, kept: NDArray[np.uint8]
 ) -> tuple[dict[str, int], list[int], list[str]]:
-    """Chew's second algorithm on the complex, for the sake of the least angle alone.
+    """Refine the complex by Chew's second algorithm, with the minimum angle as the only goal.
 
     Parameters
     ----------
     domain : Domain
     complex_ : PlanarComplex
-        Constrained Delaunay; it stays so.
+        A constrained Delaunay triangulation; it stays one.
     given : int
-        Vertices from this number on may be taken away.
+        Vertices from this number on may be removed.
     most : int
-        The number of vertices at which to stop.
+        Refinement stops at this number of vertices.
     kept : ndarray of uint8
         1 for pieces that must not be split.
 

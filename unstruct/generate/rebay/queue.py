@@ -1,16 +1,19 @@
-"""Waiting triangles in the order of their measure, compiled: buckets, each a doubly linked list of slots.
+"""The queue of waiting triangles, ordered by their measure and compiled.
 
-The measure is the square of R / f (or of another quotient alpha). Two buckets an octave are as good as an
-exact order, and need neither a heap nor stale entries: a triangle that goes away is unlinked at once.
-Within a bucket the first in is the first out, so that the front advances evenly to all sides, but only among
-a *batch*: some neighbors in the line, which advance together for some generations before what is left of them
-goes back to the beginning of the line. So the work stays where the processor's cache has it; a plain queue
-takes nearly twice the time for a million triangles, and a plain stack, which lets thin fingers grow, leaves
-three to five times as much of imperfection. Where the size varies, a front that advances as a whole is
-worth its time.
+The queue consists of buckets, each a doubly linked list of slots. The measure is the square of R / f (or of
+another quotient alpha). Two buckets an octave do as well as an exact order. They need no heap, and they have
+no stale entries: a triangle that is removed is unlinked at once.
 
-``links[t]`` has the columns below, ``gates[b]`` the first and the last slot of bucket b, -1 where it is
-empty; the second half of the buckets is that of the batch, ``turn[0]`` its steps left plus one.
+Within a bucket the triangle that came first leaves first, so that the front advances evenly to all sides.
+For a constant size this holds only among a *batch*: some triangles that follow each other in the queue and
+advance together for some generations. Then those that are left go back to the beginning of the queue. In this
+way the data stay in the processor's cache. A plain queue takes nearly twice the time for a million triangles;
+a plain stack lets thin fingers grow and leaves three to five times as many imperfections. Where the size
+varies, a front that advances as a whole is worth the extra time, and there are no batches.
+
+``links[t]`` has the columns that are named below. ``gates[b]`` contains the first and the last slot of bucket
+b, -1 where it is empty. The second half of the buckets belongs to the batch. ``turn[0]`` is the number of
+steps that the batch has left, plus one, and 0 without a batch; ``turn[1]`` is the size of a batch.
 """
 
 from __future__ import annotations
@@ -24,25 +27,28 @@ from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
 from ..refinement.state import HALF_OCTAVE
 
-STATUS, LEVEL, PREVIOUS, NEXT = 0, 1, 2, 3
-# What is known of a slot; a status >= 0 is the bucket in which it waits.
-WAITING, ASIDE, ACCEPTED = -1, -2, -3  # too large, not at the front · given up · small enough, or outside
-BATCH, GENERATIONS = 64, 12
+STATUS, LEVEL, PREVIOUS, NEXT = 0, 1, 2, 3  # the columns of ``links``
+# The status of a slot. A status >= 0 is the bucket in which the triangle waits at the front.
+WAITING = -1  # the triangle is too large, but not in the queue
+ASIDE = -2  # the triangle is too large, and was given up
+ACCEPTED = -3  # the triangle is small enough, or lies outside
+BATCH = 64  # triangles in a batch
+GENERATIONS = 12  # a batch takes this many times its size of steps
 
 
 def empty_queue(
     slots: int, buckets: int, batch: int = 0
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
-    """``links``, ``gates`` and ``turn`` of a queue in which no slot waits, and all are accepted.
+    """``links``, ``gates`` and ``turn`` of an empty queue, in which all slots are accepted.
 
-    ``batch``: how many slots advance together, 0 for all.
+    ``batch`` is the number of slots that advance together; 0 means that there are no batches.
     """
     links = grown_links(np.empty((0, 4), dtype=np.int32), slots)
     return links, np.full((2 * buckets, 2), -1, dtype=np.int32), np.array([0, batch], dtype=np.int64)
 
 
 def grown_links(links: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
-    """The same queue with room for so many slots, the new ones accepted."""
+    """The same queue with room for so many slots; the new ones are accepted."""
     old = len(links)
     links = grown(links, slots)
     links[old:] = ACCEPTED, 0, -1, -1
@@ -51,7 +57,7 @@ def grown_links(links: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
 
 @inline
 def bucket_of(square, buckets):
-    """The bucket of a squared measure: two an octave of it, from 1 upwards, the last one open."""
+    """The bucket of a squared measure: two an octave, from 1 upwards; the last one has no upper end."""
     m, e = frexp(square)
     b = 2 * (e - 1)
     if m >= HALF_OCTAVE:
@@ -61,7 +67,7 @@ def bucket_of(square, buckets):
 
 @inline
 def push(links, gates, turn, slot, last_first):
-    """Put a slot at the end of its bucket, or at the beginning; in the nearer half while a batch is on."""
+    """Put a slot at the end of its bucket, or at the beginning; a batch has buckets of its own."""
     bucket = links[slot, LEVEL]
     if turn[0] > 0:
         bucket += len(gates) // 2
@@ -92,7 +98,7 @@ def append(links, gates, slot, bucket, last_first):
 
 @inline
 def unlink(links, gates, slot, status):
-    """Take a slot out of its bucket, and give it a status."""
+    """Take a slot out of its bucket and set its status."""
     bucket, before, after = links[slot, STATUS], links[slot, PREVIOUS], links[slot, NEXT]
     if before >= 0:
         links[before, NEXT] = after
@@ -107,7 +113,7 @@ def unlink(links, gates, slot, status):
 
 @lean
 def end_batch(links, gates, turn):
-    """Put what is left of a batch back to the beginning of the line, in its order."""
+    """Move the slots that are left of a batch back to the beginning of their buckets, in the same order."""
     half = len(gates) // 2
     for b in range(half):
         while gates[half + b, 1] >= 0:
@@ -119,7 +125,7 @@ def end_batch(links, gates, turn):
 
 @lean
 def next_slot(links, gates, turn):
-    """The slot whose turn it is: the first of the highest bucket that is not empty; -1 where all are."""
+    """The slot whose turn it is: the first of the highest bucket that is not empty; -1 if all are empty."""
     half = len(gates) // 2
     if turn[0] == 1:
         end_batch(links, gates, turn)

@@ -1,4 +1,4 @@
-"""One run of `voronoi_segment`: the arrays around its kernels, splits of the boundary, the account."""
+"""One run of `voronoi_segment`: the arrays for its kernels, the splits of the boundary, and the account."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ COUNT_NAMES = (
 )  # fmt: skip
 FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
 NO_LIMIT = 2**30
-FRONT_STEPS_A_CALL = 50_000  # steps of a kernel call: a fraction of a second, so that Ctrl-C is heard
-TOLERANCE = 0.04  # of the size table, relative
-BUCKETS = 12  # of R / f: two an octave of its square, all above 8 delta in the last one
-ORDER_BUCKETS = 96  # of any other measure
+FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
+TOLERANCE = 0.04  # the relative tolerance of the size table
+BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
+ORDER_BUCKETS = 96  # for any other measure
 
 
 class VoronoiSegmentRun:
@@ -78,7 +78,7 @@ class VoronoiSegmentRun:
         self.first = complex_.size  # vertices from here on are new
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
-        # room for all points at once where their number is foreseen: what is not used costs nothing
+        # Make room for all points at once where their number can be estimated; unused memory costs nothing.
         h = np.inf if field.constant is None else field.constant
         expected = 1.2 * domain.area * 2.0 / k.ROOT3 / h / h
         self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
@@ -97,7 +97,7 @@ class VoronoiSegmentRun:
             self.numbers = np.concatenate([self.numbers, np.full((more, 6), np.nan)])
 
     def front(self) -> k.Front:
-        """The queue and what decides about it, as they are now."""
+        """The queue, and the arrays and choices that decide its order, as they are now."""
         return k.Front(self.links, self.gates, self.turn, self.table, self.order, self.rule)
 
     def insert(self, budget: int | None, bar: Any) -> None:
@@ -106,7 +106,7 @@ class VoronoiSegmentRun:
         self.advance(budget, bar)
 
     def advance(self, budget: int | None, bar: Any) -> None:
-        """`insert` from where it stands."""
+        """Continue `insert` from the present state."""
         c = self.complex
         while True:
             before = c.size
@@ -131,7 +131,7 @@ class VoronoiSegmentRun:
                 return
 
     def split(self, e: int) -> bool:
-        """Split the subsegment on half-edge e on the true curve; False where that is not possible."""
+        """Split the subsegment on half-edge e, on the true curve; False if that is not possible."""
         self.reserve(self.complex.size + 8)
         c = self.complex
         s = int(c.mark[e])
@@ -164,24 +164,24 @@ class VoronoiSegmentRun:
     # ------------------------------------------------------------------ finishing
 
     def start(self, moved: NDArray[np.bool_]) -> None:
-        """Look at all triangles that have a corner among these: which are accepted, which wait."""
+        """Classify all triangles that have a corner among these as accepted or waiting."""
         k.start(self.complex.plane(), self.front(), moved)
 
     def restart(self) -> None:
-        """Look at all triangles anew, with an empty queue."""
+        """Classify all triangles again, beginning with an empty queue."""
         self.reserve(self.complex.size)
         slots, buckets = len(self.complex.region), len(self.gates) // 2
         self.links, self.gates, self.turn = empty_queue(slots, buckets, self.batch)
         self.start(np.ones(self.complex.size, dtype=bool))
 
     def finish(self, budget: int | None) -> dict[str, Any]:
-        """The finishing pass; what `result` is to report of it."""
+        """Run the finishing pass; return what `result` reports about it."""
         c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
-        since = 0  # not 0: vertices from number ``since`` on are new, and nothing else has changed
+        since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         for number in range(PASSES + 1):
-            if number < PASSES:  # the last one refines only, so that the list is that of the result
+            if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since)
                 before = before or measured
                 done["moves"] += moves
@@ -191,13 +191,13 @@ class VoronoiSegmentRun:
                 else:
                     self.restart()
             counted, size = self.counts.copy(), c.size
-            self.advance(budget, None)  # where a triangle has become too large again
+            self.advance(budget, None)  # some triangles may have become too large again
             done["points again"] += c.size - size
             self.counts, after = counted, figures(c)
             refined = False
             slots: list[int] = []
             reasons: list[str] = []
-            if after["least angle"] < PROMISED_ANGLE:
+            if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept)
                 done["angle points"] += found["circumcenters"]
                 done["angle splits"] += found["splits"]
@@ -215,7 +215,7 @@ class VoronoiSegmentRun:
     # ------------------------------------------------------------------ the account
 
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
-        """The record by columns; see `voronoi_segment`. ``place`` has the final number of each vertex."""
+        """The record by columns; see `voronoi_segment`. ``place[v]`` is the final number of vertex v."""
         stop, c = self.complex.size, self.complex
         log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
@@ -224,7 +224,7 @@ class VoronoiSegmentRun:
         row = np.maximum(last - self.first, 0)
         ends = edge[row]
         other = edge.min(axis=1, initial=np.iinfo(np.int32).max)
-        proper = ((case & 1) > 0) & ((case >> k.DELETED & 1) == 0)  # AXB came and stood
+        proper = ((case & 1) > 0) & ((case >> k.DELETED & 1) == 0)  # the step made the triangle AXB
         child = (last >= self.first) & proper[row] & ((ends == other[:, None]).any(axis=1)) & (case & 1 > 0)
         named = np.append(place, -1)
         return {
@@ -242,13 +242,13 @@ class VoronoiSegmentRun:
         }
 
     def waiting(self) -> tuple[list[int], list[str]]:
-        """Triangles that are not accepted, as slots, and why."""
+        """The slots of the triangles that are not accepted, and the reason for each."""
         status = self.links[: self.complex.triangles, STATUS]
         slots = np.flatnonzero((self.complex.region[: self.complex.triangles] >= 0) & (status >= ASIDE))
         return slots.tolist(), ["budget" if self.spent else "too large: no room for a point"] * len(slots)
 
     def result(self, finished: dict[str, Any] | None = None) -> DomainMesh:
-        """The mesh and its account, that of the finishing pass included."""
+        """The mesh with its account, which includes that of the finishing pass."""
         c = self.complex
         used = np.zeros(c.size, dtype=bool)
         used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
@@ -272,9 +272,11 @@ class VoronoiSegmentRun:
 
 
 def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool) -> k.Rule:
-    """The choices, checked."""
+    """Check the caller's choices and collect them in a `Rule`."""
     if not (isinstance(accept, (int, float)) and 1.0 < accept < np.inf):
-        raise InputError(f"accept = {accept!r} must be a number above 1; 1.35 is usual, the chapter has 1.5")
+        raise InputError(
+            f"accept = {accept!r} must be a finite number above 1; the default is 1.35, Rebay's value is 1.5"
+        )
     if evaluate not in ("center", "middle"):
         raise InputError(f"evaluate = {evaluate!r} must be 'center' or 'middle'")
     if order not in ("first", "last"):

@@ -9,11 +9,11 @@ first waiting triangle of the queue and one of its active edges, AB, and puts X 
          A-M-B                  R = min(max(f, p), (p^2 + q^2) / 2 q)     (12.4)
           \\X/    waiting       d = |MX| = R + sqrt(R^2 - p^2)            (12.5)
            F
-           D                    taken together: d = min((12.5) for R = max(f, p), q), which is q where q < p
+           D                    both in one: d = min((12.5) for R = max(f, p), q), which is q where q < p
 
-The cavity is searched from the waiting triangle, whose circle holds X, so that no point location is needed;
-it is judged before anything is changed. Source: S. Rebay, Journal of Computational Physics 106 (1993)
-125-138. Book: 2.6c.
+The search for the cavity begins at the waiting triangle, whose circle contains X, so that no point location
+is needed. The cavity is judged before anything is changed. Source: S. Rebay, Journal of Computational Physics
+106 (1993) 125-138. Book: 2.6c.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from ...predicates.kernels import incircle, orient2
 from ...sizing.table import ROOT3, Nodes, size_at
 from .queue import ACCEPTED, ASIDE, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 
-ENCROACHES, TOO_NEAR = 8, 9  # what becomes of one attempt, or INSERTED, OUTSIDE, ROUNDED
-# places in the counts; the first eight are also the bits of the case that a step records
+ENCROACHES, TOO_NEAR = 8, 9  # outcomes of an attempt, besides INSERTED, OUTSIDE and ROUNDED
+# Places in the counts. The first eight are also the bits of the case that a step records.
 POINTS, CAPPED, CLAMPED, BEHIND, DELETED, COCIRCULAR, AT_CENTER, BY_SPLIT = range(8)
 SIZE_MOVED, WIDE_ANGLE, WAS_OUTSIDE, WAS_FLAT, COLLISIONS, WAS_ROUNDED = range(8, 14)
 GIVEN_UP, SPLIT_REFUSED, COUNTS = range(14, 17)
@@ -48,19 +48,19 @@ class Rule(NamedTuple):
     general: bool  # sort by R / g(Q) instead of R / f
     scale: float  # the squared measure is divided by this before it is sorted into buckets
     at_center: bool  # f is taken at the center of the new triangle, not at M
-    last_first: bool  # within a bucket
+    last_first: bool  # within a bucket the newest triangle comes first
     split: bool  # long boundary edges that reject a point are split
-    constant: float  # f, where it is the same everywhere; else 0
+    constant: float  # f, if it is the same everywhere; otherwise 0
 
 
 class Front(NamedTuple):
-    """The queue of waiting triangles, and what decides who waits and where."""
+    """The queue of waiting triangles, and what decides which triangles wait, and in which bucket."""
 
     links: NDArray[np.int32]
     gates: NDArray[np.int32]
     turn: NDArray[np.int64]
     size: Nodes
-    order: Nodes  # of the field that R is compared with in the queue
+    order: Nodes  # the table of the field that R is compared with in the queue
     rule: Rule
 
 
@@ -73,13 +73,13 @@ def wanted(front, x, y):
 
 @inline
 def far_point(r, p):
-    """(12.5): from M to the far one of the two points on the bisector and on the circle of radius r."""
+    """(12.5): the distance from M to the farther point in which the bisector meets the circle of radius r."""
     return r + sqrt(max(r * r - p * p, 0.0))
 
 
 @inline
 def circle(xy, vertex, t):
-    """The squared circumradius of triangle t (inf where it is flat), its circumcenter, its centroid."""
+    """The squared circumradius of triangle t (inf if it is flat), its circumcenter, and its centroid."""
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     ax, ay = xy[a, 0], xy[a, 1]
     ux, uy, vx, vy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
@@ -94,7 +94,7 @@ def circle(xy, vertex, t):
 
 @inline
 def classify(plane, front, t):
-    """Accepted or waiting; in the second case also the bucket for it."""
+    """Classify triangle t as accepted or waiting; if it waits, find its bucket."""
     xy, vertex, links, rule = plane.xy, plane.vertex, front.links, front.rule
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
@@ -115,13 +115,13 @@ def classify(plane, front, t):
 
 @inline
 def is_active(twin, mark, links, e):
-    """Whether the edge parts its triangle, if that waits, from an accepted one or from what is beyond."""
+    """Whether e is active, if its own triangle waits: it is constrained, or the one beyond is accepted."""
     return mark[e] >= 0 or links[twin[e] // 3, STATUS] == ACCEPTED
 
 
 @inline
 def join_queue(plane, front, t):
-    """Queue triangle t if it waits at the front."""
+    """Put triangle t into the queue if it waits at the front."""
     twin, mark, links = plane.twin, plane.mark, front.links
     if links[t, STATUS] == WAITING:
         e = 3 * t
@@ -135,7 +135,7 @@ def join_queue(plane, front, t):
 
 @inline  # handing over the arrays of both records, once a point, took a fifth of the time of `advance`
 def settle(plane, front, fresh, k):
-    """Classify new triangles; queue those at the front, and the neighbors that the front now reaches."""
+    """Classify new triangles; queue those at the front, and the neighbors that the front reaches now."""
     twin, mark, links = plane.twin, plane.mark, front.links
     for i in range(k):
         classify(plane, front, np.int64(fresh[i]))
@@ -151,9 +151,9 @@ def settle(plane, front, fresh, k):
 
 @lean
 def start(plane, front, moved):
-    """Classify all triangles, and queue those at the boundary, along it, then those beside accepted ones.
+    """Classify all triangles; queue those along the boundary, in its order, then those beside accepted ones.
 
-    Where no corner has ``moved``, what is known of a triangle holds. No triangle may be waiting in the queue.
+    A triangle of which no corner has ``moved`` keeps its class. The queue must be empty.
     """
     for t in range(plane.state[COUNT]):
         if plane.region[t] < 0:
@@ -193,9 +193,11 @@ def point_for(plane, front, e, counts):
 
 @inline
 def judge(plane, rim, k, x, y, f, counts):
-    """Whether (x, y) may be joined to the rim: INSERTED, or the reason why not and the place in the rim.
+    """Whether (x, y) may be joined to the boundary of the cavity, the half-edges ``rim[:k]``.
 
-    Only constrained edges need an exact look: over the others the star-shape is a theorem (see `insertion2`).
+    Returns INSERTED and -1, or the reason against it and the place in ``rim`` of the edge that gives it. Only
+    constrained edges need an exact test: for the others a theorem says that the cavity is star-shaped (see
+    `connect.planar.cavity`).
     """
     xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     wide = False
@@ -210,8 +212,8 @@ def judge(plane, rim, k, x, y, f, counts):
                 return OUTSIDE, i
             bx, by = xy[b, 0] - x, xy[b, 1] - y
             dot = ax * bx + ay * by
-            if dot < 0.0:  # seen under more than 90 degrees; under 120 or more:
-                if 4.0 * dot * dot >= square * (bx * bx + by * by):
+            if dot < 0.0:  # (x, y) sees the edge under more than 90 degrees
+                if 4.0 * dot * dot >= square * (bx * bx + by * by):  # and under 120 degrees or more
                     return ENCROACHES, i
                 wide = True
         if square < 0.49 * f * f:
@@ -223,7 +225,7 @@ def judge(plane, rim, k, x, y, f, counts):
 
 @inline
 def attempt(plane, scratch, t, x, y, f, counts):
-    """Find and judge the cavity of (x, y) from triangle t: (outcome, m, k, place in the rim)."""
+    """Find and judge the cavity of (x, y), from triangle t: (outcome, m, k, place in ``rim``)."""
     xy, vertex = plane.xy, plane.vertex
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     if incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], x, y) <= 0:
@@ -246,7 +248,7 @@ def clear(links, gates, cells, m):
 
 @inline
 def next_active(xy, vertex, twin, mark, links, t, tried):
-    """The shortest active edge of triangle t that was not tried yet (bits of ``tried``), or -1."""
+    """The shortest active edge of triangle t that has not been tried (bits of ``tried``), or -1."""
     best, shortest = np.int64(-1), inf
     for j in range(3):
         e = 3 * t + j
@@ -260,7 +262,7 @@ def next_active(xy, vertex, twin, mark, links, t, tried):
 
 @inline
 def blame(xy, vertex, rim, outcome, i, f, counts):
-    """Count a rejected point; the half-edge of the boundary edge that is to blame if that is long, or -1."""
+    """Count a rejected point; return the half-edge of the boundary that rejected it, if it is long, or -1."""
     if outcome == TOO_NEAR or outcome == ROUNDED:
         counts[COLLISIONS if outcome == TOO_NEAR else WAS_ROUNDED] += 1
         return np.int64(-1)
@@ -268,13 +270,13 @@ def blame(xy, vertex, rim, outcome, i, f, counts):
     e = np.int64(rim[i])
     a, b = start_of(vertex, e), end_of(vertex, e)
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-    # half of it is longer than f, where sqrt(3) / 2 f is the rule
+    # half of the edge is longer than f; half of a boundary edge is usually about sqrt(3) / 2 f long
     return e if ux * ux + uy * uy > 4.0 * f * f else np.int64(-1)
 
 
 @inline
 def case_of(plane, e, rim, k, point, counts):
-    """The bits of what is special about a step from edge e, whose `point_for` is used; they are counted."""
+    """The case of a step that uses the `point_for` edge e, as bits; each bit is counted."""
     xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     x, y, _, p, q, d = point
     case = 1 << POINTS
@@ -298,7 +300,7 @@ def case_of(plane, e, rim, k, point, counts):
 
 @inline
 def last_resort(plane, front, scratch, t, counts):
-    """Try the circumcenter of triangle t: (outcome, m, k, place in the rim, x, y, f)."""
+    """Try the circumcenter of triangle t: (outcome, m, k, place in ``rim``, x, y, f)."""
     square, x, y, gx, gy = circle(plane.xy, plane.vertex, t)
     f = wanted(front, gx, gy)
     if square == inf:
@@ -311,7 +313,7 @@ def last_resort(plane, front, scratch, t, counts):
 
 @lean
 def advance(plane, front, scratch, counts, log, numbers, ask, limit):
-    """Up to ``limit`` steps; how it ended. SPLIT asks the caller to split half-edge ``ask[0]``."""
+    """Take up to ``limit`` steps; return how it ended. SPLIT asks for a split of half-edge ``ask[0]``."""
     xy, vertex, twin, mark, state = plane.xy, plane.vertex, plane.twin, plane.mark, plane.state
     links, gates, rim = front.links, front.gates, scratch.rim
     for _ in range(limit):

@@ -42,27 +42,31 @@ def voronoi_segment(
     ----------
     domain : Domain
     size : number, function (k, 2) -> (k,), or SizeField
-        The wanted edge length h. The chapter's threshold is f = h / sqrt(3), the circumradius of the
-        equilateral triangle; the boundary is cut into edges of about h = sqrt(3) f, whole counts.
+        The wanted edge length h. The threshold of the source chapter, which this book follows, is f = h /
+        sqrt(3): the circumradius of an equilateral triangle with edges h. Each piece of the boundary is cut
+        into a whole number of edges of about the length h = sqrt(3) f.
     priority : "alpha", "circumradius", or anything that is a size, optional
-        Which waiting triangle at the front is next: that of the largest R / f ("alpha", and by default), of
-        the largest R, or of the largest alpha(S) = sqrt(3) R / g(Q), Q the circumcenter, for a size g.
+        Which waiting triangle at the front is next. "alpha", the default, takes the one with the largest
+        R / f, "circumradius" the one with the largest R, and a size g the one with the largest alpha(S) =
+        sqrt(3) R / g(Q), Q being the circumcenter.
     accept : float
-        delta: triangles with R < delta f are accepted. The chapter has 3/2; up to sqrt(2) see the notes.
+        delta: triangles with R < delta f are accepted. The source chapter has 3/2. For values up to sqrt(2)
+        see the notes.
     finish : bool
         Whether to improve the result afterwards.
     split_boundary : bool or "inner"
-        Whether edges on pieces that are longer than 2 f and that a new point would flatten are split, on the
-        true curve: True, False, or "inner": those on inner pieces only. The finishing pass keeps to it.
+        Whether edges on pieces that are longer than 2 f are split, on the true curve, where they reject a
+        point because it would be beyond them or make a flat triangle with them: True, False, or "inner", for
+        those on inner pieces only. The finishing pass keeps to it.
     evaluate : "center" or "middle"
         Where f is taken for a new point: at the center of gravity of the triangle that is about to be made,
-        or at the middle of its edge, as the chapter has it. For a constant size both are the same.
+        or at the middle of its edge, as in the source chapter. For a constant size both are the same.
     order : "first" or "last"
-        Of triangles with about the same R / f (half an octave of its square), the one that has waited
-        longest, or the newest.
+        Among triangles with about the same R / f (within half an octave of its square), the one that has
+        waited longest is next, or the newest.
     budget : int, optional
-        At most so many new points besides those that cut the boundary; 10^7 by default. `DomainMesh.complete`
-        tells whether they were enough.
+        The largest number of new points, besides those that cut the boundary at first; 10^7 by default.
+        `DomainMesh.complete` says whether they were enough.
     history : bool
         Keep a record of each step in ``steps``.
     progress : bool
@@ -71,52 +75,59 @@ def voronoi_segment(
     Returns
     -------
     DomainMesh
-        ``counts``, by name. Of the points put in: "points"; those "capped", with d = q because the circle
-        through A, B and F is smaller than f; "clamped", because q < p; "behind", F lying on the other side of
-        AB; "deleted": X in the circle of the accepted triangle, so that AB goes; "cocircular": X exactly on
-        it; "moved": f at the center differs from f at M by more than a tenth; "wide": X sees a boundary
-        edge under 90 to 120 degrees. Of those rejected: "outside" (beyond a boundary edge), "encroaching"
-        (120 degrees or more), "collisions" (nearer than 0.7 f to a vertex), "rounded". Then "circumcenters"
-        and boundary "splits" as a last resort, "refused splits", triangles "given up". Of the finishing pass
-        "moves", "swaps", "points again", "angle points", "angle splits", "removed".
-        ``figures``: least angle, least and mean 2r/R, before and after finishing. ``unrefined`` lists the
-        triangles that are too large, and after finishing those with an angle below 26 degrees, with
-        ``reasons``: "input angle ..." (the angle of the domain that leaves no choice), "budget", ...
-        ``steps`` (with ``history``): columns with one row for each new vertex, in order: "vertex", "point"
-        (as put in), "edge" A B, "accepted" C and "waiting" D (-1: none), "f", "p", "q", "d", "case" (bits,
-        see `CASES`), "parent" (the row that made AB as its AX or XB, or -1); vertices that finishing has
-        taken away are -1.
+        ``counts``, by name. The inserted points are counted as "points". Some of them are also counted as
+        "capped" (d = q, because the circle through A, B and F is smaller than f), "clamped" (because q < p),
+        "behind" (F lies on the other side of AB), "deleted" (X lies in the circle of the accepted triangle,
+        so that AB is removed) or "cocircular" (X lies exactly on that circle). "moved": f at the center
+        differs from f at M by more than a tenth. "wide": X sees a boundary edge under 90 to 120 degrees. The
+        rejected points are "outside" (beyond a boundary edge), "encroaching" (they see one under 120 degrees
+        or more), "collisions" (nearer than 0.7 f to a vertex) or "rounded" (by rounding not in the circle of
+        their triangle).
+        As a last resort there are "circumcenters" and "splits" of the boundary; then "refused splits", and
+        "given up" for triangles. The finishing pass counts "moves", "swaps", "points again" (inserted as
+        before), and "angle points", "angle splits" and "removed" vertices of the refinement.
+        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R", each followed by "before"
+        and "after" (finishing). ``unrefined`` lists the triangles that are too large and, after finishing,
+        those with an angle below 26 degrees. ``reasons`` says why: "input angle ..." (an angle of the domain
+        that leaves no choice), "budget", ...
+        ``steps`` (with ``history``) has columns with one row for each new vertex, in order: "vertex", "point"
+        (as inserted), "edge" A B, "accepted" C and "waiting" D (-1: none), "f", "p", "q", "d", "case" (bits,
+        see `CASES`), "parent" (the row that made AB as its AX or XB, or -1). Vertices that the finishing pass
+        has removed are -1.
 
     Raises
     ------
     InputError
-        For options that are not in the list, sizes that are not positive and finite (with the place), and as
+        For an unknown option, for a size that is not positive and finite (with the place), and as
         `unstruct.constrained_delaunay` does.
 
     Notes
     -----
     *The step.* AB is the shortest active edge of the chosen triangle ADB, M its middle, p = |AM|, F the
-    circumcenter of ADB and q = |MF|. X is on the bisector at d = R + sqrt(R^2 - p^2), R = min(max(f, p),
-    (p^2 + q^2) / 2q): the chapter's (12.4) and (12.5). q < p is possible, against the chapter; then d stops
-    at q. Boundary edges are active from the beginning, as if accepted triangles lay beyond.
+    circumcenter of ADB and q = |MF|. X is put on the bisector at the distance d = R + sqrt(R^2 - p^2) from M,
+    with R = min(max(f, p), (p^2 + q^2) / 2q): these are (12.4) and (12.5) of the source chapter. Contrary to
+    that chapter q < p is possible; then d = q. Boundary edges are active from the beginning, as if accepted
+    triangles were beyond them.
 
-    *What is proved,* for one f and away from the boundary, where R < delta f for accepted triangles and
-    R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since
+    *What is proved,* for a constant f and away from the boundary, where R < delta f for accepted triangles
+    and R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since
     d >= R >= f; and where X = F, |AX| is the circumradius of a waiting triangle, at least delta f. X lies
     on the Voronoi edge of AB unless the accepted triangle is very obtuse (above 135 degrees), so that A and B
     are its nearest vertices. Hence new edges have at least the length m f with m = min(sqrt(2), delta), and
     by the law of sines an accepted triangle has angles of at least arcsin(m / (2 delta)): 30 degrees for
-    delta <= sqrt(2), and 28 for the chapter's 3/2. At the boundary, and where f varies, this does not hold:
-    angles just below 30 degrees come up; narrow places and small input angles need the finishing pass.
+    delta <= sqrt(2), and 28 for the source chapter's 3/2. The proof fails at the boundary and where f varies:
+    there angles just below 30 degrees occur. Narrow places and small input angles need the finishing pass.
 
     *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then a pattern search),
     swaps diagonals so that the mesh stays constrained Delaunay, and refines by Chew's second algorithm where
-    an angle is below 25 degrees. It ends with all angles at least 25 degrees but those it lists.
+    an angle is below 25 degrees. At its end all angles are at least 25 degrees, except in the triangles that
+    it lists.
 
-    All signs that decide the topology are exact. Triangles are taken by R / f in buckets of half an octave of
-    its square, first in first out; O(n) after the boundary is triangulated. Every new edge is longer than
-    f, so that the number of points is bounded. Sources: S. Rebay, Journal of Computational Physics 106 (1993)
-    125-138; L. P. Chew, Symposium on Computational Geometry (1993) 274-280. Book: 2.6c.
+    All signs that decide the topology are exact. Triangles are taken by R / f from buckets of half an octave
+    of its square, first in, first out. It takes O(n) after the boundary is triangulated. No point is inserted
+    nearer than 0.7 f to a vertex that it would be joined to, so that the number of points is bounded.
+    Sources: S. Rebay, Journal of Computational Physics 106 (1993) 125-138; L. P. Chew, Symposium on
+    Computational Geometry (1993) 274-280. Book: 2.6c.
     """
     rule = rule_of(accept, evaluate, order, priority, bool(split_boundary))
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
@@ -135,25 +146,25 @@ def epsilon_chains(mesh: DomainMesh) -> list[NDArray[np.float64]]:
     Parameters
     ----------
     mesh : DomainMesh
-        Made by `voronoi_segment` with ``history=True``.
+        A mesh made by `voronoi_segment` with ``history=True``.
 
     Returns
     -------
     list of ndarray
-        One array for each chain: edge AB, on which X was put, then AX or BX with the point put on it, and so
-        on. Each pair of an edge and its child is in exactly one chain, if X had its wanted place (was not
-        cut off at F); chains of one entry are left out.
+        One array for each chain. A chain is an edge AB with its point X, then AX or BX with its point, and so
+        on. Each pair of an edge and its child is in exactly one chain, if X had its wanted place (d was not
+        cut off at F). Chains of one entry are left out.
     """
     steps = mesh.steps
     if steps is None:
-        raise InputError("the mesh has no record: make it with voronoi_segment(..., history=True)")
+        raise InputError("the mesh has no record of its steps: make it by voronoi_segment(..., history=True)")
     with np.errstate(invalid="ignore"):
         epsilon = steps["f"] / steps["p"] - 2 / np.sqrt(3)
     parent = steps["parent"].copy()
     cut = CASES["capped"] | CASES["clamped"] | CASES["behind"]
     parent[(parent >= 0) & (steps["case"][parent] & cut > 0)] = -1
     chains: list[list[int]] = []
-    chain_of: dict[int, list[int]] = {}  # the chain that ends with this step
+    chain_of: dict[int, list[int]] = {}  # for each step at the end of a chain, that chain
     for i in np.flatnonzero(parent >= 0).tolist():
         chain = chain_of.pop(int(parent[i]), None)
         if chain is None:

@@ -1,4 +1,4 @@
-"""What a refinement has not reached, and why, triangle by triangle."""
+"""The triangles that miss a limit after refinement, and the reason for each."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ __all__ = ["account", "history_of"]
 
 TEXTS = {
     KEPT: "kept: only a vertex on a piece that must not be split would help",
-    FLOOR: "too near: the angle would need edges below a thousandth of the input's there, or near rounding",
-    PRECISION: "precision: the point needed is no double between its neighbors",
-    CURVE: "curve: a split of a curve would meet another feature",
+    FLOOR: "too near: the angle would need edges shorter than a thousandth of the input's, or near rounding",
+    PRECISION: "precision: the needed point cannot be told from its neighbors in doubles",
+    CURVE: "curve: a split of a curve would meet another piece or vertex",
 }
 MISSES = ("angle", "area", "size")
 NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
@@ -40,7 +40,11 @@ EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "reject
 
 @lean
 def _survey(w, limits, found):
-    """Slots of triangles that miss a limit, what they miss, and the apex of a small input angle; how many."""
+    """Write rows on the triangles that miss a limit into ``found``; return their number.
+
+    A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, and the ends
+    of the shortest edge.
+    """
     count = 0
     for t in range(w.state[COUNT]):
         r = w.region[t]
@@ -60,7 +64,7 @@ def _survey(w, limits, found):
                     e += 1
                 n, p = (e - 2 if e % 3 == 2 else e + 1), (e + 2 if e % 3 == 0 else e - 1)
                 if apex < 0 and w.mark[n] >= 0 and w.mark[p] >= 0:
-                    apex = c  # its own least angle lies between two subsegments
+                    apex = c  # the minimum angle of the triangle lies between two subsegments
                 found[count, 2] = apex
         count += 1
     return count
@@ -69,16 +73,17 @@ def _survey(w, limits, found):
 def account(
     w: Work, limits: Limits, finished: bool, given_up: bool
 ) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
-    """Slots of triangles that miss a limit, the reason for each, and how many miss what.
+    """Slots of triangles that miss a limit, the reason for each, and the number that miss each limit.
 
     Parameters
     ----------
-    w, limits : as the kernels have them
+    w, limits : Work, Limits
+        As the kernels use them.
     finished : bool
-        Whether the run came to its end; else the reason is its budget where no other is known.
+        Whether the run came to its end. If not, the budget is the reason where no other is known.
     given_up : bool
-        Whether it ever gave a triangle up. If not, and it is finished, nothing misses a limit: each triangle
-        was looked at when it was made, and waited until it was gone.
+        Whether the run ever gave up a triangle. If not, and if it is finished, no triangle misses a limit:
+        each one was looked at when it was made, and waited until it was replaced.
 
     Returns
     -------
@@ -108,7 +113,7 @@ def account(
 
 
 def history_of(w: Work, count: int) -> dict[str, NDArray]:
-    """The record of a run as named arrays, unscaled coordinates excepted: the caller knows the factor."""
+    """The record of a run as named arrays; the caller has to divide "place" by the factor of coordinates."""
     event = w.event[:count]
     kind = (
         np.array([EVENT_NAMES[int(k)] for k in event[:, 0]], dtype=str) if count else np.empty(0, dtype="U12")

@@ -1,4 +1,4 @@
-"""Where pieces meet at small angles: the ends of subsegments that concentric shells must be put around."""
+"""The ends of subsegments at which pieces meet at small angles; concentric shells are put around them."""
 
 from __future__ import annotations
 
@@ -11,24 +11,25 @@ from .encroachment import FIRST, SECOND, STRAIGHT
 
 __all__ = ["apexes"]
 
-ANGLE_MARGIN = 1 - 1e-9  # three equal sides make no small angle
-SMALL = ANGLE_MARGIN * np.pi / 3  # below it, two straight pieces can split each other for ever
-# chords turn while curves are split, each by no more than the chord of a half turn / 6
+ANGLE_MARGIN = 1 - 1e-9  # so that the angles of an equilateral triangle are not small in spite of rounding
+SMALL = ANGLE_MARGIN * np.pi / 3  # below this angle two straight pieces can split each other for ever
+# While a curve is split, its chord at the apex turns: by up to 30 degrees for an arc of 60 degrees. So the
+# limit is larger if a curve is involved.
 SMALL_CURVED = ANGLE_MARGIN * np.pi / 2
 
 
 @lean
 def apexes(plane, curve, result):
-    """For each subsegment which of its ends are apexes of a small angle within the domain: a sum of bits.
+    """For each subsegment, which of its ends are apexes of a small angle within the domain, as a sum of bits.
 
     Parameters
     ----------
     plane : Plane
-        Flooded.
+        Its triangles must have their regions.
     curve : ndarray of int8, shape (pieces,)
-        STRAIGHT or not.
+        STRAIGHT or another kind of piece.
     result : ndarray of uint8, shape (subsegments,)
-        Gets FIRST, SECOND, both or 0.
+        Receives FIRST, SECOND, both or 0.
     """
     xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     region, ends, piece, where = plane.region, plane.ends, plane.piece, plane.where
@@ -38,7 +39,7 @@ def apexes(plane, curve, result):
             e = np.int64(where[s]) if side == 0 else np.int64(twin[where[s]])
             if region[e // 3] < 0:
                 continue
-            # e leaves a for b, with its triangle on the left: turn on about a to the next subsegment, to c
+            # e runs from a to b, with its triangle on the left; turn about a to the next subsegment, a-c
             a, b = vertex[next_edge(e)], vertex[prev_edge(e)]
             other = prev_edge(e)
             while mark[other] < 0:

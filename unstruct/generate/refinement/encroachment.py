@@ -1,13 +1,15 @@
-"""Subsegments in the way: when a vertex encroaches on one, and where one is split; compiled.
+"""When a vertex encroaches on a subsegment, and where a subsegment is split; compiled.
 
-Ruppert's rule is the diametral disc, Chew's the lens: a vertex encroaches where it sees the subsegment under
-more than a right angle, or under more than 180 degrees minus twice the least angle.
+A vertex *encroaches* on a subsegment that it sees under too large an angle. In Ruppert's rule this is more
+than a right angle (the diametral disc), in Chew's rule more than 180 degrees minus twice the minimum angle
+(the lens).
 
-Where two pieces meet at a small angle, a point put on one encroaches on the other, and so on for ever. So a
-subsegment that ends at such an *apex* is split at a power of two from it (Ruppert's concentric shells): both
-pieces are then cut at equal distances, and points at equal distances do not encroach on each other. What is
-left is a short edge across the wedge between two points of one shell: a triangle whose shortest edge this is
-cannot get a better angle without a shorter edge, and so on for ever; it is left alone.
+Where two pieces meet at a small angle, a point put on one encroaches on the other, and so on for ever. The
+common end is called an *apex*. A subsegment that ends there is split at a distance from it that is a power of
+two (Ruppert's concentric shells). Then both pieces are cut at equal distances, and points at equal distances
+do not encroach on each other. What is left is a short edge across the wedge, between two points of one shell.
+If this is the shortest edge of a triangle, a better angle would need a shorter edge, and so on for ever;
+such a triangle is left alone.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry
 (1993) 274-280; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller, S. E. Pav, N. J.
@@ -22,13 +24,14 @@ from ...base.elementary import arcsine, cosine, sine
 from ...base.jit import inline
 
 STRAIGHT, ARC, OTHER = 0, 1, 2  # kinds of pieces
-FIRST, SECOND = 1, 2  # which end of a subsegment is the apex of a small angle: bits
-FREE_VERTEX, INPUT_VERTEX, REMOVED_VERTEX = -1, -2, -3  # kinds of vertices; else the piece it lies on
+FIRST, SECOND = 1, 2  # bits: which end of a subsegment is the apex of a small angle
+# Kinds of vertices. The kind of another vertex is the number of the piece that it lies on.
+FREE_VERTEX, INPUT_VERTEX, REMOVED_VERTEX = -1, -2, -3
 
 
 @inline
 def encroaches(ax, ay, bx, by, px, py, lens):
-    """Whether p sees a-b under an angle that is too large: lens 0 for more than 90 degrees."""
+    """Whether p sees a-b under an angle that is too large; ``lens`` is 0 for the limit of 90 degrees."""
     ux, uy, vx, vy = ax - px, ay - py, bx - px, by - py
     dot = ux * vx + uy * vy
     if dot >= 0.0:
@@ -49,7 +52,7 @@ def shell(length):
 
 @inline
 def split_distance(length, apexes):
-    """How far from its first end a subsegment of this length is split."""
+    """The distance from its first end at which a subsegment of this length is split."""
     if apexes == FIRST:
         return shell(length)
     if apexes == SECOND:
@@ -59,7 +62,7 @@ def split_distance(length, apexes):
 
 @inline
 def split_straight(xy, a, b, t0, t1, apexes):
-    """(x, y, t): where a straight subsegment is split, and the parameter there."""
+    """(x, y, t): the point where a straight subsegment is split, and its parameter."""
     dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     if apexes == FIRST or apexes == SECOND:
         length = math.sqrt(dx * dx + dy * dy)
@@ -77,7 +80,7 @@ def split_arc(xy, a, b, t0, t1, apexes, arc):
     if apexes == FIRST or apexes == SECOND:
         dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
         d = shell(math.sqrt(dx * dx + dy * dy))
-        step = 2.0 * arcsine(min(1.0, d / (2.0 * r))) / abs(arc[4])  # the chord from the apex is the shell
+        step = 2.0 * arcsine(min(1.0, d / (2.0 * r))) / abs(arc[4])  # the chord from the apex has length d
         t = t0 + step if apexes == FIRST else t1 - step
     angle = arc[3] + t * arc[4]
     return arc[0] + r * cosine(angle), arc[1] + r * sine(angle), t
@@ -85,7 +88,7 @@ def split_arc(xy, a, b, t0, t1, apexes, arc):
 
 @inline
 def across_small_angle(xy, kind, joints, u, v):
-    """The vertex about which u and v lie on one shell, on two pieces that meet there below 60 degrees; or -1.
+    """The apex about which u and v lie on one shell, on two pieces that meet there below 60 degrees; or -1.
 
     ``kind[v]`` is the piece in whose interior vertex v lies, ``joints`` (pieces, 2) the ends of the pieces.
     """

@@ -1,9 +1,12 @@
-"""Taking free vertices out of the disc of a subsegment before it is split, compiled: Chew's second algorithm.
+"""Removal of free vertices from the disc of a subsegment that is to be split, compiled.
 
-The triangles around a vertex leave a polygon that sees the vertex. It is filled as in `removal2`: the
-triangle on an edge takes the corner whose circle holds no other, and so on in what is left on both sides.
-Among constrained edges a corner may be hidden from the edge; then some triangle of the filling is turned
-over, which is found out before anything has changed, and the vertex stays.
+This belongs to Chew's second algorithm.
+
+If a vertex and the triangles around it are removed, a polygon is left. It is filled as in
+`connect.insertion.removal`: the triangle on an edge takes the corner whose circle contains no other corner;
+then the same is done with the polygons on its other two sides. Among constrained edges a corner may be hidden
+from the edge. Then some triangle of the filling is turned over; this is found before anything is changed, and
+the vertex stays.
 
 Source: L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, Symposium on Computational
 Geometry (1993) 274-280.
@@ -20,14 +23,16 @@ from .encroachment import FREE_VERTEX, REMOVED_VERTEX, encroaches
 from .limits import misses
 from .state import REMOVED, record, settle
 
-MOST_CORNERS = 64  # of a polygon that is filled: a vertex with more stays; and vertices taken at a time
-# columns of the scratch array ``polygon``: of corner i, and of triangle or edge i of the filling
+# A vertex stays if its polygon has more corners than this, and no more vertices are removed for one split.
+MOST_CORNERS = 64
+# Columns of the array ``polygon``. Row i has first the vertex of corner i, the half-edge outside, and the
+# slot; then the corners of triangle (or edge) i of the filling, and the half-edge outside of its edge.
 RING, OUTER, SLOT, LOW, BEST, HIGH, HALF = range(7)
 
 
 @lean
 def _ring(vertex, twin, e, polygon):
-    """The polygon around the vertex opposite half-edge e: corners, half-edges outside, slots; its size."""
+    """Write the polygon around the vertex opposite half-edge e; return its size, 0 if that is too large."""
     first, degree = e, 0
     while degree < MOST_CORNERS:
         polygon[degree, RING] = vertex[next_edge(e)]
@@ -42,7 +47,7 @@ def _ring(vertex, twin, e, polygon):
 
 @lean
 def _best(xy, polygon, low, high):
-    """The corner between low and high that the triangle on the edge from high to low takes; or -1."""
+    """The corner between low and high for the triangle on the edge from high to low; or -1."""
     a, b, best = polygon[high, RING], polygon[low, RING], -1
     for i in range(low + 1, high):
         c = polygon[i, RING]
@@ -58,11 +63,14 @@ def _best(xy, polygon, low, high):
 
 @lean
 def _filling(xy, polygon, degree):
-    """The triangles (low, best, high) that fill the polygon; how many, 0 where some would be turned over."""
+    """Write the triangles (low, best, high) that fill the polygon; return how many.
+
+    The result is 0 if a triangle would be turned over.
+    """
     polygon[0, LOW], polygon[0, HIGH] = 0, degree - 1
     size = 1
     i = 0
-    while i < size:  # a row is an edge low-high until its corner is chosen: then it is a triangle
+    while i < size:  # a row is an edge low-high until its corner is chosen; then it is a triangle
         low, high = polygon[i, LOW], polygon[i, HIGH]
         best = _best(xy, polygon, low, high)
         if best < 0:
@@ -104,7 +112,7 @@ def _put(vertex, twin, mark, polygon, degree, count):
 
 @inline
 def remove_free(w, tally, limits, e):
-    """Remove the free vertex opposite half-edge e; whether that was possible."""
+    """Remove the free vertex opposite half-edge e if possible; return whether it was."""
     v = w.vertex[e]
     degree = _ring(w.vertex, w.twin, e, w.polygon)
     count = _filling(w.xy, w.polygon, degree) if degree > 0 else 0
@@ -131,7 +139,7 @@ def remove_free(w, tally, limits, e):
 
 @lean
 def clear_disc(w, tally, limits, s):
-    """Remove the free vertices that subsegment s sees in its diametral disc, from both sides; how many."""
+    """Remove free vertices from the diametral disc of subsegment s, on both sides; return how many."""
     a, b = w.ends[s, 0], w.ends[s, 1]
     removed = 0
     for side in range(2):

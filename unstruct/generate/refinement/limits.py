@@ -1,8 +1,8 @@
-"""What a triangle may be at most: least angle, largest area, largest circumradius, region by region.
+"""The limits for triangles: minimum angle, largest area, and largest circumradius, by regions.
 
-A size h is a wanted edge length. A triangle is too large where its circumradius exceeds h / sqrt(2): a new
-point is then farther than h / sqrt(2) from all others that it sees, and in the end no edge is longer than
-sqrt(2) h. So the edges lie between h / sqrt(2) and sqrt(2) h, symmetrically about the wanted length.
+A size h is a wanted edge length. A triangle is too large if its circumradius exceeds h / sqrt(2). Then a new
+point is farther than h / sqrt(2) from all other points that it sees, and in the end no edge is longer than
+sqrt(2) h. So the edge lengths lie between h / sqrt(2) and sqrt(2) h, symmetrically about the wanted length.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from ...sizing.table import size_at
 __all__ = ["Limits"]
 
 NO_TABLE = np.empty(0, dtype=np.int32), np.empty((0, 4)), np.zeros(4)  # child, values, box
-ANGLE, AREA, SIZE = 1, 2, 4  # what a triangle misses: bits
-BY_ANGLE, BY_SIZE = 1, 2  # what a triangle or a subsegment is asked for: the angle only, or area and size
+ANGLE, AREA, SIZE = 1, 2, 4  # bits: the limits that a triangle misses
+BY_ANGLE, BY_SIZE = 1, 2  # why a triangle or subsegment is refined: only for the angle, or for area or size
 
 
 class Limits(NamedTuple):
     """The limits as the kernels see them; lengths are scaled."""
 
-    sine2: float  # squared sine of the least angle, 0 for none
+    sine2: float  # squared sine of the minimum angle, 0 for none
     lens: float  # squared cosine of the angle under which an encroaching vertex sees a subsegment
     twice_area: NDArray[np.float64]  # (regions,) twice the largest area, inf for none
-    radius2: NDArray[np.float64]  # (regions,) largest circumradius, squared, where the size is constant
-    first: NDArray[np.int64]  # (regions,) the rows of the region's size table, -1 where it is constant
+    radius2: NDArray[np.float64]  # (regions,) largest circumradius, squared, if the size is constant
+    first: NDArray[np.int64]  # (regions,) first row of the region's size table, -1 if the size is constant
     last: NDArray[np.int64]
     child: NDArray[np.int32]
     values: NDArray[np.float64]
@@ -56,8 +56,9 @@ def largest_radius2(limits, r, x, y):
 def misses_of(twice, p, q, s, x, y, r, limits):
     """`misses` for twice the area, the squared edges, and the centroid.
 
-    R = abc / (2 twice), and the sine of the least angle is twice over the product of the two longer edges.
-    No branch: the outcome is a matter of chance, and wrong guesses of the processor cost more than all else.
+    R = abc / (2 twice), and the sine of the minimum angle is twice over the product of the two longer edges.
+    There are no branches: the outcome cannot be predicted, and wrong predictions of the processor would cost
+    more time than everything else here.
     """
     square, product = twice * twice, p * q * s
     angle = square * min(min(p, q), s) < limits.sine2 * product
@@ -86,10 +87,10 @@ def make_limits(
 ) -> Limits:  # fmt: skip
     """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates.
 
-    The box is asked for where there is a table.
+    ``box_of`` is called only if a table is made.
     """
-    least = sine(math.radians(min_angle))
-    sine2 = least * least
+    smallest = sine(math.radians(min_angle))
+    sine2 = smallest * smallest
     if max_area is None and size is None:
         far, none = np.empty(len(names)), np.empty(len(names), dtype=np.int64)
         far.fill(np.inf)
@@ -124,12 +125,14 @@ def make_limits(
 
 
 def per_region(value: Any, names: list[str], what: str) -> list[Any]:
-    """One value a region: the same for all, or looked up by name (None where a name is not given)."""
+    """One value for each region: the same for all, or that of its name (None if the name is not given)."""
     if not isinstance(value, Mapping):
         return [value] * len(names)
     unknown = [name for name in value if name not in names]
     if unknown:
-        raise InputError(f"{what} names region {unknown[0]!r}; the domain has {sorted(set(names))}")
+        raise InputError(
+            f"{what} names region {unknown[0]!r}, but the regions of the domain are {sorted(set(names))}"
+        )
     return [value.get(name) for name in names]
 
 

@@ -1,7 +1,6 @@
 """Delaunay refinement with guarantees: `refine` (section 2.6 of the book).
 
-The kernels are in `ruppert2`; the loop around them, which makes room and answers what only Python knows, is
-in `refinement_run`.
+The kernels are in `steps`. The loop around them is in `run`; it makes room and computes points of curves.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from .state import BUDGET, EVENTS, REFUSALS
 
 __all__ = ["refine"]
 
-LEAST_LENS = 15.0  # degrees: below, the stretch of a curve might leave the lens of its chord
-MOST_ANGLE = 59.0
+MIN_ANGLE_OF_LENS = 15.0  # degrees: below this, the part of a curve over a chord might leave the chord's lens
+LARGEST_MIN_ANGLE = 59.0  # degrees: what may be asked for
 
 
 def refine(
@@ -53,55 +52,56 @@ def refine(
     Parameters
     ----------
     domain : Domain or Mesh
-        A region; or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
-        edges and edges between cells of different "region" are kept as edges (divided, where need be);
-        where it is not constrained Delaunay it is made so first. Its edges are straight, whatever curve they
+        A region, or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
+        edges and edges between cells of different "region" are kept as edges (divided, if necessary). If the
+        mesh is not constrained Delaunay, it is first made so. Its edges are straight, whatever curve they
         came from; ``piece`` of the result numbers straight chains of the edges that were kept.
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length.
     min_angle : float, optional
-        The least angle wanted, in degrees; 25 by default, 0 for none.
+        The wanted minimum angle, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
         The largest area wanted.
     method : "off-centers", "chew" or "ruppert"
-        Ruppert: circumcenters and diametral discs. Chew's second algorithm: subsegments are split where a
-        vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are taken
-        away first. Off-centers (Üngör), with Chew's rule: points no farther from the shortest edge than the
-        angle needs; by far the fewest triangles where the angle drives, and as many where size or area does.
+        "ruppert": circumcenters and diametral discs. "chew", Chew's second algorithm: subsegments are split
+        if a vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are
+        removed first. "off-centers" (Üngör), with Chew's rule: points are no farther from the shortest edge
+        than the angle needs. This gives by far the fewest triangles if the angle is the reason for
+        refinement, and about as many if size or area is.
     split_boundary : bool or "inner"
         Whether vertices are put on pieces (in a mesh: on edges that are kept), once they are cut by the size:
-        True, False, or "inner": on inner pieces only. Triangles that need such a vertex stay; the reason
+        True, False, or "inner", for inner pieces only. Triangles that need such a vertex stay; the reason
         says so.
     budget : int, optional
         The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
         its triangulation are made in any case.
     history : bool
-        Keep a record: ``steps`` of the result.
+        Keep a record in ``steps`` of the result.
     progress : bool
         Show the number of vertices as it grows.
 
     Returns
     -------
     DomainMesh
-        ``complete`` where all limits hold; else ``unrefined`` has the cells that miss one and ``reasons``
-        says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision: ...",
-        "too near: ...", "curve: ...". ``counts`` tells what happened. With ``history`` the arrays of
-        ``steps`` have one row an event: "kind" ("split", "circumcenter", "rejected", "removed"), "vertex" (-1
-        for a rejected one), "cause" (the ends of the subsegment and its number; or the triangle), "place".
-        Where nothing was removed (always so for Ruppert's method on straight segments) a prefix of the
-        points is the state: the constrained Delaunay triangulation of ``points[:k]``.
+        It is ``complete`` if all limits are met. Otherwise ``unrefined`` lists the cells that miss one, and
+        ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision:
+        ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With ``history`` the arrays of
+        ``steps`` have one row for each event: "kind" ("split", "circumcenter", "rejected", "removed"),
+        "vertex" (-1 for a rejected one), "cause" (the ends of the subsegment and its number, or the
+        triangle), "place". If no vertex was removed (always so for Ruppert's method on straight segments),
+        each state is the constrained Delaunay triangulation of the first points, ``points[:k]``.
 
     Raises
     ------
     InputError
-        For limits that are not positive or name a region that is not there, and as
-        `unstruct.constrained_delaunay` does.
+        For limits that are not positive or name an unknown region, and as `unstruct.constrained_delaunay`
+        does.
 
     Notes
     -----
-    All signs that decide the topology are exact. Split points of straight segments are rounded: a
-    constraint is, from then on, its two stored halves. Points on curves lie on the true curve.
+    All signs that decide the topology are exact. Split points of straight segments are rounded; from then on
+    the two stored halves are the constraint. Points on curves lie on the true curve.
 
     What is proved, for straight segments: where they meet at 60° or more, Ruppert's method ends for a
     ``min_angle`` of up to 20.7° (Ruppert), Chew's for up to 26.5° (Shewchuk), with triangles as large as the
@@ -113,7 +113,7 @@ def refine(
     theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
     the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
 
-    O(n log n) in practice: no point is looked for, each starts at its own bad triangle. Sources: J. Ruppert,
+    O(n log n) in practice: no point is located, as each starts at its bad triangle. Sources: J. Ruppert,
     Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;
     A. Üngör, LATIN (2004) 152-161; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller,
     S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
@@ -145,20 +145,23 @@ def refine(
 
 
 def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
-    """The least angle, the lens' squared cosine, and how far off the middle of an edge off-centers lie."""
+    """The minimum angle, the squared cosine of the lens, and the distance of off-centers from their edge.
+
+    The distance is in units of the edge's length, and 0 for circumcenters.
+    """
     try:
         angle = 25.0 if min_angle is None else float(min_angle)
     except (TypeError, ValueError):
         raise InputError(f"min_angle must be a number of degrees, not {min_angle!r}") from None
-    if not 0.0 <= angle <= MOST_ANGLE:
-        raise InputError(f"min_angle = {min_angle} must lie between 0 and {MOST_ANGLE:g} degrees")
+    if not 0.0 <= angle <= LARGEST_MIN_ANGLE:
+        raise InputError(f"min_angle = {min_angle} must be between 0 and {LARGEST_MIN_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
-    seen = cosine(math.radians(2.0 * min(max(angle, LEAST_LENS), 45.0)))
+    seen = cosine(math.radians(2.0 * min(max(angle, MIN_ANGLE_OF_LENS), 45.0)))
     lens = 0.0 if method == "ruppert" else seen * seen
     offset = 0.0
     if method == "off-centers" and angle > 0.0:
-        # the apex over the shortest edge that makes the angle, a little lower so that rounding does no harm
+        # the point that sees the shortest edge under the angle, a little nearer so that rounding does no harm
         half = math.radians(angle) / 2.0
         offset = 0.475 * cosine(half) / sine(half)
     return angle, lens, offset
@@ -173,7 +176,7 @@ def _budget(budget: int | None) -> int:
 
 
 def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
-    """The constrained Delaunay triangulation of a domain; its boundary is cut by the size, if that is one."""
+    """The constrained Delaunay triangulation of a domain; one size for all regions also cuts its boundary."""
     whole = None if size is None or isinstance(size, Mapping) else as_size(size)
     sample = whole if whole is None or whole.constant is None else whole.constant
     c = planar_complex(domain, sample, progress=progress)

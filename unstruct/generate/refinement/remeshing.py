@@ -22,7 +22,7 @@ from .run import Planned
 
 __all__ = ["carry", "plan_mesh"]
 
-STRAIGHT_TURN = 1e-9  # edges that turn less, in radians, count as parts of one straight piece
+STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
 
 def plan_mesh(mesh: Mesh) -> Planned:
@@ -36,8 +36,8 @@ def plan_mesh(mesh: Mesh) -> Planned:
     Returns
     -------
     Planned
-        Regions are the connected values of all markers of cells; they are named by the value of the marker
-        "region", if there is one. Pieces are straight chains of edges with equal markers.
+        Cells with equal values of all cell markers have the same region. It is named by the value of the
+        marker "region", if there is one. Pieces are straight chains of edges with equal markers.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def plan_mesh(mesh: Mesh) -> Planned:
     except InputError as error:
         raise MeshError(f"cells of the mesh overlap: among the vertices that are used, {error}") from error
     if c.segments != len(ends):
-        raise MeshError("a vertex of the mesh lies on an edge that it does not belong to; see unstruct.check")
+        raise MeshError("a vertex of the mesh lies on an edge of which it is not an end: see unstruct.check")
     _color(c, left, right)
     _compare(mesh, c)
     names = [row["region"] for row in values] if "region" in mesh.markers else [""] * len(values)
@@ -89,7 +89,7 @@ def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _judge(mesh: Mesh) -> None:
     if not is_planar(mesh) or mesh.size == 0:
-        raise MeshError(f"refinement takes a Domain or a triangle mesh of the plane; this is {mesh!r}")
+        raise MeshError(f"refine needs a Domain or a triangle mesh of the plane, not {mesh!r}")
     turned = np.asarray(orient(mesh.corners)) <= 0
     if turned.any():
         t = int(np.argmax(turned))
@@ -113,7 +113,7 @@ _OWN = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
 
 
 def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
-    """The different rows of cell markers, and which of them each cell has."""
+    """The different combinations of values of cell markers, and the number of that of each cell."""
     names = [name for name, rows in mesh.markers.items() if rows.ndim == 1]
     columns = [np.unique(mesh.markers[name], return_inverse=True)[1] for name in names]
     table = np.stack(columns, axis=1) if columns else np.zeros((mesh.size, 1), dtype=np.int64)
@@ -125,7 +125,7 @@ def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
 def _constraints(
     mesh: Mesh, group: NDArray[np.int64]
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Edges (a < b) that must stay, the group of cells on the left and right, and the markers of each."""
+    """Edges (a < b) that must stay, the groups of cells on the left and right, and the markers of each."""
     n = len(mesh.points)
     stay = (mesh.neighbors < 0) | (group[mesh.neighbors] != group[:, None])
     for name, rows in mesh.markers.items():
@@ -133,7 +133,7 @@ def _constraints(
             sides, found = marked_sides(mesh.simplices, rows, n)
             if not found.all():
                 edge = rows[int(np.argmin(found))].tolist()
-                raise MeshError(f"markers[{name!r}]: {edge} is no edge of the mesh")
+                raise MeshError(f"markers[{name!r}]: {edge} is not an edge of the mesh: drop it")
             stay |= sides
     cells, corner = np.nonzero(stay)
     start, end = (mesh.simplices[cells, (corner + k) % 3].astype(np.int64) for k in (1, 2))
@@ -153,7 +153,7 @@ def _constraints(
 def chains(
     points: NDArray[np.float64], edges: NDArray[np.int32], labels: NDArray
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64], NDArray[np.bool_]]:
-    """Edges as parts of straight pieces: ends along the piece, its number, parameters; which were turned."""
+    """Edges as parts of straight pieces: ends along the piece, its number, parameters; which are reversed."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -170,9 +170,7 @@ def chains(
     graph = coo_matrix((np.ones(join.sum()), (e[join], f[join])), shape=(m, m))
     chain = connected_components(graph, directed=False)[1].astype(np.int32)
     longest = np.lexsort((np.arange(m), chain))
-    lead = longest[
-        np.flatnonzero(np.diff(chain[longest], prepend=-1))
-    ]  # one edge of each chain: its direction
+    lead = longest[np.flatnonzero(np.diff(chain[longest], prepend=-1))]  # an edge that gives the direction
     direction = (points[edges[lead, 1]] - points[edges[lead, 0]])[chain]
     along = (points[edges] * direction[:, None]).sum(axis=2)
     flipped = along[:, 0] > along[:, 1]
@@ -199,7 +197,7 @@ def _joints(ends: NDArray, span: NDArray, chain: NDArray) -> NDArray[np.int32]:
 
 @lean
 def _spread(twin, mark, region, count, stack):
-    """Carry numbers of regions over unmarked edges; False where two meet."""
+    """Spread the numbers of regions across unmarked edges; False if two different ones meet."""
     size = 0
     for t in range(count):
         if region[t] >= 0:
@@ -221,7 +219,7 @@ def _spread(twin, mark, region, count, stack):
 
 
 def _color(c: PlanarComplex, left: NDArray, right: NDArray) -> None:
-    """Give every triangle the group of the cells that lie on its side of the edges that stayed."""
+    """Give every triangle the group of the cells that lie on the same side of the edges that stay."""
     half = c.where[: c.state[SEGMENTS]]
     for side, group in ((half, left), (c.twin[half], right)):
         rows = group >= 0
@@ -231,7 +229,7 @@ def _color(c: PlanarComplex, left: NDArray, right: NDArray) -> None:
 
 
 def _compare(mesh: Mesh, c: PlanarComplex) -> None:
-    """Cells that overlap without crossing boundaries have too much area."""
+    """Raise if cells overlap without crossing boundaries: then their area is too large."""
     rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
     if (rows < 0).any():
         raise MeshError("the boundary of the mesh does not close: see unstruct.check")
@@ -240,11 +238,13 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     area = 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
     cells = mesh.volume
     if abs(area - cells) > 1e-9 * cells:
-        raise MeshError(f"cells of the mesh overlap: their area is {cells}, that of the region {area}")
+        raise MeshError(
+            f"cells of the mesh overlap: their area is {cells}, that of the region {area}; see unstruct.check"
+        )
 
 
 def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
-    """Give the refined mesh the markers of cells and vertices that the first one had."""
+    """Give the refined mesh the markers of cells and vertices of the given mesh."""
     group = result.markers.pop("region")
     values = planned.rest["values"]
     for name in values[0]:

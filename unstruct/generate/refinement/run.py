@@ -1,4 +1,4 @@
-"""One run of Delaunay refinement: its arrays, room for them as they grow, and points of curves."""
+"""One run of Delaunay refinement: its arrays, which grow as needed, and points of curves."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .steps import advance
 
 __all__ = ["Planned", "RefineRun"]
 
-REFINE_STEPS_A_CALL = 20_000  # a kernel call: some hundredths of a second, so that Ctrl-C is heard
+REFINE_STEPS_A_CALL = 20_000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
 PER_VERTEX = ("kind", "floor")
 PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
@@ -46,7 +46,7 @@ At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 @dataclass
 class Planned:
-    """A triangulation to be refined, and what is known of its pieces."""
+    """A triangulation to be refined, with the data of its pieces."""
 
     complex_: PlanarComplex
     names: list[str]  # of the regions, by number
@@ -58,7 +58,7 @@ class Planned:
 
 
 class RefineRun:
-    """The arrays of a run beside those of its `PlanarComplex`, and the loop around the kernel."""
+    """The arrays of a run besides those of its `PlanarComplex`, and the calls of the kernel."""
 
     def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
         c = planned.complex_
@@ -69,7 +69,7 @@ class RefineRun:
         self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)
         self.event = np.empty((1024 if history else 0, 5), dtype=np.int32)
         self.place = np.empty((len(self.event), 2))
-        # copies, so that none is read-only: that would be another type, and a second compilation
+        # These are copies, because read-only arrays have another type and would need a second compilation.
         self.arc, self.curve, self.joints = planned.arc.copy(), planned.curve.copy(), planned.joints.copy()
         if c.factor != 1.0:
             self.arc[:, :3] *= c.factor
@@ -84,12 +84,12 @@ class RefineRun:
         self.lock[:s][kept[self.complex.piece[:s]] > 0] = KEPT
 
     def _allocate(self, n: int, s: int, t: int) -> None:
-        """Arrays for so many vertices, subsegments and slots."""
+        """Make arrays for so many vertices, subsegments and slots."""
         self.kind, self.floor = np.empty(n, dtype=np.int32), np.empty(n)
         self.apexes, self.lock = np.empty(s, dtype=np.uint8), np.empty(s, dtype=np.uint8)
         self.asked, self.need, self.given = np.empty(s, dtype=np.uint8), np.empty(s), np.empty((s, 3))
         self.segments, self.wanted = np.empty(s, dtype=np.int32), np.empty(s, dtype=np.int32)
-        self.status = np.zeros(t, dtype=np.uint16)  # zeroed pages that are not touched cost nothing
+        self.status = np.zeros(t, dtype=np.uint16)  # pages of zeros that are never used cost nothing
         self.large, self.ahead = np.empty(t, dtype=np.int32), np.empty(t, dtype=np.int32)
         self.behind, self.gates = np.empty(t, dtype=np.int32), np.empty((LARGE, 2), dtype=np.int32)
         self.gates.fill(-1)
@@ -125,7 +125,7 @@ class RefineRun:
         return self._work
 
     def advance(self) -> int:
-        """Some thousand steps; DONE, MORE or BUDGET."""
+        """Take some thousand steps; return DONE, MORE or BUDGET."""
         code = advance(self.work(), self.tally, self.limits, self.offset, REFINE_STEPS_A_CALL)
         if code == ROOM:
             c = self.complex
@@ -140,18 +140,21 @@ class RefineRun:
 
     @property
     def vertices(self) -> int:
-        """How many vertices there are."""
+        """The number of vertices, without those that were removed."""
         return int(self.complex.size - self.tally[REMOVED])
 
     def _answer(self) -> None:
-        """Work out the points of curves that the kernel waits for, and put their subsegments on the stack."""
+        """Compute the points of curves that the kernel waits for, and put their subsegments on the stack."""
         c, count = self.complex, int(self.tally[WANTED])
         s = self.wanted[:count].copy()
         t = self._parameters(s)
         x = self.planned.at(c.piece[s], t)
         if not np.isfinite(x).all():
             i = int(np.argmin(np.isfinite(x).all(axis=1)))
-            raise InputError(f"the curve of piece {c.piece[s[i]]} is not finite at parameter {t[i]}")
+            raise InputError(
+                f"the curve of piece {c.piece[s[i]]} has no finite point at parameter {t[i]}: its point(t) "
+                "must give finite coordinates for all t in [0, 1]"
+            )
         self.given[s, :2] = x * c.factor
         self.given[s, 2] = t
         top = int(self.tally[SEGMENT_TOP])
@@ -159,7 +162,7 @@ class RefineRun:
         self.tally[SEGMENT_TOP], self.tally[WANTED] = top + count, 0
 
     def _parameters(self, s: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Where curves are split: halfway by parameter, at small angles where they leave a shell."""
+        """The parameters at which curves are split: the middle, or where they leave a shell at an apex."""
         c = self.complex
         t0, t1 = c.span[s].T
         t = 0.5 * (t0 + t1)

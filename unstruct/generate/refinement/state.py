@@ -1,10 +1,10 @@
-"""What a run of Delaunay refinement keeps beside its triangulation, and what it looks at after each change.
+"""The state of a run of Delaunay refinement besides its triangulation, and how it follows each change.
 
-A stack has the subsegments that must be split, a queue the triangles that miss a limit: first those that are
-too large, the last one first; then those with too small an angle, the shortest edge first, in buckets, two an
-octave. (That order, and that triangles leave the queue when they vanish, saves a third of the vertices where
-the angle drives.) After each change only what is new is looked at: the new triangles, and the subsegments
-that they see.
+The subsegments that must be split are on a stack. The triangles that miss a limit are in a queue. First come
+those that are too large, the last one first. Then come those with too small an angle, in the order of their
+shortest edges, shortest first, in buckets of half an octave. (If the angle is the reason for refinement, this
+order saves a third of the vertices, together with the rule that triangles leave the queue when they vanish.)
+After each change only the new triangles are looked at, and the subsegments that they see.
 """
 
 from __future__ import annotations
@@ -23,19 +23,23 @@ from .acute import apexes
 from .encroachment import INPUT_VERTEX, encroaches
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 
-# what is known of a triangle: nothing; the bucket in which it waits, for its angle; that it is too large; or
-# the reason why it, or a subsegment, was given up
+# The status of a triangle. It is OPEN if nothing is known of it, or LARGE if it is too large. A number
+# between these is the bucket in which it waits because of its angle.
 OPEN, LARGE = 0, 249
+# Otherwise the status is the reason why the triangle was given up. Subsegments have the same reasons.
 KEPT, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 250, 251, 252, 253, 254
-STACKED = 256  # a bit beside it: the slot has an entry on the stack of those that are too large
-CURVES, BUDGET = 8, 9  # what `advance` returns, besides DONE, MORE and ROOM
-# entries of the tally: heights of stacks, numbers of those who wait, the highest bucket; then what happened
+STACKED = 256  # a bit besides: the slot has an entry on the stack of triangles that are too large
+CURVES, BUDGET = 8, 9  # results of `advance`, besides DONE, MORE and ROOM
+# Entries of the tally: first the state of stacks and queue (heights, numbers of waiting ones, the highest
+# bucket), the limit of vertices and the number of events; then the numbers of what happened.
 SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, VERTEX_LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
 REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
-UNKNOWN = -9  # no kind of vertex
+UNKNOWN = -9  # not a kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
-FRACTION = 2.0**-20  # squared, of the input's edges: where refinement for the angle ends at the latest
-LEAST_SQUARE = 4.0**-50  # squared, of the coordinates: or at eight units of rounding, which bend all angles
+# Refinement for the angle makes no edges shorter than a thousandth of the input's edges nearby, nor shorter
+# than about eight units of rounding of the coordinates, which would bend all angles. Both are squared.
+FRACTION = 2.0**-20  # of the edges of the input
+ROUNDING_SQUARE = 4.0**-50  # of the coordinates
 
 
 class Work(NamedTuple):
@@ -53,21 +57,21 @@ class Work(NamedTuple):
     state: NDArray[np.int64]
     # per vertex
     kind: NDArray[np.int32]  # the piece in whose interior it lies, or FREE_VERTEX, INPUT_VERTEX, ...
-    floor: NDArray[np.float64]  # new points for the angle's sake keep this distance, squared
+    floor: NDArray[np.float64]  # new points for the angle keep this distance, squared
     # per subsegment
     apexes: NDArray[np.uint8]
-    lock: NDArray[np.uint8]  # why it cannot be split
-    asked: NDArray[np.uint8]  # on the stack, and by whom
-    need: NDArray[np.float64]  # the least floor of those who asked
-    given: NDArray[np.float64]  # (., 3) x, y and parameter of a split worked out outside; nan: none
+    lock: NDArray[np.uint8]  # why it cannot be split, or OPEN
+    asked: NDArray[np.uint8]  # bits: why it is on the stack; 0 if it is not
+    need: NDArray[np.float64]  # the smallest floor of the vertices and triangles that asked for the split
+    given: NDArray[np.float64]  # (., 3) x, y and parameter of a split computed in Python; nan: none
     segments: NDArray[np.int32]  # the stack
     wanted: NDArray[np.int32]  # those that wait for a point of a curve
     # per slot of a triangle
     status: NDArray[np.uint16]  # OPEN, a bucket, LARGE, or why it was given up; and the bit STACKED
-    large: NDArray[np.int32]  # the stack of those that are too large, some of them out of date
-    ahead: NDArray[np.int32]  # the one before it in the same bucket
-    behind: NDArray[np.int32]  # the one after it
-    gates: NDArray[np.int32]  # (LARGE, 2) the first and the last one of each bucket
+    large: NDArray[np.int32]  # the stack of triangles that are too large; some entries are out of date
+    ahead: NDArray[np.int32]  # the triangle before it in the same bucket
+    behind: NDArray[np.int32]  # the triangle after it
+    gates: NDArray[np.int32]  # (LARGE, 2) the first and the last triangle of each bucket
     # per piece
     curve: NDArray[np.int8]
     arc: NDArray[np.float64]
@@ -79,28 +83,28 @@ class Work(NamedTuple):
     hold: NDArray[np.int64]
     fresh: NDArray[np.int32]
     polygon: NDArray[np.int64]
-    # the record: (what, vertex, three more) and the place; of length 0 where none is kept
+    # the record: (what, vertex, three more) and the place; of length 0 if none is kept
     event: NDArray[np.int32]
     place: NDArray[np.float64]
 
 
 @inline
 def plane_of(w):
-    """The arrays of the triangulation alone, for kernels of `cavity` that are not inlined."""
+    """The arrays of the triangulation alone, for kernels of `connect.planar.cavity` that are not inlined."""
     return Plane(w.xy, w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state)
 
 
 @inline
 def scratch_of(w):
-    """The scratch for cavities alone."""
+    """The work arrays for cavities alone."""
     return Scratch(w.stack, w.cells, w.rim, w.hold, w.fresh)
 
 
 @inline
 def ask(w, tally, s, by, floor):
-    """Put subsegment s on the stack, unless it is there or locked; whether it is there now.
+    """Put subsegment s on the stack, unless it is there or locked; return whether it is there now.
 
-    ``floor`` is that of the vertex or triangle that asks: the split may come as near as this.
+    ``floor`` is that of the vertex or triangle that asks: the squared distance to which the split may come.
     """
     if w.lock[s] != OPEN:
         return False
@@ -114,7 +118,7 @@ def ask(w, tally, s, by, floor):
 
 @inline
 def bucket_of(w, t):
-    """The bucket of triangle t, which misses the angle only: two an octave of its shortest edge, squared."""
+    """The bucket of triangle t, which misses only the angle: two an octave of its shortest squared edge."""
     a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
     p = (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2
     q = (w.xy[b, 0] - w.xy[c, 0]) ** 2 + (w.xy[b, 1] - w.xy[c, 1]) ** 2
@@ -140,14 +144,14 @@ def unlink(w, tally, t, k):
 
 @inline
 def give_up(w, tally, t, why):
-    """Note why triangle t, which waits no longer, was not refined."""
+    """Note why triangle t, which does not wait any longer, was not refined."""
     w.status[t] = (w.status[t] & STACKED) | why
     tally[REFUSALS] += 1
 
 
 @inline
 def link(w, tally, t):
-    """Let triangle t wait at the end of the bucket of its shortest edge."""
+    """Put triangle t at the end of the bucket of its shortest edge."""
     k = bucket_of(w, t)
     w.status[t] |= k
     tally[LINKED] += 1
@@ -163,10 +167,10 @@ def link(w, tally, t):
 
 @inline
 def settle(w, tally, t, bits):
-    """Slot t has a new triangle that misses the limits ``bits``: it waits on the stack, in a bucket, or not.
+    """Queue the new triangle in slot t, which misses the limits ``bits``: on the stack, in a bucket, or not.
 
-    Without branches as long as no bucket has to do with it, for the reason that `misses_of` gives: the entry
-    on the stack is always written, and counted where it is one. (An entry that the slot had stays.)
+    There are no branches unless a bucket is concerned, for the reason that `misses_of` gives. So the entry on
+    the stack is always written, but counted only if it is needed. An older entry of the slot stays there.
     """
     before = np.int64(w.status[t])
     known, stacked = before & 255, before & STACKED
@@ -184,7 +188,7 @@ def settle(w, tally, t, bits):
 
 @inline
 def next_triangle(w, tally):
-    """Take the last triangle that is too large, else the first of the highest bucket; and why it waits."""
+    """Take the last triangle that is too large, or the first of the highest bucket: (t, why it waits)."""
     while tally[LARGE_ONES] > 0:
         tally[STACK_TOP] -= 1
         t = np.int64(w.large[tally[STACK_TOP]])
@@ -193,7 +197,7 @@ def next_triangle(w, tally):
             w.status[t] = OPEN
             tally[LARGE_ONES] -= 1
             return t, BY_SIZE
-        w.status[t] = k  # an entry that is out of date
+        w.status[t] = k  # the entry was out of date
     k = tally[BUCKET]
     while w.gates[k, 0] < 0:
         k -= 1
@@ -206,7 +210,7 @@ def next_triangle(w, tally):
 
 @inline
 def look_at_segment(w, tally, limits, s):
-    """Ask for subsegment s where the vertices beside it encroach on it, or where it is too long."""
+    """Ask for a split of subsegment s if it is too long, or if a vertex opposite it encroaches on it."""
     e = np.int64(w.where[s])
     a, b = w.ends[s, 0], w.ends[s, 1]
     ax, ay, bx, by = w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1]
@@ -225,7 +229,7 @@ def look_at_segment(w, tally, limits, s):
 
 @inline
 def look_at_star(w, tally, limits, k):
-    """Queue the bad ones of the k fresh triangles, and the subsegments on which their apex encroaches."""
+    """Queue the bad ones of the k new triangles, and the subsegments on which their apex encroaches."""
     for i in range(k):
         t = w.fresh[i]
         bits = 0
@@ -242,7 +246,10 @@ def look_at_star(w, tally, limits, k):
 
 @inline
 def look_at_fan(w, tally, limits, p, r, k):
-    """`look_at_star` within one region, from what `commit` left in ``hold``: it takes a fifth of all time."""
+    """`look_at_star` within one region, by the data that `commit_here` left in ``hold``.
+
+    It takes a fifth of the whole time.
+    """
     px, py = w.xy[p, 0], w.xy[p, 1]
     a = w.hold[0, 0]
     ax, ay = w.xy[a, 0], w.xy[a, 1]
@@ -255,16 +262,16 @@ def look_at_fan(w, tally, limits, p, r, k):
         far = vx * vx + vy * vy
         if s >= 0 and encroaches(ax, ay, bx, by, px, py, limits.lens):
             ask(w, tally, s, BY_ANGLE, w.floor[p])
-        rim = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
+        outer = (bx - ax) * (bx - ax) + (by - ay) * (by - ay)
         x, y = (px + ax + bx) / 3.0, (py + ay + by) / 3.0
-        bits = misses_of(ux * vy - uy * vx, near, far, rim, x, y, r, limits)
+        bits = misses_of(ux * vy - uy * vx, near, far, outer, x, y, r, limits)
         settle(w, tally, t, bits)
         ax, ay, ux, uy, near = bx, by, vx, vy, far
 
 
 @lean
 def look_at_all(w, tally, limits):
-    """Look at every subsegment and every triangle, to begin with."""
+    """Look at every subsegment and every triangle at the beginning."""
     for s in range(w.state[SEGMENTS] - 1, -1, -1):
         look_at_segment(w, tally, limits, s)
     for t in range(w.state[COUNT] - 1, -1, -1):
@@ -276,7 +283,7 @@ def look_at_all(w, tally, limits):
 
 @inline
 def record(w, tally, what, p, corners, px, py):
-    """Note an event, where a record is kept; ``corners``: three vertices, or what stands for them."""
+    """Note an event if a record is kept; ``corners`` are three vertices, or other numbers (the "cause")."""
     if len(w.event) > 0:
         i = tally[EVENTS]
         w.event[i, 0], w.event[i, 1] = what, p
@@ -290,7 +297,7 @@ def record(w, tally, what, p, corners, px, py):
 
 @lean
 def set_kinds(inputs, ends, piece, kind):
-    """Vertices that cut a piece, and are none of the input, lie on it; all others are INPUT_VERTEX."""
+    """Set the kind of each vertex: the piece that it cuts, or INPUT_VERTEX for the input and all others."""
     kind[:] = UNKNOWN
     for v in inputs:
         kind[v] = INPUT_VERTEX
@@ -307,7 +314,7 @@ def set_kinds(inputs, ends, piece, kind):
 def expected(plane, limits):
     """About how many vertices the limits will lead to, as far as they are constant.
 
-    As counted in runs: 1.6 triangles for each largest area, 3 for each square of the wanted edge length.
+    In test runs there were 1.6 triangles for each largest area, and 3 for each squared wanted edge length.
     """
     xy, vertex, region = plane.xy, plane.vertex, plane.region
     number = 0.0
@@ -324,9 +331,10 @@ def expected(plane, limits):
 
 @lean
 def set_floors(xy, vertex, mark, region, count, floor):
-    """``floor[v]``: the shortest edge at v within the domain, or the way to a subsegment across.
+    """Set the floors: ``floor[v]`` is FRACTION times a squared distance.
 
-    Squared, and in units of which refinement for the angle ends at one.
+    This is the length of the shortest edge at v within the domain or, if that is less, the distance from v to
+    a subsegment opposite it.
     """
     floor[:] = np.inf
     for t in range(count):
@@ -348,11 +356,11 @@ def set_floors(xy, vertex, mark, region, count, floor):
 
 @lean
 def begin(w, inputs):
-    """Write what a run begins with."""
+    """Set the initial values of a run."""
     n, s = w.state[VERTICES], w.state[SEGMENTS]
     set_kinds(inputs, w.ends[:s], w.piece, w.kind[:n])
     set_floors(w.xy, w.vertex, w.mark, w.region, w.state[COUNT], w.floor[:n])
     apexes(w, w.curve, w.apexes[:s])
-    for i in range(s):  # nobody has asked for a subsegment yet
+    for i in range(s):  # no split has been asked for yet
         w.lock[i], w.asked[i], w.need[i] = 0, 0, np.inf
         w.given[i, 0] = w.given[i, 1] = w.given[i, 2] = np.nan

@@ -1,19 +1,21 @@
 """Delaunay refinement, compiled: split encroached subsegments, then insert circumcenters of bad triangles.
 
-One step takes a subsegment from its stack, if there is one, else a triangle:
+One step takes a subsegment from its stack, if there is one, or else a triangle:
 
-    subsegment  split it at its middle (shells at small angles; on the true curve), from both sides at once;
-    triangle    find the cavity of its circumcenter, from itself as the seed, without a change. Where the
-                point is hidden by, or encroaches on, subsegments of the rim, these go on the stack and the
-                triangle waits; else the cavity is replaced by the star of the point.
+    subsegment  split it at its middle (on a shell at small angles; on the true curve), from both sides at
+                once;
+    triangle    find the cavity of its circumcenter, from the triangle as the seed, without a change. If
+                subsegments of the cavity's boundary hide the point, or the point encroaches on them, they go
+                on the stack and the triangle waits. Otherwise the star of the point replaces the cavity.
 
-After each change only what is new is looked at: the new triangles, and the subsegments they see. A split that
-cannot be done is not done: the subsegment is locked, with the reason, and so are, in the end, the triangles
-that would need it.
+After each change only the new triangles are looked at, and the subsegments that they see. If a split is
+impossible, the subsegment is locked with the reason; in the end the triangles that need the split are given
+up with the same reason.
 
-No loop without end: what the angle asks for must keep the distance ``floor`` of the vertices around it, a
-small part of the input's edges there, and more than a few units of rounding; what size and area ask for
-keeps a part of the wanted length. So all vertices keep a least distance, and there is room for so many only.
+The loop always ends. A point that the angle asks for must keep the distance ``floor`` from the vertices
+around it, a small part of the input's edges there, and more than a few units of rounding. A point that size
+or area asks for keeps a part of the wanted length. So all vertices keep a minimum distance, and there is room
+only for a finite number of them.
 """
 
 from __future__ import annotations
@@ -51,13 +53,13 @@ from .state import (
     FRACTION,
     KEPT,
     LARGE_ONES,
-    LEAST_SQUARE,
     LINKED,
     LOCKED,
     OPEN,
     PRECISION,
     REJECTED,
     REMOVED,
+    ROUNDING_SQUARE,
     SEGMENT_TOP,
     SHELLS,
     SMALL_ANGLE,
@@ -85,7 +87,7 @@ FAR_FROM_ALL = 1e30  # a circumcenter beyond this cannot be judged
 
 @inline
 def _split_point(w, s):
-    """(x, y, t) of the next split of subsegment s; nan where it must be worked out outside."""
+    """(x, y, t) of the next split of subsegment s; nan if it must be computed in Python."""
     a, b, k = w.ends[s, 0], w.ends[s, 1], w.piece[s]
     if w.curve[k] == STRAIGHT:
         return split_straight(w.xy, a, b, w.span[s, 0], w.span[s, 1], w.apexes[s])
@@ -102,19 +104,19 @@ def _lock(w, tally, s, why):
 
 @inline
 def _wanted(w, limits, s, px, py):
-    """The smaller limit, as a squared length, on the two sides of subsegment s at (x, y)."""
-    least = np.inf
+    """The smallest limit, as a squared length, on the two sides of subsegment s at (px, py)."""
+    smallest = np.inf
     for side in range(2):
         o = w.where[s] if side == 0 else w.twin[w.where[s]]
         r = w.region[o // 3]
         if r >= 0:
-            least = min(least, limits.twice_area[r], largest_radius2(limits, r, px, py))
-    return least
+            smallest = min(smallest, limits.twice_area[r], largest_radius2(limits, r, px, py))
+    return smallest
 
 
 @inline
 def _find(w, s, px, py):
-    """The cavity of a split of subsegment s: (m, k, h), k < 0 where p does not see all of its rim."""
+    """The cavity of a split of subsegment s: (m, k, h); k < 0 if p does not see its whole boundary."""
     m, k, h = find_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), px, py)
     if k >= 0 and blocked_by(w.xy, w.vertex, w.rim, k, px, py) >= 0:
         k = -1
@@ -123,7 +125,7 @@ def _find(w, s, px, py):
 
 @inline
 def split_next(w, tally, limits):
-    """Split the subsegment on top of the stack, or say in ``lock`` why not."""
+    """Split the subsegment on top of the stack, or write into ``lock`` why this is impossible."""
     tally[SEGMENT_TOP] -= 1
     s = w.segments[tally[SEGMENT_TOP]]
     px, py, t = _split_point(w, s)
@@ -137,14 +139,14 @@ def split_next(w, tally, limits):
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
-    rounding = LEAST_SQUARE * max(px * px, py * py)
+    rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
-    least = floor
+    smallest = floor
     if by & BY_SIZE:
-        least = FRACTION * _wanted(w, limits, s, px, py)
+        smallest = FRACTION * _wanted(w, limits, s, px, py)
         floor = min(floor, max(FRACTION * square, rounding))
-    if square < least:
+    if square < smallest:
         _lock(w, tally, s, FLOOR)
         return
     if limits.lens > 0.0 and w.apexes[s] == 0:
@@ -176,10 +178,10 @@ def split_next(w, tally, limits):
 
 @inline
 def _center(xy, a, b, c, offset):
-    """(x, y, R², sure): the circumcenter, or nearer to the shortest edge a-b as far as ``offset`` asks.
+    """(x, y, R², sure): the circumcenter, or with ``offset`` an off-center, if that is nearer to edge a-b.
 
-    ``sure``: it is strictly inside the circle, however it was rounded. (The longest edge being L and the
-    shortest l, its error is at most R (4 eps L / l + 4 eps L² / D), with D = 2 area and l >= D / L.)
+    ``sure`` says that it is strictly inside the circle in spite of rounding. (If the longest edge is L and
+    the shortest l, its error is at most R (4 eps L / l + 4 eps L² / D), with D = 2 area and l >= D / L.)
     """
     ax, ay = xy[a, 0], xy[a, 1]
     bx, by, cx, cy = xy[b, 0] - ax, xy[b, 1] - ay, xy[c, 0] - ax, xy[c, 1] - ay
@@ -190,7 +192,7 @@ def _center(xy, a, b, c, offset):
     ux, uy = (cy * b2 - by * c2) / twice, (bx * c2 - cx * b2) / twice
     square = ux * ux + uy * uy
     sure = twice > 1e-9 * (b2 + c2) and square > 1e-20
-    if offset > 0.0:  # an angle of the wanted size over a-b, if that point is nearer
+    if offset > 0.0:  # take the point that sees a-b under the wanted angle, if it is nearer
         mx, my = 0.5 * bx - offset * by, 0.5 * by + offset * bx
         if mx * mx + my * my < square:
             return ax + mx, ay + my, mx * mx + my * my, sure
@@ -213,7 +215,11 @@ def shortest_first(xy, vertex, t):
 
 @inline
 def _in_the_way(w, tally, limits, k, px, py, by, floor):
-    """Ask for what p encroaches on: (subsegments of the rim, encroached, of these asked for, why not)."""
+    """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
+
+    Returned are the number of subsegments, how many of them are encroached, how many of these are on the
+    stack, and why one is not.
+    """
     marked = found = asked = 0
     why = OPEN
     for i in range(k):
@@ -235,7 +241,7 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
 
 @lean
 def _hidden_by(plane, rim, k, t, px, py):
-    """The subsegment of the rim that the way from the middle of triangle t to p crosses; -1 for none."""
+    """The subsegment of the cavity's boundary between the centroid of triangle t and p; -1 for none."""
     xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     gx, gy = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
@@ -255,10 +261,11 @@ def _hidden_by(plane, rim, k, t, px, py):
 
 @inline
 def _step_aside(w, tally, limits, t, k, center, by, floor):
-    """Whether p is in sight of the cavity and encroaches on nothing; else ask for what is in the way.
+    """Whether p can be inserted: it sees the cavity's boundary and encroaches on no subsegment of it.
 
-    A point in the circle of the seed sees each rim edge that is not marked: that is so in any constrained
-    Delaunay triangulation, and need not be tested.
+    If not, ask for splits of the subsegments in the way, or give the triangle up. In a constrained Delaunay
+    triangulation a point in the circle of the seed sees each edge of the boundary that is not marked; this
+    need not be tested.
     """
     px, py, sure = center
     marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
@@ -289,15 +296,15 @@ def _in_circle(xy, a, b, c, px, py):
 
 @inline
 def improve_next(w, tally, limits, offset):
-    """Insert the circumcenter of the triangle on top of the stack, or ask for what is in the way."""
+    """Insert the circumcenter of the next triangle, or ask for splits of the subsegments in the way."""
     t, by = next_triangle(w, tally)
     if by == BY_ANGLE:
         a, b, c = shortest_first(w.xy, w.vertex, t)
-    else:  # off-centers serve the angle
+    else:  # off-centers are used only for the angle
         a, b, c = w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
         offset = 0.0
     px, py, square, sure = _center(w.xy, a, b, c, offset)
-    rounding = LEAST_SQUARE * max(px * px, py * py)
+    rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
     if by == BY_ANGLE:
         if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
@@ -334,7 +341,7 @@ def improve_next(w, tally, limits, offset):
 
 @lean
 def advance(w, tally, limits, offset, steps):
-    """So many steps; why it stopped. The first call looks at everything to begin with."""
+    """Take up to ``steps`` steps and return why it stopped; the first call first looks at everything."""
     if tally[BEGUN] == 0:
         tally[BEGUN] = 1
         look_at_all(w, tally, limits)
