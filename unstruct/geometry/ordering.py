@@ -22,7 +22,7 @@ __all__ = ["brio", "draws", "hilbert_order"]
 
 MAX_TABLE_DIMENSION = 8  # the table has d * 4**d entries; in higher dimensions 8 coordinates give the key
 KEY_BITS = 60  # keys are signed 64-bit integers, which leaves room for the number of the round
-KEPT = 1 << 14  # how many random numbers are drawn only once
+DRAWN_ONCE = 1 << 14  # how many random numbers are drawn only once
 FEW_KEYS = 64  # up to so many keys are sorted by insertion, without counting
 DIGIT = 11  # bits per pass of the radix sort; a histogram of 2048 counters stays in the first-level cache
 
@@ -89,7 +89,7 @@ def brio(
 
 def draws(n: int, below: int) -> NDArray[np.uint32]:
     """``n`` random numbers from 0, 1, ..., ``below`` - 1, always the same because the seed is fixed."""
-    return _first_draws(below, KEPT)[:n] if n <= KEPT else _first_draws.__wrapped__(below, n)
+    return _first_draws(below, DRAWN_ONCE)[:n] if n <= DRAWN_ONCE else _first_draws.__wrapped__(below, n)
 
 
 @cache
