@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from unstruct import Domain, InputError, check, constrained_delaunay
 from unstruct.domain.plane.corners import crossings_at_corners
 from unstruct.geometry.curves import Arc, Bezier
+from unstruct.geometry.outline import Outline
 
 
 def arc_from(vertex: np.ndarray, direction: float, radius: float, sweep: float) -> Arc:
@@ -66,7 +67,7 @@ def test_second_meetings_are_those_of_the_curves(data: st.DataObject) -> None:
             [math.cos(first + between), math.sin(first + between)]
         )
         points.append(vertex + other)
-    region = Plain(np.array(points), np.array(facets), curves)
+    region = plain(np.array(points), np.array(facets), curves)
     pairs, places = crossings_at_corners(region)  # type: ignore[arg-type]
     near_an_end = len(places) and min(np.hypot(*(places[0] - p)) for p in points[1:]) < 2e-3
     if not near_an_end:
@@ -80,13 +81,9 @@ def ends_touch(one: Arc, other: Arc | np.ndarray, points: list[np.ndarray]) -> b
     return any(np.hypot(*(chains[1 - k] - points[1 + k]).T).min() < 2e-3 for k in (0, 1))
 
 
-class Plain:
+def plain(points: np.ndarray, pieces: np.ndarray, curves: dict[int, Arc]) -> Outline:
     """Points, pieces and curves that nobody has validated, as `crossings_at_corners` reads them."""
-
-    def __init__(self, points: np.ndarray, pieces: np.ndarray, curves: dict[int, Arc]):
-        self.points, self.pieces, self.curves = points, pieces, curves
-
-    cuts = Domain.cuts
+    return Outline(points, pieces, np.empty((0, 2), dtype=np.int32), curves, {}, {})
 
 
 @pytest.mark.parametrize("x0", [0.3, 0.1, 0.01, 1e-3, 1e-4, 1e-6])
