@@ -226,7 +226,7 @@ def test_meetings_use_grid_and_tree_alike(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr("unstruct.geometry.segment_pairs.TABLES", ())
     by_last, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_last) and np.array_equal(kinds, same)
-    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST", (4.0, -1))
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST_TABLE", (4.0, -1))
     by_tree, same = meetings(points, segments)
     assert np.array_equal(by_grid, by_tree) and np.array_equal(kinds, same)
     assert np.array_equal(by_grid, crossing_facets(points, segments))
@@ -247,7 +247,7 @@ def test_a_table_of_fine_cells_finds_what_the_tree_finds(
     by_table, kinds = meetings(points, rows)
     assert len(by_table) > 20
     monkeypatch.setattr("unstruct.geometry.segment_pairs.TABLES", ())
-    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST", (4.0, -1))
+    monkeypatch.setattr("unstruct.geometry.segment_pairs.LAST_TABLE", (4.0, -1))
     by_tree, same = meetings(points, rows)
     assert np.array_equal(by_table, by_tree) and np.array_equal(kinds, same)
 
