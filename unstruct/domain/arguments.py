@@ -1,4 +1,4 @@
-"""The arguments of a `Domain`: checked, of the right type, or an error that says which is wrong."""
+"""The arguments of a `Domain`: they are checked and converted, or an error says which one is wrong."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} must be integers, not {array.dtype}")
     if array.dtype.itemsize > 2 and not (-(2**31) <= array.min() <= array.max() < 2**31):
-        raise InputError(f"{name} has entries beyond 32 bits: no such vertices")
+        raise InputError(f"{name} has entries beyond 32 bits: there are no such vertices")
     return frozen(np.array(array, dtype=np.int32))
 
 
@@ -46,12 +46,12 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
     result = {}
     wrong = [piece for piece in curves if isinstance(piece, bool) or not isinstance(piece, int | np.integer)]
     if wrong:
-        raise InputError(f"curves has the key {wrong[0]!r}; keys are piece numbers")
+        raise InputError(f"curves has the key {wrong[0]!r}; keys must be piece numbers")
     for piece in sorted(curves):
         if not 0 <= piece < many:
-            raise InputError(f"curves[{piece}]: there are pieces 0..{many - 1} only")
-        if not isinstance(curves[piece], Arc | Bezier | Curve | CurveLike):  # the last takes its time
-            raise InputError(f"curves[{piece}] must have a method point(t), not {curves[piece]!r}")
+            raise InputError(f"curves[{piece}] names no piece: there are pieces 0..{many - 1}")
+        if not isinstance(curves[piece], Arc | Bezier | Curve | CurveLike):  # the last test is slow
+            raise InputError(f"curves[{piece}] must have a method point(t), but it is {curves[piece]!r}")
         result[int(piece)] = curves[piece]
     return result
 
@@ -62,7 +62,7 @@ def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
     result = {}
     for name, pieces in markers.items():
         if str(name) in RESERVED:
-            raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another")
+            raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another name")
         try:
             array = np.asarray(pieces)
         except ValueError:  # ragged
@@ -140,7 +140,7 @@ def joined(domains: Sequence[Outline]) -> dict[str, Any]:
 
 
 def composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
-    """``first[then]``, -1 where there is none."""
+    """``first[then]``, -1 where ``then`` names no entry of ``first``."""
     known = (then >= 0) & (then < len(first))
     return frozen(
         np.where(known, first[np.where(known, then, 0)], -1).astype(np.int32) if len(first) else then

@@ -27,7 +27,7 @@ __all__ = ["Domain", "as_domain"]
 
 
 class Side(NamedTuple):
-    """What a `Domain` asks of its dimension: one set of functions, chosen once."""
+    """The functions of a `Domain` that depend on its dimension."""
 
     repaired: Callable[[Outline], Repaired]
     find_faults: Callable[[Outline], list[faults.Fault]]
@@ -56,22 +56,22 @@ NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 class Domain(Outline):
-    """A planar region: what is to be meshed.
+    """A planar region that is to be meshed.
 
-    *Pieces* are numbered through: facets 0 to f - 1, then inner segments f to f + g - 1. Each is straight
-    unless ``curves`` has a curve for it.
+    *Facets* and *inner segments* are called *pieces* and numbered together: facets 0 to f - 1, then inner
+    segments f to f + g - 1. A piece is straight unless ``curves`` has a curve for it.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
         Vertices. Those that no piece uses are `loose`: they become vertices of the mesh if they lie inside.
     facets : array_like of int, shape (f, 2)
-        Pieces that bound the region: inside is what an odd number of them separates from infinity, so
-        that chains within chains are holes, islands, and so on, in any order and direction. At every vertex
-        an even number must meet.
+        Pieces that bound the region. A point is inside if an odd number of them separates it from infinity;
+        so chains within chains are holes, islands, and so on, in any order and direction. At every vertex an
+        even number of facets must meet.
     inner : array_like of int, shape (g, 2), optional
-        Interfaces, cracks, loose segments: present in the mesh where they lie inside; they may dangle or
-        close and never make holes.
+        Interfaces, cracks, loose segments. They are edges of the mesh where they lie inside. They may have
+        loose ends or be closed, and never make holes.
     curves : dict of int to curve, optional
         Piece -> `Arc`, `Curve`, `Bezier` or another object with ``point(t)``, from the first vertex of
         the piece to its second.
@@ -88,19 +88,19 @@ class Domain(Outline):
     InputError
         For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length,
         repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a vertex,
-        curves that miss their ends, cross or touch, and seeds outside. The message names the first culprits,
-        the place and the remedy.
+        curves that miss their ends, cross or touch, and seeds outside. The message names the first fault, its
+        place and the remedy.
 
     Attributes
     ----------
     points, facets, inner, curves, markers, regions
-        As given (after repairs), arrays read-only.
+        As given (after repairs); the arrays are read-only.
     repairs : list of Repair
-        What ``resolve`` did; empty without it, and where nothing was wrong.
+        What ``resolve`` has changed; empty without it, and if nothing was wrong.
     max_areas : dict of str to float
-        Area bounds of regions by name, as `Domain.read` found them; `refine` takes them.
+        Area bounds of regions by name, as found by `Domain.read`; `refine` accepts them.
     origin : (n,) int32
-        The input point that each point is, -1 for crossings; all of them but for ``resolve``.
+        For each point its number in the input, -1 for a crossing. Without ``resolve`` these are 0 to n - 1.
     piece_origin : (f + g,) int32
         The input piece that each piece is part of, -1 for one that closes a gap.
 
@@ -128,7 +128,7 @@ class Domain(Outline):
         others = NO_PIECES if inner is None else as_segments(inner, "inner")
         many = len(rows) + len(others)
         super().__init__(
-            frozen(coordinates.copy()),  # what was validated must not change
+            frozen(coordinates.copy()),  # a copy: later changes of the caller's array must not matter
             rows,
             others,
             as_curves(curves, many) if curves else {},
@@ -144,7 +144,7 @@ class Domain(Outline):
         faults.refuse(self._side.find_faults(self))
         if self.curves:
             self._side.check_ends(self)
-        if self.curves or self.regions:  # chords tell where curves meet
+        if self.curves or self.regions:  # the chords show where curves meet
             self._side.check_seeds(self, self._coarse)
 
     @property
@@ -165,16 +165,16 @@ class Domain(Outline):
         ----------
         size : number, function (k, 2) -> (k,), or size field, optional
             The wanted edge length. Without it straight pieces stay whole, and curves are cut as coarsely as
-            is safe: a turn of at most 60 degrees for each chord, no chord meets another, no vertex lies
-            between a chord and its curve.
+            is safe: the curve turns by at most 60 degrees over each chord, no chord meets another, and no
+            vertex lies between a chord and its curve.
         step : float, optional
             The wanted length of subsegments, in units of the size.
 
         Returns
         -------
         Sampled
-            With a size: on each piece the whole number of subsegments next to the integral of ds / (step
-            size), at equal steps of it, and cut further where that is not safe.
+            With a size, the number of subsegments of a piece is the integral of ds / (step size), rounded to
+            a whole number, and they have equal shares of it. They are cut further where they are not safe.
 
         Raises
         ------
@@ -201,8 +201,8 @@ class Domain(Outline):
         Returns
         -------
         ndarray of bool, shape (...)
-            Exact for straight facets, points on them included, which count as inside. A point on a curve,
-            up to rounding, may fall on either side.
+            Exact for straight facets; points on them count as inside. A point that is on a curve, up to
+            rounding, may be taken for inside or outside.
         """
         queries = as_numbers(x, "x")
         d = self.dimension
@@ -213,19 +213,19 @@ class Domain(Outline):
 
     @cached_property
     def area(self) -> float:
-        """The area inside: for straight facets correctly rounded; curves add to rounding error only."""
+        """The area inside: correctly rounded for straight facets; for curves with some rounding errors."""
         return self._side.area(self, self._coarse)
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """((x least, y least), (x greatest, y greatest)) of the points and of curves (closely)."""
+        """((smallest x, smallest y), (largest x, largest y)) of the points and, approximately, of curves."""
         return self._side.bounds(self, self._coarse)
 
     # ------------------------------------------------------------------ making and files
 
     @classmethod
     def _of(cls, parts: shapes.Parts, options: Mapping[str, Any]) -> Self:
-        """A domain of ready-made parts and the caller's options; curves, markers, regions, inner joined."""
+        """A domain of ready-made parts and options; curves, markers, regions and inner pieces are joined."""
         options = dict(options)
         for name in {"curves", "markers", "regions"} & set(parts):
             options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
@@ -242,9 +242,9 @@ class Domain(Outline):
         Parameters
         ----------
         outer : array_like, shape (k, 2)
-            Corners in order, either way round; a last corner equal to the first is left out.
+            Corners in order, in either direction; a last corner equal to the first is left out.
         holes : sequence of array_like, optional
-            Rings; by the even-odd rule a ring within a hole is an island.
+            Further rings; by the even-odd rule a ring within a hole is an island.
         **options
             As for `Domain`; piece numbers run along the rings.
         """
@@ -252,12 +252,12 @@ class Domain(Outline):
 
     @classmethod
     def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
-        """The same with smooth closed curves through the corners: periodic cubic splines by chord length."""
+        """As `polygon`, with smooth closed curves through the corners: cubic splines by chord length."""
         return cls._of(shapes.smooth_rings(outer, holes), options)
 
     @classmethod
     def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Self:
-        """A rectangle by two corners; pieces bottom, right, top, left, which are also its markers."""
+        """A rectangle by two corners; its pieces and markers are "bottom", "right", "top" and "left"."""
         return cls._of(shapes.rectangle(lower, upper), options)
 
     @classmethod
@@ -290,7 +290,7 @@ class Domain(Outline):
         closed : bool
             Whether the trailing edge is sharp (last coefficient 0.1036 instead of 0.1015).
         **options
-            As for `Domain`. Markers are "upper", "lower", and "trailing edge" where that is open.
+            As for `Domain`. Markers are "upper", "lower", and "trailing edge" if that is open.
 
         Notes
         -----
@@ -309,7 +309,7 @@ class Domain(Outline):
         size : float
             The size of the font; the line starts at the origin.
         font : str
-            A family that matplotlib knows; DejaVu Sans comes with it.
+            A font family that matplotlib knows; DejaVu Sans comes with matplotlib.
         """
         return cls._of(shapes.letters(text, size, font), options)
 
@@ -320,15 +320,15 @@ class Domain(Outline):
         Parameters
         ----------
         geometry : mapping or object
-            Rings of polygons become facets (even-odd: the order of rings does not matter), lines inner
-            segments, points loose vertices; equal coordinates one vertex. Polygons that share a side need
-            ``resolve=True``: the side cancels then.
+            Rings of polygons become facets (even-odd: their order does not matter), lines become inner
+            segments, and points loose vertices; equal coordinates become one vertex. Polygons that share a
+            side need ``resolve=True``, which removes the side.
         """
         return cls._of(shapes.outlines(geometry), options)
 
     @classmethod
     def read(cls, path: str | Path, **options: Any) -> Self:
-        """Read Triangle's ``.poly`` (with its ``.node`` where it has no vertices itself).
+        """Read Triangle's ``.poly`` (with its ``.node`` if it has no vertices itself).
 
         Parameters
         ----------
@@ -339,12 +339,12 @@ class Domain(Outline):
         Returns
         -------
         Domain
-            What Triangle would mesh: the outside is eaten away from beyond as far as segments do not stop it,
-            and so are holes from their seeds. Segments between inside and outside are facets, the others
-            inner. Boundary markers other than 0 become markers named by their number, regional attributes
-            regions named by their value; `max_areas` keeps the area bounds of regions by these names.
-            `origin`, `piece_origin` and `repairs` refer to the vertices and segments of the file, counted
-            from 0 (-1 for pieces that ``options`` add).
+            The region that Triangle would mesh. It removes the outside, as far as segments do not stop it,
+            and holes in the same way from their seeds. Segments between inside and outside become facets, the
+            others inner segments. Boundary markers other than 0 become markers named by their number, and
+            regional attributes become regions named by their value; `max_areas` contains the area bounds of
+            regions by these names. `origin`, `piece_origin` and `repairs` refer to the vertices and segments
+            of the file, counted from 0 (-1 for pieces that ``options`` add).
         """
         found = poly.read_poly(Path(path), make=cls, resolve=bool(options.get("resolve")))
         domain = cls._of(found.parts, options)
@@ -355,20 +355,20 @@ class Domain(Outline):
         return domain
 
     def write(self, path: str | Path) -> None:
-        """Write Triangle's ``.poly``: curves as their coarse chords, holes by seeds.
+        """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.
 
-        Markers and regions are numbers there: names that are none get free ones, which a comment at the
-        head of the file explains. A piece has one marker: the last of those that name it.
+        Markers and regions are numbers in this format. A name that is not a number is replaced by a free
+        number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
         poly.write_poly(self, self._coarse, self.max_areas, Path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
-        """All pieces together: by the even-odd rule, what lies inside becomes a hole.
+        """A domain of all pieces together; by the even-odd rule a domain inside this one becomes a hole.
 
         Parameters
         ----------
         *others : Domain
-            Their markers and regions of equal name are joined with those here.
+            Markers and regions of equal names are joined.
         resolve : bool
             As for `Domain`.
         """
@@ -394,7 +394,7 @@ class Domain(Outline):
 
 
 def as_domain(value: Any) -> Domain:
-    """A domain, or an error that tells what was given in its place."""
+    """The domain itself, or an error that says what was given in its place."""
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
     return value

@@ -275,7 +275,7 @@ def test_progress(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_equal_orders() -> None:
-    """sin(least angle) = l / (2 R): the ratio R / l and the least angle choose alike."""
+    """sin(minimum angle) = l / (2 R): the ratio R / l and the minimum angle choose alike."""
     points = np.random.default_rng(5).random((40, 2))
     options = {"boundary": "keep", "budget": 60, "history": True}
     by_angle, by_ratio = (

@@ -49,7 +49,7 @@ def size_of(domain: Domain, fraction: float) -> float:
 
 
 def least_angle_beside_listed(mesh: unstruct.Mesh) -> float:
-    """The least angle of all triangles but those that are listed with a small input angle."""
+    """The minimum angle of all triangles but those that are listed with a small input angle."""
     excused = [why.startswith("input angle") for why in mesh.reasons]
     rest = np.setdiff1d(np.arange(mesh.size), mesh.unrefined[np.array(excused, dtype=bool)])
     return float(mesh.quality("min_angle")[rest].min(initial=90.0))
@@ -98,9 +98,9 @@ def test_tiny_angles_and_thin_regions(kind: str) -> None:
 
 
 def test_spiky_regions() -> None:
-    """The least angle is 25 degrees, but at input angles below 60 degrees, which are listed.
+    """The minimum angle is 25 degrees, but at input angles below 60 degrees, which are listed.
 
-    With UNSTRUCT_SPIKY=1000 a long run, of half a minute: the least angle was 1.36 degrees before the
+    With UNSTRUCT_SPIKY=1000 a long run, of half a minute: the minimum angle was 1.36 degrees before the
     finishing pass and 25.03 after it.
     """
     worst_raw, worst = 90.0, 90.0
@@ -113,7 +113,7 @@ def test_spiky_regions() -> None:
         assert len(listed) == len(mesh.reasons) and max(listed, default=0.0) < 60.0
         if seed % 5 == 0:
             assert check(mesh, domain=domain, delaunay="constrained")
-    print(f"{SPIKY} regions: least angle {worst_raw:.2f} before, {worst:.2f} after")
+    print(f"{SPIKY} regions: minimum angle {worst_raw:.2f} before, {worst:.2f} after")
     assert worst >= 25.0
 
 

@@ -1,8 +1,9 @@
-"""Do arcs and straight pieces that share a vertex cross once more? Told by circles and lines, not by samples.
+"""Second crossings of arcs and straight pieces that share a vertex, found from circles and lines.
 
-A circle through a vertex and a line, or another circle, through it meet once more: at the mirror image of the
-vertex in the line of centers (for a line: in its perpendicular through the center). That may be so near the
-vertex that no sample of the arc falls between. See the book, chapter 2.6d.
+A circle through a vertex and another circle (or a line) through it meet once more, in the mirror image of the
+vertex. For two circles the mirror is the line of centers, for a line the perpendicular to it through the
+center. This second point may be so near the vertex that no sample of the arc falls between them. See the
+book, chapter 2.6d.
 """
 
 from __future__ import annotations
@@ -14,12 +15,15 @@ from ...geometry.outline import Outline
 
 __all__ = ["crossings_at_corners"]
 
-SAME_VERTEX = 2.0**-36  # in units of the largest coordinate: nearer to a common vertex, a point is it
-SHALLOW = 2.0**-46  # the same: what two pieces enclose between it and the point is deeper than rounding
+# Both are in units of the largest coordinate. A point nearer than this to a common vertex is that vertex.
+SAME_VERTEX = 2.0**-36
+# The area between two pieces, from the vertex to the second point, must be deeper than this to be more than
+# an effect of rounding.
+SHALLOW = 2.0**-46
 
 
 def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces with a common vertex, one of them an arc at least, that meet once more on both.
+    """Pairs of pieces with a common vertex, at least one of them an arc, that meet a second time.
 
     Parameters
     ----------
@@ -31,12 +35,12 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     pairs : (c, 2) int64
         The smaller number first, in order, each pair once.
     places : (c, 2) float64
-        Where they meet.
+        The second point where they meet.
 
     Notes
     -----
-    O(k^2) for k such pieces at one vertex. Pieces that touch in their common vertex, arcs of one circle, and
-    pieces that lie within rounding of each other up to the second point are not told.
+    O(k^2) for k such pieces at one vertex. Not reported are pieces that touch in their common vertex, arcs of
+    one circle, and pieces that cannot be told from each other, up to rounding, as far as the second point.
     """
     pairs, at = _pairs(outline)
     if len(pairs) == 0:
@@ -45,25 +49,26 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     place = _mirrored(outline, pairs, at)
     vertex, scale = outline.points[at], np.abs(outline.points).max()
     away = np.hypot(*(place - vertex).T)
-    told = np.isfinite(place).all(axis=1) & (away > SAME_VERTEX * scale)
-    told &= away * away * difference > 8 * SHALLOW * scale
+    found = np.isfinite(place).all(axis=1) & (away > SAME_VERTEX * scale)
+    found &= away * away * difference > 8 * SHALLOW * scale
     for column in (0, 1):
-        told &= _on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
-        for end in outline.pieces[pairs[:, column]].T:  # the other end of both is no second meeting
+        found &= _on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
+        for end in outline.pieces[pairs[:, column]].T:  # a second common end is not a crossing
             shared = (outline.pieces[pairs[:, 1 - column]] == end[:, None]).any(axis=1)
-            told &= ~(shared & (np.hypot(*(place - outline.points[end]).T) <= _blur(away, difference, scale)))
-    pairs, place = pairs[told], place[told]
+            near = np.hypot(*(place - outline.points[end]).T) <= _blur(away, difference, scale)
+            found &= ~(shared & near)
+    pairs, place = pairs[found], place[found]
     first = np.unique(pairs, axis=0, return_index=True)[1]
     return pairs[first], place[first]
 
 
 def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
-    """How far rounding may move the second point: more, the flatter the angle at which the pieces meet."""
+    """How far rounding may move the second point; the flatter the angle of the pieces, the farther."""
     return np.maximum(SAME_VERTEX * scale, 2 * SHALLOW * scale / np.maximum(away * difference, 1e-300))
 
 
 def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces with a common vertex, an arc among them and no other curve; the vertex of each."""
+    """Pairs of pieces with a common vertex, an arc among them and no other curve; the vertex of each pair."""
     kind = outline.cuts().kind
     is_arc, other = kind == 1, kind == 2
     touched = np.zeros(len(outline.points), dtype=bool)
@@ -80,7 +85,7 @@ def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _bends(outline: Outline, piece: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Vectors of curvature at a vertex, towards the center; zero for straight pieces."""
+    """Curvature vectors at a vertex, towards the center; zero for straight pieces."""
     kind, arc = outline.cuts()
     to_center = arc[piece, :2] - outline.points[at]
     radius = np.where(kind[piece] == 1, arc[piece, 2], np.inf)
@@ -88,7 +93,7 @@ def _bends(outline: Outline, piece: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _mirrored(outline: Outline, pairs: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """The vertex mirrored in the line of centers, or in the perpendicular to the straight one."""
+    """The mirror image of the vertex in the line of centers, or in the perpendicular to a straight piece."""
     kind, arc = outline.cuts()
     vertex = outline.points[at]
     center = [arc[pairs[:, k], :2] for k in (0, 1)]
@@ -96,15 +101,15 @@ def _mirrored(outline: Outline, pairs: np.ndarray, at: np.ndarray) -> np.ndarray
     a, b = outline.points[outline.pieces[np.where(straight[0], pairs[:, 0], pairs[:, 1])]].transpose(1, 0, 2)
     line = (straight[0] | straight[1])[:, None]
     base = np.where(straight[0][:, None], center[1], center[0])
-    along = np.where(line, b - a, center[1] - center[0])  # of the line; or the line of centers
-    across = np.where(line, along, np.column_stack([-along[:, 1], along[:, 0]]))  # the way of the mirroring
+    along = np.where(line, b - a, center[1] - center[0])  # the line; or the line of centers
+    across = np.where(line, along, np.column_stack([-along[:, 1], along[:, 0]]))  # across the mirror
     with np.errstate(divide="ignore", invalid="ignore"):
         unit = across / np.hypot(*across.T)[:, None]
         return vertex + 2 * ((base - vertex) * unit).sum(axis=1)[:, None] * unit
 
 
 def _on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) -> np.ndarray:
-    """Whether points of the line or circle of a piece lie on the piece itself, its ends included."""
+    """Whether points on the line or circle of a piece lie on the piece itself, which includes its ends."""
     kind, arc = outline.cuts()
     a, b = outline.points[outline.pieces[piece]].transpose(1, 0, 2)
     length = np.hypot(*(b - a).T)

@@ -1,4 +1,4 @@
-"""What can be wrong with the pieces of a region, found exactly, each fault with its culprits and place."""
+"""Faults of the pieces of a region: an exact search; each fault names its pieces, vertices and place."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["Fault", "check_ends", "find_faults", "first_copies"]
 
 HALF_WORD = 2**32 - 1
 MIX = (0x5BD1E995, 0x7ED55D17, 0x6B43A9B5, 0x4CF5AD43)  # odd numbers below 2^31
-MANY = 1 << 12  # pieces up to which one look is tried before the stages, which have better means for more
+MANY = 1 << 12  # up to this many pieces one quick test is tried first; for more the stages are faster
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: its kind, the pieces and vertices to blame, its place, and a sentence."""
+    """One fault: its kind, a sentence about it, its place, and the pieces and vertices that have it."""
 
     kind: str
     text: str
@@ -48,9 +48,9 @@ def first_copies(points: np.ndarray) -> np.ndarray:
 
 @kernel
 def _any_equal(points):
-    """Whether two points are equal: each is put in the first free place of a table from its slot on.
+    """Whether two points are equal, by a hash table: a point goes to the first free place from its slot on.
 
-    The slot mixes the halves of both coordinates' bits, by products that 64 bits hold.
+    The slot mixes the halves of the bits of both coordinates by products that fit into 64 bits.
     """
     bits = (points + 0.0).view(np.int64)  # -0.0 becomes 0.0
     size = 4
@@ -73,7 +73,10 @@ def _any_equal(points):
 
 @kernel
 def _any_repeated(segments, head, after, seen):
-    """Whether two segments join the same vertices: those of each vertex in turn, each with its other end."""
+    """Whether two segments join the same vertices: for each vertex the other ends of its segments are marked.
+
+    A segment belongs to the smaller one of its vertices.
+    """
     for s in range(segments.shape[0]):
         a = min(segments[s, 0], segments[s, 1])
         after[s], head[a] = head[a], s
@@ -90,9 +93,9 @@ def _any_repeated(segments, head, after, seen):
 
 @kernel
 def _sound(points, pieces, facets, straight):
-    """Whether one look finds that no stage of `find_faults` would find a fault; if in doubt, no.
+    """Whether it is certain, by one quick test, that no stage of `find_faults` would find a fault.
 
-    ``straight`` has the straight ones of the pieces.
+    ``straight`` contains the straight pieces.
     """
     n = points.shape[0]
     meet, used = np.zeros(n, dtype=np.int32), 0
@@ -102,7 +105,7 @@ def _sound(points, pieces, facets, straight):
             return False
         for v in (a, b):
             used += meet[v] == 0
-            meet[v] += 1 if i < facets else 2**16  # of facets an even number must meet
+            meet[v] += 1 if i < facets else 2**16  # an even number of facets must meet
     alone = np.empty(n - used, dtype=np.int32)
     k = 0
     for v in range(n):
@@ -115,7 +118,7 @@ def _sound(points, pieces, facets, straight):
 
 
 def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
-    """Where the lines of two crossing segments meet: rational arithmetic, rounded once."""
+    """The point where the lines of two crossing segments meet, in rational arithmetic and rounded once."""
     (px, py), (qx, qy), (ax, ay), (bx, by) = (
         tuple(map(Fraction, points[v].tolist())) for v in (*s.tolist(), *t.tolist())
     )
@@ -128,7 +131,7 @@ def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[fl
 
 
 def refuse(found: list[Fault]) -> None:
-    """Raise for the first fault, and say how many more there are."""
+    """Raise an error for the first fault that says how many more there are."""
     if found:
         rest = len(found) - 1
         more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
@@ -136,9 +139,9 @@ def refuse(found: list[Fault]) -> None:
 
 
 def find_faults(outline: Outline) -> list[Fault]:
-    """Every fault of the straight structure, in stages: later ones are looked for if there are none before.
+    """All faults of the straight pieces and of the vertices, in stages: a stage is the last if it finds any.
 
-    Curved pieces are left to the sampling, but for their vertices.
+    Curved pieces are tested when they are cut into chords, except for their vertices.
     """
     if len(outline.pieces) <= MANY:
         straight = _straight(outline)[1] if outline.curves else outline.pieces
@@ -167,8 +170,8 @@ def _indices(outline: Outline) -> list[Fault]:
     return [
         Fault(
             "index out of range",
-            f"{outline.name(i)} = {outline.pieces[i].tolist()} refers to points outside 0..{n - 1}; mend the "
-            "index, or let resolve=True drop the segment",
+            f"{outline.name(i)} = {outline.pieces[i].tolist()} refers to points outside 0..{n - 1}; correct "
+            "the index, or let resolve=True drop the segment",
             (float("nan"), float("nan")),
             (i,),
         )
@@ -182,7 +185,8 @@ def _duplicates(outline: Outline) -> list[Fault]:
     for copy in np.nonzero(first != np.arange(len(first)))[0].tolist():
         kept, place = int(first[copy]), _place(outline.points[copy])
         text = (
-            f"points {kept} and {copy} are equal, {_at(place)}; use one of them, or resolve=True merges them"
+            f"points {kept} and {copy} are equal, {_at(place)}; use only one of them, or let resolve=True "
+            "merge them"
         )
         result.append(Fault("duplicate points", text, place, vertices=(kept, copy)))
     return result
@@ -194,7 +198,9 @@ def _zero_length(outline: Outline) -> list[Fault]:
         v = int(outline.pieces[i, 0])
         place = _place(outline.points[v])
         remedy = (
-            "put a second vertex on the curve" if i in outline.curves else "drop it, or resolve=True does"
+            "put a second vertex on the curve"
+            if i in outline.curves
+            else "drop it, or let resolve=True do so"
         )
         text = f"{outline.name(i)} = [{v}, {v}] has zero length, {_at(place)}; {remedy}"
         result.append(Fault("zero length", text, place, (i,), (v,)))
@@ -225,8 +231,8 @@ def _repeated(outline: Outline) -> list[Fault]:
         place = _place(a / 2 + b / 2)
         text = (
             f"{outline.name(one)} and {outline.name(two)} join the same points "
-            f"{outline.pieces[one].tolist()}, {_at(place)}; drop one, or resolve=True (two equal facets then "
-            "cancel: even-odd)"
+            f"{outline.pieces[one].tolist()}, {_at(place)}; drop one, or let resolve=True do so (by the "
+            "even-odd rule it drops both of two equal facets)"
         )
         result.append(Fault("repeated segment", text, place, (one, two)))
     return result
@@ -252,11 +258,12 @@ def _crossings(outline: Outline) -> list[Fault]:
         )
         if kind == CROSSING:
             place = crossing_place(outline.points, segments[i], segments[j])
-            text = f"{names} cross {_at(place)}; put a vertex there, or resolve=True splits both"
+            text = f"{names} cross {_at(place)}; put a vertex there, or let resolve=True split both"
             result.append(Fault("crossing", text, place, (one, two)))
         elif kind == OVERLAPPING:
             place = overlap_place(outline.points[segments[i]], outline.points[segments[j]])
-            text = f"{names} overlap near ({place[0]:.6g}, {place[1]:.6g}); shorten one, or resolve=True does"
+            where = f"near ({place[0]:.6g}, {place[1]:.6g})"
+            text = f"{names} overlap {where}; shorten one, or let resolve=True do so"
             result.append(Fault("overlap", text, place, (one, two)))
     suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), outline.loose]))
     touched = np.unique(pairs) if len(outline.loose) == 0 else np.arange(len(rows))
@@ -265,7 +272,7 @@ def _crossings(outline: Outline) -> list[Fault]:
         place = _place(outline.points[v])
         text = (
             f"point {v} lies on {outline.name(piece)} = {outline.pieces[piece].tolist()}, {_at(place)}; "
-            "split the segment there, or resolve=True does"
+            "split the segment there, or let resolve=True do so"
         )
         result.append(Fault("vertex on a segment", text, place, (piece,), (v,)))
     return result
@@ -279,8 +286,8 @@ def _open_vertices(outline: Outline) -> list[Fault]:
         place = _place(outline.points[v])
         text = (
             f"the boundary is open: {degree[v]} facet{'s meet' if degree[v] > 1 else ' ends'} at point {v}, "
-            f"{_at(place)} (facets {', '.join(map(str, touching))}); an even number must meet. Close the "
-            "chain, give what shall not bound as inner, or let resolve=True do so"
+            f"{_at(place)} (facets {', '.join(map(str, touching))}), but an even number must meet. Close the "
+            "chain, give pieces that are no boundary as inner, or let resolve=True do so"
         )
         result.append(Fault("open boundary", text, place, touching, (v,)))
     return result
@@ -290,7 +297,7 @@ def _open_vertices(outline: Outline) -> list[Fault]:
 
 
 def check_ends(outline: Outline) -> None:
-    """Raise where a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
+    """Raise if a curve does not start and end at its vertices (up to 2^-40 of the largest coordinate)."""
     others = np.flatnonzero(outline.batch.kind == 2).tolist()
     for piece in others if _batch_ends(outline) else outline.curves:
         ends = np.asarray(outline.curves[piece].point(np.array([0.0, 0.5, 1.0])), dtype=float)
@@ -301,12 +308,12 @@ def check_ends(outline: Outline) -> None:
             if not (np.abs(x - outline.points[vertex]) <= slack).all():
                 raise InputError(
                     f"the curve of {outline.name(piece)} {end} at {x.tolist()}, but vertex {vertex} is at "
-                    f"{outline.points[vertex].tolist()}; give that vertex the curve's end"
+                    f"{outline.points[vertex].tolist()}; move the vertex to the end of the curve"
                 )
 
 
 def _batch_ends(outline: Outline) -> bool:
-    """Whether all curves of the library's own kinds start and end where they should."""
+    """Whether all curves of the library's own kinds start and end at their vertices."""
     piece = np.flatnonzero((outline.batch.kind == 1) | (outline.batch.kind > 2))
     if len(piece) == 0:
         return True

@@ -1,4 +1,4 @@
-"""Inside or outside of a planar outline, curves included; the area and the box that it encloses."""
+"""Inside and outside of a planar outline with its curves; its area and its bounding box."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def area(outline: Outline, sampled: Sampled) -> float:
 
 
 def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
-    """The corners of a box round the points and, closely, the curves: see `Domain.bounds`."""
+    """The corners of the bounding box of points and, approximately, of curves: see `Domain.bounds`."""
     points = [sampled.points]
     if outline.curves:
         piece = np.repeat(list(outline.curves), 257)
@@ -48,7 +48,7 @@ def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
 
 
 def check_seeds(outline: Outline, sampled: Sampled) -> None:
-    """Raise where a seed of a region lies on a piece or outside."""
+    """Raise if a seed of a region lies on a piece or outside."""
     if not outline.regions:
         return
     straight = ~np.isin(sampled.piece, list(outline.curves))
@@ -59,5 +59,6 @@ def check_seeds(outline: Outline, sampled: Sampled) -> None:
             row = int(np.argmax(wrong))
             where = "on a piece" if on[row] else "outside the region (even-odd)"
             raise InputError(
-                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part"
+                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part of the "
+                "region"
             )

@@ -1,4 +1,4 @@
-"""Inside or outside by the even-odd rule, and the area that the rule encloses: exact for straight pieces."""
+"""The regions between curves and their chords: which of them contain a point, and their areas."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .sample import Sampled, fine_chains
 
 __all__ = ["areas_beyond_chords", "lune_area", "lunes_hold"]
 
-DEPTH = 48  # halvings of a curve, after which a point is on it up to rounding
+DEPTH = 48  # after so many halvings of a curve a point that is still near is on the curve, up to rounding
 
 
 # ---------------------------------------------------------------------- curves
@@ -24,8 +24,9 @@ DEPTH = 48  # halvings of a curve, after which a point is on it up to rounding
 def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Whether points lie in an odd number of the regions between the chords ``rows`` and their curves.
 
-    The region between chord and curve is a triangle with the middle of the curve, and the two smaller
-    regions beside it, in the sense of even-odd; halving ends where the point leaves a box round the curve.
+    By the even-odd rule the region between chord and curve consists of the triangle of the chord and the
+    middle of the curve, and of the two smaller regions beside it. Halving ends when the point is outside of a
+    box around the part of the curve.
     """
     odd = np.zeros(len(x), dtype=bool)
     piece, span = sampled.piece[rows], sampled.span[rows]
@@ -46,7 +47,7 @@ def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarr
         query, piece = np.repeat(query, 2), np.repeat(piece, 2)
         span = np.stack([span[:, 0], t, t, span[:, 1]], axis=1).reshape(-1, 2)
         first, last = np.stack([corners[:, :2], corners[:, 1:]], axis=2).reshape(-1, 2, 2).transpose(1, 0, 2)
-        # a quarter of the sagitta is the next one; all of it is a generous margin
+        # The next sagitta is about a quarter of this one, so that this one is a generous margin.
         margin = np.repeat(away, 2)[:, None]
         near = (x[query] >= np.minimum(first, last) - margin) & (x[query] <= np.maximum(first, last) + margin)
         keep = near.all(axis=1) & (span[:, 0] < span[:, 1])
@@ -55,7 +56,7 @@ def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarr
 
 
 def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Even-odd with half-open sides, by exact signs, so that triangles side by side share no point."""
+    """Whether points are in triangles, by exact signs; as sides are half open, neighbors share no point."""
     crossings = np.zeros(len(x), dtype=np.int64)
     for i in range(3):
         a, b = corners[:, i], corners[:, (i + 1) % 3]
@@ -70,9 +71,9 @@ def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
 def areas_beyond_chords(
     outline: Outline, sampled: Sampled, rows: np.ndarray, left: np.ndarray
 ) -> list[float]:
-    """For each curved facet the area between its chords and the curve, positive where it adds to the inside.
+    """For each curved facet the area between its chords and the curve, positive if it adds to the inside.
 
-    ``rows`` are the subsegments of facets, ``left`` whether each has the inside on its left.
+    ``rows`` are the subsegments of facets; ``left`` says whether each has the inside on its left.
     """
     parts = []
     for piece, curve in outline.curves.items():
@@ -87,9 +88,10 @@ def areas_beyond_chords(
 
 
 def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray) -> float:
-    """Signed area between a curve and its chord: positive where the curve runs on the right of the chord.
+    """Signed area between a curve and its chord: positive if the curve runs on the right of the chord.
 
-    Closed form for an arc; otherwise polygons on the curve, of up to 2^15 sides, extrapolated (Romberg).
+    For an arc there is a formula. Otherwise areas of polygons on the curve, of up to 2^15 sides, are
+    extrapolated (Romberg).
     """
     if isinstance(curve, Arc):
         return 0.5 * curve.radius**2 * (curve.sweep - sine(curve.sweep))

@@ -1,8 +1,8 @@
-"""Triangle's ``.poly``: regions by segments, holes by seeds.
+"""Triangle's format ``.poly``: regions are given by segments, holes by seeds.
 
-Triangle eats holes and the outside from seeds and from beyond, as far as segments do not stop it: a ring
-without a hole's seed is a wall, not a hole. Here holes follow from facets alone. So a segment becomes a facet
-if it stands between what is eaten and what is left, and an inner segment otherwise.
+Triangle removes the outside, and holes from their seeds, as far as segments do not stop it. A ring without
+the seed of a hole is a wall, not a hole. Here holes follow from facets alone. So a segment becomes a facet if
+it lies between a part that is removed and a part that is left, and an inner segment otherwise.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = ["read_poly", "write_poly"]
 
 
 class _Rows:
-    """The rows of a file that hold more than a comment."""
+    """The rows of a file that contain more than a comment."""
 
     def __init__(self, path: Path):
         self.path = path
@@ -43,25 +43,25 @@ class _Rows:
         self.rows = [words for line in lines if (words := line.split("#")[0].split())]
         self.at = 0
 
-    def next(self, least: int, what: str) -> list[str]:
+    def next(self, needed: int, what: str) -> list[str]:
         """The next row, of at least so many entries."""
         if self.at >= len(self.rows):
-            raise InputError(f"{self.path.name} ends where {what} should stand")
+            raise InputError(f"{self.path.name} ends where {what} is expected")
         row = self.rows[self.at]
         self.at += 1
-        if len(row) < least:
-            raise InputError(f"{self.path.name}: {what} needs {least} entries, not {' '.join(row)!r}")
+        if len(row) < needed:
+            raise InputError(f"{self.path.name}: {what} needs {needed} entries, not {' '.join(row)!r}")
         return row
 
     def count(self, what: str) -> list[int]:
         """A row of whole numbers that begins a section."""
         many, *rest = (_whole(word, what, self.path) for word in self.next(1, what))
         if many < 0:
-            raise InputError(f"{self.path.name}: {what} is {many}")
+            raise InputError(f"{self.path.name}: {what} is {many}, but must not be negative")
         return [many, *rest]
 
     def end(self) -> bool:
-        """Whether nothing follows."""
+        """Whether the file ends here."""
         return self.at >= len(self.rows)
 
 
@@ -92,7 +92,7 @@ def _vertices(path: Path, rows: _Rows) -> tuple[np.ndarray, int]:
 
 
 class Poly(NamedTuple):
-    """What a file holds.
+    """What a file contains.
 
     Attributes
     ----------
@@ -101,9 +101,9 @@ class Poly(NamedTuple):
     areas : dict of str to float
         Area bounds of regions by name.
     walls : Domain
-        All segments as inner ones, repaired where that was asked for.
+        All segments as inner segments; repaired if this was asked for.
     piece_origin : (s,) int32
-        The segment of the file that each piece is part of.
+        The segment of the file of which each piece is a part.
     """
 
     parts: dict[str, Any]
@@ -113,7 +113,7 @@ class Poly(NamedTuple):
 
 
 def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
-    """Read a file; its walls are checked, with ``resolve`` repaired, by ``make`` (`Domain`)."""
+    """Read a file; ``make`` (`Domain`) checks its segments and, with ``resolve``, repairs them."""
     rows = _Rows(path)
     points, first = _vertices(path, rows)
     many, *flags = rows.count("the number of segments")
@@ -134,7 +134,7 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
         if bound and bound[0] > 0:
             areas[name] = min(areas.get(name, np.inf), bound[0])
     walls = make(points, (), inner=segments, markers=markers, resolve=resolve)
-    facets = _eaten_sides(walls, seeds)
+    facets = _bounding(walls, seeds)
     order = np.concatenate([np.nonzero(facets)[0], np.nonzero(~facets)[0]])
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
@@ -149,7 +149,7 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
 
 
 def _region_name(value: float) -> str:
-    """With all digits, because seeds of equal names are one region."""
+    """The name of a region by its value, with all digits: seeds with equal names are one region."""
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
@@ -158,15 +158,15 @@ def _seeds(rows: _Rows, what: str, path: Path) -> Iterator[list[float]]:
         yield [_number(w, what, path) for w in rows.next(3, what)[1:3]]
 
 
-def _eaten_sides(walls: Outline, seeds: np.ndarray) -> np.ndarray:
-    """Which segments have what is eaten on one side, and what is left on the other."""
+def _bounding(walls: Outline, seeds: np.ndarray) -> np.ndarray:
+    """Which segments lie between a part that Triangle removes and a part that is left."""
     mesh, part, beyond = _hull_parts(walls.points, walls.inner)
     cells = mesh.find_simplex(seeds) if len(seeds) else np.empty(0, dtype=np.int64)
-    eaten = np.isin(part, np.concatenate([part[cells[cells >= 0]], beyond]))
+    removed = np.isin(part, np.concatenate([part[cells[cells >= 0]], beyond]))
     cells, corner = np.nonzero(np.ones_like(mesh.neighbors, dtype=bool))
     sides = np.sort(oriented_facet(mesh.simplices, cells, corner), axis=1)
     other = mesh.neighbors[cells, corner]
-    differs = eaten[cells] != np.where(other < 0, True, eaten[other])
+    differs = removed[cells] != np.where(other < 0, True, removed[other])
     n = len(mesh.points)
     between = np.unique(sides[differs, 0].astype(np.int64) * n + sides[differs, 1])
     number = np.full(len(walls.points), -1, dtype=np.int64)
@@ -176,7 +176,7 @@ def _eaten_sides(walls: Outline, seeds: np.ndarray) -> np.ndarray:
 
 
 def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray, np.ndarray]:
-    """The convex hull in triangles, the part of each between walls, and the parts open to the outside."""
+    """Triangles of the convex hull, the part of each between segments, and the parts open to the outside."""
     complex_ = PlanarComplex(points)
     many = len(walls)
     span = np.tile([0.0, 1.0], (many, 1))
@@ -197,9 +197,9 @@ def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray
 
 
 def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], path: Path) -> None:
-    """Vertices, segments, a seed for each hole, regions; every number in full precision."""
+    """Write vertices, segments, a seed for each hole, and regions; every number has full precision."""
     if path.suffix != ".poly":
-        raise InputError(f"a region is written as .poly, not {path.suffix!r}")
+        raise InputError(f"a region is written as .poly, not as {path.suffix!r}: change the file's name")
     marks = _numbers(domain.markers, _is_marker)
     mark = np.full(len(domain.pieces), "0", dtype=object)
     for name, pieces in domain.markers.items():
@@ -234,19 +234,19 @@ def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
 
 
 def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:
-    """What stands for each name in a file: itself, if it is a number; else a number that is free."""
+    """The number for each name in a file: the name itself if it is a number, or else a free number."""
     taken = {name for name in names if is_one(name)}
     free = (str(i) for i in count(1) if str(i) not in taken)
     return {name: name if name in taken else next(free) for name in names}
 
 
 def _is_marker(name: str) -> bool:
-    """Whether `read_poly` gives this name to a marker; 0 is none."""
+    """Whether `read_poly` can give this name to a marker; 0 stands for no marker."""
     return fullmatch("-?[1-9][0-9]*", name) is not None
 
 
 def _is_value(name: str) -> bool:
-    """Whether `read_poly` gives this name to a region."""
+    """Whether `read_poly` can give this name to a region."""
     try:
         return _region_name(float(name)) == name
     except ValueError:

@@ -1,14 +1,15 @@
-"""`Domain(..., resolve=True)`: a region is mended, and every change is accounted for.
+"""`Domain(..., resolve=True)`: a region is repaired, and every change is reported.
 
-Straight pieces only: crossings are split at their point, rounded to doubles, pieces at vertices that lie on
-them; copies of points are merged; pieces without length go; of equal facets an even number cancels, as the
-even-odd rule has it. A rounded point may lie on the other side of a third piece: so it all starts again until
-the exact check finds nothing (in the sixth round and later with crossings on a coarser and coarser grid).
+Only straight pieces are repaired. Crossing pieces are split at their common point, rounded to doubles, and
+pieces are split at vertices that lie on them. Copies of points are merged, and pieces of zero length are
+dropped. An even number of equal facets cancels, by the even-odd rule. A rounded point may lie on the other
+side of a third piece; so all this is repeated until the exact check finds nothing. After six rounds crossings
+are rounded to a grid, which becomes coarser from round to round.
 
-An open boundary bounds nothing, so that nobody can know what was meant. Two cases are mended. Where a chain
-that is a single path has a gap no longer than its longest piece, a facet closes the gap. Elsewhere short
-chains of facets between odd vertices become inner pieces: a slit, a wall within, or a loose end given as a
-facet is then present in the mesh and bounds nothing.
+An open boundary bounds nothing, and what was meant is unknown. Two cases are repaired. If a chain that is a
+single path has a gap no longer than its longest piece, a facet closes the gap. Otherwise short chains of
+facets between odd vertices (ends of an odd number of facets) become inner pieces. So a slit, an inner wall,
+or a loose end that was given as a facet appears in the mesh and bounds nothing.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from .faults import crossing_place, first_copies, overlap_place
 __all__ = ["Repair", "Repairer"]
 
 REPAIR_ROUNDS = 60
-NEAREST_ROUNDS = 6  # rounds in which crossings are rounded to the nearest doubles only
+NEAREST_ROUNDS = 6  # in the first so many rounds crossings are rounded to the nearest doubles
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,10 @@ class Repair:
         "index out of range", "duplicate points", "zero length", "repeated segment", "crossing", "overlap",
         "vertex on a segment" or "open boundary".
     text : str
-        What was found and what became of it; pieces and points by the numbers of the input, new points
-        by their coordinates.
+        What was found and what was done. Pieces and points have the numbers of the input; new points are
+        named by their coordinates.
     place : (float, float)
-        Coordinates; NaN where there are none.
+        Coordinates; NaN if there are none.
     pieces, vertices : tuple of int
         Pieces and points of the input that had the fault.
     """
@@ -72,7 +73,7 @@ class _Piece:
 
 
 class Repairer:
-    """The pieces while they are mended. `run` mends; the attributes are what a `Domain` is made of."""
+    """The pieces during their repair by `run`; the attributes are the parts of a `Domain`."""
 
     def __init__(
         self, points: np.ndarray, facets: np.ndarray, inner: np.ndarray, curves: Any, markers: Any
@@ -94,7 +95,7 @@ class Repairer:
         ]
 
     def run(self) -> None:
-        """Mend until nothing changes."""
+        """Repair until nothing changes."""
         self._drop_missing()
         for self.round in range(REPAIR_ROUNDS):
             self._merge_points()
@@ -103,7 +104,7 @@ class Repairer:
             if not self._split() and not self._close():
                 return
         raise InputError(
-            f"the region could not be repaired in {REPAIR_ROUNDS} rounds; mend the pieces by hand"
+            f"the region could not be repaired in {REPAIR_ROUNDS} rounds; correct the pieces yourself"
         )
 
     def _name(self, piece: _Piece) -> str:
@@ -132,7 +133,8 @@ class Repairer:
                 kept.append(piece)
             else:
                 text = (
-                    f"{self._name(piece)} = [{piece.a}, {piece.b}] names points outside 0..{n - 1}: dropped"
+                    f"{self._name(piece)} = [{piece.a}, {piece.b}] names points outside 0..{n - 1}; it was "
+                    "dropped"
                 )
                 self._account("index out of range", text, (float("nan"),) * 2, [piece])
         self.pieces = kept
@@ -144,7 +146,7 @@ class Repairer:
             return
         for copy in copies.tolist():
             kept = int(first[copy])
-            text = f"point {self.origin[copy]} equals point {self.origin[kept]}: merged"
+            text = f"point {self.origin[copy]} equals point {self.origin[kept]}; they were merged"
             self._account("duplicate points", text, self._place(kept), at=(kept, copy))
         keep = first == np.arange(len(first))
         number = (np.cumsum(keep) - 1)[first]
@@ -158,7 +160,7 @@ class Repairer:
             if piece.a != piece.b or piece.curve is not None:
                 kept.append(piece)
             else:
-                text = f"{self._name(piece)} has zero length: dropped"
+                text = f"{self._name(piece)} has zero length; it was dropped"
                 self._account("zero length", text, self._place(piece.a), [piece], [piece.a])
         self.pieces = kept
 
@@ -179,10 +181,8 @@ class Repairer:
             if keep is not None:
                 keep.names = frozenset().union(*(p.names for p in group))
             names = ", ".join(self._name(p) for p in group)
-            fate = (
-                f"{self._name(keep)} kept" if keep else "both dropped" if len(group) == 2 else "all dropped"
-            )
-            text = f"{names} join the same points: {fate} (even-odd: two facets cancel)"
+            kept = f"only {self._name(keep)} was kept" if keep else "all were dropped"
+            text = f"{names} join the same points; {kept} (by the even-odd rule two facets cancel)"
             middle = self.points[a] / 2 + self.points[b] / 2
             self._account("repeated segment", text, (float(middle[0]), float(middle[1])), group, (a, b))
         self.pieces = [p for p in self.pieces if id(p) not in gone]
@@ -190,7 +190,7 @@ class Repairer:
     # ------------------------------------------------------------------ crossings
 
     def _split(self) -> bool:
-        """Split at crossings and at vertices on pieces; tell whether there were any."""
+        """Split pieces at crossings and at vertices that lie on them; return whether there were any."""
         straight = [p for p in self.pieces if p.curve is None]
         segments = np.array([(p.a, p.b) for p in straight], dtype=np.int64).reshape(-1, 2)
         pairs, kinds = meetings(self.points, segments)
@@ -209,17 +209,16 @@ class Repairer:
                     fresh.append(place)
                 for s in (i, j):
                     cuts.setdefault(s, set()).add(vertex)
-                text = f"{names} cross: both split at ({place[0]:.17g}, {place[1]:.17g})"
+                text = f"{names} cross; both were split at ({place[0]:.17g}, {place[1]:.17g})"
                 self._account("crossing", text, place, [straight[i], straight[j]])
             elif kind == OVERLAPPING:
                 place = overlap_place(self.points[segments[i]], self.points[segments[j]])
-                text = f"{names} overlap: split at each other's ends, then compared"
+                text = f"{names} overlap; they were split at each other's ends, and then compared"
                 self._account("overlap", text, place, [straight[i], straight[j]])
         for v, s in on.tolist():
             cuts.setdefault(s, set()).add(v)
-            text = f"a point lies on {self._name(straight[s])}: split there"
-            if self.origin[v] >= 0:
-                text = f"point {self.origin[v]} lies on {self._name(straight[s])}: split there"
+            point = f"point {self.origin[v]}" if self.origin[v] >= 0 else "a new point"
+            text = f"{point} lies on {self._name(straight[s])}, which was split there"
             self._account("vertex on a segment", text, self._place(v), [straight[s]], [v])
         if fresh:
             self.points = np.concatenate([self.points, np.array(fresh)])
@@ -228,10 +227,10 @@ class Repairer:
         return bool(cuts)
 
     def _rounded(self, place: tuple[float, float]) -> tuple[float, float]:
-        """The crossing as it is for some rounds; then on a grid that doubles from round to round.
+        """The crossing as it is in the first rounds; later on a grid whose spacing doubles with each round.
 
-        Where the input has only few digits left in one direction, every split may bend segments into new
-        crossings. A grid has ever fewer places for them.
+        If the coordinates of the input have few digits left in one direction, every split may bend segments
+        so that they cross again. A coarser grid has fewer places for crossings.
         """
         if self.round < NEAREST_ROUNDS:
             return place
@@ -263,7 +262,7 @@ class Repairer:
     # ------------------------------------------------------------------ open boundary
 
     def _close(self) -> bool:
-        """Make every vertex even; tell whether a facet was added, which may cross others."""
+        """Make every vertex even; return whether a facet was added, which may cross others."""
         facets = [p for p in self.pieces if p.facet]
         at: dict[int, list[_Piece]] = {}
         for piece in facets:
@@ -296,12 +295,15 @@ class Repairer:
             longest = max(hypot(*(self.points[p.a] - self.points[p.b])) for p in chain)
             if gap <= longest:
                 self.pieces.append(_Piece(ends[0], ends[1], -1, True, None, frozenset()))
-                text = f"a gap in the chain of {names}, no longer than its longest piece: closed by a facet"
+                text = (
+                    f"the chain of {names} had a gap no longer than its longest piece; a facet was added "
+                    "that closes it"
+                )
                 self._account("open boundary", text, self._place(ends[0]), chain, ends)
                 return True
         for piece in chain:
             piece.facet = False
-        text = f"{names} cannot bound (an odd number of facets meet at the ends): now inner"
+        text = f"{names} cannot be a boundary (an odd number of facets meet at the ends), and became inner"
         self._account("open boundary", text, self._place(ends[0]), chain, ends)
         return False
 
@@ -364,7 +366,10 @@ def _without_cycles(pieces: list[_Piece], odd: set[int]) -> list[_Piece]:
 def _nearest(
     points: np.ndarray, at: dict[int, list[_Piece]], start: int, waiting: set[int]
 ) -> tuple[int, list[_Piece]]:
-    """The odd vertex nearest along facets, and the path to it (Dijkstra). Every part has an even number."""
+    """The nearest odd vertex along facets, and the path to it (Dijkstra).
+
+    There is one, because each connected part has an even number of odd vertices.
+    """
     done: dict[int, tuple[int, _Piece | None]] = {}
     queue: list[tuple[float, int, int, _Piece | None]] = [(0.0, start, start, None)]
     while queue:

@@ -15,7 +15,7 @@ __all__ = ["Repaired", "repaired"]
 
 
 class Repaired(NamedTuple):
-    """What ``resolve=True`` makes of an outline; the attributes of a `Domain` of the same names."""
+    """The result of ``resolve=True``: the attributes of a `Domain` of the same names."""
 
     points: np.ndarray
     facets: np.ndarray
@@ -28,7 +28,7 @@ class Repaired(NamedTuple):
 
 
 def repaired(outline: Outline) -> Repaired:
-    """Repair what can be repaired: see `Domain`, ``resolve``."""
+    """Repair an outline as far as possible: see `Domain`, ``resolve``."""
     mended = Repairer(outline.points, outline.facets, outline.inner, outline.curves, outline.markers)
     mended.run()
     pieces = [p for p in mended.pieces if p.facet] + [p for p in mended.pieces if not p.facet]

@@ -1,8 +1,8 @@
-"""Pieces cut into subsegments: as few as keep the shape of the region, or as a size field asks.
+"""Cutting pieces into subsegments: as few as keep the shape of the region, or as many as a size asks for.
 
-A chord stands for its stretch of a curve. That is *safe* if no other chord or stretch meets it and no
-other vertex lies between chord and curve: then chords bound the same regions, with the same holes in
-them, as the curves do.
+A chord replaces a *stretch* of a curve, the part over it. A chord is called *safe* if no other chord or
+stretch meets the chord and its stretch, and if no other vertex lies between them. Safe chords bound the same
+regions as the curves, with the same holes.
 """
 
 from __future__ import annotations
@@ -26,33 +26,40 @@ from .corners import crossings_at_corners
 __all__ = ["Sampled"]
 
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
-CHORDS_WITHIN = len(SAMPLES) - 1  # chords within a chord
-TURN = np.pi / 3  # the most that a curve may turn over one chord
-HALVINGS = 40  # halvings, after which curves that still conflict do meet,
-SHORTEST_CHORD = 2.0**-28  # of the largest coordinate: and so do those whose chords are shorter
-SAME_CURVE = 2.0**-48  # in units of the largest coordinate: nearer at all samples, two curves are one
-CONFLICTS = 1 << 16  # chords: curves that cross do so in points, those that lie on each other in all
-MOST_SUBSEGMENTS = 1 << 25  # subsegments, and
-STRETCH = 1 << 20  # parameter intervals at once, and
-SHARE = 64  # for each piece, beyond both of which a size is out of all proportion
+CHORDS_WITHIN = len(SAMPLES) - 1  # the number of short chords between these samples
+TURN = np.pi / 3  # the largest angle by which a curve may turn over one chord
+# Curves that still conflict after so many halvings are reported as meeting.
+HALVINGS = 40
+# So are curves that still conflict when their chords are shorter than this (unit: the largest coordinate).
+SHORTEST_CHORD = 2.0**-28
+# Two curves are the same if they are nearer than this at all samples, in units of the largest coordinate.
+SAME_CURVE = 2.0**-48
+# Cutting ends if more chords than this conflict at once (and `SHARE` more for each curve). Curves that cross
+# do so in some points only; so many conflicts arise only if curves lie on each other.
+CONFLICTS = 1 << 16
+MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
+# A size is too rough if its integral needs more parameter intervals at once than `STRETCH`, and more than
+# `SHARE` for each piece.
+STRETCH = 1 << 20
+SHARE = 64
 
 
 @dataclass(frozen=True)
 class Sampled:
-    """A region's boundary and inner pieces as straight subsegments.
+    """The boundary and the inner pieces of a region, as straight subsegments.
 
     Attributes
     ----------
     points : (n, 2) float64
         First the points of the outline, then those that cut its pieces.
     origin : (n,) int32
-        The domain vertex that each point is; -1 for the others.
+        For each point the vertex of the domain that it is; -1 for the others.
     ends : (s, 2) int32
-        Subsegments, along each piece from its first vertex to its last, piece after piece.
+        The ends of the subsegments, piece after piece, from the first vertex of each piece to its last.
     piece : (s,) int32
-        The piece that each is part of: facets 0 to f - 1, then inner segments.
+        The piece of which each subsegment is a part: facets 0 to f - 1, then inner segments.
     span : (s, 2) float64
-        Parameters of its ends on the piece, 0 and 1 at the piece's own.
+        The parameters of its ends on the piece; the ends of the piece have 0 and 1.
     """
 
     points: np.ndarray
@@ -99,7 +106,7 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
-    """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of curve over the subsegments ``rows``."""
+    """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of the subsegments ``rows``."""
     t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
     chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
         -1, CHORDS_WITHIN + 1, 2
@@ -109,7 +116,7 @@ def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndar
 
 
 def turning(chains: np.ndarray) -> np.ndarray:
-    """The total turn of each chain of points; that within its short first and last chords is left out."""
+    """The total turn of each chain of points, without that inside of its short first and last chords."""
     found = np.empty(len(chains))
     _turning(chains, found)
     return found
@@ -127,7 +134,7 @@ def _turning(chains, found):
 
 @kernel
 def _boxes(chains, low, high):
-    """The least and the greatest coordinates of each chain of points."""
+    """The smallest and the largest coordinates of each chain of points."""
     for r in range(chains.shape[0]):
         for k in range(2):
             low[r, k] = high[r, k] = chains[r, 0, k]
@@ -137,7 +144,7 @@ def _boxes(chains, low, high):
 
 @kernel
 def _enclosed(at, chains, query, hit, inside):
-    """Whether points lie within the polygons of chains and their chords, even-odd, up to rounding."""
+    """Whether points lie in the polygons of chains and their chords, by the even-odd rule, up to rounding."""
     for q in range(query.shape[0]):
         x, y, chain = at[query[q], 0], at[query[q], 1], chains[hit[q]]
         for i in range(chain.shape[0]):
@@ -149,9 +156,9 @@ def _enclosed(at, chains, query, hit, inside):
 
 
 def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
-    """Pairs of subsegments (c, 2) of which one or both must be cut for the chords to be safe.
+    """Pairs of subsegments (c, 2) of which one or both must be cut to make the chords safe.
 
-    ``rows`` are the curved ones, ``chains`` their `fine_chains`.
+    ``rows`` are the curved subsegments, ``chains`` their `fine_chains`.
     """
     pairs = [meetings(sampled.points, sampled.ends)[0]]
     if len(rows):
@@ -160,7 +167,7 @@ def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.n
 
 
 def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
-    """Stretches of curve that meet other stretches or other subsegments."""
+    """Pairs of a stretch and another stretch, or another subsegment, that meet."""
     n, k = len(sampled.points), CHORDS_WITHIN - 1
     inner = n + np.arange(len(rows) * k).reshape(-1, k)
     vertices = np.column_stack([sampled.ends[rows, 0], inner, sampled.ends[rows, 1]])
@@ -174,7 +181,7 @@ def _fine_meetings(sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np
 
 
 def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.ndarray) -> np.ndarray:
-    """Pairs (row, row): a vertex or seed between chord and curve of a subsegment, which must be cut."""
+    """Pairs (row, row) for subsegments that must be cut: a vertex or seed lies between chord and curve."""
     at = np.concatenate([sampled.points, *outline.regions.values()])
     low, high = np.empty((2, len(chains), 2))
     _boxes(chains, low, high)
@@ -188,9 +195,9 @@ def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chai
 
 
 def safe(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray, turn: float) -> Sampled:
-    """Cut on until the chords are safe, and none stands for more than this turn of its curve.
+    """Halve curved subsegments until the chords are safe, and no stretch turns by more than ``turn``.
 
-    Straight pieces that rounding lets touch others become whole.
+    A straight piece whose parts touch another piece because of rounding becomes whole again.
     """
     bent = np.zeros(len(outline.pieces), dtype=bool)
     bent[list(outline.curves)] = True
@@ -233,10 +240,10 @@ def _meeting_text(outline: Outline, sampled: Sampled, pairs: np.ndarray) -> str:
         return f"{name} turns without end near ({x:.6g}, {y:.6g}): a curve must be smooth; put a vertex there"
     first, second = pairs[0]
     x, y = sampled.points[sampled.ends[first]].mean(axis=0)
-    return _told(outline, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
+    return _pair_text(outline, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
 
 
-def _told(outline: Outline, first: int, second: int, x: float, y: float) -> str:
+def _pair_text(outline: Outline, first: int, second: int, x: float, y: float) -> str:
     one, two = outline.name(first), outline.name(second)
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
     return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
@@ -246,7 +253,7 @@ def _told(outline: Outline, first: int, second: int, x: float, y: float) -> str:
 
 
 def _refuse_repeated(outline: Outline) -> None:
-    """Curves with the same ends and the same points: to cut them would go on for long before it is clear."""
+    """Raise if two curves have the same ends and the same points: cutting would show it only after long."""
     curved = np.sort(outline.pieces[list(outline.curves)], axis=1)
     curved = curved[np.lexsort(curved.T)]
     if not (curved[1:] == curved[:-1]).all(axis=1).any():
@@ -261,13 +268,13 @@ def _refuse_repeated(outline: Outline) -> None:
             x, y = outline.at(one, SAMPLES), outline.at(two, SAMPLES)[:: -1 if turned else 1]
             if np.abs(x - y).max() <= SAME_CURVE * np.abs(x).max():
                 names = f"{outline.name(one)} and {outline.name(two)}"
-                raise InputError(f"{names} are the same curve between points {a} and {b}; drop one")
+                raise InputError(f"{names} are the same curve between points {a} and {b}; drop one of them")
 
 
 def coarse(outline: Outline) -> Sampled:
-    """Straight pieces whole, curves as coarsely as is safe."""
+    """Keep straight pieces whole, and cut curves as coarsely as is safe."""
     many = len(outline.pieces)
-    if not outline.curves:  # validated as they stand
+    if not outline.curves:  # straight pieces have been validated already
         span = np.zeros((many, 2))
         span[:, 1] = 1.0
         return Sampled(
@@ -277,12 +284,12 @@ def coarse(outline: Outline) -> Sampled:
     whole = np.arange(many)
     pairs, places = crossings_at_corners(outline)
     if len(pairs):
-        raise InputError(_told(outline, *pairs[0].tolist(), *places[0].tolist()))
+        raise InputError(_pair_text(outline, *pairs[0].tolist(), *places[0].tolist()))
     return safe(outline, whole, np.zeros(len(whole)), np.ones(len(whole)), TURN)
 
 
 def sized(outline: Outline, size: Any, step: float) -> Sampled:
-    """Equal steps of the integral of ds / size along each piece, a whole count on each."""
+    """Cut each piece at equal steps of the integral of ds / size along it, into a whole number of parts."""
     size = as_size(size)
     piece, t, total = _table(outline, size)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
@@ -308,9 +315,9 @@ def sized(outline: Outline, size: Any, step: float) -> Sampled:
 
 
 def _table(outline: Outline, size: SizeField) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Samples (piece, t) in order with the integral of ds / size up to each, over all pieces.
+    """Samples (piece, t) in order, with the integral of ds / size over all pieces up to each sample.
 
-    Intervals are halved until their halves are nearly alike and agree with the whole, or far below a step.
+    Intervals are halved until their halves are nearly equal and agree with the whole, or far below a step.
     """
     many = len(outline.pieces)
     parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
@@ -329,18 +336,19 @@ def _table(outline: Outline, size: SizeField) -> tuple[np.ndarray, np.ndarray, n
         whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)
         even = np.abs(length[0] - length[1]) <= 0.02 * length.sum(axis=0)
         even &= (np.abs(halves[0] - halves[1]) <= 0.02 * amount) & (np.abs(amount - whole) <= 0.01 * amount)
-        well = even | ((amount < 0.02) & (whole < 0.02))
-        done.append((piece[well], t0[well], t1[well], amount[well]))
+        enough = even | ((amount < 0.02) & (whole < 0.02))
+        done.append((piece[enough], t0[enough], t1[enough], amount[enough]))
+        rest = ~enough
         piece, (t0, t1) = (
-            np.repeat(piece[~well], 2),
-            np.stack([np.stack([t0, t[2]])[:, ~well].T.ravel(), np.stack([t[2], t1])[:, ~well].T.ravel()]),
+            np.repeat(piece[rest], 2),
+            np.stack([np.stack([t0, t[2]])[:, rest].T.ravel(), np.stack([t[2], t1])[:, rest].T.ravel()]),
         )
         if len(piece) > max(STRETCH, SHARE * many):
             raise InputError(_too_small(outline, int(piece[0]), float(t0[0])))
     piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
     order = np.lexsort((t0, piece))
     piece, t1, amount = piece[order], t1[order], amount[order]
-    # one more sample at the head of each piece: same integral as at the end of the piece before
+    # One more sample at the head of each piece has the integral of the end of the piece before.
     total = np.cumsum(amount)
     heads = np.searchsorted(piece, np.arange(many))
     return (
@@ -352,4 +360,5 @@ def _table(outline: Outline, size: SizeField) -> tuple[np.ndarray, np.ndarray, n
 
 def _too_small(outline: Outline, piece: int, t: float) -> str:
     x, y = outline.at(piece, t)[0]
-    return f"the size is too small or too rough along {outline.name(piece)} near ({x:.6g}, {y:.6g}); raise it"
+    where = f"along {outline.name(piece)} near ({x:.6g}, {y:.6g})"
+    return f"the size is too small or too rough {where}; make it larger or smoother there"

@@ -22,11 +22,11 @@ from ..arguments import around, as_ring
 
 __all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
 
-Parts = dict[str, Any]  # points, facets, and what else `Domain` takes
+Parts = dict[str, Any]  # points, facets, and further arguments of `Domain`
 
 
 def _pair(value: Any, name: str) -> tuple[float, float]:
-    """Two coordinates, or an error that calls them by ``name``."""
+    """Two coordinates, or an error that names the argument."""
     rows = as_points([value], name) if np.ndim(value) == 1 else np.empty((1, 0))
     if rows.shape[1] != 2:
         raise InputError(f"{name} must be two coordinates, not {value!r}")
@@ -34,7 +34,7 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
 
 
 def rings(outer: Any, holes: Sequence[Any]) -> Parts:
-    """Polygon with holes: points and facets along the rings."""
+    """A polygon with holes: points and facets along the rings."""
     if not isinstance(holes, Iterable):
         raise InputError(f"holes must be a sequence of rings, not {holes!r}")
     found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
@@ -44,7 +44,7 @@ def rings(outer: Any, holes: Sequence[Any]) -> Parts:
 
 
 def rectangle(lower: Any, upper: Any) -> Parts:
-    """Bottom, right, top, left, with these names."""
+    """A rectangle; its sides are the pieces bottom, right, top, left, with markers of these names."""
     (x0, y0), (x1, y1) = _pair(lower, "lower"), _pair(upper, "upper")
     if not (x0 < x1 and y0 < y1):
         raise InputError(f"lower {[x0, y0]} must be less than upper {[x1, y1]} in both coordinates")
@@ -53,7 +53,7 @@ def rectangle(lower: Any, upper: Any) -> Parts:
 
 
 def disc(center: Any, radius: float) -> Parts:
-    """Four arcs."""
+    """A disc, bounded by four arcs."""
     (x, y), r = _pair(center, "center"), positive(radius, "radius")
     points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
     arcs = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
@@ -61,17 +61,20 @@ def disc(center: Any, radius: float) -> Parts:
 
 
 def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
-    """Closed cubic splines by chord length through the corners of rings: two continuous derivatives."""
+    """Closed cubic splines by chord length through the corners of rings; two derivatives are continuous."""
     parts = rings(outer, holes)
     curves: dict[int, CurveLike] = {}
     for i, ring in enumerate([outer, *holes]):
-        corners = as_ring(ring, f"holes[{i - 1}]" if i else "outer")
+        name = f"holes[{i - 1}]" if i else "outer"
+        corners = as_ring(ring, name)
         closed = np.concatenate([corners, corners[:1]])
         step = np.hypot(*np.diff(closed, axis=0).T)
         if not (step > 0).all():
-            raise InputError(f"ring {i}: corner {int(np.argmin(step))} equals the next one; drop one of them")
+            raise InputError(f"corner {int(np.argmin(step))} of {name} equals the next one; drop one of them")
         reach = step[:, None] / 3 * _slopes(corners, step)
-        back = np.roll(step / np.roll(step, -1), 1)[:, None]  # the same slope at the end of the edge before
+        back = np.roll(step / np.roll(step, -1), 1)[
+            :, None
+        ]  # for the same slope at the end of the edge before
         ahead, behind = corners + reach, corners - reach * back
         controls = np.stack([corners, ahead, np.roll(behind, -1, axis=0), closed[1:]], axis=1)
         curves |= {len(curves) + j: Bezier(piece) for j, piece in enumerate(controls)}
@@ -79,9 +82,10 @@ def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
 
 
 def _slopes(corners: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """The derivatives (n, 2) at its corners of the closed cubic spline, the parameter being chord length.
+    """The derivatives (n, 2) of the closed cubic spline at its corners; the parameter is chord length.
 
-    Elimination without exchanges, as the diagonal dominates; the first slope is carried along as an unknown.
+    Elimination needs no exchanges of rows, as the diagonal dominates. The first slope is kept as an unknown
+    until the end.
     """
     n, before = len(corners), np.roll(step, 1)
     secant = (np.roll(corners, -1, axis=0) - corners) / step[:, None]
@@ -116,15 +120,18 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
         raise InputError(f"a four-digit section is named by a string such as '2412', not {digits!r}")
     camber, place, thickness = int(digits[0]) / 100, int(digits[1]) / 10, int(digits[2:]) / 100
     if thickness == 0 or (camber > 0) != (place > 0):
-        raise InputError(f"NACA {digits}: thickness must not be 0; camber and its place come together")
+        raise InputError(
+            f"NACA {digits}: the thickness must not be 0, and camber and its place must come together: both "
+            "0 or neither"
+        )
     (x0, y0), c, turn = _pair(nose, "nose"), positive(chord, "chord"), radians(finite(attack, "attack"))
     move = np.array([[cosine(turn), -sine(turn)], [sine(turn), cosine(turn)]])
     section = (camber, place, thickness, -0.1036 if closed else -0.1015)
-    rim = partial(_rim, section, c, move, (x0, y0))  # a function of the module: so the curve can be pickled
-    tail = rim(np.array([pi, -pi]))
-    upper, lower = Curve(rim, pi, 0.0), Curve(rim, 0.0, -pi)
+    skin = partial(_skin, section, c, move, (x0, y0))  # made of a function of the module, to be pickled
+    tail = skin(np.array([pi, -pi]))
+    upper, lower = Curve(skin, pi, 0.0), Curve(skin, 0.0, -pi)
     if closed:
-        points = [rim(np.array([pi]))[0], [x0, y0]]
+        points = [skin(np.array([pi]))[0], [x0, y0]]
         facets, names = [[0, 1], [1, 0]], {"upper": [0], "lower": [1]}
     else:
         points = [tail[0], [x0, y0], tail[1]]
@@ -132,14 +139,14 @@ def airfoil(digits: str, chord: float, nose: Any, attack: float, closed: bool) -
     return {"points": points, "facets": facets, "curves": {0: upper, 1: lower}, "markers": names}
 
 
-def _rim(
+def _skin(
     section: tuple[float, float, float, float],
     chord: float,
     move: np.ndarray,
     nose: tuple[float, float],
     angle: np.ndarray,
 ) -> np.ndarray:
-    """The surface turned, at its place."""
+    """Points of the surface, turned and moved to their place."""
     x, y = (chord * _surface(*section, angle)).T
     return np.stack(
         [x * move[0, 0] + y * move[1, 0] + nose[0], x * move[0, 1] + y * move[1, 1] + nose[1]], axis=-1
@@ -147,7 +154,10 @@ def _rim(
 
 
 def _surface(camber: float, place: float, thickness: float, last: float, angle: np.ndarray) -> np.ndarray:
-    """Points by an angle from pi (tail) over 0 (nose) to -pi: x = sin^2(angle / 2) makes the nose smooth."""
+    """Points of the surface for angles from pi (tail) over 0 (nose) to -pi.
+
+    x = sin^2(angle / 2) makes the curve smooth at the nose.
+    """
     root = np.abs(sines(angle / 2))
     x = root * root
     half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
@@ -189,7 +199,7 @@ def letters(text: str, size: float, font: str) -> Parts:
 
 
 def _contours(path: Any) -> Iterator[list[np.ndarray]]:
-    """Closed contours as lists of control points, each piece from the end of the one before."""
+    """Closed contours as lists of control points; each piece begins at the end of the piece before."""
     contour: list[np.ndarray] = []
     at = np.zeros(2)
     degree = {path.LINETO: 1, path.CURVE3: 2, path.CURVE4: 3}
@@ -228,7 +238,7 @@ def outlines(geometry: Any) -> Parts:
         return numbers.setdefault((float(x[0]), float(x[1])), len(numbers))
 
     for kind, coordinates in _geometries(geometry):
-        if len(coordinates) == 0:  # nothing, as both GeoJSON and shapely allow
+        if len(coordinates) == 0:  # an empty geometry, which both GeoJSON and shapely allow
             continue
         rows = _planar(coordinates, f"a {kind}")
         if kind == "ring":
@@ -238,12 +248,12 @@ def outlines(geometry: Any) -> Parts:
             index = [vertex(x) for x in rows]
             inner += pairwise(index) if kind == "line" else []
     if not numbers:
-        raise InputError("the geometry is empty")
+        raise InputError("the geometry is empty: give at least one polygon, line or point")
     return {"points": np.array(list(numbers)), "facets": facets, "inner": inner or None}
 
 
 def _planar(coordinates: Any, name: str) -> np.ndarray:
-    """Positions as points of the plane; a height is no matter here, whether all have one or some."""
+    """Positions as points of the plane; heights are ignored, whether all positions have one or only some."""
     try:
         return as_points([position[:2] for position in coordinates], name)
     except (TypeError, IndexError, KeyError):
@@ -254,15 +264,15 @@ def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
     geometry = getattr(geometry, "__geo_interface__", geometry)
     if not isinstance(geometry, dict):
         raise InputError(
-            "a geometry is a mapping with a 'type', or an object with __geo_interface__ (shapely has it), "
-            f"not {type(geometry).__name__}"
+            "a geometry must be a mapping with a 'type', or an object with __geo_interface__ such as "
+            f"shapely's, not {type(geometry).__name__}"
         )
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     if kind in ("FeatureCollection", "GeometryCollection"):
         for part in _member(geometry, "features" if kind == "FeatureCollection" else "geometries"):
             yield from _geometries(part)
     elif kind == "Feature":
-        if geometry.get("geometry") is not None:  # null: a feature without a place
+        if geometry.get("geometry") is not None:  # null stands for a feature without a place
             yield from _geometries(geometry["geometry"])
     elif kind in ("Polygon", "MultiPolygon"):
         for polygon in [coordinates] if kind == "Polygon" else coordinates or ():
@@ -276,10 +286,10 @@ def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
     elif kind in ("Point", "MultiPoint"):
         yield "point", ([coordinates] if kind == "Point" and coordinates else coordinates) or ()
     else:
-        raise InputError(f"a geometry of type {kind!r}; known are those of GeoJSON and LinearRing")
+        raise InputError(f"the type {kind!r} of a geometry is unknown; use those of GeoJSON or LinearRing")
 
 
 def _member(geometry: dict[str, Any], name: str) -> Sequence[Any]:
     if not isinstance(geometry.get(name), list | tuple):
-        raise InputError(f"a {geometry['type']} has a list of {name!r}")
+        raise InputError(f"a {geometry['type']} must have a list of {name!r}")
     return cast("Sequence[Any]", geometry[name])

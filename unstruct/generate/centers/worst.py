@@ -259,7 +259,7 @@ class Contest:
             self.rows, self.events = grown(self.rows, steps), grown(self.events, steps)
 
     def waiting(self, slots: int) -> NDArray[np.bool_]:
-        """Which of the first slots hold a bad triangle."""
+        """Which of the first slots contain a bad triangle."""
         half = len(self.tree) // 2
         return self.tree[half : half + slots] > NONE
 

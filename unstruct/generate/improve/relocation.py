@@ -91,15 +91,15 @@ def survey(xy, vertex, region, count, threshold, todo, found):
     minimum angle, and the number of triangles below the threshold.
     """
     total = poor = cells = 0.0
-    least = sine = 1.0
+    smallest = sine = 1.0
     for t in range(count):
         if region[t] >= 0:
             a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
             q, s = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
             cells += 1.0
             total += q
-            least, sine = min(least, q), min(sine, s)
+            smallest, sine = min(smallest, q), min(sine, s)
             if q < threshold:
                 todo[a] = todo[b] = todo[c] = True
                 poor += 1.0
-    found[0], found[1], found[2], found[3], found[4] = cells, total, least, sine, poor
+    found[0], found[1], found[2], found[3], found[4] = cells, total, smallest, sine, poor
