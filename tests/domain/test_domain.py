@@ -524,3 +524,11 @@ def test_a_domain_keeps_its_own_points() -> None:
     for wrong in (lambda: domain.contains("a"), lambda: domain.at(0, "a")):
         with pytest.raises(InputError, match="real numbers"):
             wrong()
+
+
+def test_a_domain_without_pieces_has_nothing_to_cut():
+    domain = Domain([(0, 0), (1, 0), (0, 1)], ())
+    assert len(domain.sampled(0.1).ends) == 0 and len(domain.sampled().ends) == 0
+    for method in (unstruct.refine, unstruct.voronoi_segment, unstruct.circumcenter_insertion):
+        with pytest.raises(InputError, match="no facets"):
+            method(domain, 0.1)

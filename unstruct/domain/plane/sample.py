@@ -290,6 +290,8 @@ def coarse(outline: Outline) -> Sampled:
 
 def sized(outline: Outline, size: Any, step: float) -> Sampled:
     """Cut each piece at equal steps of the integral of ds / size along it, into a whole number of parts."""
+    if len(outline.pieces) == 0:
+        return coarse(outline)
     size = as_size(size)
     piece, t, total = _table(outline, size)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
