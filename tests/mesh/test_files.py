@@ -155,5 +155,5 @@ def test_what_scikit_fem_cannot_find_is_reported() -> None:
         found = theirs.facets[:, theirs.boundaries[name]].T
         assert (found == np.sort(mesh.markers[name], axis=1)).all()
     wrong = Mesh(mesh.points, mesh.simplices, markers={"left": [[0, 2]]})
-    with pytest.raises(MeshError, match=r"\[0, 2\] has a marker, but is no facet"):
+    with pytest.raises(MeshError, match=r"\[0, 2\] has a marker, but is not a facet"):
         wrong.to_skfem()

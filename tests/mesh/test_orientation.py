@@ -145,9 +145,9 @@ def test_some_cells_turned_among_others(make) -> None:  # type: ignore[no-untype
 
 def test_surfaces_have_no_sign() -> None:
     mesh = Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], cells={"quad": [[0, 1, 2, 3]]})
-    with pytest.raises(MeshError, match="cells of dimension 2 in 3 dimensions"):
+    with pytest.raises(MeshError, match="cells of dimension 2 have no sign in 3 dimensions"):
         mesh.jacobian_signs()
-    with pytest.raises(MeshError, match="cells of dimension 2 in 3 dimensions"):
+    with pytest.raises(MeshError, match="cells of dimension 2 have no sign in 3 dimensions"):
         mesh.oriented()
 
 
