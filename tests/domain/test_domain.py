@@ -13,7 +13,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Arc, Curve, Domain, InputError, UnstructError
+from unstruct import (
+    Arc,
+    Curve,
+    Domain,
+    InputError,
+    UnstructError,
+    circumcenter_insertion,
+    refine,
+    voronoi_segment,
+)
 from unstruct.geometry.segment_pairs import meetings
 from unstruct.geometry.sweep import any_meeting
 from unstruct.mesh.embedding import crossing_facets
@@ -529,6 +538,6 @@ def test_a_domain_keeps_its_own_points() -> None:
 def test_a_domain_without_pieces_has_nothing_to_cut():
     domain = Domain([(0, 0), (1, 0), (0, 1)], ())
     assert len(domain.sampled(0.1).ends) == 0 and len(domain.sampled().ends) == 0
-    for method in (unstruct.refine, unstruct.voronoi_segment, unstruct.circumcenter_insertion):
+    for method in (refine, voronoi_segment, circumcenter_insertion):
         with pytest.raises(InputError, match="no facets"):
             method(domain, 0.1)
