@@ -102,7 +102,7 @@ def judge_center(plane, scratch, t, px, py):
 def encroached(plane, kept, rim, k, px, py):
     """Examine the marked half-edges on the boundary of the cavity with p in their open diametral disks.
 
-    Return the longest of those that may be split, or -1, and whether there is any of them.
+    Return the longest of those that may be split, or -1, and whether there are any such half-edges at all.
     """
     xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     found, longest, close = np.int64(-1), 0.0, False

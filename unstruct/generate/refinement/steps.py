@@ -227,7 +227,7 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
         s = w.mark[e]
         if s >= 0:
             marked += 1
-            if w.lock[s] == KEPT:  # encroached or not: it stays, and a point in sight of it may come near
+            if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
                 continue
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
