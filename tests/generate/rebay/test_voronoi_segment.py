@@ -48,7 +48,15 @@ def size_of(domain: Domain, fraction: float) -> float:
     return float(fraction * np.ptp(domain.bounds, axis=0).max())
 
 
-def least_angle_beside_listed(mesh: unstruct.Mesh) -> float:
+USUAL_RULE = rule_of(1.35, "center", "first", None, True)
+
+
+def no_kept_pieces(domain: Domain) -> np.ndarray:
+    """For each piece 0: all pieces may be split."""
+    return np.zeros(len(domain.pieces), dtype=np.uint8)
+
+
+def minimum_angle_beside_listed(mesh: unstruct.Mesh) -> float:
     """The minimum angle of all triangles but those that are listed with a small input angle."""
     excused = [why.startswith("input angle") for why in mesh.reasons]
     rest = np.setdiff1d(np.arange(mesh.size), mesh.unrefined[np.array(excused, dtype=bool)])
@@ -82,7 +90,7 @@ def test_any_region(kind: str, seed: int, fraction: float, graded: bool, accept:
     assert check(raw, domain=domain, delaunay="constrained")
     mesh = voronoi_segment(domain, field, accept=accept)
     assert check(mesh, domain=domain, delaunay="constrained")
-    assert least_angle_beside_listed(mesh) >= 25.0 - 1e-9
+    assert minimum_angle_beside_listed(mesh) >= 25.0 - 1e-9
     assert mesh.complete == (len(mesh.unrefined) == 0)
 
 
@@ -108,7 +116,7 @@ def test_spiky_regions() -> None:
         domain = spiky(seed)
         mesh = voronoi_segment(domain, size_of(domain, [0.03, 0.06, 0.1, 0.2][seed % 4]))
         worst_raw = min(worst_raw, mesh.figures["minimum angle before"])
-        worst = min(worst, least_angle_beside_listed(mesh))
+        worst = min(worst, minimum_angle_beside_listed(mesh))
         listed = [float(why.split()[2].rstrip("°")) for why in mesh.reasons if why.startswith("input")]
         assert len(listed) == len(mesh.reasons) and max(listed, default=0.0) < 60.0
         if seed % 5 == 0:
@@ -159,7 +167,7 @@ class Pair:
         domain = Domain.polygon([a, d, b, c])
         complex_ = planar_complex(domain)
         self.run = VoronoiSegmentRun(
-            domain, complex_, ROOT3 * f, None, rule_of(1.35, "center", "first", None, True), False
+            domain, complex_, ROOT3 * f, None, USUAL_RULE, no_kept_pieces(domain), False
         )
         vertex = complex_.vertex
         (self.e,) = [
@@ -236,7 +244,7 @@ def test_points_that_are_rejected() -> None:
 def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     domain = Domain.rectangle((0, 0), (4, 1))
     complex_ = planar_complex(domain)
-    run = VoronoiSegmentRun(domain, complex_, 3.0, None, rule_of(1.35, "center", "first", None, True), True)
+    run = VoronoiSegmentRun(domain, complex_, 3.0, None, USUAL_RULE, no_kept_pieces(domain), True)
     run.start(np.ones(complex_.size, dtype=bool))
     before = complex_.vertex[: 3 * complex_.triangles].copy()
     with monkeypatch.context() as patch:
@@ -251,9 +259,7 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
 def test_after_finishing_it_is_known_of_all_triangles_whether_they_are_small_enough() -> None:
     domain = lake()
     complex_ = planar_complex(domain, running_size)
-    run = VoronoiSegmentRun(
-        domain, complex_, running_size, None, rule_of(1.35, "center", "first", None, True), False
-    )
+    run = VoronoiSegmentRun(domain, complex_, running_size, None, USUAL_RULE, no_kept_pieces(domain), False)
     run.insert(None, None)
     counts = run.finish(None)["counts"]
     assert (
