@@ -226,12 +226,10 @@ def test_points_that_are_rejected() -> None:
     pair = Pair((-4, 0), (4, 0), (0, 9), (0.5, -2.0), 3.0)  # the far sides are in the way
     pair.run.complex.mark[pair.e] = -1
     c, run = pair.run.complex, pair.run
-    stack, cells, rim, _, _ = run.scratch
-    arrays = c.xy, c.vertex, c.twin, c.mark, pair.e // 3
 
     def attempt(x: float, y: float, f: float) -> int:
         s = c.factor
-        return kernel.attempt(*arrays, x * s, y * s, f * s, stack, cells, rim, run.counts)[0]
+        return kernel.attempt(c.plane(), run.scratch, pair.e // 3, x * s, y * s, f * s, run.counts)[0]
 
     assert attempt(0.4, -0.2, 0.01) == kernel.INSERTED
     assert attempt(0.4, -0.2, 50.0) == kernel.TOO_NEAR
