@@ -534,7 +534,7 @@ def test_bad_meshes(points: list, cells: list, message: str) -> None:
         ({"max_area": 0}, "max_area = 0.0 must be positive"),
         ({"max_area": float("nan")}, "must be positive"),
         ({"max_area": "small"}, "max_area must be a number"),
-        ({"max_area": {"middle": 1.0}}, "'middle'; the domain has"),
+        ({"max_area": {"middle": 1.0}}, "'middle', but the regions of the domain are"),
         ({"size": {"middle": 1.0}}, "'middle'"),
         ({"size": 0}, "size"),
         ({"size": lambda x: x[:, 0] - 0.5}, r"size.*\["),
