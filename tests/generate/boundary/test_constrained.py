@@ -263,7 +263,7 @@ def test_one_name_for_two_parts_and_a_part_without_a_name():
 @pytest.mark.parametrize(
     ("seeds", "words"),
     [
-        ({"a": [(1, 1)], "b": [(2, 1)]}, "one part"),
+        ({"a": [(1, 1)], "b": [(2, 1)]}, "the same part"),
         ({"a": [(4, 2)]}, "on a segment"),
         ({"a": [(30, 2)]}, "outside"),
     ],

@@ -277,7 +277,7 @@ def test_progress(capsys: pytest.CaptureFixture[str]) -> None:
 def test_equal_orders() -> None:
     """sin(minimum angle) = l / (2 R): the ratio R / l and the minimum angle choose alike."""
     points = np.random.default_rng(5).random((40, 2))
-    options = {"boundary": "keep", "budget": 60, "history": True}
+    options = {"split_boundary": False, "budget": 60, "history": True}
     by_angle, by_ratio = (
         circumcenter_insertion(points, priority=p, **options) for p in ("min_angle", "radius_edge")
     )
@@ -327,7 +327,7 @@ def test_another_field_as_priority() -> None:
         ({"size": 0.0}, "positive"),
         ({"size": float("nan")}, "positive"),
         ({"size": lambda x: -x[:, 0] - 1}, "positive"),
-        ({"size": 0.1, "boundary": "move"}, "'move'"),
+        ({"size": 0.1, "split_boundary": "move"}, "'move'"),
         ({"size": 0.1, "priority": "ugliness"}, "ugliness"),
         ({"priority": "alpha", "budget": 3}, "alpha"),
         ({"priority": "area", "limit": float("inf")}, "finite"),
