@@ -5,8 +5,6 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from ..base.jit import kernel
 from .topology import FaceTable
@@ -138,6 +136,9 @@ def fans_of_faces(
     -------
     ndarray of int64, shape (count,)
     """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
     keys = np.unique(incident[0].astype(np.int64) * count + incident[1])
     ends = [np.searchsorted(keys, cells[:, i].astype(np.int64) * count + faces) for i in (0, 1)]
     graph = csr_array((np.ones(len(faces), dtype=np.int32), (ends[0], ends[1])), shape=(len(keys), len(keys)))
