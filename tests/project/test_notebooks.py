@@ -31,6 +31,15 @@ PICTURES = ("image/png", "image/svg+xml", "image/jpeg")
 PARTS = ("predict", "by hand", "algorithm", "theorem", "break", "in earnest", "exercises", "sources")
 
 
+def restored(path: Path) -> str:
+    """For a notebook that `book/execute.py` did not store: often one was only read."""
+    return (
+        f"{path.name} is not as book/execute.py stores it. If you have run or saved it in JupyterLab, "
+        f"`git restore book/{path.name}` brings it back (and `python book/read.py` opens a copy to read); "
+        f"if you have edited it, run `python book/execute.py {path.stem}`."
+    )
+
+
 def has_picture(cell) -> bool:
     return any(kind in output.get("data", {}) for output in cell.outputs for kind in PICTURES)
 
@@ -63,9 +72,7 @@ def test_there_is_a_book() -> None:
 @pytest.mark.parametrize("path", ALL)
 def test_stored_executed(path: Path) -> None:
     cells = code_cells(path)
-    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1)), (
-        "not one clean run in order"
-    )
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1)), restored(path)
     for cell in cells:
         for output in cell.outputs:
             assert output.output_type != "error", f"{cell.id} stores an error"
@@ -80,15 +87,15 @@ def test_stored_executed(path: Path) -> None:
 
 @pytest.mark.parametrize("path", ALL)
 def test_metadata_is_clean(path: Path) -> None:
-    assert set(notebook(path).metadata) == {"kernelspec"}
+    assert set(notebook(path).metadata) == {"kernelspec"}, restored(path)
     assert notebook(path).metadata.kernelspec.name == "python3"
     for number, cell in enumerate(notebook(path).cells):
-        assert cell.id == f"c{number:03d}"
-        assert set(cell.metadata) <= {"tags", "mystnb", "jupyter"}, f"{cell.id}: {sorted(cell.metadata)}"
+        assert cell.id == f"c{number:03d}", restored(path)
+        assert set(cell.metadata) <= {"tags", "mystnb", "jupyter"}, restored(path)
         for output in cell.get("outputs", []):
             allowed = {"widget"} if WIDGET in output.get("data", {}) else set()
             stored = set(output.get("metadata", {}))
-            assert stored == allowed, f"{cell.id}: stored by something else than book/execute.py"
+            assert stored == allowed, restored(path)
 
 
 @pytest.mark.parametrize("path", ALL)
