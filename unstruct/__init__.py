@@ -25,6 +25,7 @@ from .assess.check import check as check
 from .assess.statistics import compare as compare
 from .assess.statistics import statistics as statistics
 from .base.errors import DegenerateInputError as DegenerateInputError
+from .base.errors import DomainError as DomainError
 from .base.errors import InputError as InputError
 from .base.errors import MeshError as MeshError
 from .base.errors import UnstructError as UnstructError
@@ -55,6 +56,7 @@ __all__ = [
     "Curve",
     "DegenerateInputError",
     "Domain",
+    "DomainError",
     "DomainMesh",
     "InputError",
     "Mesh",

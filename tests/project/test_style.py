@@ -33,6 +33,7 @@ view/draw view/scenes view/widgets view
 FACES = {"__init__", "errors", "simplex", "topology", "studies"}  # files beside the rooms: they hand on names
 HAND_ON = {"unstruct", *(f"unstruct.{room}" for room in "predicates sizing examples view".split())}
 DOORS = {
+    "unstruct.view:plot_domain",
     "unstruct.connect.insertion.delaunay:delaunay",
     "unstruct.view:plot",
     "unstruct.view:plot_voronoi",

@@ -9,7 +9,16 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["DEFAULT_BUDGET", "MOST_VERTICES", "as_count", "as_mapping", "finite", "positive"]
+__all__ = [
+    "DEFAULT_BUDGET",
+    "MOST_VERTICES",
+    "as_count",
+    "as_flag",
+    "as_mapping",
+    "as_number",
+    "finite",
+    "positive",
+]
 
 
 DEFAULT_BUDGET = 10_000_000  # the largest number of vertices unless the caller gives one; some gigabytes
@@ -20,10 +29,7 @@ MOST_VERTICES = 2**31 // 6 - 4  # the largest number of vertices of a planar mes
 
 def finite(value: Any, name: str) -> float:
     """Return ``value`` as a finite float; otherwise raise an error that names it ``name``."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number, not {value!r}") from None
+    number = as_number(value, name)
     if not np.isfinite(number):
         raise InputError(f"{name} = {number} must be finite")
     return number
@@ -31,13 +37,27 @@ def finite(value: Any, name: str) -> float:
 
 def positive(value: Any, name: str) -> float:
     """Return ``value`` as a positive finite float; otherwise raise an error that names it ``name``."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number, not {value!r}") from None
+    number = as_number(value, name)
     if not (number > 0 and np.isfinite(number)):
         raise InputError(f"{name} = {number} must be positive and finite")
     return number
+
+
+def as_number(value: Any, name: str) -> float:
+    """Return ``value`` as a float; texts and truth values, which `float` would take, are no numbers."""
+    try:
+        if isinstance(value, str | bytes | bytearray | bool | np.bool_):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number, not {value!r}") from None
+
+
+def as_flag(value: Any, name: str) -> bool:
+    """Return ``value`` if it is True or False; otherwise raise an error that names it ``name``."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} must be True or False, not {value!r}")
+    return bool(value)
 
 
 def as_count(value: Any, name: str) -> int:

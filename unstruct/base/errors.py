@@ -1,6 +1,12 @@
 """Typed errors. Each message says what is wrong, where, and what to do about it."""
 
-__all__ = ["DegenerateInputError", "InputError", "MeshError", "UnstructError"]
+from typing import Any
+
+from .doors import door
+
+__all__ = ["DegenerateInputError", "DomainError", "InputError", "MeshError", "UnstructError"]
+
+_plot = door("unstruct.view:plot_domain")
 
 
 class UnstructError(ValueError):
@@ -9,6 +15,29 @@ class UnstructError(ValueError):
 
 class InputError(UnstructError):
     """An array has the wrong shape, type or contents; the message names the first offending row."""
+
+
+class DomainError(InputError):
+    """The pieces of a region have faults: they cross, overlap, stay open, ...
+
+    Attributes
+    ----------
+    outline : Outline
+        What was given: ``points``, ``facets``, ``inner``, ``curves``, ``pieces``.
+    faults : tuple of Fault
+        Each has a ``kind``, a ``text``, a ``place``, and numbers of ``pieces`` and ``vertices``.
+    """
+
+    def __init__(self, message: str, outline: Any, faults: Any):
+        super().__init__(message)
+        self.outline, self.faults = outline, tuple(faults)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (*self.args, self.outline, self.faults)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw what was given, with the faults marked; see `unstruct.view.plot_domain`."""
+        return _plot(self, ax, **options)
 
 
 class DegenerateInputError(UnstructError):
@@ -23,6 +52,9 @@ class DegenerateInputError(UnstructError):
     def __init__(self, message: str, dimension: int):
         super().__init__(message)
         self.dimension = dimension
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (*self.args, self.dimension)
 
 
 class MeshError(UnstructError):

@@ -141,7 +141,7 @@ class Domain(Outline):
         self.piece_origin: np.ndarray = counted_off(many)
         if resolve:
             self._resolve()
-        faults.refuse(self._side.find_faults(self))
+        faults.refuse(self, self._side.find_faults(self))
         if self.curves:
             self._side.check_ends(self)
         if self.curves or self.regions:  # the chords show where curves meet

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import finite
 from ..base.arrays import as_numbers, as_points
 from ..base.errors import InputError
 from ..geometry.segment_tree import SegmentTree
@@ -72,7 +73,7 @@ def sources(
     if bad.any():
         row = int(np.argmax(bad))
         raise InputError(f"size[{row}] = {float(values[row])!r} at source {row} must be positive and finite")
-    if not (np.isfinite(growth) and growth >= 0):
+    if finite(growth, "growth") < 0:
         raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
     cap = np.inf if far is None else float(far)
     if not cap >= values.max(initial=0.0):

@@ -9,6 +9,7 @@ from .draw import frames as frames
 from .draw.colors import ROLES as ROLES
 from .draw.colors import line_style as line_style
 from .draw.colors import setup as setup
+from .draw.domains import plot_domain as plot_domain
 from .draw.frames import check_frame as check_frame
 from .draw.plots import color_cells as color_cells
 from .draw.plots import plot as plot

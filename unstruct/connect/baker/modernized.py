@@ -133,6 +133,8 @@ class Baker:
     """
 
     def __init__(self, mesh: Mesh, *, fixed: Any = None):
+        if not isinstance(mesh, Mesh):
+            raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}; see delaunay and refine")
         d = mesh.points.shape[1]
         if d not in (2, 3) or mesh.dimension != d:
             raise InputError(

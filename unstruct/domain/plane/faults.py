@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ...base.errors import InputError
+from ...base.errors import DomainError, InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
@@ -130,12 +130,13 @@ def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[fl
 # ---------------------------------------------------------------------- all faults of a domain
 
 
-def refuse(found: list[Fault]) -> None:
-    """Raise an error for the first fault that says how many more there are."""
+def refuse(outline: Outline, found: list[Fault]) -> None:
+    """Raise an error for the first fault that says how many more there are, and carries them all."""
     if found:
         rest = len(found) - 1
         more = f" (and {rest} more fault{'s' if rest > 1 else ''})" if rest else ""
-        raise InputError(found[0].text + more)
+        parts = (outline.points, outline.facets, outline.inner, outline.curves)
+        raise DomainError(found[0].text + more, Outline(*parts, outline.markers, outline.regions), found)
 
 
 def find_faults(outline: Outline) -> list[Fault]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...base.arguments import as_flag
 from ...base.errors import InputError
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
@@ -59,7 +60,7 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     M. V. Anglada, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
     """
     sampled = as_domain(domain).sampled()
-    complex_ = complex_of(domain, sampled, hull=hull, progress=progress)
+    complex_ = complex_of(domain, sampled, hull=as_flag(hull, "hull"), progress=progress)
     return complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points
     )

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import as_number
 from ...base.elementary import sine
 from ...base.errors import InputError
 from ...base.jit import inline
@@ -139,10 +140,7 @@ def per_region(value: Any, names: list[str], what: str) -> list[Any]:
 def _positive(value: Any, what: str) -> float:
     if value is None:
         return math.inf
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} must be a number or a dict of numbers by region, not {value!r}") from None
+    number = as_number(value, what)
     if not number > 0:
         raise InputError(f"{what} = {number} must be positive")
     return number

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_number
 from ...base.arrays import counted_off
 from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
@@ -149,10 +149,7 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
 
     The distance is in units of the edge's length, and 0 for circumcenters.
     """
-    try:
-        angle = 25.0 if min_angle is None else float(min_angle)
-    except (TypeError, ValueError):
-        raise InputError(f"min_angle must be a number of degrees, not {min_angle!r}") from None
+    angle = 25.0 if min_angle is None else as_number(min_angle, "min_angle")
     if not 0.0 <= angle <= LARGEST_MIN_ANGLE:
         raise InputError(f"min_angle = {min_angle} must be between 0 and {LARGEST_MIN_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):

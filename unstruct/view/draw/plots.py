@@ -11,11 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.transforms import ScaledTranslation
 
-from ...base.errors import InputError
+from ...base.errors import DomainError, InputError
+from ...geometry.outline import Outline
 from ...geometry.simplex import circumcenter, circumradius
 from . import frames as fr
 from .colors import PAPER, line_style
 from .colors import role as style_of
+from .domains import plot_domain
 from .space import picture
 from .strips import draw_items, fit, flat_axes, marks
 
@@ -34,15 +36,15 @@ def plot(
     vertices: bool | None = None,
     values: Any = None,
     label: str = "",
-    **view: float,
+    **view: Any,
 ) -> Axes:
-    """Draw a mesh: planar cells of any number of corners, a surface, or the boundary of a solid.
+    """Draw a mesh: planar cells of any number of corners, a surface, or the boundary of a solid; or a domain.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : Mesh, Domain or DomainError
         A mesh in one, two or three dimensions. Large solids, and solids with cells other than tetrahedra, are
-        shown by their boundary.
+        shown by their boundary. A domain, or the error that refused one, is passed to `plot_domain`.
     ax : matplotlib axes, optional
         Where to draw; by default in a new figure.
     role : str
@@ -66,6 +68,12 @@ def plot(
     InputError
         For more than three dimensions, or if ``values`` does not have one entry per cell.
     """
+    if isinstance(mesh, Outline | DomainError):
+        if role != "cell" or values is not None or label:
+            raise InputError("role, values and label are options of meshes; for a domain see plot_domain")
+        return plot_domain(mesh, ax, numbers=names or None, vertices=vertices, **view)
+    if not hasattr(mesh, "points") or not hasattr(mesh, "simplices"):
+        raise InputError(f"plot draws a Mesh or a Domain, not a {type(mesh).__name__}")
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] == 3:
         return picture(mesh, ax, role=role, values=values, label=label, **view)
@@ -75,6 +83,8 @@ def plot(
             "plot a projection"
         )
     points = points if points.shape[1] == 2 else np.column_stack([points, np.zeros(len(points))])
+    if names not in (True, False) or vertices not in (True, False, None):
+        raise InputError("names and vertices are True or False")
     ax = flat_axes(ax)
     cells = planar_cells(mesh)
     wide = [c for c in cells if len(c) > 2]
@@ -269,6 +279,9 @@ def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *
         Number of bins, common to all meshes.
     """
     named = dict(meshes) if isinstance(meshes, Mapping) else {"": meshes}
+    for key, mesh in named.items():
+        if not hasattr(mesh, "quality"):
+            raise InputError(f"meshes: {key or 'this'} is no Mesh but a {type(mesh).__name__}")
     values = {key: np.asarray(mesh.quality(name), dtype=float) for key, mesh in named.items()}
     finite = {key: v[np.isfinite(v)] for key, v in values.items()}
     if ax is None:
