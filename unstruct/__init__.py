@@ -5,7 +5,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`; `constrained_delaunay`, `conforming_delaunay`, `refine`,
 `circumcenter_insertion`, `voronoi_segment`, `smooth`.
 
-Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`.
+Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
 Namespaces: `sizing` (wanted lengths), `predicates` (exact signs), `simplex` and `topology` (single cells and
 bare arrays), `examples`, `view` (pictures; needs matplotlib), `plain` (each algorithm once more, to be read),
@@ -47,6 +47,8 @@ from .generate.refinement.refine import refine as refine
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
 from .geometry.curves import Curve as Curve
+from .mesh.curved import CurvedMesh as CurvedMesh
+from .mesh.curved import second_order as second_order
 from .mesh.domain_mesh import DomainMesh as DomainMesh
 from .mesh.mesh import Mesh as Mesh
 
@@ -54,6 +56,7 @@ __all__ = [
     "Arc",
     "Bezier",
     "Curve",
+    "CurvedMesh",
     "DegenerateInputError",
     "Domain",
     "DomainError",
@@ -77,6 +80,7 @@ __all__ = [
     "plain",
     "predicates",
     "refine",
+    "second_order",
     "simplex",
     "sizing",
     "smooth",
