@@ -44,7 +44,7 @@ CORNERS = st.sampled_from([[(0, 0), (8, 0), (0, 8)], [(0, 0), (8, 0), (3, 1)], [
 @given(CORNERS, st.lists(st.tuples(st.integers(-8, 8), st.integers(-8, 8)), min_size=3, max_size=3))
 @settings(max_examples=80)
 def test_what_is_called_positive_is(corners, moves):
-    """Nodes moved off the middles by eighths: no place of a proved triangle has a determinant of 0 or less."""
+    """Nodes moved off the middles by eighths: no determinant of a proved triangle is 0 or less."""
     middles = [
         tuple((Fraction(corners[k][i] + corners[(k + 1) % 3][i], 2) + Fraction(m[i], 8)) for i in range(2))
         for k, m in enumerate(moves)
@@ -84,7 +84,9 @@ def test_the_disc_is_met_to_the_fourth_order():
     disc = Domain.disc()
     for h in (0.4, 0.2, 0.1):
         curved = second_order(unstruct.refine(disc, h), disc)
-        assert curved.complete and np.allclose(np.linalg.norm(curved.points[curved.edges[curved.curved, 2]], axis=1), 1)
+        assert curved.complete and np.allclose(
+            np.linalg.norm(curved.points[curved.edges[curved.curved, 2]], axis=1), 1
+        )
         errors.append(abs(curved.area - np.pi))
     assert errors[0] / errors[1] > 8 and errors[1] / errors[2] > 8, errors
 
@@ -137,7 +139,9 @@ def test_scikit_fem_integrates_over_the_curved_region():
     assert "facets" in theirs.boundaries
 
 
-@pytest.mark.parametrize("suffix, options", [(".vtu", {}), (".msh", {"file_format": "gmsh22", "binary": False})])
+@pytest.mark.parametrize(
+    "suffix, options", [(".vtu", {}), (".msh", {"file_format": "gmsh22", "binary": False})]
+)
 def test_files(tmp_path, suffix, options):
     meshio = pytest.importorskip("meshio")
     disc = Domain.disc()
@@ -150,7 +154,11 @@ def test_files(tmp_path, suffix, options):
 
 def test_without_curves_all_is_straight():
     mesh = unstruct.delaunay(np.random.default_rng(2).random((30, 2)))
-    for curved in (second_order(mesh), second_order(mesh, Domain.disc()), second_order(Mesh([(0, 0)], np.empty((0, 3), int)))):
+    for curved in (
+        second_order(mesh),
+        second_order(mesh, Domain.disc()),
+        second_order(Mesh([(0, 0)], np.empty((0, 3), int))),
+    ):
         assert curved.complete and len(curved.curved) == 0
     assert np.isclose(second_order(mesh).area, mesh.volume)
 
@@ -162,5 +170,5 @@ def test_errors():
         second_order(disc)
     with pytest.raises(InputError, match="must be a Domain"):
         second_order(mesh, mesh)
-    with pytest.raises(InputError, match="is this the domain"):
+    with pytest.raises(InputError, match="is this the meshed domain"):
         second_order(mesh, Domain.disc((1, 1), 2))

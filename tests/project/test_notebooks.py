@@ -41,7 +41,9 @@ def restored(path: Path) -> str:
 
 
 def has_picture(cell) -> bool:
-    return any(kind in output.get("data", {}) for output in cell.outputs for kind in PICTURES)
+    """Whether a cell shows a picture; a widget brings its own text and a still picture of itself."""
+    shown = [output.get("data", {}) for output in cell.outputs]
+    return any(kind in data for data in shown if WIDGET not in data for kind in PICTURES)
 
 
 def without_magics(source: str) -> str:
@@ -138,6 +140,14 @@ def test_every_picture_has_a_text(path: Path) -> None:
             assert "![](" not in cell.source and "<img" not in cell.source, (
                 f"{cell.id}: a picture without alt text"
             )
+
+
+@pytest.mark.parametrize("path", ALL)
+def test_every_widget_has_a_still_picture(path: Path) -> None:
+    for cell in code_cells(path):
+        for output in cell.outputs:
+            if WIDGET in output.get("data", {}):
+                assert "image/png" in output.data, f"{cell.id}: a line of text until the cell has run"
 
 
 @pytest.mark.parametrize("path", ALL)

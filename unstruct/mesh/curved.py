@@ -1,8 +1,8 @@
-"""Second-order triangles: a node in the middle of each edge, on the true curve where the edge is on a curve.
+"""Second-order triangles: a node in the middle of each edge, on the true curve where there is one.
 
-A triangle with six nodes is the image of a straight one under a map of degree two. Its Jacobian determinant is
-a polynomial of degree two, so in Bernstein form it has six coefficients, and it lies between the least and the
-largest of them. If all are positive, the map is invertible everywhere in the triangle.
+A triangle with six nodes is the image of a straight one under a map of degree two. Its Jacobian determinant
+is a polynomial of degree two, so in Bernstein form it has six coefficients, and it lies between the smallest
+and the largest of them. If all are positive, the map is invertible everywhere in the triangle.
 
 Sources: P. L. George, H. Borouchaki, International Journal for Numerical Methods in Engineering 90 (2012)
 1156-1182; A. Johnen, J.-F. Remacle, C. Geuzaine, Journal of Computational Physics 233 (2013) 359-372.
@@ -129,7 +129,9 @@ class CurvedMesh:
 
     def __repr__(self) -> str:
         lost = f", {len(self.straightened)} straightened" if len(self.straightened) else ""
-        return f"<CurvedMesh: {len(self.triangles)} triangles of 6 nodes, {len(self.curved)} curved edges{lost}>"
+        return (
+            f"<CurvedMesh: {len(self.triangles)} triangles of 6 nodes, {len(self.curved)} curved edges{lost}>"
+        )
 
 
 def second_order(mesh: Mesh, domain: Outline | None = None) -> CurvedMesh:
@@ -207,7 +209,9 @@ def _keys(pairs: np.ndarray, n: int) -> np.ndarray:
     return low * n + high
 
 
-def _on_curves(mesh: Mesh, domain: Outline, keys: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _on_curves(
+    mesh: Mesh, domain: Outline, keys: np.ndarray, order: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The edges on curves, and the points of the curves that are equally far from their ends."""
     if not isinstance(domain, Outline):
         raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
@@ -219,10 +223,12 @@ def _on_curves(mesh: Mesh, domain: Outline, keys: np.ndarray, order: np.ndarray)
     piece, span = mesh.piece[rows].astype(np.int64), mesh.span[rows]
     ends = mesh.points[mesh.segments[rows]]
     scale = np.abs(domain.points).max()
-    off = np.abs(domain.points_at(np.repeat(piece, 2), span.ravel()).reshape(-1, 2, 2) - ends).max(axis=(1, 2))
+    off = np.abs(domain.points_at(np.repeat(piece, 2), span.ravel()).reshape(-1, 2, 2) - ends).max(
+        axis=(1, 2)
+    )
     if (off > 2.0**-30 * scale).any():
         name = domain.name(int(piece[np.argmax(off)]))
-        raise InputError(f"an edge of the mesh that should be on {name} is not: is this the domain that was meshed?")
+        raise InputError(f"an edge of the mesh is not on {name}, as it should be: is this the meshed domain?")
     low, high = span.T.copy()
     for _ in range(HALVINGS):
         t = (low + high) / 2
@@ -280,7 +286,7 @@ def _positive_everywhere(six: np.ndarray) -> np.ndarray:
 
 
 def _proved(c: list[Fraction], depth: int) -> bool:
-    """Whether a polynomial of degree two is positive on a triangle, by its coefficients or those of quarters."""
+    """Whether a polynomial of degree two is positive on a triangle, by coefficients, or on its quarters."""
     if min(c) > 0:
         return True
     if min(c[:3]) <= 0 or depth == 0:  # at corners it has the value of the coefficient

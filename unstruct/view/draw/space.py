@@ -15,6 +15,7 @@ from typing import Any
 
 import anywidget
 import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import traitlets
 from matplotlib.axes import Axes
@@ -25,6 +26,7 @@ from ...base.errors import InputError
 from ...mesh.cells import incident_facets
 from .colors import line_style, styles
 from .colors import role as style_of
+from .stills import PIXELS, picture_of, with_still
 from .strips import fit, flat_axes, marks
 from .strips import label as write_label
 
@@ -54,6 +56,17 @@ class Space(anywidget.AnyWidget):
     alt = traitlets.Unicode().tag(sync=True)
     size = traitlets.Int(420).tag(sync=True)
     styles = traitlets.Dict().tag(sync=True)
+
+    def still(self) -> bytes:
+        """The scene as it is turned now, as the bytes of a PNG file."""
+        ax = plt.subplots(figsize=(self.size / PIXELS, self.size / PIXELS), dpi=PIXELS)[1]
+        turned = {"azimuth": self.azimuth, "elevation": self.elevation, "explode": self.explode}
+        picture(self.scene["items"], ax, **turned)
+        ax.set_title(self.caption, wrap=True)
+        return picture_of(ax)
+
+    def _repr_mimebundle_(self, **_: Any) -> Any:
+        return with_still(super()._repr_mimebundle_(), self.still())
 
     def __repr__(self) -> str:
         return f"Space({self.alt})"

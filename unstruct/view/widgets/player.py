@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import anywidget
+import matplotlib.pyplot as plt
 import traitlets
 
 from ...base.errors import InputError
 from ..draw import frames as fr
 from ..draw.colors import styles
+from ..draw.stills import PIXELS, picture_of, with_still
+from ..draw.strips import draw
 
 __all__ = ["Player", "player"]
 
@@ -61,6 +64,17 @@ class Player(anywidget.AnyWidget):
                 self.view = fr.bounds(frames)
             self.frames = compact(frames, self.view)
             self.index = min(self.index if index is None else index, len(self.frames) - 1)
+
+    def still(self) -> bytes:
+        """The frame that is shown, with its caption, as the bytes of a PNG file."""
+        one = self.frames[self.index]
+        ax = plt.subplots(figsize=(self.width / PIXELS, self.height / PIXELS), dpi=PIXELS)[1]
+        draw(one, ax, view=self.view)
+        ax.set_title(one["caption"], wrap=True)
+        return picture_of(ax)
+
+    def _repr_mimebundle_(self, **_: Any) -> Any:
+        return with_still(super()._repr_mimebundle_(), self.still())
 
     def __repr__(self) -> str:
         return f"Player({len(self.frames)} frame{'s' * (len(self.frames) != 1)}: {self.alt})"

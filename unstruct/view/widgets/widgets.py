@@ -14,6 +14,7 @@ import ipywidgets
 import numpy as np
 
 from ..draw import frames as fr
+from ..draw.stills import with_still
 from ..scenes.proofs import cavity_proof_drag, cavity_proof_state, star_proof_drag, star_proof_state
 from ..scenes.states import (
     CIRCLES,
@@ -53,6 +54,9 @@ class Panel(ipywidgets.VBox):
     def __init__(self, controls: dict[str, Any], picture: Player):
         self.controls, self.player = controls, picture
         super().__init__([*controls.values(), picture])
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        return with_still(super()._repr_mimebundle_(**options), self.player.still())
 
     def __repr__(self) -> str:
         names = [*self.controls, *(["preset"] if self.player.variants else [])]
