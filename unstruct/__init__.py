@@ -26,6 +26,7 @@ from .assess.statistics import compare as compare
 from .assess.statistics import statistics as statistics
 from .base.errors import DegenerateInputError as DegenerateInputError
 from .base.errors import DomainError as DomainError
+from .base.errors import IncompleteWarning as IncompleteWarning
 from .base.errors import InputError as InputError
 from .base.errors import MeshError as MeshError
 from .base.errors import UnstructError as UnstructError
@@ -61,6 +62,7 @@ __all__ = [
     "Domain",
     "DomainError",
     "DomainMesh",
+    "IncompleteWarning",
     "InputError",
     "Mesh",
     "MeshError",

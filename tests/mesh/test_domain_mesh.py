@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from regions import KINDS
 
-from unstruct import DomainMesh, constrained_delaunay, refine
+import unstruct
+from unstruct import Domain, DomainMesh, constrained_delaunay, refine
 from unstruct.mesh.topology import neighbors
 
 
@@ -27,3 +30,29 @@ def test_arrays_taken_unchecked_pass_the_checks(kind: str) -> None:
                 np.testing.assert_array_equal(one, two)
                 assert one.dtype == two.dtype and not two.flags.writeable
             assert mesh.points.dtype == np.float64 and not mesh.points.flags.writeable
+
+
+def test_an_incomplete_mesh_is_noticed():
+    """A warning of its own class names the counts and reasons, at the line of the caller."""
+    needle = Domain.polygon([(0, 0), (1, 0), (1, 0.05)])
+    calls = [
+        lambda: unstruct.refine(needle, 0.05, min_angle=30),
+        lambda: unstruct.voronoi_segment(needle, 0.05),
+        lambda: unstruct.refine(Domain.rectangle(), 0.05, budget=20),
+        lambda: unstruct.conforming_delaunay(Domain.rectangle((0, 0), (9, 1)), size=0.01, budget=1),
+    ]
+    for call in calls:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            mesh = call()
+        found = [w for w in caught if w.category is unstruct.IncompleteWarning]
+        assert len(found) == (not mesh.complete)
+        for one in found:
+            assert one.filename == __file__
+            assert str(one.message).startswith(
+                f"{len(mesh.unrefined)} of {mesh.size} cells are not as asked for: "
+            )
+            assert str(mesh.reasons[0]) in str(one.message)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", unstruct.IncompleteWarning)
+        assert unstruct.refine(Domain.rectangle(), 0.3).complete

@@ -4,7 +4,14 @@ from typing import Any
 
 from .doors import door
 
-__all__ = ["DegenerateInputError", "DomainError", "InputError", "MeshError", "UnstructError"]
+__all__ = [
+    "DegenerateInputError",
+    "DomainError",
+    "IncompleteWarning",
+    "InputError",
+    "MeshError",
+    "UnstructError",
+]
 
 _plot = door("unstruct.view:plot_domain")
 
@@ -59,3 +66,11 @@ class DegenerateInputError(UnstructError):
 
 class MeshError(UnstructError):
     """A mesh, or a requested change of it, is not valid; the message names cells and vertices."""
+
+
+class IncompleteWarning(UserWarning):
+    """A mesh is valid, but some of its cells are not as they were asked for: it is not ``complete``.
+
+    ``mesh.unrefined`` lists these cells and ``mesh.reasons`` says why. Where this is expected, it can be
+    turned off: ``warnings.simplefilter("ignore", unstruct.IncompleteWarning)``.
+    """

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
+from collections import Counter
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import frozen
-from ..base.errors import InputError
+from ..base.errors import IncompleteWarning, InputError
 from .mesh import Mesh
 
-__all__ = ["DomainMesh"]
+__all__ = ["DomainMesh", "noticed"]
 
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
@@ -88,3 +90,22 @@ class DomainMesh(Mesh):
 def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:
     rows = np.asarray(values, kind)
     return frozen(rows if rows.ndim == 2 and rows.shape[1] == 2 else rows.reshape(-1, 2))
+
+
+M = TypeVar("M", bound=DomainMesh)
+MOST_REASONS = 3  # in a warning
+
+
+def noticed(mesh: M) -> M:
+    """The mesh itself, with a warning for the caller of a method if it is not complete."""
+    if not mesh.complete:
+        why = Counter(mesh.reasons.tolist()).most_common(MOST_REASONS + 1)
+        reasons = [f"{reason or 'no reason'} ({count})" for reason, count in why[:MOST_REASONS]]
+        more = ", ..." if len(why) > MOST_REASONS else ""
+        warnings.warn(
+            f"{len(mesh.unrefined)} of {mesh.size} cells are not as asked for: {', '.join(reasons)}{more}; "
+            "see mesh.unrefined and mesh.reasons",
+            IncompleteWarning,
+            stacklevel=3,
+        )
+    return mesh

@@ -28,7 +28,7 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, as_domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from .constrained import complex_of
 from .fans import never_ends
 from .midpoints import GABRIEL, MISSING, pick, split_all
@@ -147,7 +147,7 @@ def conforming_delaunay(
     sampled = as_domain(domain).sampled(size)
     complex_ = complex_of(domain, sampled)
     run = conform(domain, complex_, test=test, shells=shells, budget=budget, progress=progress)
-    return run.mesh(sampled)
+    return noticed(run.mesh(sampled))
 
 
 def conform(

@@ -21,7 +21,7 @@ from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
@@ -121,7 +121,7 @@ def circumcenter_insertion(
     run = CircumcenterRun(complex_, domain, rule, kept, history)
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
-    return complex_.mesh(
+    result = complex_.mesh(
         facets=len(domain.facets),
         origin=sampled.origin if origin is None else origin,
         markers=domain.markers,
@@ -130,6 +130,7 @@ def circumcenter_insertion(
         steps=run.steps() if history else None,
         **run.unrefined(),
     )
+    return noticed(result)
 
 
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:

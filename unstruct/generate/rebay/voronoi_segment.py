@@ -11,7 +11,7 @@ from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
@@ -137,7 +137,7 @@ def voronoi_segment(
     run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, kept, history)
     with progress_bar(progress, " points") as bar:
         run.insert(budget, bar)
-    return run.result(run.finish(budget) if finish and not run.spent else None)
+    return noticed(run.result(run.finish(budget) if finish and not run.spent else None))
 
 
 def epsilon_chains(mesh: DomainMesh) -> list[NDArray[np.float64]]:

@@ -18,7 +18,7 @@ from ...base.elementary import cosine, sine
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
@@ -141,7 +141,7 @@ def refine(
     )  # fmt: skip
     if isinstance(domain, Mesh):
         carry(domain, planned, result)
-    return result
+    return noticed(result)
 
 
 def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
