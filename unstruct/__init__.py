@@ -53,6 +53,8 @@ from .mesh.curved import second_order as second_order
 from .mesh.domain_mesh import DomainMesh as DomainMesh
 from .mesh.mesh import Mesh as Mesh
 
+__version__ = "0.1.0"
+
 __all__ = [
     "Arc",
     "Bezier",

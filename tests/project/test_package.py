@@ -13,6 +13,8 @@ from pathlib import Path
 
 from book_files import ROOT, tracked
 
+import unstruct
+
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 HEAVY = [
     "matplotlib",
@@ -107,5 +109,6 @@ def test_ci_runs_what_the_readme_says() -> None:
 
 def test_versions_agree() -> None:
     version = PYPROJECT["project"]["version"]
+    assert unstruct.__version__ == version
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.search(rf"^version: {re.escape(version)}$", citation, flags=re.M)
