@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BOOK = ROOT / "book"
 READING = ROOT / "reading"
 COPIED = ".copied.json"  # which state of each file the reader was given
-PAGES = ("*.ipynb", "claims.py", "claims.toml", "*.png")
+PAGES = ("*.ipynb", "claims.py", "*.toml", "*.txt", "*.png")
 
 
 def fingerprint(path: Path) -> str:
