@@ -111,11 +111,9 @@ def _exact2(rows, a, b, c, p):
 
 
 @kernel
-def _exact3(rows, cell, p):
+def _exact3(rows, a, b, c, d, p):
     x = np.empty((5, 4))
-    for k in range(4):
-        x[k] = rows[cell[k]]
-    x[4] = rows[p]
+    x[0], x[1], x[2], x[3], x[4] = rows[a], rows[b], rows[c], rows[d], rows[p]
     return -exact_power3(x)
 
 
@@ -147,9 +145,9 @@ def power2(rows, a, b, c, p):
 
 
 @lean
-def filter_power3(rows, cell, p):
+def filter_power3(rows, i, j, m, n, p):
     """`power3` if floating point decides it, otherwise UNDECIDED."""
-    det, permanent = 0.0, 0.0
+    cell, det, permanent = (i, j, m, n), 0.0, 0.0
     px, py, pz, pw = rows[p, 0], rows[p, 1], rows[p, 2], rows[p, 3]
     for k in range(4):
         a, b, c = cell[0 if k > 0 else 1], cell[1 if k > 1 else 2], cell[2 if k > 2 else 3]
@@ -169,10 +167,10 @@ def filter_power3(rows, cell, p):
 
 
 @kernel
-def power3(rows, cell, p):
-    """Positive if p is strictly below the hyperplane of a positive cell (four rows), lifted; exact."""
-    decided = filter_power3(rows, cell, p)
-    return decided if decided != UNDECIDED else _exact3(rows, cell, p)
+def power3(rows, a, b, c, d, p):
+    """Positive if p is strictly below the hyperplane of a, b, c, d with orient3 > 0, lifted; exact."""
+    decided = filter_power3(rows, a, b, c, d, p)
+    return decided if decided != UNDECIDED else _exact3(rows, a, b, c, d, p)
 
 
 # --- many cells -----------------------------------------------------------------------------------
@@ -181,7 +179,6 @@ def power3(rows, cell, p):
 @kernel
 def _batch(blocks, factors, signs):
     """Signs of blocks of d + 2 rows with weights, the query last, in the plane and in space."""
-    cell = np.arange(4)
     for i in range(len(blocks)):
         block, f = blocks[i], factors[i]
         scaled = block * f
@@ -190,7 +187,7 @@ def _batch(blocks, factors, signs):
             found = filter_power2(scaled, 0, 1, 2, 3)
             signs[i] = found if found != UNDECIDED else exact_power2(block.copy())
         else:
-            found = filter_power3(scaled, cell, 4)
+            found = filter_power3(scaled, 0, 1, 2, 3, 4)
             signs[i] = found if found != UNDECIDED else -exact_power3(block.copy())
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from windows import exact_areas, signed
 
 from unstruct import Domain, InputError, voronoi
 from unstruct.connect.voronoi.window import as_window
@@ -25,43 +26,6 @@ class Geometry:
 
     def __init__(self, kind, coordinates):
         self.__geo_interface__ = {"type": kind, "coordinates": coordinates}
-
-
-def signed(ring):
-    """Twice the signed area."""
-    return sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(ring, [*ring[1:], *ring[:1]]))
-
-
-def half_plane(ring, site, other):
-    """Sutherland and Hodgman: the ring where it is nearer to the site, degenerate sides included."""
-
-    def excess(x):
-        return sum((a - b) ** 2 - (a - c) ** 2 for a, b, c in zip(x, site, other))
-
-    kept = []
-    for a, b in zip(ring, [*ring[1:], *ring[:1]]):
-        f, g = excess(a), excess(b)
-        if f <= 0:
-            kept.append(a)
-        if f * g < 0:
-            kept.append(tuple(x + f / (f - g) * (y - x) for x, y in zip(a, b)))
-    return kept
-
-
-def exact_areas(sites, window):
-    """Areas of cells within rings (the first is the outline), as fractions, for different sites."""
-    exact = [[tuple(map(Fraction, x)) for x in ring] for ring in window]
-    found = []
-    for i, site in enumerate(sites):
-        total = Fraction(0)
-        for k, ring in enumerate(exact):
-            part = ring
-            for j, other in enumerate(sites):
-                part = half_plane(part, site, other) if j != i else part
-            area = signed(part) * (1 if signed(ring) > 0 else -1) if part else 0
-            total += area / 2 if k == 0 else -area / 2
-        found.append(total)
-    return found
 
 
 def is_simple(ring):

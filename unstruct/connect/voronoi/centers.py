@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,12 @@ Ints = NDArray[np.int32]
 NEARLY_FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
 
 
-def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
+def local_circumcenters(
+    points: Floats, simplices: Ints, scale: float, weights: Floats | None = None
+) -> tuple[Ints, Floats]:
     """Circumcenters of the points times ``scale``, as (corner, offset from that corner).
+
+    With weights: power centers, at which |x - p|^2 - w is the same for all corners.
 
     ``scale`` is a power of two that makes all coordinates at most 1 in magnitude. For each simplex, the first
     corner from which the edges are far from parallel is taken; errors are then about 1e-12 of the
@@ -38,6 +43,10 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
         square = (rows**2).sum(axis=2)
         size = np.sqrt(square).prod(axis=1)
+        if weights is not None:
+            square -= (
+                (weights[np.delete(simplices[todo], k, axis=1)] - weights[corner][:, None]) * scale * scale
+            )
         solid = (np.abs(_determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
         done = todo[solid]
         base[done] = corner[solid]
@@ -46,7 +55,8 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         if not len(todo):
             break
     for t in todo.tolist():
-        offset[t] = _exact_offset(points[simplices[t]].tolist(), scale)
+        heavy = [0.0] * width if weights is None else weights[simplices[t]].tolist()
+        offset[t] = _exact_offset(points[simplices[t]].tolist(), heavy, scale)
     return base, offset
 
 
@@ -105,11 +115,17 @@ def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     return volume, table[:, :, d]
 
 
-def _exact_offset(corners: list[list[float]], factor: float) -> list[float]:
-    """Circumcenter minus first corner, times ``factor``, by Cramer's rule for a_i . c = |a_i|^2 / 2."""
-    rows, scale = _integer_rows(corners)
+def _exact_offset(corners: list[list[float]], heavy: list[float], factor: float) -> list[float]:
+    """Power center minus first corner, times ``factor``, by Cramer's rule: a_i . c = (|a_i|^2 - v_i) / 2.
+
+    a_i and v_i are the differences of corners and of weights to the first ones.
+    """
+    weights = [Fraction(w) for w in heavy]
+    bits = max(w.denominator.bit_length() for w in weights) // 2
+    rows, scale = _integer_rows(corners, 1 << bits)
     up, down = factor.as_integer_ratio()
-    squares = [sum(x * x for x in row) for row in rows]
+    extra = [int((w - weights[0]) * scale * scale) for w in weights[1:]]
+    squares = [sum(x * x for x in row) - v for row, v in zip(rows, extra)]
     whole = 2 * _determinant(rows) * scale * down
     result = []
     for k in range(len(rows)):
@@ -147,10 +163,13 @@ def _exact_normal(corners: list[list[float]]) -> list[float]:
     return [x / most for x in minors]
 
 
-def _integer_rows(corners: list[list[float]]) -> tuple[list[list[int]], int]:
-    """The corners minus the first, times the common denominator of their coordinates, and that number."""
+def _integer_rows(corners: list[list[float]], least: int = 1) -> tuple[list[list[int]], int]:
+    """The corners minus the first, times the common denominator of their coordinates, and that number.
+
+    The number is a power of two, at least ``least``.
+    """
     ratios = [[x.as_integer_ratio() for x in p] for p in corners]
-    scale = max(q for p in ratios for _, q in p)  # denominators are powers of two
+    scale = max(least, *(q for p in ratios for _, q in p))
     first, *others = [[n * (scale // q) for n, q in p] for p in ratios]
     return [[x - y for x, y in zip(p, first)] for p in others], scale
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...mesh.mesh import Mesh
 from ...predicates.batch import power_of_two
+from ...predicates.power import power_factor
 from .centers import local_circumcenters, outward_normals, volumes
 from .dual import cospherical_groups, find_ridges, planar_rings
 from .given import not_delaunay, refuse_others
@@ -35,7 +36,7 @@ class VoronoiComplex:
             )
         if not _trusted and len(simplices):
             refuse_others(mesh)
-        self.mesh, self.points = mesh, points
+        self.mesh, self.points, self.weights = mesh, points, mesh.weights
         self.duplicates = mesh.duplicates
         used = np.zeros(n, dtype=bool)
         used[simplices if len(simplices) else slice(None)] = True
@@ -47,6 +48,8 @@ class VoronoiComplex:
         self.point_region[self.duplicates[:, 0]] = self.point_region[self.duplicates[:, 1]]
         self._cells = self.point_region[simplices]  # the simplices, with numbers of regions as corners
         self._scale = power_of_two(points)
+        if self.weights is not None:
+            self._scale = min(self._scale, power_factor(points, self.weights))
         own = points[self._sites]
         self._weights = np.zeros(len(own)) if mesh.weights is None else mesh.weights[self._sites]
         self.simplex_vertex, wrong = cospherical_groups(
@@ -74,7 +77,7 @@ class VoronoiComplex:
         if len(cells) > self.simplex_vertex.max() + 1:
             order = np.lexsort((-volumes(own, cells, self._scale), self.simplex_vertex))
             cells = cells[order[np.unique(self.simplex_vertex[order], return_index=True)[1]]]
-        return local_circumcenters(own, cells, self._scale)
+        return local_circumcenters(own, cells, self._scale, None if self.weights is None else self._weights)
 
     @cached_property
     def _chain(self) -> NDArray[np.int64]:

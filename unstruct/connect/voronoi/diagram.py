@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arrays import as_points
+from ...base.arrays import as_points, as_weights
 from ...base.doors import door
 from ...base.errors import DegenerateInputError, InputError
 from ...mesh.mesh import Mesh
@@ -28,8 +28,8 @@ Ints = NDArray[np.int32]
 _plot_voronoi = door("unstruct.view:plot_voronoi")
 
 
-def voronoi(points: ArrayLike) -> Voronoi:
-    """Voronoi diagram (Dirichlet tessellation) of points.
+def voronoi(points: ArrayLike, *, weights: ArrayLike | None = None) -> Voronoi:
+    """Voronoi diagram (Dirichlet tessellation) of points; with weights, their power diagram.
 
     Parameters
     ----------
@@ -37,6 +37,10 @@ def voronoi(points: ArrayLike) -> Voronoi:
         The sites, finite. From three dimensions on they must not all be in one hyperplane. In the plane they
         may lie on a line, and there may be one or two: regions are then strips (half-planes, the plane),
         which a window cuts. Equal sites share a region.
+    weights : array_like, shape (n,), optional
+        A weight w for each site p, in the units of a squared length: "nearest" then means the least
+        ``|x - p|^2 - w``. Regions stay convex, but a site may lie outside of its own, and that of a hidden
+        site is empty.
 
     Returns
     -------
@@ -71,17 +75,21 @@ def voronoi(points: ArrayLike) -> Voronoi:
     [[0.5, 0.5]]
     """
     rows = as_points(points)
+    heavy = None if weights is None else as_weights(weights, len(rows))
     if rows.shape[1] != 2 or len(rows) == 0:
-        return Voronoi(delaunay(rows), _trusted=True)
+        return Voronoi(delaunay(rows, weights=heavy), _trusted=True)
     try:
-        return Voronoi(delaunay(rows) if len(rows) > 2 else _on_a_line(rows), _trusted=True)
+        if len(rows) > 2:
+            return Voronoi(delaunay(rows, weights=heavy), _trusted=True)
     except DegenerateInputError:
-        return Voronoi(_on_a_line(rows))
+        pass
+    return Voronoi(_on_a_line(rows, heavy))
 
 
-def _on_a_line(rows: Floats) -> Mesh:
+def _on_a_line(rows: Floats, weights: Floats | None) -> Mesh:
     """Sites on a line as a mesh without triangles."""
-    return Mesh(rows, np.empty((0, 3), dtype=np.int32), duplicates=distinct_points(rows)[1])
+    duplicates = distinct_points(rows, weights)[1]
+    return Mesh(rows, np.empty((0, 3), dtype=np.int32), duplicates=duplicates, weights=weights)
 
 
 class Relaxation(NamedTuple):
@@ -126,7 +134,9 @@ class Voronoi(VoronoiComplex):
     ray_vertices, ray_directions : ndarrays, shapes (h,), (h, d)
         The unbounded edges: the vertex where each starts, and its unit direction.
     duplicates : ndarray of int32, shape (c, 2)
-        Equal sites, as rows (copy, kept).
+        Equal sites, as rows (copy, kept); of sites with weights the heaviest is kept.
+    weights : ndarray, shape (n,), or None
+        Without weights, None.
     mesh : Mesh
         The Delaunay mesh.
     """
@@ -268,7 +278,7 @@ class Voronoi(VoronoiComplex):
             area = moments[:, :1]
             step = np.divide(moments[:, 1:3], area, out=np.zeros((len(area), 2)), where=area > 0)
             moved = diagram.points[diagram._sites] + step / diagram._scale
-            diagram = voronoi(moved[diagram.point_region])
+            diagram = voronoi(moved[diagram.point_region], weights=diagram.weights)
             moments = diagram._clipped(window)[2]
         energies.append(diagram._energy(moments))
         idle = np.flatnonzero((moments[:, 0] <= 0)[diagram.point_region])
@@ -281,12 +291,14 @@ class Voronoi(VoronoiComplex):
 
     @cached_property
     def _search(self) -> NearestSite:
+        if self.weights is not None:
+            return NearestSite(self.points, self._sites, self.weights)
         lowest = np.full(len(self._sites), len(self.points), dtype=np.intp)
         np.minimum.at(lowest, self.point_region, np.arange(len(self.points)))
         return NearestSite(self.points, lowest)
 
     def nearest(self, x: ArrayLike) -> Any:
-        """The nearest site, exactly; of several at the same distance, the first one.
+        """The nearest site, exactly; of several at the same distance, the first one; with weights, by power.
 
         Parameters
         ----------
