@@ -33,6 +33,7 @@ def exact_areas(sites, window, weights=None):
     """Areas of (power) cells within rings (the first is the outline), as fractions, for different sites."""
     heavy = weights or [0] * len(sites)
     exact = [[tuple(map(Fraction, x)) for x in ring] for ring in window]
+    sites = [tuple(map(Fraction, site)) for site in sites]
     found = []
     for i, site in enumerate(sites):
         total = Fraction(0)

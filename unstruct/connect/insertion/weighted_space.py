@@ -69,7 +69,7 @@ def _cavity(space, cavity, t, p, stamp):
 
 @kernel
 def insert_weighted3(space, cavity, stop):
-    """Insert the next points, while ``p < stop``, or find that they are hidden; returns what `insert3` does."""
+    """Insert the next points, while ``p < stop``, or find them hidden; returns what `insert3` does."""
     xyzw, vertex, across, state = space.xyz, space.vertex, space.across, space.state
     for p in range(state[REACHED], stop):
         t = np.int64(locate3(xyzw, vertex, across, state[LAST], xyzw[p, 0], xyzw[p, 1], xyzw[p, 2]))

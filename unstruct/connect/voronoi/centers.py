@@ -14,7 +14,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["local_circumcenters", "outward_normals", "volumes"]
+__all__ = ["determinants", "local_circumcenters", "outward_normals", "volumes"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -47,7 +47,7 @@ def local_circumcenters(
             square -= (
                 (weights[np.delete(simplices[todo], k, axis=1)] - weights[corner][:, None]) * scale * scale
             )
-        solid = (np.abs(_determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
+        solid = (np.abs(determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
         done = todo[solid]
         base[done] = corner[solid]
         offset[done] = _solve(rows[solid], square[solid] / 2)
@@ -63,10 +63,10 @@ def local_circumcenters(
 def volumes(points: Floats, simplices: Ints, scale: float) -> Floats:
     """d! times the volumes of simplices of the points times ``scale``; rounded, for comparisons of size."""
     corners = points[simplices] * scale
-    return np.abs(_determinants(corners[:, 1:] - corners[:, :1]))
+    return np.abs(determinants(corners[:, 1:] - corners[:, :1]))
 
 
-def _determinants(rows: Floats) -> Floats:
+def determinants(rows: Floats) -> Floats:
     """Determinants of matrices (m, d, d); for d <= 3 by plain formulas, which are exact on small integers."""
     d = rows.shape[1]
     if d == 0:
@@ -78,7 +78,7 @@ def _determinants(rows: Floats) -> Floats:
     head, rest = rows[:, 0], rows[:, 1:]
     total: Floats = np.zeros(len(rows))
     for k in range(d):
-        total += (-1) ** k * head[:, k] * _determinants(np.delete(rest, k, axis=2))
+        total += (-1) ** k * head[:, k] * determinants(np.delete(rest, k, axis=2))
     return total
 
 
@@ -91,8 +91,8 @@ def _solve(rows: Floats, right: Floats) -> Floats:
     for k in range(d):
         changed = rows.copy()
         changed[:, :, k] = right
-        result[:, k] = _determinants(changed)
-    return result / _determinants(rows)[:, None]
+        result[:, k] = determinants(changed)
+    return result / determinants(rows)[:, None]
 
 
 def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
@@ -143,7 +143,7 @@ def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], 
     rows = (points[sites[:, 1:]] - points[sites[:, :1]]) * scale
     normal = np.empty((len(cell), width - 1))
     for k in range(width - 1):
-        normal[:, k] = (-1) ** k * _determinants(np.delete(rows, k, axis=2))
+        normal[:, k] = (-1) ** k * determinants(np.delete(rows, k, axis=2))
     size = np.sqrt((rows**2).sum(axis=2)).prod(axis=1)
     length = np.sqrt((normal**2).sum(axis=1))
     weak = ~((length > NEARLY_FLAT * size) & (size > 1e-100))
