@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 BOOK = Path(__file__).parent
-VERDICTS = ("true", "needs-assumption", "false", "misprint", "vague", "historical", "unverified")
+VERDICTS = ("true", "needs-assumption", "false", "extension", "misprint", "vague", "historical", "unverified")
 EVIDENCE = ("derived", "exact", "property-tested", "counterexample", "measured", "cited")
 
 

@@ -1,6 +1,7 @@
 """Unstructured mesh generation, exact and fast: the library under the book.
 
-Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`, `swap_diagonals`.
+Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`, `swap_diagonals`,
+`interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`; `constrained_delaunay`, `conforming_delaunay`, `refine`,
 `circumcenter_insertion`, `voronoi_segment`, `smooth`.
@@ -34,6 +35,7 @@ from .base.report import Report as Report
 from .connect.baker.modernized import insert as insert
 from .connect.insertion.delaunay import Triangulation as Triangulation
 from .connect.insertion.delaunay import delaunay as delaunay
+from .connect.interpolation import interpolate as interpolate
 from .connect.swapping import swap_diagonals as swap_diagonals
 from .connect.voronoi.diagram import Voronoi as Voronoi
 from .connect.voronoi.diagram import voronoi as voronoi
@@ -81,6 +83,7 @@ __all__ = [
     "examples",
     "gift_wrap",
     "insert",
+    "interpolate",
     "plain",
     "predicates",
     "refine",

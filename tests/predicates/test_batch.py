@@ -119,7 +119,7 @@ def test_limb_arithmetic_against_python_integers():
             assert read(w, n, 0) == a and exact.sign(w, n, 0) == (a > 0) - (a < 0)
             exact.add(w, n, 0, 1, 2)
             assert read(w, n, 2) == a + b
-            exact._subtract(w, n, 0, 1, 2)
+            exact.subtract(w, n, 0, 1, 2)
             assert read(w, n, 2) == a - b and exact.sign(w, n, 2) == (a > b) - (a < b)
             exact.multiply(w, n, 0, 1, 2)
             assert read(w, n, 2) == a * b

@@ -9,6 +9,7 @@ import numpy as np
 from ..base.report import Problem, Report, problem
 from ..mesh.mesh import Mesh
 from ..predicates.batch import in_sphere, orient
+from ..predicates.power import power_signs
 
 __all__ = ["check_brute"]
 
@@ -16,7 +17,12 @@ __all__ = ["check_brute"]
 def check_brute(mesh: Mesh, report: Report) -> None:
     """All points against all spheres and all hull facets, and the volume in rational numbers."""
     points, corners = mesh.points, mesh.corners
-    inside = np.asarray(in_sphere(corners[:, None], points)) > 0
+    if mesh.weights is None:
+        inside = np.asarray(in_sphere(corners[:, None], points)) > 0
+    else:
+        m, n = mesh.size, len(points)
+        every = np.repeat(mesh.simplices, n, axis=0), np.tile(np.arange(n), m)
+        inside = power_signs(points, mesh.weights, *every).reshape(m, n) > 0
     cells, vertices = np.nonzero(inside)
     report.note(
         "brute force: no vertex in any sphere",

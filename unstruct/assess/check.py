@@ -18,6 +18,7 @@ from ..mesh.marked import marked_facets
 from ..mesh.mesh import Mesh
 from ..mesh.split import simplices_of_cells
 from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
+from ..predicates.power import power_signs
 from .brute import check_brute
 from .mixed import array_faults, check_mixed
 from .region import check_domain, pinch_points
@@ -39,8 +40,9 @@ def check(
         What the mesh claims to fill: every piece must be a chain of edges marked "facets" or "inner" on the
         true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree.
     delaunay : bool or "constrained", optional
-        True: the mesh claims to be a Delaunay triangulation of (the hull of) its points. "constrained": of
-        a constrained one; facets named by the mesh's markers are then opaque.
+        True: the mesh claims to be a Delaunay triangulation of (the hull of) its points; with weights, their
+        regular triangulation. "constrained": of a constrained one; facets named by the mesh's markers are
+        then opaque.
     brute : bool, optional
         Whether to add tests of all points against all cells, which share no theorem with the fast ones.
         By default only for small meshes (points times cells up to 100 000).
@@ -140,12 +142,18 @@ def _vertices(mesh: Mesh, report: Report) -> None:
     listed = np.zeros(len(mesh.points), dtype=bool)
     listed[copies] = True
     differ = (mesh.points[copies] != mesh.points[kept]).any(axis=1)
-    wrong = differ | used[copies] | ~used[kept]
+    hidden = np.zeros(len(mesh.points), dtype=bool)
+    hidden[mesh.hidden] = True
+    wrong = differ | used[copies] | ~(used | hidden)[kept]
+    text = "every vertex used, or listed as a duplicate of a used one"
     report.note(
-        "every vertex used, or listed as a duplicate of a used one",
+        text if mesh.weights is None else f"{text}, or as hidden",
         problem(
-            "unused vertex", "in no cell, and not a listed duplicate", vertices=np.nonzero(~used & ~listed)[0]
+            "unused vertex",
+            "in no cell, and not a listed duplicate",
+            vertices=np.nonzero(~used & ~listed & ~hidden)[0],
         ),
+        problem("hidden vertex", "listed as hidden, but in a cell", vertices=np.nonzero(used & hidden)[0]),
         problem("duplicate", "the copy must be unused and equal to a used vertex", vertices=copies[wrong]),
     )
 
@@ -324,9 +332,28 @@ def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
     inside = np.empty(len(cells), dtype=bool)
     for i in range(0, len(cells), SIGNS_AT_ONCE):
         part = slice(i, i + SIGNS_AT_ONCE)
-        inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
+        if mesh.weights is None:
+            inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
+        else:
+            inside[part] = power_signs(mesh.points, mesh.weights, simplices[cells[part]], across[part]) > 0
     text = "spheres of cells that contain the vertex across a facet"
     report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))
+    if mesh.weights is not None:
+        _hidden(mesh, report)
+
+
+def _hidden(mesh: Mesh, report: Report) -> None:
+    """Whether each hidden point lies, lifted, on or above the cell below which it would have to be."""
+    assert mesh.weights is not None
+    cells = np.asarray(mesh.find_simplex(mesh.points[mesh.hidden]))
+    lost = mesh.hidden[cells < 0]
+    vertices, cells = mesh.hidden[cells >= 0], cells[cells >= 0]
+    low = power_signs(mesh.points, mesh.weights, mesh.simplices[cells], vertices) > 0
+    report.note(
+        "hidden points have no power cell (exact)",
+        problem("hidden vertex", "its power cell is not empty", cells[low], vertices[low]),
+        problem("hidden vertex", "it lies outside of the mesh", vertices=lost),
+    )
 
 
 def _marked(mesh: Mesh, facets: np.ndarray) -> np.ndarray:

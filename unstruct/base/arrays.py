@@ -14,6 +14,7 @@ __all__ = [
     "INT32",
     "as_numbers",
     "as_points",
+    "as_weights",
     "counted_off",
     "distinct",
     "frozen",
@@ -99,6 +100,23 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
                 "subtract an offset or scale first"
             )
     return result
+
+
+def as_weights(weights: Any, count: int) -> np.ndarray:
+    """Return ``weights`` as a finite float64 array of shape (count,), or name the first that is wrong.
+
+    Raises
+    ------
+    InputError
+        Wrong shape, non-numeric type, masked, NaN or infinite entries.
+    """
+    try:
+        array = np.asanyarray(weights)
+    except ValueError as error:  # ragged lists
+        raise InputError(f"weights must be an array of shape ({count},): {error}") from None
+    if array.shape != (count,):
+        raise InputError(f"weights must have shape ({count},), one for each point, not {array.shape}")
+    return as_points(array[:, None], "weights")[:, 0]
 
 
 def as_numbers(values: Any, name: str) -> np.ndarray:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import INT32, as_points, counted_off, distinct, frozen, refrozen, within
+from ..base.arrays import INT32, as_points, as_weights, counted_off, distinct, frozen, refrozen, within
 from ..base.errors import InputError, MeshError
 from . import topology
 from .adjacency import facet_pairs, stars_of_cells, two_cells
@@ -27,11 +27,14 @@ from .cells import (
 
 __all__ = ["CellComplex"]
 
-NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
+NO_PAIRS, NO_VERTICES = frozen(np.empty((0, 2), dtype=np.int32)), frozen(np.empty(0, dtype=np.int32))
 
 
 class CellComplex:
     """Points, cells, and the record of where the points came from, without any measures: see `Mesh`."""
+
+    weights: np.ndarray | None = None
+    hidden: np.ndarray = NO_VERTICES
 
     def __init__(
         self,
@@ -43,6 +46,8 @@ class CellComplex:
         duplicates: Any = None,
         markers: Mapping[str, Any] | None = None,
         cells: Mapping[str, Any] | None = None,
+        weights: Any = None,
+        hidden: Any = None,
         _ready: bool = False,
     ):
         if _ready:  # arrays of our own kernels have the right types and ranges, and nothing else uses them
@@ -69,6 +74,12 @@ class CellComplex:
             self.duplicates = self._integers(duplicates, "duplicates", (None, 2))
             if not within(self.duplicates, n):
                 raise InputError(f"duplicates refers to vertices outside 0..{n - 1}")
+        if weights is not None:
+            self.weights = frozen(as_weights(weights, n).copy())
+        if hidden is not None:
+            self.hidden = self._integers(hidden, "hidden", (None,))
+            if not within(self.hidden[:, None], n):
+                raise InputError(f"hidden refers to vertices outside 0..{n - 1}")
         self.markers: dict[str, np.ndarray] = {}
         if markers:
             size = self.size
@@ -242,4 +253,5 @@ class CellComplex:
     def __repr__(self) -> str:
         kinds = ", ".join(counted(len(block), name) for name, block in self.cells.items())
         extra = f", {len(self.duplicates)} duplicates" if len(self.duplicates) else ""
+        extra += f", {len(self.hidden)} hidden" if len(self.hidden) else ""
         return f"<Mesh: {len(self.points)} points, {kinds} in {self.points.shape[1]}D{extra}>"

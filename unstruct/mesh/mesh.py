@@ -49,6 +49,11 @@ class Mesh(CellComplex):
         A one-dimensional array of length m gives a value to each cell. An integer array of shape (c, j)
         names c faces by their j vertices: (c, 1) vertices, (c, 2) edges, (c, 3) triangles, (c, 4)
         quadrilaterals; beside cells that are no simplices, shorter rows end in -1, as in `boundary`.
+    weights : array_like, shape (n,), optional
+        Weights of the points: the mesh claims to be their regular triangulation (`unstruct.delaunay` with
+        ``weights``) and not that of the bare points. New meshes made from it have none, but for `oriented`.
+    hidden : array_like of int, shape (h,), optional
+        Vertices that no cell uses because their power cells are empty.
     cells : dict of str to array, optional
         Instead of ``simplices``: kind -> rows of vertices, by meshio's names ("triangle", "quad", "tetra",
         "hexahedron", "wedge", "pyramid", "polygon", ...), all of one dimension; "polygon" may be a list of
@@ -206,6 +211,8 @@ class Mesh(CellComplex):
             origin=self.origin,
             duplicates=self.duplicates,
             markers=self.markers,
+            weights=self.weights,
+            hidden=self.hidden,
         )
 
     def select(self, mask: Any) -> Mesh:

@@ -62,7 +62,7 @@ def add(w, n, a, b, c):
 
 
 @kernel
-def _subtract(w, n, a, b, c):
+def subtract(w, n, a, b, c):
     """Number ``c`` becomes ``a - b`` (``c`` may be ``a``)."""
     length = max(n[a], n[b])
     for i in range(length):
@@ -94,7 +94,7 @@ def sign(w, n, s):
 
 
 @kernel
-def _decompose(x, mantissa, exponent):
+def decompose(x, mantissa, exponent):
     """Write ``x[i] = mantissa[i] * 2**exponent[i]``; return the smallest exponent and the highest bit."""
     least, greatest = 1 << 20, -(1 << 20)
     for i in range(len(x)):
@@ -116,7 +116,7 @@ def _decompose(x, mantissa, exponent):
 
 
 @kernel
-def _load(w, n, s, mantissa, exponent, least, i, j):
+def load(w, n, s, mantissa, exponent, least, i, j):
     """Number ``s`` becomes ``x[i] - x[j]`` in units of ``2**least``."""
     length = 0
     for k, sign in ((i, 1), (j, -1)):
@@ -145,7 +145,7 @@ def differences(x, dimension, degree, slots):
     count = len(x) // dimension
     mantissa = np.empty(len(x), np.int64)
     exponent = np.empty(len(x), np.int64)
-    least, greatest = _decompose(x, mantissa, exponent)
+    least, greatest = decompose(x, mantissa, exponent)
     span = greatest - least
     small = np.zeros(len(x) - dimension, np.int64)
     if span <= 61:
@@ -164,7 +164,7 @@ def differences(x, dimension, degree, slots):
     w = np.empty((slots, width), np.int64)
     n = np.zeros(slots, np.int64)
     for i in range((count - 1) * dimension):
-        _load(w, n, i, mantissa, exponent, least, i, (count - 1) * dimension + i % dimension)
+        load(w, n, i, mantissa, exponent, least, i, (count - 1) * dimension + i % dimension)
     return False, small, w, n
 
 
@@ -173,11 +173,11 @@ def differences(x, dimension, degree, slots):
 
 
 @kernel
-def _minor(w, n, a, b, c, d, t, out):
+def minor_of(w, n, a, b, c, d, t, out):
     """Number ``out`` becomes ``a * d - b * c``; ``t`` is scratch."""
     multiply(w, n, a, d, out)
     multiply(w, n, b, c, t)
-    _subtract(w, n, out, t, out)
+    subtract(w, n, out, t, out)
 
 
 @kernel
@@ -188,7 +188,7 @@ def exact_orient2(ax, ay, bx, by, cx, cy):
         value = s[0] * s[3] - s[1] * s[2]
         return int(value > 0) - int(value < 0)
     free = len(s)
-    _minor(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
+    minor_of(w, n, free - 4, free - 3, free - 2, free - 1, free, free + 1)
     return sign(w, n, free + 1)
 
 
@@ -211,7 +211,7 @@ def exact_incircle(ax, ay, bx, by, cx, cy, px, py):
         multiply(w, n, 2 * k, 2 * k, lift)
         multiply(w, n, 2 * k + 1, 2 * k + 1, t)
         add(w, n, lift, t, lift)
-        _minor(w, n, u, u + 1, v, v + 1, t, cross)
+        minor_of(w, n, u, u + 1, v, v + 1, t, cross)
         multiply(w, n, lift, cross, t)
         add(w, n, total, t, total)
     return sign(w, n, total)
@@ -233,7 +233,7 @@ def exact_orient3(x):
     n[total] = 0
     for k in range(3):
         u, v = (k + 1) % 3, (k + 2) % 3
-        _minor(w, n, 3 + u, 3 + v, 6 + u, 6 + v, t, cross)
+        minor_of(w, n, 3 + u, 3 + v, 6 + u, 6 + v, t, cross)
         multiply(w, n, k, cross, t)
         add(w, n, total, t, total)
     return sign(w, n, total)
@@ -265,7 +265,7 @@ def exact_insphere(x):
         n[lift] = 0
         for i in range(3):
             u, v = (i + 1) % 3, (i + 2) % 3
-            _minor(w, n, b + u, b + v, c + u, c + v, t, cross)
+            minor_of(w, n, b + u, b + v, c + u, c + v, t, cross)
             multiply(w, n, a + i, cross, t)
             add(w, n, minor, t, minor)
             multiply(w, n, 3 * k + i, 3 * k + i, t)
@@ -274,7 +274,7 @@ def exact_insphere(x):
         if k % 2 == 1:
             add(w, n, total, t, total)
         else:
-            _subtract(w, n, total, t, total)
+            subtract(w, n, total, t, total)
     return sign(w, n, total)
 
 

@@ -24,7 +24,18 @@ from fixtures import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import DegenerateInputError, InputError, UnstructError, Voronoi, voronoi
+from unstruct import (
+    DegenerateInputError,
+    Domain,
+    InputError,
+    Mesh,
+    MeshError,
+    UnstructError,
+    Voronoi,
+    constrained_delaunay,
+    delaunay,
+    voronoi,
+)
 from unstruct.connect.voronoi.dual import find_ridges, general_ridges
 from unstruct.plain.predicates import in_sphere, orient
 from unstruct.plain.voronoi import area, corners, dirichlet, exact_sites, neighbors
@@ -289,13 +300,22 @@ def test_line():
 
 @pytest.mark.parametrize("name", FLAT)
 def test_flat_sites_raise_with_the_dimension(name):
+    """But for sites in the plane, whose cells are strips."""
     points, dimension = FLAT[name]
+    if points.shape[1] == 2:
+        diagram = voronoi(points)
+        count = len(set(map(tuple, points.tolist())))
+        assert len(diagram.regions) == count and len(diagram.ridge_points) == count - 1
+        assert diagram.unbounded.all() and (diagram.areas() == np.inf).all()
+        return
     with pytest.raises(DegenerateInputError) as error:
         voronoi(points)
     assert error.value.dimension == dimension
 
 
-@pytest.mark.parametrize("bad", [[], [[0, 0]], [[0, 0], [1, 0], [0, np.nan]], [1, 2, 3], [["a", "b"]], None])
+@pytest.mark.parametrize(
+    "bad", [[], [[0, 0, 0]], [[0, 0], [1, 0], [0, np.nan]], [1, 2, 3], [["a", "b"]], None]
+)
 def test_bad_input_raises_the_typed_error(bad):
     with pytest.raises(UnstructError):
         voronoi(bad)
@@ -423,7 +443,6 @@ def test_many_cornered_window_and_many_sites():
     [
         ([[0, 0], [0, 1]], "empty"),
         ([[1, 1], [0, 0]], "empty"),
-        ([[0, 0], [2, 0], [1, 0.1], [0, 2]], "not convex"),
         ([[0, 0], [3, 1], [0, 1], [3, 0]], "not convex"),
         (np.array([[0, 3], [-1.8, -2.4], [2.9, 0.9], [-2.9, 0.9], [1.8, -2.4]]), "not convex"),
         ([[0, 0], [1, 1], [2, 2]], "collinear"),
@@ -598,3 +617,61 @@ def test_plot():
     assert ax.get_aspect() == 1 and ax.collections
     with pytest.raises(InputError):
         voronoi(uniform(10, 3)).plot()
+
+
+# --- meshes that are given ----------------------------------------------------------------------------
+
+
+def test_a_mesh_that_is_not_delaunay_is_refused_by_facet():
+    """The other diagonal of a quadrilateral: its cells added up to 18.033 in a window of 18."""
+    points = [(0, 0), (4, 0), (4.2, 1), (0, 1.1)]
+    window = ((-1, -1), (5, 2))
+    with pytest.raises(MeshError, match=r"facet \[0, 2\], between cells 0 and 1: vertex 3"):
+        Voronoi(Mesh(points, [[0, 1, 2], [0, 2, 3]]))
+    right = Voronoi(Mesh(points, [[0, 1, 3], [1, 2, 3]]))
+    assert right.areas(clip=window).sum() == pytest.approx(18, rel=1e-15)
+    assert np.array_equal(right.areas(clip=window), voronoi(points).areas(clip=window))
+
+
+@few
+@given(grid2, st.integers(0, 99))
+def test_one_swapped_diagonal_is_found(points, seed):
+    if not spans(points):
+        return
+    mesh = delaunay(np.array(points, dtype=float))
+    assert len(Voronoi(mesh).regions) == len(set(points))
+    pairs = [(t, u) for t in range(len(mesh)) for u in mesh.neighbors[t].tolist() if u > t]
+    for t, u in pairs[seed % 7 :: 7]:
+        (a,) = set(mesh.simplices[t].tolist()) - set(mesh.simplices[u].tolist())
+        (b,) = set(mesh.simplices[u].tolist()) - set(mesh.simplices[t].tolist())
+        c, d = sorted(set(mesh.simplices[t].tolist()) & set(mesh.simplices[u].tolist()))
+        new = [[a, b, c], [b, a, d]]
+        new = [row if orient(mesh.points[row]) > 0 else [row[1], row[0], row[2]] for row in new]
+        convex = orient(mesh.points[[a, c, b]]) * orient(mesh.points[[a, d, b]]) < 0
+        rest = [row for k, row in enumerate(mesh.simplices.tolist()) if k not in (t, u)]
+        swapped = Mesh(mesh.points, rest + new, duplicates=mesh.duplicates) if convex else None
+        if convex and in_sphere(mesh.points[mesh.simplices[t]], mesh.points[b]) < 0:
+            with pytest.raises(MeshError, match="not Delaunay at facet"):
+                Voronoi(swapped)
+        elif convex:  # a tie: both are Delaunay
+            assert len(Voronoi(swapped).vertices) == len(voronoi(points).vertices)
+
+
+def test_meshes_without_the_whole_hull_are_refused():
+    bend = Domain.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])
+    square = [(0, 0), (1, 0), (1, 1), (0, 1), (3, 0), (4, 0), (4, 1)]
+    cube_mesh = delaunay(cube(3))
+    for mesh, words in [
+        (constrained_delaunay(bend), "leave the hull"),
+        (Mesh(square, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]), "2 pieces"),
+        (Mesh(square[:4], [[0, 2, 1], [0, 2, 3]]), "cell 0 of the mesh is flat or turned"),
+        (Mesh(square[:4], [[0, 1, 2]]), "vertex 3 of the mesh is in no cell"),
+        (Mesh(square[:4], [[0, 1, 2], [0, 1, 3], [0, 2, 3]]), "."),
+        (Mesh(square[:3], np.empty((0, 3), dtype=np.int32)), "not on a line"),
+        (Mesh(cube(3), np.empty((0, 4), dtype=np.int32)), "no cells"),
+        (cube_mesh.select(np.arange(1, len(cube_mesh))), "."),
+    ]:
+        with pytest.raises(UnstructError, match=words):
+            Voronoi(mesh)
+    hull = constrained_delaunay(Domain.rectangle())
+    assert Voronoi(hull).vertices.tolist() == [[0.5, 0.5]]

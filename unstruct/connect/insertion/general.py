@@ -137,7 +137,10 @@ class General:
             if v != GHOST and self.points[v] == q:
                 self.copy_of[p] = v
                 return
-        cavity, walls = self._cavity(start, q)
+        self._replace(p, *self._cavity(start, q))
+
+    def _replace(self, p: int, cavity: list[int], walls: list[tuple[int, int]]) -> None:
+        """Replace the cavity by the cells that join p to the facets around it."""
         ridges = []
         for t, k in walls:
             cell = list(self.vertices[t])

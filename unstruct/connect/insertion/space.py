@@ -89,7 +89,8 @@ def conflict3(xyz, vertex, across, t, px, py, pz):
 
 def start3(xyz, vertex, across, state):
     """The first tetrahedron, on points 0, 1, 2, 3, and its four ghosts."""
-    vertex[:4] = (0, 1, 2, 3) if orient_at(xyz, np.arange(4)) > 0 else (0, 1, 3, 2)
+    corners = np.ascontiguousarray(xyz[:4, :3])  # rows may end with weights
+    vertex[:4] = (0, 1, 2, 3) if orient_at(corners, np.arange(4)) > 0 else (0, 1, 3, 2)
     for k in range(4):
         ghost = 4 * (1 + k)
         for j in range(3):
@@ -303,11 +304,14 @@ class Spatial(Compiled):
     def _start(self) -> None:
         start3(self.rows, self.vertex, self.across, self.state)
 
+    def _advance(self, stop: int) -> int:
+        return int(insert3(self._space(), self._cavity(), self.copy_of, stop))
+
     def advance(self) -> None:
         """Insert the next chunk of the points that were added."""
         stop = min(self.size, self.done + self.chunk)
         while True:
-            lacking = insert3(self._space(), self._cavity(), self.copy_of, stop)
+            lacking = self._advance(stop)
             if lacking == FINISHED:
                 return
             if lacking == MORE_CELLS:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["local_circumcenters", "outward_normals", "volumes"]
+__all__ = ["determinants", "local_circumcenters", "outward_normals", "volumes"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -21,8 +22,12 @@ Ints = NDArray[np.int32]
 NEARLY_FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
 
 
-def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[Ints, Floats]:
+def local_circumcenters(
+    points: Floats, simplices: Ints, scale: float, weights: Floats | None = None
+) -> tuple[Ints, Floats]:
     """Circumcenters of the points times ``scale``, as (corner, offset from that corner).
+
+    With weights: power centers, at which |x - p|^2 - w is the same for all corners.
 
     ``scale`` is a power of two that makes all coordinates at most 1 in magnitude. For each simplex, the first
     corner from which the edges are far from parallel is taken; errors are then about 1e-12 of the
@@ -38,7 +43,11 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
         square = (rows**2).sum(axis=2)
         size = np.sqrt(square).prod(axis=1)
-        solid = (np.abs(_determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
+        if weights is not None:
+            square -= (
+                (weights[np.delete(simplices[todo], k, axis=1)] - weights[corner][:, None]) * scale * scale
+            )
+        solid = (np.abs(determinants(rows)) > NEARLY_FLAT * size) & (size > 1e-200)
         done = todo[solid]
         base[done] = corner[solid]
         offset[done] = _solve(rows[solid], square[solid] / 2)
@@ -46,17 +55,18 @@ def local_circumcenters(points: Floats, simplices: Ints, scale: float) -> tuple[
         if not len(todo):
             break
     for t in todo.tolist():
-        offset[t] = _exact_offset(points[simplices[t]].tolist(), scale)
+        heavy = [0.0] * width if weights is None else weights[simplices[t]].tolist()
+        offset[t] = _exact_offset(points[simplices[t]].tolist(), heavy, scale)
     return base, offset
 
 
 def volumes(points: Floats, simplices: Ints, scale: float) -> Floats:
     """d! times the volumes of simplices of the points times ``scale``; rounded, for comparisons of size."""
     corners = points[simplices] * scale
-    return np.abs(_determinants(corners[:, 1:] - corners[:, :1]))
+    return np.abs(determinants(corners[:, 1:] - corners[:, :1]))
 
 
-def _determinants(rows: Floats) -> Floats:
+def determinants(rows: Floats) -> Floats:
     """Determinants of matrices (m, d, d); for d <= 3 by plain formulas, which are exact on small integers."""
     d = rows.shape[1]
     if d == 0:
@@ -68,7 +78,7 @@ def _determinants(rows: Floats) -> Floats:
     head, rest = rows[:, 0], rows[:, 1:]
     total: Floats = np.zeros(len(rows))
     for k in range(d):
-        total += (-1) ** k * head[:, k] * _determinants(np.delete(rest, k, axis=2))
+        total += (-1) ** k * head[:, k] * determinants(np.delete(rest, k, axis=2))
     return total
 
 
@@ -81,8 +91,8 @@ def _solve(rows: Floats, right: Floats) -> Floats:
     for k in range(d):
         changed = rows.copy()
         changed[:, :, k] = right
-        result[:, k] = _determinants(changed)
-    return result / _determinants(rows)[:, None]
+        result[:, k] = determinants(changed)
+    return result / determinants(rows)[:, None]
 
 
 def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
@@ -105,11 +115,17 @@ def _eliminated(rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     return volume, table[:, :, d]
 
 
-def _exact_offset(corners: list[list[float]], factor: float) -> list[float]:
-    """Circumcenter minus first corner, times ``factor``, by Cramer's rule for a_i . c = |a_i|^2 / 2."""
-    rows, scale = _integer_rows(corners)
+def _exact_offset(corners: list[list[float]], heavy: list[float], factor: float) -> list[float]:
+    """Power center minus first corner, times ``factor``, by Cramer's rule: a_i . c = (|a_i|^2 - v_i) / 2.
+
+    a_i and v_i are the differences of corners and of weights to the first ones.
+    """
+    weights = [Fraction(w) for w in heavy]
+    bits = max(w.denominator.bit_length() for w in weights) // 2
+    rows, scale = _integer_rows(corners, 1 << bits)
     up, down = factor.as_integer_ratio()
-    squares = [sum(x * x for x in row) for row in rows]
+    extra = [int((w - weights[0]) * scale * scale) for w in weights[1:]]
+    squares = [sum(x * x for x in row) - v for row, v in zip(rows, extra)]
     whole = 2 * _determinant(rows) * scale * down
     result = []
     for k in range(len(rows)):
@@ -127,7 +143,7 @@ def outward_normals(points: Floats, simplices: Ints, facets: NDArray[np.int64], 
     rows = (points[sites[:, 1:]] - points[sites[:, :1]]) * scale
     normal = np.empty((len(cell), width - 1))
     for k in range(width - 1):
-        normal[:, k] = (-1) ** k * _determinants(np.delete(rows, k, axis=2))
+        normal[:, k] = (-1) ** k * determinants(np.delete(rows, k, axis=2))
     size = np.sqrt((rows**2).sum(axis=2)).prod(axis=1)
     length = np.sqrt((normal**2).sum(axis=1))
     weak = ~((length > NEARLY_FLAT * size) & (size > 1e-100))
@@ -147,10 +163,13 @@ def _exact_normal(corners: list[list[float]]) -> list[float]:
     return [x / most for x in minors]
 
 
-def _integer_rows(corners: list[list[float]]) -> tuple[list[list[int]], int]:
-    """The corners minus the first, times the common denominator of their coordinates, and that number."""
+def _integer_rows(corners: list[list[float]], least: int = 1) -> tuple[list[list[int]], int]:
+    """The corners minus the first, times the common denominator of their coordinates, and that number.
+
+    The number is a power of two, at least ``least``.
+    """
     ratios = [[x.as_integer_ratio() for x in p] for p in corners]
-    scale = max(q for p in ratios for _, q in p)  # denominators are powers of two
+    scale = max(least, *(q for p in ratios for _, q in p))
     first, *others = [[n * (scale // q) for n, q in p] for p in ratios]
     return [[x - y for x, y in zip(p, first)] for p in others], scale
 

@@ -1,4 +1,4 @@
-"""Planar Voronoi cells cut by a convex window, with their areas and moments.
+"""Planar Voronoi cells cut by windows, with their areas and moments.
 
 Each cell is computed relative to its site, so that large coordinates cause no loss of accuracy.
 """
@@ -8,60 +8,19 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ...base.errors import InputError
 from ...base.jit import inline, kernel
-from ...predicates.batch import orient
+from ...geometry.boxes import BoxTree
+from .window import Window
 
-__all__ = ["as_window", "clip_cells"]
+__all__ = ["clip_cells"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-
-def as_window(clip: ArrayLike) -> Floats:
-    """Corners of a convex window, counterclockwise, from a box ((x0, y0), (x1, y1)) or a convex polygon.
-
-    Raises
-    ------
-    InputError
-        If the shape is wrong, a coordinate is not finite, or the polygon is empty or not convex (which is
-        decided exactly).
-    """
-    try:
-        window = np.array(clip, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"clip is not an array of real numbers: {error}") from None
-    if window.ndim != 2 or window.shape[1] != 2 or len(window) < 2:
-        raise InputError(
-            f"clip has shape {window.shape}; it must be a box ((x0, y0), (x1, y1)) "
-            "or the corners (k, 2) of a convex polygon"
-        )
-    bad = np.flatnonzero(~np.isfinite(window).all(axis=1))
-    if len(bad):
-        raise InputError(f"corner {bad[0]} of clip is {window[bad[0]].tolist()}; all must be finite")
-    if len(window) == 2:
-        (x0, y0), (x1, y1) = window
-        if not (x0 < x1 and y0 < y1):
-            raise InputError(
-                f"the box {window.tolist()} is empty; give its lower left corner, then its upper right one"
-            )
-        return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
-    turns = np.atleast_1d(
-        orient(np.stack([np.roll(window, 1, axis=0), window, np.roll(window, -1, axis=0)], axis=1))
-    )
-    if (turns < 0).sum() > (turns > 0).sum():
-        window, turns = window[::-1].copy(), -turns[::-1]
-    window, straight = window[turns != 0], turns[turns != 0]
-    if len(window) < 3:
-        raise InputError("the corners of clip are collinear; they must enclose an area")
-    fan = orient(
-        np.stack([np.broadcast_to(window[0], (len(window) - 2, 2)), window[1:-1], window[2:]], axis=1)
-    )
-    if (straight < 0).any() or (np.atleast_1d(fan) <= 0).any():
-        raise InputError("clip is not convex; divide it into convex polygons and clip by each of them")
-    return window
+PAIRS_AT_ONCE = 200_000  # how many cells are cut at a time, so that Ctrl-C takes effect
+BOX_SLACK = 1e-12  # boxes are larger than their cells by this share of the coordinates
 
 
 @inline
@@ -83,12 +42,12 @@ def _cut(x, y, size, nx, ny, level, newx, newy):
 
 
 @inline
-def _inside(x, y, size, window, px, py):
-    """Whether all corners, given relative to the site p, lie in the window."""
-    w = window.shape[0]
-    for i in range(w):
-        ax, ay = window[i, 0] - px, window[i, 1] - py
-        bx, by = window[(i + 1) % w, 0] - px, window[(i + 1) % w, 1] - py
+def _inside(x, y, size, corner, low, high, px, py):
+    """Whether all corners, given relative to the site p, lie in the convex polygon corner[low:high]."""
+    for i in range(low, high):
+        j = i + 1 if i + 1 < high else low
+        ax, ay = corner[i, 0] - px, corner[i, 1] - py
+        bx, by = corner[j, 0] - px, corner[j, 1] - py
         for k in range(size):
             if not ((bx - ax) * (y[k] - ay) - (by - ay) * (x[k] - ax) >= 0.0):
                 return False
@@ -104,25 +63,37 @@ class Cells(NamedTuple):
     offset: Floats
     link: NDArray[Any]
     linked: Ints
+    weight: Floats  # of the sites; equal weights count for nothing
+
+
+class Pairs(NamedTuple):
+    """Which cell (site) is cut by which convex piece of the window, and the corners of the pieces."""
+
+    site: NDArray[np.int64]
+    piece: NDArray[np.int64]
+    corner: Floats
+    start: NDArray[np.int64]
 
 
 @kernel
-def _clip(points, window, cells, v, ends, corners, moments):
-    """Write the cells from site ``v`` on, until ``corners`` is full; return the first site that is left.
+def _clip(points, pairs, cells, i, ends, corners, moments):
+    """Write the parts of cells from pair ``i`` on, until ``corners`` is full; return the first pair left.
 
-    A bounded cell inside the window keeps its own corners. Any other cell is the window, cut by the bisectors
+    A bounded cell inside the piece keeps its own corners. Any other part is the piece, cut by the bisectors
     between the site and its neighbors. ``moments`` receives the area and the integrals of x, y and |x|^2,
     all relative to the site.
     """
-    start, ring, base, offset, link, linked = cells
-    w = window.shape[0]
+    start, ring, base, offset, link, linked, weight = cells
     most = 0
-    for u in range(v, points.shape[0]):
-        most = max(most, start[u + 1] - start[u], link[u + 1] - link[u] + w)
+    for r in range(i, pairs.site.shape[0]):
+        v, p = pairs.site[r], pairs.piece[r]
+        w = pairs.start[p + 1] - pairs.start[p]
+        most = max(most, start[v + 1] - start[v], link[v + 1] - link[v] + w)
     x, y = np.empty(most + 2), np.empty(most + 2)
     newx, newy = np.empty(most + 2), np.empty(most + 2)
     used = 0
-    while v < points.shape[0]:
+    while i < pairs.site.shape[0]:
+        v, low, high = pairs.site[i], pairs.start[pairs.piece[i]], pairs.start[pairs.piece[i] + 1]
         px, py = points[v, 0], points[v, 1]
         begin, size = start[v], start[v + 1] - start[v]
         whole = size > 0 and ring[begin] >= 0
@@ -131,26 +102,28 @@ def _clip(points, window, cells, v, ends, corners, moments):
                 g = ring[begin + k]
                 x[k] = (points[base[g], 0] - px) + offset[g, 0]
                 y[k] = (points[base[g], 1] - py) + offset[g, 1]
-            whole = _inside(x, y, size, window, px, py)
+            whole = _inside(x, y, size, pairs.corner, low, high, px, py)
         if not whole and size > 0:
-            size = w
-            for k in range(w):
-                x[k], y[k] = window[k, 0] - px, window[k, 1] - py
-            for i in range(link[v], link[v + 1]):
-                nx, ny = points[linked[i], 0] - px, points[linked[i], 1] - py
-                size = _cut(x, y, size, nx, ny, (nx * nx + ny * ny) / 2, newx, newy)
+            size = high - low
+            for k in range(size):
+                x[k], y[k] = pairs.corner[low + k, 0] - px, pairs.corner[low + k, 1] - py
+            for j in range(link[v], link[v + 1]):
+                u = linked[j]
+                nx, ny = points[u, 0] - px, points[u, 1] - py
+                level = (nx * nx + ny * ny + (weight[v] - weight[u])) / 2
+                size = _cut(x, y, size, nx, ny, level, newx, newy)
                 x, newx = newx, x
                 y, newy = newy, y
         if used + size > corners.shape[0]:
             break
-        if _integrate(x, y, size, moments, v) <= 0.0:  # the window only touches the cell
+        if _integrate(x, y, size, moments, i) <= 0.0:  # the piece only touches the cell
             size = 0
         for k in range(size):
             corners[used + k, 0], corners[used + k, 1] = px + x[k], py + y[k]
         used += size
-        ends[v] = used
-        v += 1
-    return v
+        ends[i] = used
+        i += 1
+    return i
 
 
 @inline
@@ -175,43 +148,62 @@ def _integrate(x, y, size, moments, v):
     return area
 
 
-def clip_cells(
-    points: Floats,
-    window: Floats,
-    rings: tuple[Any, Ints],
-    centers: tuple[Ints, Floats],
-    links: tuple[Any, Ints],
-) -> tuple[list[Floats], Floats]:
-    """Cut all planar cells by a convex window.
+def clip_cells(points: Floats, window: Window, cells: Cells) -> tuple[Pairs, list[Floats], Floats]:
+    """Cut all planar cells by a window.
 
     Parameters
     ----------
     points : (n, 2) array
-        The sites; those with an empty ring (copies of other sites) get an empty polygon.
-    window : (w, 2) array
-        The result of `as_window`.
-    rings, links : compressed rows
-        The Voronoi vertices and the neighbors of each site.
-    centers : (site, offset)
-        The Voronoi vertices, from `local_circumcenters`.
+        The sites; those with an empty ring (hidden sites) get no polygon.
+    window : Window
+        The result of `as_window`, in the units of the points.
+    cells : Cells
 
     Returns
     -------
+    pairs : Pairs
+        Which cell and which convex piece of the window each polygon is common to, sorted by cells. For a
+        convex window there is one pair for each cell.
     polygons : list of (k, 2) arrays
-        Corners in counterclockwise order; an empty array for a cell that does not meet the window.
+        Corners in counterclockwise order; an empty array where a cell does not meet the piece.
     moments : (n, 4) array
-        The area, and the integrals of x, y and |x|^2 relative to each site.
+        The area, and the integrals of x, y and |x|^2 relative to each site, over all its polygons.
     """
-    n = len(points)
-    moments, polygons = np.empty((n, 4)), []
-    room = max(6 * min(n, 200_000), 2 * len(window) + 2 * int(np.diff(links[0]).max(initial=0)) + 2)
-    cells = Cells(*rings, *centers, *links)
-    v = 0
+    n, corner, start = len(points), window.corner, window.start
+    pieces = len(start) - 1
+    site, piece = np.arange(n), np.zeros(n, dtype=np.int64)
+    if pieces > 1:
+        low, high = np.minimum.reduceat(corner, start[:-1]), np.maximum.reduceat(corner, start[:-1])
+        site, piece = BoxTree(low, high).pairs(*_boxes(points, cells))
+    pairs = Pairs(site, piece, corner, start)
+    moments, polygons = np.empty((len(site), 4)), []
+    longest = int(np.diff(cells.link).max(initial=0)) + int(np.diff(start).max())
+    room = max(6 * min(len(site), PAIRS_AT_ONCE), 2 * longest + 2)
+    i = 0
     # Cells are cut in parts, so that the computation can be interrupted and windows with many corners do not
     # need more memory.
-    while v < n:
-        corners, ends = np.empty((room, 2)), np.empty(n, dtype=np.int64)
-        last = _clip(points, window, cells, v, ends, corners, moments)
-        polygons += np.split(corners[: ends[last - 1]], ends[v : last - 1])
-        v = last
-    return polygons, moments
+    while i < len(site):
+        corners, ends = np.empty((room, 2)), np.empty(len(site), dtype=np.int64)
+        last = _clip(points, pairs, cells, i, ends, corners, moments)
+        polygons += np.split(corners[: ends[last - 1]], ends[i : last - 1])
+        i = last
+    if pieces > 1:
+        moments = np.stack([np.bincount(site, column, minlength=n) for column in moments.T], axis=1)
+    return pairs, polygons, moments
+
+
+def _boxes(points: Floats, cells: Cells) -> tuple[Floats, Floats]:
+    """Boxes around all cells, a little too large; those of unbounded cells are unbounded, too."""
+    n, size = len(points), np.diff(cells.start)
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)  # empty: these meet nothing
+    where = points[cells.base] + cells.offset
+    owner, ring = np.repeat(np.arange(n), size), cells.ring
+    with np.errstate(invalid="ignore"):
+        slack = BOX_SLACK * (
+            np.abs(where).max(axis=1, initial=0.0) + np.abs(cells.offset).max(axis=1, initial=0.0)
+        )
+        for k in range(2):
+            least, most = where[:, k] - slack, where[:, k] + slack
+            np.minimum.at(low[:, k], owner, np.where(ring < 0, -np.inf, least[ring] if len(least) else 0.0))
+            np.maximum.at(high[:, k], owner, np.where(ring < 0, np.inf, most[ring] if len(most) else 0.0))
+    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)

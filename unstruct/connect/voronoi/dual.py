@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...predicates.batch import in_sphere, orient
+from ...predicates.power import power_signs
 
 __all__ = [
     "Ridges",
@@ -43,11 +44,15 @@ class Ridges(NamedTuple):
     ray_facets: NDArray[np.int64]  # (h,) the facet of the hull behind each ray, as cell * (d + 1) + corner
 
 
-def cospherical_groups(points: Floats, simplices: Ints, neighbors: Ints) -> Ints:
+def cospherical_groups(
+    points: Floats, simplices: Ints, neighbors: Ints, weights: Floats | None = None
+) -> tuple[Ints, tuple[int, int] | None]:
     """Number the simplices such that two have the same number exactly when they have the same circumsphere.
 
     All simplices on one sphere fill a convex polytope, so they are connected through facets, and tests of
-    neighbors find them all. Groups are numbered in the order of their first simplices.
+    neighbors find them all. Groups are numbered in the order of their first simplices. With weights, spheres
+    are orthogonal to those of their sites instead. The second value has two neighbors that are not locally
+    Delaunay, if there are any.
     """
     m = len(simplices)
     cell, corner = np.nonzero(neighbors > np.arange(m)[:, None])
@@ -56,10 +61,17 @@ def cospherical_groups(points: Floats, simplices: Ints, neighbors: Ints) -> Ints
     for low in range(0, len(cell), FACETS_AT_ONCE):
         t, u = cell[low : low + FACETS_AT_ONCE], other[low : low + FACETS_AT_ONCE]
         beyond = simplices[u, np.argmax(neighbors[u] == t[:, None], axis=1)]
-        tied[low : low + FACETS_AT_ONCE] = in_sphere(points[simplices[t]], points[beyond]) == 0
+        if weights is None:
+            inside = np.atleast_1d(in_sphere(points[simplices[t]], points[beyond]))
+        else:
+            inside = power_signs(points, weights, simplices[t], beyond)
+        if (inside > 0).any():
+            k = int(np.argmax(inside > 0))
+            return np.arange(m, dtype=np.int32), (int(t[k]), int(u[k]))
+        tied[low : low + FACETS_AT_ONCE] = inside == 0
     if not tied.any():
-        return np.arange(m, dtype=np.int32)
-    return _linked(m, np.stack([cell[tied], other[tied]], axis=1))
+        return np.arange(m, dtype=np.int32), None
+    return _linked(m, np.stack([cell[tied], other[tied]], axis=1)), None
 
 
 def _linked(size: int, links: NDArray[np.int64]) -> Ints:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.errors import InputError
 from ...predicates.batch import power_of_two
+from ...predicates.power import power_factor
 
 __all__ = ["NearestSite"]
 
@@ -28,15 +29,25 @@ class NearestSite:
     points : (n, d) array
         Finite coordinates.
     sites : (s,) array of int
-        The rows of ``points`` that are searched: at least two distinct points.
+        The rows of ``points`` that are searched: distinct points.
+    weights : (n,) array, optional
+        Then the least ``|x - p|^2 - w`` is sought. The tree has a coordinate more, sqrt(greatest w - w),
+        which is zero for queries.
     """
 
-    def __init__(self, points: Floats, sites: NDArray[np.intp]):
+    def __init__(self, points: Floats, sites: NDArray[np.intp], weights: Floats | None = None):
         from scipy.spatial import cKDTree
 
         self.points, self.sites = points, sites
         self._scale = power_of_two(points)
-        self._tree = cKDTree(points[sites] * self._scale)
+        self._weights = np.zeros(len(points)) if weights is None else weights
+        self._lifts = weights is not None
+        rows = points[sites]
+        if weights is not None:
+            self._scale = min(self._scale, power_factor(points, weights))
+            heavy = weights[sites] * self._scale * self._scale
+            rows = np.column_stack([rows, np.sqrt(heavy.max() - heavy) / self._scale])
+        self._tree = cKDTree(rows * self._scale)
 
     def __call__(self, x: ArrayLike) -> Any:
         """Indices of the nearest sites, shape (...), for queries (..., d); in a tie, the smallest index."""
@@ -50,6 +61,8 @@ class NearestSite:
         with np.errstate(over="ignore"):
             scaled = flat * self._scale
         far = np.abs(scaled).max(axis=1) >= OVERFLOWS
+        if self._lifts:
+            scaled = np.column_stack([scaled, np.zeros(len(scaled))])
         distance, place = self._tree.query(np.where(far[:, None], 0.0, scaled), k=2)
         found = self.sites[place[:, 0]]
         doubtful = far | (distance[:, 1] * (1 - CLOSE) <= distance[:, 0]) | (distance[:, 1] < UNDERFLOWS)
@@ -64,6 +77,8 @@ class NearestSite:
     def _exactly(self, x: list[float], candidates: list[int]) -> int:
         exact = [Fraction(c) for c in x]
         square = {
-            i: sum((Fraction(a) - b) ** 2 for a, b in zip(self.points[i].tolist(), exact)) for i in candidates
+            i: sum((Fraction(a) - b) ** 2 for a, b in zip(self.points[i].tolist(), exact))
+            - Fraction(float(self._weights[i]))
+            for i in candidates
         }
         return min(square, key=lambda i: (square[i], i))

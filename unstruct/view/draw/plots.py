@@ -240,6 +240,8 @@ def dual_segments(diagram: Any, reach: float) -> tuple[np.ndarray, np.ndarray, n
         along = points[q] - points[p]
         out = np.array([along[1], -along[0]]) / np.hypot(*along)
         center = (points[p] + points[q]) / 2
+        if getattr(diagram, "weights", None) is not None:
+            center = center + along * (diagram.weights[p] - diagram.weights[q]) / (2 * np.dot(along, along))
         if np.dot(out, center - middle) < 0:  # a ray points away from the sites
             out = -out
         # If the sites are collinear, a ridge is a whole line.
