@@ -246,7 +246,13 @@ def _meeting_text(outline: Outline, sampled: Sampled, pairs: np.ndarray) -> str:
 def _pair_text(outline: Outline, first: int, second: int, x: float, y: float) -> str:
     one, two = outline.name(first), outline.name(second)
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
-    return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
+    kind = outline.cuts().kind
+    if first != second and max(kind[first], kind[second]) < 2:
+        return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there, or let resolve=True split the pieces"
+    remedy = (
+        "put a vertex there and split the pieces at it (resolve=True splits straight pieces and arcs alone)"
+    )
+    return f"{both} near ({x:.6g}, {y:.6g}); {remedy}"
 
 
 # ---------------------------------------------------------------------- sizes
