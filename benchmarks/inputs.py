@@ -46,8 +46,8 @@ KINDS: dict[str, Callable[[int, int], Points]] = {
 
 # ---------------------------------------------------------------------- a coast with islands
 
-# An edge owns the rhombus about it whose angles at the ends are twice 30 degrees. The four edges that take its
-# place have their rhombi within it, and these touch only in common vertices; so rings never meet. The bump
+# An edge owns the rhombus about it whose angles at the ends are twice 30 degrees. The four edges that take
+# its place have their rhombi within it, and these touch only in common vertices; so rings never meet. A bump
 # is at most 0.2 high: then its edges rise by at most 50.2 degrees, and 50.2 + 30 < 90.
 BUMP = 0.2
 REACH = 0.38  # the radius of an island's first hexagon, in sides of its square; with its rhombi 0.44
@@ -62,7 +62,7 @@ def fractal_coast(n: int = 720_000, islands: int = 9_139) -> list[Points]:
     if (islands - 1) % 3 or (n - 6 * (islands + 1)) % 3 or n < 6 * (islands + 1):
         raise ValueError("islands - 1 and n must be multiples of 3, with n >= 6 (islands + 1)")
     rng = np.random.default_rng(10)
-    squares = np.array([[-0.5, -0.5, 1.0]])  # left, bottom, side; within the shore's first hexagon and rhombi
+    squares = np.array([[-0.5, -0.5, 1.0]])  # left, bottom, side; it is free of the rhombi of the shore
     while len(squares) < islands:
         chosen = rng.permutation(len(squares))[
             : max(1, min(len(squares) // 2, (islands - len(squares)) // 3))

@@ -26,6 +26,7 @@ from unstruct import (
 from unstruct.geometry.segment_pairs import meetings
 from unstruct.geometry.sweep import any_meeting
 from unstruct.mesh.embedding import crossing_facets
+from unstruct.predicates.batch import orient
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 RING = [[0, 1], [1, 2], [2, 3], [3, 0]]
