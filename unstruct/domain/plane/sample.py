@@ -60,6 +60,8 @@ class Sampled:
         The piece of which each subsegment is a part: facets 0 to f - 1, then inner segments.
     span : (s, 2) float64
         The parameters of its ends on the piece; the ends of the piece have 0 and 1.
+    outline : Outline
+        What was sampled. Every method takes a `Sampled` as a domain of straight pieces with its names.
     """
 
     points: np.ndarray
@@ -67,6 +69,24 @@ class Sampled:
     ends: np.ndarray
     piece: np.ndarray
     span: np.ndarray
+    outline: Outline
+
+    def parts(self) -> dict[str, Any]:
+        """The arguments of a `Domain` of straight pieces: the subsegments."""
+        facets = self.piece < len(self.outline.facets)  # they come first
+        many = np.bincount(self.piece, minlength=len(self.outline.pieces))
+        start = np.cumsum(many) - many
+        markers = {}
+        for name, pieces in self.outline.markers.items():
+            begin = np.repeat(start[pieces] - np.cumsum(many[pieces]) + many[pieces], many[pieces])
+            markers[name] = begin + np.arange(len(begin))
+        return {
+            "points": self.points,
+            "facets": self.ends[facets],
+            "inner": self.ends[~facets],
+            "markers": markers,
+            "regions": self.outline.regions,
+        }
 
 
 # ---------------------------------------------------------------------- cutting
@@ -87,7 +107,7 @@ def assemble(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray
     origin = np.full(n + count, -1, dtype=np.int32)
     origin[:n] = np.arange(n)
     ends = np.column_stack([first, last]).astype(np.int32)
-    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]))
+    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]), outline)
 
 
 def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -284,7 +304,7 @@ def coarse(outline: Outline) -> Sampled:
         span = np.zeros((many, 2))
         span[:, 1] = 1.0
         return Sampled(
-            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span
+            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span, outline
         )
     _refuse_repeated(outline)
     whole = np.arange(many)
