@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.heap import pop, push
-from ...base.jit import inline, kernel
+from ...base.jit import inline, kernel, lean
 from ...geometry.boxes import BOXES_IN_LEAF
 from ...predicates.kernels import orient2, orientation
 
@@ -70,7 +70,7 @@ class Blockers(NamedTuple):
     """A tree over what no triangle may contain: first the vertices, then seeds and boxes of curves.
 
     ``leaf`` is the leaf of each item, ``alive`` how many items below each node are still there.
-    ``begin`` and ``at`` list the chains at each fixed vertex.
+    ``begin`` and ``at`` list the chains at each fixed vertex; ``stack`` is room for searches.
     """
 
     low: np.ndarray
@@ -82,6 +82,7 @@ class Blockers(NamedTuple):
     alive: np.ndarray
     begin: np.ndarray
     at: np.ndarray
+    stack: np.ndarray
 
 
 class _Waiting(NamedTuple):
@@ -143,7 +144,7 @@ def _walk(v, s, number, pieces, free, begin, around, chains):
     return v, length
 
 
-@inline
+@lean
 def _joined(chains, blockers, a, b):
     """Whether a straight piece joins a to b besides the two that meet in the vertex between them."""
     if chains.into[a] >= 0:
@@ -180,7 +181,7 @@ def _excess(xy, a, b, w, tolerance):
     return (away * (1.0 + ROUNDING) + ROUNDING * length) / tolerance[w]
 
 
-@kernel
+@lean
 def _deviation(xy, chains, limits, v):
     """The largest excess over the run that dropping v would make; infinite if v is not to be dropped."""
     before, behind = chains.into[v], chains.out[v]
@@ -207,35 +208,40 @@ def _deviation(xy, chains, limits, v):
 
 
 @inline
-def _beyond(ax, ay, bx, by, low, high):
-    """Whether a box certainly lies strictly to the right of the line from a to b."""
+def _beyond(ax, ay, bx, by, x0, y0, x1, y1):
+    """Whether the box from (x0, y0) to (x1, y1) certainly lies strictly to the right of the line ab."""
     dx, dy = bx - ax, by - ay
-    left = dx * ((high[1] if dx > 0 else low[1]) - ay) - dy * ((low[0] if dy > 0 else high[0]) - ax)
-    wide, tall = abs(low[0] - ax) + abs(high[0] - ax), abs(low[1] - ay) + abs(high[1] - ay)
+    left = dx * ((y1 if dx > 0 else y0) - ay) - dy * ((x0 if dy > 0 else x1) - ax)
+    wide, tall = abs(x0 - ax) + abs(x1 - ax), abs(y0 - ay) + abs(y1 - ay)
     return left < -SAFE * (abs(dx) * tall + abs(dy) * wide) - 1e-290
 
 
-@kernel
-def _outside(ax, ay, vx, vy, bx, by, low, high):
-    """Whether a box certainly does not meet the counterclockwise triangle a, v, b, by its three lines."""
+@lean
+def _outside(corners, low, high, i):
+    """Whether box i certainly does not meet a triangle, by the triangle's box and its three lines."""
+    ax, ay, bx, by, cx, cy = corners
+    x0, y0, x1, y1 = low[i, 0], low[i, 1], high[i, 0], high[i, 1]
+    if x0 > max(ax, bx, cx) or x1 < min(ax, bx, cx) or y0 > max(ay, by, cy) or y1 < min(ay, by, cy):
+        return True
     return (
-        _beyond(bx, by, ax, ay, low, high)
-        or _beyond(ax, ay, vx, vy, low, high)
-        or _beyond(vx, vy, bx, by, low, high)
+        _beyond(ax, ay, bx, by, x0, y0, x1, y1)
+        or _beyond(bx, by, cx, cy, x0, y0, x1, y1)
+        or _beyond(cx, cy, ax, ay, x0, y0, x1, y1)
     )
 
 
-@kernel
-def _holds(ax, ay, vx, vy, bx, by, px, py):
-    """Whether the closed counterclockwise triangle a, v, b contains p; exact."""
-    return (
-        orient2(bx, by, ax, ay, px, py) >= 0
-        and orient2(ax, ay, vx, vy, px, py) >= 0
-        and orient2(vx, vy, bx, by, px, py) >= 0
-    )
+@lean
+def _holds(corners, px, py):
+    """Whether a closed counterclockwise triangle contains a point; exact."""
+    ax, ay, bx, by, cx, cy = corners
+    for _ in range(3):
+        if orient2(ax, ay, bx, by, px, py) < 0:
+            return False
+        ax, ay, bx, by, cx, cy = bx, by, cx, cy, ax, ay
+    return True
 
 
-@kernel
+@lean
 def _in_the_way(xy, blockers, a, v, b):
     """An item in the closed triangle a, v, b, other than its corners; -1 if there is none."""
     turn = orientation(xy, a, v, b)
@@ -243,19 +249,15 @@ def _in_the_way(xy, blockers, a, v, b):
         return -1
     if turn < 0:
         a, b = b, a
-    ax, ay, vx, vy, bx, by = xy[a, 0], xy[a, 1], xy[v, 0], xy[v, 1], xy[b, 0], xy[b, 1]
-    x0, x1, y0, y1 = min(ax, vx, bx), max(ax, vx, bx), min(ay, vy, by), max(ay, vy, by)
+    corners = (xy[a, 0], xy[a, 1], xy[v, 0], xy[v, 1], xy[b, 0], xy[b, 1])
+    low, high, stack = blockers.box_low, blockers.box_high, blockers.stack
     leaves = blockers.low.shape[0] // 2
-    stack = np.empty(128, dtype=np.int64)
     top = 1
     stack[0] = 1
     while top > 0:
         top -= 1
         node = stack[top]
-        low, high = blockers.low[node], blockers.high[node]
-        if blockers.alive[node] == 0 or low[0] > x1 or high[0] < x0 or low[1] > y1 or high[1] < y0:
-            continue
-        if _outside(ax, ay, vx, vy, bx, by, low, high):
+        if blockers.alive[node] == 0 or _outside(corners, blockers.low, blockers.high, node):
             continue
         if node < leaves:
             stack[top] = 2 * node
@@ -265,20 +267,15 @@ def _in_the_way(xy, blockers, a, v, b):
         start = (node - leaves) * BOXES_IN_LEAF
         for k in range(start, min(start + BOXES_IN_LEAF, blockers.order.shape[0])):
             i = blockers.order[k]
-            if blockers.leaf[i] < 0 or i == a or i == v or i == b:
+            if blockers.leaf[i] < 0 or i == a or i == v or i == b or _outside(corners, low, high, i):
                 continue
-            low, high = blockers.box_low[i], blockers.box_high[i]
-            if low[0] > x1 or high[0] < x0 or low[1] > y1 or high[1] < y0:
-                continue
-            if low[0] == high[0] and low[1] == high[1]:
-                if _holds(ax, ay, vx, vy, bx, by, low[0], low[1]):
-                    return i
-            elif not _outside(ax, ay, vx, vy, bx, by, low, high):
+            point = low[i, 0] == high[i, 0] and low[i, 1] == high[i, 1]
+            if not point or _holds(corners, low[i, 0], low[i, 1]):
                 return i
     return -1
 
 
-@inline
+@lean
 def _unlink(waiting, v):
     """Take v out of the list of its blocker, if it is in one."""
     w = waiting.blocker[v]
@@ -292,7 +289,7 @@ def _unlink(waiting, v):
         waiting.blocker[v] = -1
 
 
-@inline
+@lean
 def _wait(waiting, v, w):
     """Put v into the list of its blocker w."""
     waiting.blocker[v], waiting.before[v], waiting.next[v] = w, -1, waiting.head[w]
@@ -304,7 +301,7 @@ def _wait(waiting, v, w):
 # ---------------------------------------------------------------------- the loop
 
 
-@inline
+@lean
 def _drop(chains, blockers, v):
     """Replace the two pieces at v by one; return its ends."""
     before, behind = chains.into[v], chains.out[v]

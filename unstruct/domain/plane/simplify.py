@@ -149,7 +149,8 @@ def _blockers(
         half //= 2
         alive[half : 2 * half] = alive[2 * half : 4 * half].reshape(-1, 2).sum(axis=1)
     begin, at = _around(chains.tips, len(xy))
-    return Blockers(tree.low, tree.high, number[tree.order], low, high, leaf, alive, begin, at)
+    stack = np.empty(128, dtype=np.int64)
+    return Blockers(tree.low, tree.high, number[tree.order], low, high, leaf, alive, begin, at, stack)
 
 
 def _account(
