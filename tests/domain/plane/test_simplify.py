@@ -170,6 +170,32 @@ def test_common_borders_and_curves_stay_joined() -> None:
     assert check(mesh, domain=fine) and len(np.unique(mesh.markers["region"])) == 2
 
 
+def test_what_is_in_the_way_keeps_vertices() -> None:
+    """A zigzag between two others, which stay because each of their pieces has a name of its own."""
+    x = np.arange(12.0)
+    zigzag = np.column_stack([x, np.where(x % 2 == 0, 0.1, -0.1)])
+    box = np.array([(-1, -1), (12, -1), (12, 1), (-1, 1)], dtype=float)
+    chain = np.column_stack([x[:-1], x[1:]]).astype(int)
+    ring = [[0, 1], [1, 2], [2, 3], [3, 0]]
+
+    def between(*shifts: float, free: tuple[int, ...]) -> Domain:
+        points = np.concatenate([box, *(zigzag + np.array([0, shift]) for shift in shifts)])
+        inner = np.concatenate([chain + 4 + 12 * k for k in range(len(shifts))])
+        fixed = np.setdiff1d(np.arange(len(inner)), [11 * k + i for k in free for i in range(11)])
+        return Domain(points, ring, inner=inner, markers={f"{i}": [4 + i] for i in fixed.tolist()})
+
+    held = between(-0.01, 0.0, 0.01, free=(1,)).simplified(0.5)
+    assert len(held.inner) == 33 and not held.repairs
+    loose = between(-0.01, 0.0, 0.01, free=(0, 1, 2))
+    assert len(loose.simplified(0.5).inner) == 3  # they wait for each other
+    judge(loose, loose.simplified(0.12), 0.12)
+    seeds = {"above": [(k, -0.099) for k in (1, 3, 5, 7, 9)]}  # the valleys stay, the peaks go
+    points, inner = np.concatenate([box, zigzag]), chain + 4
+    seeded = Domain(points, ring, inner=inner, regions=seeds).simplified(0.5)
+    assert len(seeded.inner) == 2
+    judge(Domain(points, ring, inner=inner, regions=seeds), seeded, 0.5)
+
+
 def test_with_a_size_only_short_pieces_go() -> None:
     ring = coastline(4000, 3)
     old = Domain.polygon(ring)

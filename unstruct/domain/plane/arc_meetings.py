@@ -115,7 +115,8 @@ def _at_vertices(outline: Outline, arcs: np.ndarray, tree: BoxTree, scale: float
     keep = ~own & (away <= near)
     vertex, piece = vertex[keep], piece[keep]
     on = on_piece(outline, piece, points[vertex], near)
-    found, gone = [], set()
+    found: list[ArcMeeting] = []
+    gone: set[int] = set()
     for v, i in zip(vertex[on].tolist(), piece[on].tolist()):
         end = _nearest(points, outline.pieces[i].tolist(), points[v], near)
         place = float(points[v, 0]), float(points[v, 1])
@@ -166,7 +167,8 @@ def _intersections(outline: Outline, i: int, j: int, scale: float) -> tuple[Plac
     """Where an arc and another piece meet, rounded; and the sine of the angle between them there."""
     arc, straight = outline.batch.arc, outline.batch.kind[j] == 0
     if straight:
-        at, sine = _line_and_circle(arc[i], *outline.points[outline.pieces[j]], scale)
+        a, b = outline.points[outline.pieces[j]]
+        at, sine = _line_and_circle(arc[i], a, b, scale)
     else:
         at, sine = _two_circles(arc[i], arc[j], scale)
     if not at:

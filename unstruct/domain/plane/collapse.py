@@ -35,7 +35,7 @@ class Chains(NamedTuple):
     ----------
     ends : (m, 2) int64
         The vertices of each piece along its chain; -1 for pieces that are gone.
-    first, count : (m,) int64
+    first, dropped : (m,) int64
         The first vertex of its run, and how many there are.
     chain : (m,) int64
     into, out : (n,) int64
@@ -50,7 +50,7 @@ class Chains(NamedTuple):
 
     ends: np.ndarray
     first: np.ndarray
-    count: np.ndarray
+    dropped: np.ndarray
     chain: np.ndarray
     into: np.ndarray
     out: np.ndarray
@@ -131,7 +131,7 @@ def _walk(v, s, number, pieces, free, begin, around, chains):
     while chains.chain[s] < 0:
         w = pieces[s, 1] if pieces[s, 0] == v else pieces[s, 0]
         chains.ends[s, 0], chains.ends[s, 1] = v, w
-        chains.chain[s], chains.first[s], chains.count[s] = number, -1, 0
+        chains.chain[s], chains.first[s], chains.dropped[s] = number, -1, 0
         length += 1
         if length > 1:
             chains.out[v] = s
@@ -196,7 +196,7 @@ def _deviation(xy, chains, limits, v):
     worst = _excess(xy, a, b, v, limits.tolerance)
     for s in (before, behind):
         w = chains.first[s]
-        for _ in range(chains.count[s]):
+        for _ in range(chains.dropped[s]):
             if worst > 1.0:
                 return np.inf
             worst = max(worst, _excess(xy, a, b, w, limits.tolerance))
@@ -305,9 +305,9 @@ def _wait(waiting, v, w):
 def _drop(chains, blockers, v):
     """Replace the two pieces at v by one; return its ends."""
     before, behind = chains.into[v], chains.out[v]
-    if chains.count[before] == 0:
+    if chains.dropped[before] == 0:
         chains.first[before] = v
-    chains.count[before] += chains.count[behind] + 1
+    chains.dropped[before] += chains.dropped[behind] + 1
     b = chains.ends[behind, 1]
     chains.ends[before, 1] = b
     chains.ends[behind, 0] = chains.ends[behind, 1] = -1

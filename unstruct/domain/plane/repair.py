@@ -112,7 +112,7 @@ class Repairer:
 
     def _drop_missing(self) -> None:
         n = len(self.points)
-        there = ((self.ends >= 0) & (self.ends < n)).all(axis=1)
+        there = (self.ends[:, 0] >= 0) & (self.ends[:, 1] >= 0) & (self.ends.max(axis=1, initial=-1) < n)
         for row in np.nonzero(~there)[0].tolist():
             a, b = self.ends[row].tolist()
             text = f"{self._name(row)} = [{a}, {b}] names points outside 0..{n - 1}; it was dropped"
@@ -332,12 +332,12 @@ class Repairer:
             if inside:
                 chains[row] = self._along(row, inside)
         times = np.ones(len(self.ends), dtype=np.int64)
-        for row, (vertices, _) in chains.items():
-            times[row] = len(vertices) - 1
+        for row, (along, _) in chains.items():
+            times[row] = len(along) - 1
         self._keep(np.repeat(np.arange(len(times)), times))
         start = np.cumsum(times) - times
-        for row, (vertices, arcs) in chains.items():
-            for k, pair in enumerate(pairwise(vertices)):
+        for row, (along, arcs) in chains.items():
+            for k, pair in enumerate(pairwise(along)):
                 self.ends[start[row] + k] = pair
                 if arcs:
                     self.curve[start[row] + k] = len(self.curves)

@@ -110,9 +110,7 @@ def _around(vertices: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _chains(pieces: np.ndarray, free: np.ndarray) -> Chains:
     n, m = len(free), len(pieces)
-    chains = Chains(
-        *(np.full(shape, -1) for shape in ((m, 2), m, m, m, n, n, n, (m, 2), m))  # type: ignore[misc]
-    )
+    chains = Chains(*(np.full(shape, -1) for shape in ((m, 2), m, m, m, n, n, n, (m, 2), m)))
     begin, around = _around(pieces, n)
     many = link(pieces, free, begin, around, chains)
     return chains._replace(tips=chains.tips[:many], left=chains.left[:many])
