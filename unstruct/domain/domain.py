@@ -210,7 +210,7 @@ class Domain(Derived):
         **options
             As for `Domain`; piece numbers run along the rings.
         """
-        return cls._of(shapes.rings(outer, holes), options)
+        return cls._of(shapes.rings(outer, holes, 1 if options.get("resolve") else 3), options)
 
     @classmethod
     def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
