@@ -24,8 +24,10 @@ from ...predicates.kernels import orient2, orientation
 
 __all__ = ["Blockers", "Chains", "Limits", "collapse", "link"]
 
-ROUNDING = 2.0**-50  # a bound on the rounding error of a distance, in units of the length of the segment
-SAFE = 1e-15  # a relative bound above the rounding errors of a cross product
+DISTANCE_ERROR = (
+    2.0**-50
+)  # a bound on the rounding error of a distance, in units of the length of the segment
+CERTAINLY_BEYOND = 1e-15  # a relative bound above the rounding errors of a cross product
 
 
 class Chains(NamedTuple):
@@ -178,7 +180,7 @@ def _excess(xy, a, b, w, tolerance):
         away = np.sqrt(wx * wx + wy * wy)
     else:
         away = abs(ux * wy - uy * wx) / length
-    return (away * (1.0 + ROUNDING) + ROUNDING * length) / tolerance[w]
+    return (away * (1.0 + DISTANCE_ERROR) + DISTANCE_ERROR * length) / tolerance[w]
 
 
 @lean
@@ -213,7 +215,7 @@ def _beyond(ax, ay, bx, by, x0, y0, x1, y1):
     dx, dy = bx - ax, by - ay
     left = dx * ((y1 if dx > 0 else y0) - ay) - dy * ((x0 if dy > 0 else x1) - ax)
     wide, tall = abs(x0 - ax) + abs(x1 - ax), abs(y0 - ay) + abs(y1 - ay)
-    return left < -SAFE * (abs(dx) * tall + abs(dy) * wide) - 1e-290
+    return left < -CERTAINLY_BEYOND * (abs(dx) * tall + abs(dy) * wide) - 1e-290
 
 
 @lean
