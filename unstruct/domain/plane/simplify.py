@@ -27,7 +27,7 @@ __all__ = ["Simplified", "simplified"]
 
 # With a size, vertices are dropped only where a piece is shorter than this, in units of the size; and they
 # are at most this far away from the new boundary if no tolerance is given.
-SHORT = 0.75
+SHORT_PIECE = 0.75
 DEFAULT_TOLERANCE = 0.5
 STRETCHES = 16  # boxes for each coarse chord of a curve
 
@@ -84,7 +84,7 @@ def _limits(outline: Outline, tolerance: Any, size: Any) -> tuple[np.ndarray, np
         raise InputError("tolerance must be a number; for one that varies give a size")
     else:
         within = np.full(len(outline.points), positive(tolerance, "tolerance"))
-    return within, SHORT * wanted
+    return within, SHORT_PIECE * wanted
 
 
 def _free(outline: Outline, straight: np.ndarray, label: np.ndarray) -> np.ndarray:
