@@ -26,6 +26,7 @@ from unstruct import (
 from unstruct.geometry.segment_pairs import meetings
 from unstruct.geometry.sweep import any_meeting
 from unstruct.mesh.embedding import crossing_facets
+from unstruct.predicates.batch import orient
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 RING = [[0, 1], [1, 2], [2, 3], [3, 0]]
@@ -292,7 +293,11 @@ def test_resolve_keeps_the_even_odd_region(seed: int) -> None:
     points = rng.integers(0, side_length + 1, size=(n, 2)).astype(float)
     order = rng.permutation(n)
     rows = np.column_stack([order, np.roll(order, 1)])
-    domain = Domain(points, rows, inner=rng.integers(0, n, size=(2, 2)), resolve=True)
+    try:
+        domain = Domain(points, rows, inner=rng.integers(0, n, size=(2, 2)), resolve=True)
+    except InputError as error:  # a domain without facets could not be meshed
+        assert oracle_area(points, rows) == 0 and "no facet is left" in str(error)
+        return
     assert abs(Fraction(domain.area) - oracle_area(points, rows)) <= Fraction(1, 2**45)
     x = rng.integers(-1, 4 * side_length + 4, size=(30, 2)) / 4 + [1 / 64, 3 / 128]
     wanted = [oracle_inside(points, rows, p) for p in x]
@@ -512,7 +517,13 @@ def test_hard_points_as_loose_vertices_and_rings(name: str) -> None:
     points = HARD_2D[name]
     order = np.lexsort((points[:, 1], points[:, 0]))
     rows = np.column_stack([order, np.roll(order, 1)])
-    mended = Domain(points, rows, resolve=True)
+    try:
+        mended = Domain(points, rows, resolve=True)
+    except InputError as error:
+        first, last = points[order[[0, -1]]]
+        flat = [orient(np.array([first, last, x])) == 0 for x in points]
+        assert "no facet is left" in str(error) and all(flat)
+        return
     assert not Domain(mended.points, mended.facets, inner=mended.inner).repairs
     assert mended.area >= 0 and set(mended.origin[mended.origin >= 0]) <= set(range(len(points)))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
-from ..domain.domain import Domain
+from ..domain.domain import Domain, as_domain
 from ..mesh import topology
 from ..mesh.cells import cell_rows
 from ..mesh.embedding import RidgeFans, crossing_facets
@@ -73,8 +73,7 @@ def check(
 
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
-    if not isinstance(domain, Domain | None):
-        raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
+    domain = domain if domain is None else as_domain(domain)
     report = Report(repr(mesh))
     if not _arrays(mesh, report):
         return report

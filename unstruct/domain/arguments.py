@@ -91,14 +91,14 @@ def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
     return result
 
 
-def as_ring(ring: Any, name: str) -> np.ndarray:
-    """The corners of a ring, (k, 2), without a repeated last one."""
+def as_ring(ring: Any, name: str, least: int = 3) -> np.ndarray:
+    """The corners of a ring, (k, 2), without a repeated last one; at least ``least`` of them."""
     rows = as_points(ring, name)
     if rows.shape[1] != 2:
         raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")
     if len(rows) > 1 and (rows[0] == rows[-1]).all():
         rows = rows[:-1]
-    if len(rows) < 3:
+    if len(rows) < least:
         raise InputError(f"{name} has {len(rows)} corners; a ring needs three")
     return rows
 

@@ -5,10 +5,10 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -16,46 +16,21 @@ from ..base.arguments import as_mapping, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..geometry.curves import CurveLike
-from ..geometry.outline import Outline
 from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
-from .plane import faults, inside, poly, sample, shapes
+from .derived import Derived
+from .plane import poly, shapes
+from .plane.faults import refuse
 from .plane.repair import Repair
-from .plane.repaired import Repaired, repaired
 from .plane.sample import Sampled
+from .sides import SIDES
 
 __all__ = ["Domain", "as_domain"]
 
 
-class Side(NamedTuple):
-    """The functions of a `Domain` that depend on its dimension."""
-
-    repaired: Callable[[Outline], Repaired]
-    find_faults: Callable[[Outline], list[faults.Fault]]
-    check_ends: Callable[[Outline], None]
-    check_seeds: Callable[[Outline, Sampled], None]
-    coarse: Callable[[Outline], Sampled]
-    sized: Callable[[Outline, Any, float], Sampled]
-    contains: Callable[[Outline, Sampled, np.ndarray], np.ndarray]
-    area: Callable[[Outline, Sampled], float]
-    bounds: Callable[[Outline, Sampled], np.ndarray]
-
-
-PLANE = Side(
-    repaired,
-    faults.find_faults,
-    faults.check_ends,
-    inside.check_seeds,
-    sample.coarse,
-    sample.sized,
-    inside.contains,
-    inside.area,
-    inside.bounds,
-)
-SIDES = {2: PLANE}
 NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
-class Domain(Outline):
+class Domain(Derived):
     """A planar region that is to be meshed.
 
     *Facets* and *inner segments* are called *pieces* and numbered together: facets 0 to f - 1, then inner
@@ -141,20 +116,11 @@ class Domain(Outline):
         self.piece_origin: np.ndarray = counted_off(many)
         if resolve:
             self._resolve()
-        faults.refuse(self, self._side.find_faults(self))
+        refuse(self, self._side.find_faults(self))
         if self.curves:
             self._side.check_ends(self)
         if self.curves or self.regions:  # the chords show where curves meet
             self._side.check_seeds(self, self._coarse)
-
-    @property
-    def dimension(self) -> int:
-        """The number of coordinates: 2."""
-        return self.points.shape[1]
-
-    @property
-    def _side(self) -> Side:
-        return SIDES[self.dimension]
 
     # ------------------------------------------------------------------ subsegments
 
@@ -184,10 +150,6 @@ class Domain(Outline):
         if size is None:
             return self._coarse
         return self._side.sized(self, size, positive(step, "step"))
-
-    @cached_property
-    def _coarse(self) -> Sampled:
-        return self._side.coarse(self)
 
     # ------------------------------------------------------------------ inside and outside
 
@@ -248,7 +210,7 @@ class Domain(Outline):
         **options
             As for `Domain`; piece numbers run along the rings.
         """
-        return cls._of(shapes.rings(outer, holes), options)
+        return cls._of(shapes.rings(outer, holes, 1 if options.get("resolve") else 3), options)
 
     @classmethod
     def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
@@ -394,7 +356,9 @@ class Domain(Outline):
 
 
 def as_domain(value: Any) -> Domain:
-    """The domain itself, or an error that says what was given in its place."""
+    """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place."""
+    if isinstance(value, Sampled):
+        return as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
     return value

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["BoxTree"]
+__all__ = ["BOXES_IN_LEAF", "BoxTree"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.elementary import turns
 from ..base.errors import InputError
+from ..base.heap import pop, push
 from ..base.jit import inline, kernel
 from ..geometry.boxes import BOXES_IN_LEAF
 from ..geometry.outline import Outline
@@ -100,35 +101,6 @@ def _apart(j, group, b, found, least, most, features):
 
 
 @inline
-def _push(heap, what, count, d, w):
-    """Put w into a heap at distance d; return the new number of entries."""
-    k = count
-    while k > 0 and heap[(k - 1) // 2] > d:
-        heap[k], what[k] = heap[(k - 1) // 2], what[(k - 1) // 2]
-        k = (k - 1) // 2
-    heap[k], what[k] = d, w
-    return count + 1
-
-
-@inline
-def _pop(heap, what, count):
-    """Remove the first entry, which the caller has read; return the number of remaining entries."""
-    count -= 1
-    d, w = heap[count], what[count]
-    k = 0
-    while 2 * k + 1 < count:
-        child = 2 * k + 1
-        if child + 1 < count and heap[child + 1] < heap[child]:
-            child += 1
-        if heap[child] >= d:
-            break
-        heap[k], what[k] = heap[child], what[child]
-        k = child
-    heap[k], what[k] = d, w
-    return count
-
-
-@inline
 def _stands_apart(b, found, many, groups, least, most, features):
     """Whether the feature at place b in the order of distance is apart from a nearer one.
 
@@ -170,11 +142,11 @@ def _feature_sizes(x, tree, features, far, result):
             way = np.hypot(x[q, 0] - x[q - 1, 0], x[q, 1] - x[q - 1, 1])
             bound = min(far, (result[q - 1] + way) * (1.0 + 1e-12))
         result[q] = np.inf
-        size = _push(heap, what, 0, to_box(x, q, low, high, 1), np.int64(1))
+        size = push(heap, what, 0, to_box(x, q, low, high, 1), np.int64(1))
         count = many = 0
         while size > 0:
             d, w = heap[0], what[0]
-            size = _pop(heap, what, size)
+            size = pop(heap, what, size)
             if d > bound:
                 break
             if w < 0:
@@ -188,13 +160,13 @@ def _feature_sizes(x, tree, features, far, result):
                 for child in (2 * w, 2 * w + 1):
                     d = to_box(x, q, low, high, child)
                     if d <= bound:
-                        size = _push(heap, what, size, d, child)
+                        size = push(heap, what, size, d, child)
             else:
                 first = (w - leaves) * BOXES_IN_LEAF
                 for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                     d = to_segment(x, q, segments, order[k])
                     if d <= bound:
-                        size = _push(heap, what, size, d, -1 - np.int64(order[k]))
+                        size = push(heap, what, size, d, -1 - np.int64(order[k]))
 
 
 class FeatureSize:

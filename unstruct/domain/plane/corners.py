@@ -13,7 +13,7 @@ import numpy as np
 from ...base.elementary import turns
 from ...geometry.outline import Outline
 
-__all__ = ["crossings_at_corners"]
+__all__ = ["SHALLOW", "crossings_at_corners", "on_piece"]
 
 # Both are in units of the largest coordinate. A point nearer than this to a common vertex is that vertex.
 SAME_VERTEX = 2.0**-36
@@ -52,7 +52,7 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     found = np.isfinite(place).all(axis=1) & (away > SAME_VERTEX * scale)
     found &= away * away * difference > 8 * SHALLOW * scale
     for column in (0, 1):
-        found &= _on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
+        found &= on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
         for end in outline.pieces[pairs[:, column]].T:  # a second common end is not a crossing
             shared = (outline.pieces[pairs[:, 1 - column]] == end[:, None]).any(axis=1)
             near = np.hypot(*(place - outline.points[end]).T) <= _blur(away, difference, scale)
@@ -108,7 +108,7 @@ def _mirrored(outline: Outline, pairs: np.ndarray, at: np.ndarray) -> np.ndarray
         return vertex + 2 * ((base - vertex) * unit).sum(axis=1)[:, None] * unit
 
 
-def _on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) -> np.ndarray:
+def on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) -> np.ndarray:
     """Whether points on the line or circle of a piece lie on the piece itself, which includes its ends."""
     kind, arc = outline.cuts()
     a, b = outline.points[outline.pieces[piece]].transpose(1, 0, 2)

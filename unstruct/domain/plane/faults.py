@@ -13,7 +13,7 @@ from ...geometry.outline import Outline
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
 from ...geometry.sweep import lexicographic
 
-__all__ = ["Fault", "check_ends", "find_faults", "first_copies"]
+__all__ = ["Fault", "check_ends", "find_faults", "first_copies", "not_ends"]
 
 HALF_WORD = 2**32 - 1
 MIX = (0x5BD1E995, 0x7ED55D17, 0x6B43A9B5, 0x4CF5AD43)  # odd numbers below 2^31
@@ -98,20 +98,25 @@ def _sound(points, pieces, facets, straight):
     ``straight`` contains the straight pieces.
     """
     n = points.shape[0]
-    meet, used = np.zeros(n, dtype=np.int32), 0
+    odd = np.zeros(n, dtype=np.bool_)
     for i in range(pieces.shape[0]):
         a, b = pieces[i, 0], pieces[i, 1]
         if a < 0 or b < 0 or a >= n or b >= n or a == b:
             return False
-        for v in (a, b):
-            used += meet[v] == 0
-            meet[v] += 1 if i < facets else 2**16  # an even number of facets must meet
-    alone = np.empty(n - used, dtype=np.int32)
+        if i < facets:  # an even number of facets must meet
+            odd[a] ^= True
+            odd[b] ^= True
+    spare, k = np.ones(n, dtype=np.bool_), n
+    for i in range(straight.shape[0]):
+        for v in (straight[i, 0], straight[i, 1]):
+            k -= spare[v]
+            spare[v] = False
+    alone = np.empty(k, dtype=np.int32)
     k = 0
     for v in range(n):
-        if meet[v] & 1:
+        if odd[v]:
             return False
-        if meet[v] == 0:
+        if spare[v]:
             alone[k] = v
             k += 1
     return not _any_equal(points) and none_meet(points, straight, alone)
@@ -217,6 +222,13 @@ def _straight(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     return rows, outline.pieces[rows]
 
 
+def not_ends(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """Vertices that are no segment's end: loose ones, and those of curves alone."""
+    spare = np.ones(len(points), dtype=bool)
+    spare[segments.ravel()] = False
+    return np.nonzero(spare)[0]
+
+
 def _repeated(outline: Outline) -> list[Fault]:
     rows, segments = _straight(outline)
     head, seen = np.full((2, len(outline.points)), -1, dtype=np.int32)
@@ -249,7 +261,8 @@ def overlap_place(s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
 def _crossings(outline: Outline) -> list[Fault]:
     rows, segments = _straight(outline)
     pairs, kinds = meetings(outline.points, segments)
-    if len(pairs) == 0 and len(outline.loose) == 0:
+    spare = not_ends(outline.points, segments)
+    if len(pairs) == 0 and len(spare) == 0:
         return []
     result = []
     for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
@@ -266,8 +279,8 @@ def _crossings(outline: Outline) -> list[Fault]:
             where = f"near ({place[0]:.6g}, {place[1]:.6g})"
             text = f"{names} overlap {where}; shorten one, or let resolve=True do so"
             result.append(Fault("overlap", text, place, (one, two)))
-    suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), outline.loose]))
-    touched = np.unique(pairs) if len(outline.loose) == 0 else np.arange(len(rows))
+    suspects = np.unique(np.concatenate([segments[pairs.ravel()].ravel(), spare]))
+    touched = np.unique(pairs) if len(spare) == 0 else np.arange(len(rows))
     for v, i in vertices_on_segments(outline.points, suspects, segments[touched]).tolist():
         piece = int(rows[touched[i]])
         place = _place(outline.points[v])

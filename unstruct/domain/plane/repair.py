@@ -1,21 +1,17 @@
 """`Domain(..., resolve=True)`: a region is repaired, and every change is reported.
 
-Only straight pieces are repaired. Crossing pieces are split at their common point, rounded to doubles, and
-pieces are split at vertices that lie on them. Copies of points are merged, and pieces of zero length are
-dropped. An even number of equal facets cancels, by the even-odd rule. A rounded point may lie on the other
-side of a third piece; so all this is repeated until the exact check finds nothing. After six rounds crossings
-are rounded to a grid, which becomes coarser from round to round.
+Crossing pieces are split at their common point, rounded to doubles, and pieces are split at vertices that lie
+on them; this holds for straight pieces and circular arcs, not for other curves. Copies of points are merged,
+and pieces of zero length are dropped. An even number of equal facets cancels, by the even-odd rule. A rounded
+point may lie on the other side of a third piece; so all this is repeated until the exact check finds nothing.
+After six rounds crossings are rounded to a grid, which becomes coarser from round to round. Vertices whose
+pieces have all gone go with them.
 
-An open boundary bounds nothing, and what was meant is unknown. Two cases are repaired. If a chain that is a
-single path has a gap no longer than its longest piece, a facet closes the gap. Otherwise short chains of
-facets between odd vertices (ends of an odd number of facets) become inner pieces. So a slit, an inner wall,
-or a loose end that was given as a facet appears in the mesh and bounds nothing.
+An open boundary bounds nothing; `open_boundary` closes it or makes its pieces inner ones.
 """
 
 from __future__ import annotations
 
-import heapq
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import frexp, hypot, ldexp
@@ -24,209 +20,300 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import InputError
-from ...geometry.curves import CurveLike
+from ...geometry.curves import Arc, CurveLike
+from ...geometry.outline import Outline, piece_name
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, vertices_on_segments
-from .faults import crossing_place, first_copies, overlap_place
+from .account import Place, Repair
+from .arc_meetings import arc_meetings, arc_parts
+from .faults import crossing_place, first_copies, not_ends, overlap_place
+from .name_sets import name_sets
+from .open_boundary import Chain, open_chains
 
 __all__ = ["Repair", "Repairer"]
 
 REPAIR_ROUNDS = 60
 NEAREST_ROUNDS = 6  # in the first so many rounds crossings are rounded to the nearest doubles
-
-
-@dataclass(frozen=True)
-class Repair:
-    """One repair.
-
-    Attributes
-    ----------
-    kind : str
-        "index out of range", "duplicate points", "zero length", "repeated segment", "crossing", "overlap",
-        "vertex on a segment" or "open boundary".
-    text : str
-        What was found and what was done. Pieces and points have the numbers of the input; new points are
-        named by their coordinates.
-    place : (float, float)
-        Coordinates; NaN if there are none.
-    pieces, vertices : tuple of int
-        Pieces and points of the input that had the fault.
-    """
-
-    kind: str
-    text: str
-    place: tuple[float, float]
-    pieces: tuple[int, ...] = ()
-    vertices: tuple[int, ...] = ()
-
-    def __str__(self) -> str:
-        return f"{self.kind}: {self.text}"
-
-
-@dataclass
-class _Piece:
-    a: int
-    b: int
-    origin: int  # piece of the input; -1 for one that closes a gap
-    facet: bool
-    curve: CurveLike | None
-    names: frozenset[str]
+SAME_ARC = (
+    2.0**-42
+)  # arcs with the same ends are equal if their middles are nearer (unit: largest coordinate)
 
 
 class Repairer:
-    """The pieces during their repair by `run`; the attributes are the parts of a `Domain`."""
+    """The pieces during their repair by `run`: one row of arrays for each.
 
-    def __init__(
-        self, points: np.ndarray, facets: np.ndarray, inner: np.ndarray, curves: Any, markers: Any
-    ) -> None:
-        self.points = points
-        self.origin = np.arange(len(points))
+    Attributes
+    ----------
+    points, origin : ndarray
+        The vertices, and their numbers in the input.
+    ends : (m, 2) int64
+    piece : (m,) int64
+        The piece of the input; -1 for one that closes a gap.
+    facet : (m,) bool
+    label : (m,) int64
+        The number of its set of names in ``sets``.
+    curve : (m,) int64
+        Its number in ``curves``; -1 for straight pieces.
+    repairs : list of Repair
+    """
+
+    def __init__(self, outline: Outline) -> None:
+        many = len(outline.pieces)
+        self.points, self.origin = outline.points, np.arange(len(outline.points))
+        self.ends, self.piece = outline.pieces.astype(np.int64), np.arange(many)
+        self.facets = len(outline.facets)
+        self.facet = self.piece < self.facets
+        self.label, self.sets = name_sets(outline.markers, many)
+        self.curves: list[CurveLike] = list(outline.curves.values())
+        self.curve = np.full(many, -1)
+        self.curve[list(outline.curves)] = np.arange(len(self.curves))
+        self.used = np.zeros(len(self.points), dtype=bool)  # loose vertices of the input stay
+        self.by_x: np.ndarray | None = None
         self.round = 0
-        self.facets = len(facets)
         self.repairs: list[Repair] = []
-        names: dict[int, set[str]] = {}
-        for name, pieces in markers.items():
-            for piece in pieces.tolist():
-                names.setdefault(piece, set()).add(name)
-        self.marker_names = list(markers)
-        rows = [*facets.tolist(), *inner.tolist()]
-        self.pieces = [
-            _Piece(a, b, i, i < len(facets), curves.get(i), frozenset(names.get(i, ())))
-            for i, (a, b) in enumerate(rows)
-        ]
 
     def run(self) -> None:
         """Repair until nothing changes."""
         self._drop_missing()
+        self.used[self.ends.ravel()] = True
         for self.round in range(REPAIR_ROUNDS):
-            self._merge_points()
+            self._merge_points(first_copies(self.points))
             self._drop_short()
             self._cancel_repeated()
             if not self._split() and not self._close():
-                return
+                self._drop_vertices()
+                return self._refuse_nothing()
         raise InputError(
             f"the region could not be repaired in {REPAIR_ROUNDS} rounds; correct the pieces yourself"
         )
 
-    def _name(self, piece: _Piece) -> str:
-        if piece.origin < 0:
-            return "a closing facet"
-        return (
-            f"facet {piece.origin}"
-            if piece.origin < self.facets
-            else f"inner segment {piece.origin - self.facets}"
-        )
+    # ------------------------------------------------------------------ the account
 
-    def _place(self, vertex: int) -> tuple[float, float]:
+    def _name(self, row: int) -> str:
+        piece = int(self.piece[row])
+        return "a closing facet" if piece < 0 else piece_name(piece, self.facets)
+
+    def _point(self, vertex: int) -> str:
+        return f"point {self.origin[vertex]}" if self.origin[vertex] >= 0 else "a new point"
+
+    def _place(self, vertex: int) -> Place:
         return float(self.points[vertex, 0]), float(self.points[vertex, 1])
 
-    def _account(
-        self, kind: str, text: str, place: tuple[float, float], pieces: Any = (), at: Any = ()
-    ) -> None:
-        origins = tuple(sorted({piece.origin for piece in pieces if piece.origin >= 0}))
+    def _account(self, kind: str, text: str, place: Place, rows: Any = (), at: Any = ()) -> None:
+        pieces = tuple(sorted({int(self.piece[r]) for r in rows if self.piece[r] >= 0}))
         vertices = tuple(int(self.origin[v]) for v in at if self.origin[v] >= 0)
-        self.repairs.append(Repair(kind, text, place, origins, vertices))
+        self.repairs.append(Repair(kind, text, place, pieces, vertices))
+
+    # ------------------------------------------------------------------ what goes
+
+    def _keep(self, rows: np.ndarray) -> None:
+        """Keep these rows (a mask, or row numbers with repetitions)."""
+        self.ends, self.piece, self.facet = self.ends[rows], self.piece[rows], self.facet[rows]
+        self.label, self.curve = self.label[rows], self.curve[rows]
 
     def _drop_missing(self) -> None:
-        n, kept = len(self.points), []
-        for piece in self.pieces:
-            if 0 <= piece.a < n and 0 <= piece.b < n:
-                kept.append(piece)
-            else:
-                text = (
-                    f"{self._name(piece)} = [{piece.a}, {piece.b}] names points outside 0..{n - 1}; it was "
-                    "dropped"
-                )
-                self._account("index out of range", text, (float("nan"),) * 2, [piece])
-        self.pieces = kept
+        n = len(self.points)
+        there = (self.ends[:, 0] >= 0) & (self.ends[:, 1] >= 0) & (self.ends.max(axis=1, initial=-1) < n)
+        for row in np.nonzero(~there)[0].tolist():
+            a, b = self.ends[row].tolist()
+            text = f"{self._name(row)} = [{a}, {b}] names points outside 0..{n - 1}; it was dropped"
+            self._account("index out of range", text, (float("nan"),) * 2, [row])
+        if not there.all():
+            self._keep(there)
 
-    def _merge_points(self) -> None:
-        first = first_copies(self.points)
-        copies = np.nonzero(first != np.arange(len(first)))[0]
-        if len(copies) == 0:
-            return
-        for copy in copies.tolist():
-            kept = int(first[copy])
-            text = f"point {self.origin[copy]} equals point {self.origin[kept]}; they were merged"
-            self._account("duplicate points", text, self._place(kept), at=(kept, copy))
+    def _merge_points(self, first: np.ndarray) -> None:
+        """Let the vertices ``first``, which are their own first, stand for all."""
         keep = first == np.arange(len(first))
-        number = (np.cumsum(keep) - 1)[first]
-        for piece in self.pieces:
-            piece.a, piece.b = int(number[piece.a]), int(number[piece.b])
-        self.points, self.origin = self.points[keep], self.origin[keep]
+        if keep.all():
+            return
+        for copy in np.nonzero(~keep)[0].tolist():
+            kept = int(first[copy])
+            equal = "equals" if (self.points[copy] == self.points[kept]).all() else "nearly equals"
+            text = f"{self._point(copy)} {equal} {self._point(kept)}; they were merged"
+            self._account("duplicate points", text, self._place(kept), at=(kept, copy))
+        loose = np.zeros(len(first), dtype=bool)
+        np.logical_or.at(loose, first, ~self.used)
+        self.ends = (np.cumsum(keep) - 1)[first][self.ends]
+        self.points, self.origin, self.used = self.points[keep], self.origin[keep], ~loose[keep]
 
     def _drop_short(self) -> None:
-        kept = []
-        for piece in self.pieces:
-            if piece.a != piece.b or piece.curve is not None:
-                kept.append(piece)
-            else:
-                text = f"{self._name(piece)} has zero length; it was dropped"
-                self._account("zero length", text, self._place(piece.a), [piece], [piece.a])
-        self.pieces = kept
+        short = (self.ends[:, 0] == self.ends[:, 1]) & (self.curve < 0)
+        for row in np.nonzero(short)[0].tolist():
+            vertex = int(self.ends[row, 0])
+            text = f"{self._name(row)} has zero length; it was dropped"
+            self._account("zero length", text, self._place(vertex), [row], [vertex])
+        if short.any():
+            self._keep(~short)
 
     def _cancel_repeated(self) -> None:
-        equal: dict[tuple[int, int], list[_Piece]] = {}
-        for piece in self.pieces:
-            if piece.curve is None:
-                equal.setdefault((min(piece.a, piece.b), max(piece.a, piece.b)), []).append(piece)
-        gone: set[int] = set()
-        for (a, b), group in equal.items():
-            if len(group) == 1:
-                continue
-            facets, inner = [p for p in group if p.facet], [p for p in group if not p.facet]
-            keep = facets[0] if len(facets) % 2 else (inner[0] if inner else None)
-            for other in group:
-                if other is not keep:
-                    gone.add(id(other))
-            if keep is not None:
-                keep.names = frozenset().union(*(p.names for p in group))
-            names = ", ".join(self._name(p) for p in group)
-            kept = f"only {self._name(keep)} was kept" if keep else "all were dropped"
-            text = f"{names} join the same points; {kept} (by the even-odd rule two facets cancel)"
-            middle = self.points[a] / 2 + self.points[b] / 2
-            self._account("repeated segment", text, (float(middle[0]), float(middle[1])), group, (a, b))
-        self.pieces = [p for p in self.pieces if id(p) not in gone]
+        low, high = np.sort(self.ends, axis=1).T
+        key = low * len(self.points) + high
+        order = np.argsort(key, kind="stable")
+        again = np.nonzero(key[order[1:]] == key[order[:-1]])[0]
+        if len(again) == 0:
+            return
+        groups: dict[int, list[int]] = {}
+        for row in np.unique(np.concatenate([order[again], order[again + 1]])).tolist():
+            groups.setdefault(int(key[row]), []).append(row)
+        gone = np.zeros(len(self.ends), dtype=bool)
+        for rows in groups.values():
+            for same in self._same(rows):
+                self._cancel(same, gone)
+        if gone.any():
+            self._keep(~gone)
+
+    def _same(self, rows: list[int]) -> list[list[int]]:
+        """Those rows with the same ends that are the same: straight, or arcs with the same middle."""
+        straight = [row for row in rows if self.curve[row] < 0]
+        arcs = [row for row in rows if self.curve[row] >= 0 and isinstance(self._curve(row), Arc)]
+        near = SAME_ARC * float(np.abs(self.points).max())
+        classes: list[tuple[np.ndarray, list[int]]] = []
+        for row in arcs:
+            middle = self._curve(row).point(np.array([0.5]))[0]
+            for other, known in classes:
+                if hypot(*(middle - other)) <= near:
+                    known.append(row)
+                    break
+            else:
+                classes.append((middle, [row]))
+        return [same for same in (straight, *(known for _, known in classes)) if len(same) > 1]
+
+    def _cancel(self, rows: list[int], gone: np.ndarray) -> None:
+        facets, inner = [r for r in rows if self.facet[r]], [r for r in rows if not self.facet[r]]
+        keep = facets[0] if len(facets) % 2 else (inner[0] if inner else None)
+        gone[rows] = True
+        if keep is not None:
+            gone[keep] = False
+            self.sets.append(frozenset().union(*(self.sets[self.label[r]] for r in rows)))
+            self.label[keep] = len(self.sets) - 1
+        names = ", ".join(self._name(r) for r in rows)
+        kept = f"only {self._name(keep)} was kept" if keep is not None else "all were dropped"
+        text = f"{names} join the same points; {kept} (by the even-odd rule two facets cancel)"
+        a, b = self.ends[rows[0]]
+        middle = self.points[a] / 2 + self.points[b] / 2
+        self._account("repeated segment", text, (float(middle[0]), float(middle[1])), rows, (a, b))
+
+    def _drop_vertices(self) -> None:
+        """Drop vertices that had pieces and have none any more."""
+        bare = self.used.copy()
+        bare[self.ends.ravel()] = False
+        if not bare.any():
+            return
+        for vertex in np.nonzero(bare & (self.origin >= 0))[0].tolist():
+            text = f"{self._point(vertex)} is not on any piece that is left; it was dropped"
+            self._account("vertex without pieces", text, self._place(vertex), at=[vertex])
+        self.ends = (np.cumsum(~bare) - 1)[self.ends]
+        self.points, self.origin, self.used = self.points[~bare], self.origin[~bare], self.used[~bare]
+
+    def _refuse_nothing(self) -> None:
+        if self.facets and not self.facet.any():
+            first = next(r for r in reversed(self.repairs) if r.kind != "vertex without pieces")
+            raise InputError(
+                f"no facet is left that bounds a region after {len(self.repairs)} repairs, the last of "
+                f"facets: {first.text}. Give rings that enclose an area; or, to mesh the convex hull, give "
+                "all segments as inner and no facets"
+            )
 
     # ------------------------------------------------------------------ crossings
 
+    def _curve(self, row: int) -> CurveLike:
+        return self.curves[self.curve[row]]
+
     def _split(self) -> bool:
         """Split pieces at crossings and at vertices that lie on them; return whether there were any."""
-        straight = [p for p in self.pieces if p.curve is None]
-        segments = np.array([(p.a, p.b) for p in straight], dtype=np.int64).reshape(-1, 2)
-        pairs, kinds = meetings(self.points, segments)
-        used = np.unique(segments[np.unique(pairs)]) if len(pairs) else np.empty(0, dtype=np.int64)
-        loose = np.setdiff1d(np.arange(len(self.points)), [v for p in self.pieces for v in (p.a, p.b)])
-        on = vertices_on_segments(self.points, np.union1d(used, loose), segments)
         cuts: dict[int, set[int]] = {}
-        where = {self._place(v): v for v in range(len(self.points))} if (kinds == CROSSING).any() else {}
-        fresh: list[tuple[float, float]] = []
-        for (i, j), kind in zip(pairs.tolist(), kinds.tolist()):
-            names = f"{self._name(straight[i])} and {self._name(straight[j])}"
-            if kind == CROSSING:
-                place = self._rounded(crossing_place(self.points, segments[i], segments[j]))
-                vertex = where.setdefault(place, len(self.points) + len(fresh))
-                if vertex == len(self.points) + len(fresh):
-                    fresh.append(place)
-                for s in (i, j):
-                    cuts.setdefault(s, set()).add(vertex)
-                text = f"{names} cross; both were split at ({place[0]:.17g}, {place[1]:.17g})"
-                self._account("crossing", text, place, [straight[i], straight[j]])
-            elif kind == OVERLAPPING:
-                place = overlap_place(self.points[segments[i]], self.points[segments[j]])
-                text = f"{names} overlap; they were split at each other's ends, and then compared"
-                self._account("overlap", text, place, [straight[i], straight[j]])
-        for v, s in on.tolist():
-            cuts.setdefault(s, set()).add(v)
-            point = f"point {self.origin[v]}" if self.origin[v] >= 0 else "a new point"
-            text = f"{point} lies on {self._name(straight[s])}, which was split there"
-            self._account("vertex on a segment", text, self._place(v), [straight[s]], [v])
+        fresh: dict[Place, int] = {}
+        self.by_x = None
+        merged = self._split_arcs(cuts, fresh)
+        self._split_straight(cuts, fresh)
         if fresh:
-            self.points = np.concatenate([self.points, np.array(fresh)])
-            self.origin = np.concatenate([self.origin, np.full(len(fresh), -1)])
-        self._cut(straight, cuts)
-        return bool(cuts)
+            places = np.array(list(fresh))
+            self.points = np.concatenate([self.points, places])
+            self.origin = np.concatenate([self.origin, np.full(len(places), -1)])
+            self.used = np.concatenate([self.used, np.ones(len(places), dtype=bool)])
+        self._cut(cuts)
+        if merged:
+            first = np.arange(len(self.points))
+            first[list(merged)] = list(merged.values())
+            self._merge_points(first)
+        return bool(cuts or merged)
 
-    def _rounded(self, place: tuple[float, float]) -> tuple[float, float]:
+    def _split_straight(self, cuts: dict[int, set[int]], fresh: dict[Place, int]) -> None:
+        rows = np.nonzero(self.curve < 0)[0]
+        segments = self.ends[rows]
+        pairs, kinds = meetings(self.points, segments)
+        suspects = np.union1d(segments[np.unique(pairs)], not_ends(self.points, segments))
+        on = vertices_on_segments(self.points, suspects, segments)
+        for (i, j), kind in zip(rows[pairs].tolist(), kinds.tolist()):
+            if kind == CROSSING:
+                place = self._rounded(crossing_place(self.points, self.ends[i], self.ends[j]))
+                self._crossing((i, j), place, self._vertex(place, fresh), cuts)
+            elif kind == OVERLAPPING:
+                place = overlap_place(self.points[self.ends[i]], self.points[self.ends[j]])
+                names = f"{self._name(i)} and {self._name(j)}"
+                text = f"{names} overlap; they were split at each other's ends, and then compared"
+                self._account("overlap", text, place, [i, j])
+        for v, s in on.tolist():
+            self._touch(int(rows[s]), v, cuts)
+
+    def _split_arcs(self, cuts: dict[int, set[int]], fresh: dict[Place, int]) -> dict[int, int]:
+        """Find where arcs are to be split; the vertices that go, and those that stand for them."""
+        bent = np.nonzero(self.curve >= 0)[0]
+        arcs = [row for row in bent.tolist() if isinstance(self._curve(row), Arc)]
+        if not arcs:
+            return {}
+        for row in arcs:
+            if self.ends[row, 0] == self.ends[row, 1]:  # a full circle
+                x, y = self._curve(row).point(np.array([0.5]))[0].tolist()
+                cuts[row] = {self._vertex((x, y), fresh)}
+                text = f"{self._name(row)} is closed; it was split at a new vertex"
+                self._account("closed curve", text, (x, y), [row])
+        if cuts:
+            return {}
+        merged = {}
+        curves = {row: self._curve(row) for row in bent.tolist()}
+        for kind, pieces, among, v, place, other in arc_meetings(
+            self.points, self.ends.astype(np.int32), curves
+        ):
+            if kind == "duplicate points":
+                merged[v] = other
+            elif len(pieces) > 1:
+                self._crossing(among, place, self._vertex(place, fresh) if v < 0 else v, cuts)
+            else:
+                self._touch(pieces[0], v, cuts)
+        return merged
+
+    def _touch(self, row: int, vertex: int, cuts: dict[int, set[int]]) -> None:
+        """Split a piece at a vertex on it, and account for it."""
+        inside = cuts.setdefault(row, set())
+        if vertex not in inside:
+            inside.add(vertex)
+            kind = "vertex on a segment" if self.curve[row] < 0 else "vertex on an arc"
+            text = f"{self._point(vertex)} lies on {self._name(row)}, which was split there"
+            self._account(kind, text, self._place(vertex), [row], [vertex])
+
+    def _crossing(self, rows: tuple[int, ...], place: Place, vertex: int, cuts: dict[int, set[int]]) -> None:
+        """Split two pieces at a vertex, and account for it."""
+        for row in rows:
+            cuts.setdefault(row, set()).add(vertex)
+        names = " and ".join(self._name(row) for row in rows)
+        rule = "; inside is what an odd number of facets encloses" if self.facet[list(rows)].all() else ""
+        text = f"{names} cross; both were split at ({place[0]:.17g}, {place[1]:.17g}){rule}"
+        self._account("crossing", text, place, rows)
+
+    def _vertex(self, place: Place, fresh: dict[Place, int]) -> int:
+        """The number of the vertex at a place, which is a new one unless there is one already."""
+        if place not in fresh:
+            if self.by_x is None:
+                self.by_x = np.argsort(self.points[:, 0], kind="stable")
+            x = self.points[:, 0]
+            first, last = (int(np.searchsorted(x, place[0], side, self.by_x)) for side in ("left", "right"))
+            for vertex in self.by_x[first:last].tolist():
+                if self.points[vertex, 1] == place[1]:
+                    return vertex
+            fresh[place] = len(self.points) + len(fresh)
+        return fresh[place]
+
+    def _rounded(self, place: Place) -> Place:
         """The crossing as it is in the first rounds; later on a grid whose spacing doubles with each round.
 
         If the coordinates of the input have few digits left in one direction, every split may bend segments
@@ -238,155 +325,62 @@ class Repairer:
         x, y = (round(c / spacing) * spacing for c in place)
         return x, y
 
-    def _cut(self, straight: list[_Piece], cuts: dict[int, set[int]]) -> None:
-        at = {id(straight[s]): vertices for s, vertices in cuts.items()}
-        result = []
-        for piece in self.pieces:
-            inside = at.get(id(piece), set()) - {piece.a, piece.b}
-            chain = [piece.a, *self._along(piece, inside), piece.b]
-            for a, b in pairwise(chain):
-                result.append(_Piece(a, b, piece.origin, piece.facet, piece.curve, piece.names))
-        self.pieces = result
+    def _cut(self, cuts: dict[int, set[int]]) -> None:
+        chains = {}
+        for row, vertices in cuts.items():
+            inside = vertices - set(self.ends[row].tolist())
+            if inside:
+                chains[row] = self._along(row, inside)
+        times = np.ones(len(self.ends), dtype=np.int64)
+        for row, (along, _) in chains.items():
+            times[row] = len(along) - 1
+        self._keep(np.repeat(np.arange(len(times)), times))
+        start = np.cumsum(times) - times
+        for row, (along, arcs) in chains.items():
+            for k, pair in enumerate(pairwise(along)):
+                self.ends[start[row] + k] = pair
+                if arcs:
+                    self.curve[start[row] + k] = len(self.curves)
+                    self.curves.append(arcs[k])
 
-    def _along(self, piece: _Piece, vertices: set[int]) -> list[int]:
-        if len(vertices) < 2:
-            return list(vertices)
-        (ax, ay), (bx, by) = (tuple(map(Fraction, self._place(v))) for v in (piece.a, piece.b))
+    def _along(self, row: int, vertices: set[int]) -> tuple[list[int], list[Arc]]:
+        """The vertices of a piece in order, with its ends; for an arc the parts between them."""
+        a, b = self.ends[row].tolist()
+        if self.curve[row] >= 0:
+            return arc_parts(self._curve(row), self.points, a, list(vertices), b)
+        if len(vertices) == 1:
+            return [a, *vertices, b], []
+        (ax, ay), (bx, by) = (tuple(map(Fraction, self._place(v))) for v in (a, b))
 
         def share(v: int) -> tuple[Fraction, int]:
             x, y = map(Fraction, self._place(v))
             return (x - ax) * (bx - ax) + (y - ay) * (by - ay), v
 
-        return sorted(vertices, key=share)
+        return [a, *sorted(vertices, key=share), b], []
 
     # ------------------------------------------------------------------ open boundary
 
     def _close(self) -> bool:
         """Make every vertex even; return whether a facet was added, which may cross others."""
-        facets = [p for p in self.pieces if p.facet]
-        at: dict[int, list[_Piece]] = {}
-        for piece in facets:
-            for v in (piece.a, piece.b):
-                at.setdefault(v, []).append(piece)
-        odd = sorted(v for v, touching in at.items() if len(touching) % 2)
-        join: dict[int, _Piece] = {}
-        waiting = set(odd)
-        for v in odd:
-            if v in waiting:
-                end, path = _nearest(self.points, at, v, waiting)
-                waiting -= {v, end}
-                for piece in path:
-                    if join.pop(id(piece), None) is None:
-                        join[id(piece)] = piece
-        forest = _without_cycles(list(join.values()), set(odd))
-        join = {id(piece): piece for piece in forest}
         added = False
-        for chain in _connected(forest):
-            added |= self._mend_chain(chain, at, join)
+        for chain in open_chains(self.points, self.ends, self.facet):
+            added |= self._mend(chain)
         return added
 
-    def _mend_chain(self, chain: list[_Piece], at: dict[int, list[_Piece]], join: dict[int, _Piece]) -> bool:
-        ends = [v for v, k in _degrees(chain).items() if k % 2]
-        whole = all(id(piece) in join for v in _degrees(chain) for piece in at[v])
-        path = whole and len(ends) == 2 and max(_degrees(chain).values()) == 2 and len(chain) > 1
-        names = ", ".join(dict.fromkeys(self._name(piece) for piece in chain))
-        if path:
-            gap = hypot(*(self.points[ends[0]] - self.points[ends[1]]))
-            longest = max(hypot(*(self.points[p.a] - self.points[p.b])) for p in chain)
-            if gap <= longest:
-                self.pieces.append(_Piece(ends[0], ends[1], -1, True, None, frozenset()))
-                text = (
-                    f"the chain of {names} had a gap no longer than its longest piece; a facet was added "
-                    "that closes it"
-                )
-                self._account("open boundary", text, self._place(ends[0]), chain, ends)
-                return True
-        for piece in chain:
-            piece.facet = False
+    def _mend(self, chain: Chain) -> bool:
+        names = ", ".join(dict.fromkeys(self._name(row) for row in chain.rows))
+        place = self._place(chain.ends[0])
+        if chain.closing:
+            text = (
+                f"the chain of {names} had a gap no longer than its longest piece; a facet was added that "
+                "closes it"
+            )
+            self._account("open boundary", text, place, chain.rows, chain.ends)
+            self.ends = np.concatenate([self.ends, [chain.ends]])
+            self.piece, self.facet = np.append(self.piece, -1), np.append(self.facet, True)
+            self.label, self.curve = np.append(self.label, 0), np.append(self.curve, -1)
+            return True
+        self.facet[chain.rows] = False
         text = f"{names} cannot be a boundary (an odd number of facets meet at the ends), and became inner"
-        self._account("open boundary", text, self._place(ends[0]), chain, ends)
+        self._account("open boundary", text, place, chain.rows, chain.ends)
         return False
-
-
-def _degrees(chain: list[_Piece]) -> dict[int, int]:
-    degrees: dict[int, int] = {}
-    for piece in chain:
-        for v in (piece.a, piece.b):
-            degrees[v] = degrees.get(v, 0) + 1
-    return degrees
-
-
-def _connected(pieces: list[_Piece]) -> list[list[_Piece]]:
-    parent: dict[int, int] = {}
-
-    def root(v: int) -> int:
-        while parent.setdefault(v, v) != v:
-            parent[v] = parent[parent[v]]
-            v = parent[v]
-        return v
-
-    for piece in pieces:
-        parent[root(piece.a)] = root(piece.b)
-    groups: dict[int, list[_Piece]] = {}
-    for piece in pieces:
-        groups.setdefault(root(piece.a), []).append(piece)
-    return list(groups.values())
-
-
-def _without_cycles(pieces: list[_Piece], odd: set[int]) -> list[_Piece]:
-    """Those pieces of a spanning forest that have an odd number of odd vertices on either side."""
-    at: dict[int, list[_Piece]] = {}
-    for piece in pieces:
-        for v in (piece.a, piece.b):
-            at.setdefault(v, []).append(piece)
-    order: list[tuple[int, int, _Piece]] = []  # vertex, its parent, the piece between, parents first
-    seen: set[int] = set()
-    for root in at:
-        if root in seen:
-            continue
-        seen.add(root)
-        stack = [root]
-        while stack:
-            v = stack.pop()
-            for piece in at[v]:
-                other = piece.b if piece.a == v else piece.a
-                if other not in seen:
-                    seen.add(other)
-                    order.append((other, v, piece))
-                    stack.append(other)
-    below = {v: v in odd for v in at}
-    kept = []
-    for v, parent, piece in reversed(order):
-        if below[v]:
-            kept.append(piece)
-            below[parent] = not below[parent]
-    return kept
-
-
-def _nearest(
-    points: np.ndarray, at: dict[int, list[_Piece]], start: int, waiting: set[int]
-) -> tuple[int, list[_Piece]]:
-    """The nearest odd vertex along facets, and the path to it (Dijkstra).
-
-    There is one, because each connected part has an even number of odd vertices.
-    """
-    done: dict[int, tuple[int, _Piece | None]] = {}
-    queue: list[tuple[float, int, int, _Piece | None]] = [(0.0, start, start, None)]
-    while queue:
-        length, v, before, piece = heapq.heappop(queue)
-        if v in done:
-            continue
-        done[v] = before, piece
-        if v != start and v in waiting:
-            path = []
-            end = v
-            while done[v][1] is not None:
-                path.append(done[v][1])
-                v = done[v][0]
-            return end, path  # type: ignore[return-value]
-        for side in at[v]:
-            other = side.b if side.a == v else side.a
-            if other not in done:
-                step = hypot(*(points[side.a] - points[side.b]))
-                heapq.heappush(queue, (length + step, other, v, side))
-    raise AssertionError("a graph with a single odd vertex")

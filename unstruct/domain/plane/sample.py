@@ -32,6 +32,7 @@ TURN = np.pi / 3  # the largest angle by which a curve may turn over one chord
 HALVINGS = 40
 # So are curves that still conflict when their chords are shorter than this (unit: the largest coordinate).
 SHORTEST_CHORD = 2.0**-28
+NEARBY = 1e-6  # a conflict so near to a common vertex, relative to its coordinates, is one at the vertex
 # Two curves are the same if they are nearer than this at all samples, in units of the largest coordinate.
 SAME_CURVE = 2.0**-48
 # Cutting ends if more chords than this conflict at once (and `SHARE` more for each curve). Curves that cross
@@ -60,6 +61,8 @@ class Sampled:
         The piece of which each subsegment is a part: facets 0 to f - 1, then inner segments.
     span : (s, 2) float64
         The parameters of its ends on the piece; the ends of the piece have 0 and 1.
+    outline : Outline
+        What was sampled. Every method takes a `Sampled` as a domain of straight pieces with its names.
     """
 
     points: np.ndarray
@@ -67,6 +70,24 @@ class Sampled:
     ends: np.ndarray
     piece: np.ndarray
     span: np.ndarray
+    outline: Outline
+
+    def parts(self) -> dict[str, Any]:
+        """The arguments of a `Domain` of straight pieces: the subsegments."""
+        facets = self.piece < len(self.outline.facets)  # they come first
+        many = np.bincount(self.piece, minlength=len(self.outline.pieces))
+        start = np.cumsum(many) - many
+        markers = {}
+        for name, pieces in self.outline.markers.items():
+            begin = np.repeat(start[pieces] - np.cumsum(many[pieces]) + many[pieces], many[pieces])
+            markers[name] = begin + np.arange(len(begin))
+        return {
+            "points": self.points,
+            "facets": self.ends[facets],
+            "inner": self.ends[~facets],
+            "markers": markers,
+            "regions": self.outline.regions,
+        }
 
 
 # ---------------------------------------------------------------------- cutting
@@ -87,7 +108,7 @@ def assemble(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray
     origin = np.full(n + count, -1, dtype=np.int32)
     origin[:n] = np.arange(n)
     ends = np.column_stack([first, last]).astype(np.int32)
-    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]))
+    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]), outline)
 
 
 def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -246,7 +267,18 @@ def _meeting_text(outline: Outline, sampled: Sampled, pairs: np.ndarray) -> str:
 def _pair_text(outline: Outline, first: int, second: int, x: float, y: float) -> str:
     one, two = outline.name(first), outline.name(second)
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
-    return f"{both} near ({x:.6g}, {y:.6g}); put a vertex there and split the pieces at it"
+    kind = outline.cuts().kind
+    shared = np.intersect1d(*outline.pieces[[first, second]]) if first != second else ()
+    if len(shared) and np.hypot(*(outline.points[shared] - [x, y]).T).min() <= NEARBY * np.hypot(x, y):
+        return (
+            f"{one} and {two} touch at their common vertex near ({x:.6g}, {y:.6g}) and bend to the same "
+            "side, so that no chords tell them apart; move one of them"
+        )
+    remedy = "put a vertex there"
+    if first != second and max(kind[first], kind[second]) < 2:
+        return f"{both} near ({x:.6g}, {y:.6g}); {remedy}, or let resolve=True split the pieces"
+    remedy += " and split the pieces at it (resolve=True splits straight pieces and arcs alone)"
+    return f"{both} near ({x:.6g}, {y:.6g}); {remedy}"
 
 
 # ---------------------------------------------------------------------- sizes
@@ -278,7 +310,7 @@ def coarse(outline: Outline) -> Sampled:
         span = np.zeros((many, 2))
         span[:, 1] = 1.0
         return Sampled(
-            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span
+            outline.points, counted_off(len(outline.points)), outline.pieces, counted_off(many), span, outline
         )
     _refuse_repeated(outline)
     whole = np.arange(many)

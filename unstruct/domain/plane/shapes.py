@@ -33,11 +33,16 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
     return float(rows[0, 0]), float(rows[0, 1])
 
 
-def rings(outer: Any, holes: Sequence[Any]) -> Parts:
-    """A polygon with holes: points and facets along the rings."""
+def rings(outer: Any, holes: Sequence[Any], least: int = 3) -> Parts:
+    """A polygon with holes: points and facets along the rings, which have at least so many corners.
+
+    A single corner becomes two equal ones, for ``resolve=True`` to drop with an account.
+    """
     if not isinstance(holes, Iterable):
         raise InputError(f"holes must be a sequence of rings, not {holes!r}")
-    found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer") for i, ring in enumerate([outer, *holes])]
+    every = enumerate([outer, *holes])
+    found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer", least) for i, ring in every]
+    found = [np.repeat(ring, 2, axis=0) if len(ring) == 1 else ring for ring in found]
     start = np.cumsum([0] + [len(ring) for ring in found])
     facets = [around(first, len(ring)) for first, ring in zip(start, found)]
     return {"points": np.concatenate(found), "facets": np.concatenate(facets)}

@@ -144,7 +144,8 @@ def conforming_delaunay(
     if shells not in (True, False, "auto"):
         raise InputError(f"shells = {shells!r} must be True, False or 'auto'")
     budget = None if budget is None else as_count(budget, "budget")
-    sampled = as_domain(domain).sampled(size)
+    domain = as_domain(domain)
+    sampled = domain.sampled(size)
     complex_ = complex_of(domain, sampled)
     run = conform(domain, complex_, test=test, shells=shells, budget=budget, progress=progress)
     return noticed(run.mesh(sampled))

@@ -59,7 +59,8 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     A. K. Lin, Discrete & Computational Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108;
     M. V. Anglada, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
     """
-    sampled = as_domain(domain).sampled()
+    domain = as_domain(domain)
+    sampled = domain.sampled()
     complex_ = complex_of(domain, sampled, hull=as_flag(hull, "hull"), progress=progress)
     return complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points

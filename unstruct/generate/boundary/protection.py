@@ -96,7 +96,8 @@ def insert_without_breaking(
     if rows.shape[1] != 2:
         raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")
     field = None if size is None else as_size(size)
-    sampled = as_domain(domain).sampled()
+    domain = as_domain(domain)
+    sampled = domain.sampled()
     complex_ = complex_of(domain, sampled)
     conform(domain, complex_)
     boundary = complex_.size
@@ -264,7 +265,8 @@ def skeleton_points(domain: Domain, size: Any = None, *, gap: float = 3**-0.5) -
     """
     if not 0 <= finite(gap, "gap") <= 1:
         raise InputError(f"gap = {gap} must be between 0 and 1")
-    sampled = as_domain(domain).sampled(size)
+    domain = as_domain(domain)
+    sampled = domain.sampled(size)
     c = complex_of(domain, sampled)
     run = conform(domain, c, test="gabriel")
     complete = len(run.failing()) == 0

@@ -20,7 +20,7 @@ from ...base.progress import progress_bar
 from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
-from ...domain.domain import Domain
+from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
@@ -136,8 +136,8 @@ def circumcenter_insertion(
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:
     """The domain; for points also their numbers in the input, and how many of them repeat others."""
 
-    if isinstance(given, Domain):
-        return given, None, 0
+    if isinstance(given, Domain | Sampled):
+        return as_domain(given), None, 0
     rows = as_points(given)
     if rows.shape[1] != 2:
         raise InputError(

@@ -17,7 +17,7 @@ from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from ...domain.domain import Domain
+from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
@@ -119,6 +119,7 @@ def refine(
     S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
     non-termination of Ruppert's algorithm (2011). Book: 2.6a, 2.6d.
     """
+    domain = as_domain(domain) if isinstance(domain, Sampled) else domain
     if not isinstance(domain, Domain | Mesh):
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
     angle, lens, offset = _method(method, min_angle)
