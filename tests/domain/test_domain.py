@@ -346,7 +346,7 @@ def test_bad_arrays(arguments: tuple, message: str) -> None:
         ({"curves": {9: Arc((0, 0), 1, 0, 1)}}, r"curves\[9\]"),
         ({"curves": {0: 3}}, r"curves\[0\] must have a method point"),
         ({"regions": {"a": [9, 9]}}, r"regions\['a'\]\[0\] = \[9.0, 9.0\] lies outside"),
-        ({"regions": {"a": [2, 0]}}, r"lies on a piece"),
+        ({"regions": {"a": [2, 0]}}, r"regions\['a'\]\[0\] = \[2.0, 0.0\] lies on facet 0"),
         ({"regions": {"a": [[1, 1, 1]]}}, r"regions\['a'\] must have shape"),
         ({"regions": {"a": [[1, 1], [1]]}}, r"regions\['a'\] must be an array"),
         ({"regions": {"a": "middle"}}, r"regions\['a'\] must have shape"),

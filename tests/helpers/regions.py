@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from unstruct.connect.insertion.delaunay import delaunay
+from unstruct.domain.arguments import around
 from unstruct.domain.domain import Domain
 from unstruct.geometry.curves import Arc, Curve
 
@@ -130,7 +131,8 @@ def holes(rng: Rng) -> Domain:
                 )
 
     fill(np.zeros(2), 1.0, int(rng.integers(1, 4)))
-    return Domain.polygon(rings[0], rings[1:])
+    start = np.cumsum([0, *map(len, rings)])
+    return Domain(np.concatenate(rings), np.concatenate([around(a, len(r)) for a, r in zip(start, rings)]))
 
 
 def near(rng: Rng) -> Domain:

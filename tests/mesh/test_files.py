@@ -31,6 +31,7 @@ def keys(rows: np.ndarray) -> set[tuple[int, ...]]:
 
 
 def assert_same(mesh: Mesh, again: Mesh, *, order: bool) -> None:
+    assert again.regions == mesh.regions
     for name in ("points", "simplices", "origin", "duplicates"):
         assert np.array_equal(getattr(again, name), getattr(mesh, name)), name
     assert set(again.markers) == set(mesh.markers)
@@ -85,7 +86,9 @@ def test_random_regions_come_back(tmp_path_factory: pytest.TempPathFactory, kind
     name=st.text(min_size=1, max_size=8).filter(lambda s: s.isprintable() and s not in ("facets", "inner"))
 )
 def test_names_of_any_kind(tmp_path_factory: pytest.TempPathFactory, name: str, suffix: str) -> None:
-    mesh = constrained_delaunay(Domain(BOX, SIDES, markers={f"x{name}": [1, 2], f"{name} y": []}))
+    regions = {name: [0.5, 0.5], f"{name} y": [1.5, 0.5]}  # the second one's name is that of a marker, too
+    markers = {f"x{name}": [1, 2], f"{name} y": []}
+    mesh = constrained_delaunay(Domain(BOX, SIDES, inner=[[4, 5]], markers=markers, regions=regions))
     path = tmp_path_factory.mktemp("names") / f"mesh.{suffix}"
     mesh.write(path)
     assert_same(mesh, Mesh.read(path), order=False)
@@ -118,13 +121,17 @@ def test_gmsh_sees_the_groups(tmp_path: Path) -> None:
         gmsh.write(str(tmp_path / "other.msh"))  # in Gmsh's own version, 4.1
     finally:
         gmsh.finalize()
-    regions = {(2, f"region {k}"): int((mesh.markers["region"] == k).sum()) for k in (0, 1)}
+    regions = {(2, name): int((mesh.markers["region"] == k).sum()) for name, k in mesh.regions.items()}
     named = {(1, name): len(mesh.markers[name]) for name in ("mid wall", "left")}
     rest = len(mesh.markers["facets"]) - named[1, "left"]
     assert found == regions | named | {(1, "facets"): rest}
-    again = Mesh.read(tmp_path / "other.msh").markers
-    assert np.bincount(again["region"]).tolist() == list(regions.values())
-    assert len(again["mid wall"]) == len(mesh.markers["mid wall"])
+    again = Mesh.read(tmp_path / "other.msh")
+    assert np.bincount(again.markers["region"]).tolist() == list(regions.values())
+    assert len(again.markers["mid wall"]) == len(mesh.markers["mid wall"])
+    assert again.regions == {"a b": 0, "c": 1}
+    finer = refine(again, max_area={"a b": 0.01})
+    areas = [finer.volumes[finer.markers["region"] == k].max() for k in (0, 1)]
+    assert areas[0] <= 0.01 < areas[1] and finer.regions == mesh.regions
 
 
 def test_groups_of_cells_by_name(tmp_path: Path) -> None:
@@ -140,16 +147,37 @@ def test_groups_of_cells_by_name(tmp_path: Path) -> None:
     )
     meshio.write(tmp_path / "a.msh", other, file_format="gmsh22")
     mesh = Mesh.read(tmp_path / "a.msh")
-    assert mesh.markers["fluid"].tolist() == [True, False] and mesh.markers["inlet"].tolist() == [[0, 1]]
-    mesh.write(tmp_path / "b.msh")
-    again = Mesh.read(tmp_path / "b.msh")
-    assert again.markers["solid"].tolist() == [False, True] and again.markers["inlet"].tolist() == [[0, 1]]
+    assert mesh.regions == {"fluid": 0, "solid": 1} and mesh.markers["region"].tolist() == [0, 1]
+    assert mesh.markers["inlet"].tolist() == [[0, 1]]
+    flags = Mesh(mesh.points, mesh.simplices, markers={"fluid": [True, False], "solid": [False, True]})
+    for k, one in enumerate((mesh, flags)):
+        one.write(tmp_path / f"b{k}.msh")
+        again = Mesh.read(tmp_path / f"b{k}.msh")
+        assert again.regions == {"fluid": 0, "solid": 1} and again.markers["region"].tolist() == [0, 1]
+
+
+def test_some_groups_of_cells_without_a_name(tmp_path: Path) -> None:
+    """Groups 3 and 7 have names, 5 has none, and cells of group 0 are in no group."""
+    cells = np.arange(12).reshape(4, 3)
+    points = np.pad(np.random.default_rng(0).random((12, 2)), ((0, 0), (0, 1)))
+    tags = [np.array([7, 5, 0, 3])]
+    other = meshio.Mesh(
+        points,
+        [("triangle", cells)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={"air": np.array([3, 2]), "oil": np.array([7, 2])},
+    )
+    meshio.write(tmp_path / "a.msh", other, file_format="gmsh22")
+    mesh = Mesh.read(tmp_path / "a.msh")
+    assert mesh.regions == {"air": 0, "oil": 2} and mesh.markers["region"].tolist() == [2, 1, 3, 0]
+    assert mesh.markers["gmsh:physical"].tolist() == [7, 5, 0, 3]
 
 
 def test_what_scikit_fem_cannot_find_is_reported() -> None:
     skfem = pytest.importorskip("skfem")
     mesh = refine(halves(), 0.3)
     theirs = mesh.to_skfem()
+    assert list(theirs.subdomains) == ["a b", "c"]
     assert isinstance(theirs, skfem.MeshTri) and len(theirs.boundaries["none"]) == 0
     for name in ("facets", "mid wall", "left"):
         found = theirs.facets[:, theirs.boundaries[name]].T

@@ -320,8 +320,11 @@ def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> N
     mixed = number != usual[part]
     wrong = [problem("region", "cells whose number is not that of their part", cells=np.nonzero(mixed)[0])]
     named: set[int] = set()
+    start = np.cumsum([0] + [len(seeds) for seeds in domain.regions.values()])
+    every = np.concatenate([np.empty((0, 2)), *domain.regions.values()])
+    found = mesh.find_simplex(every)
     for i, (name, seeds) in enumerate(domain.regions.items()):
-        cells = mesh.find_simplex(seeds)
+        cells = found[start[i] : start[i + 1]]
         lost, inside = cells < 0, cells[cells >= 0]
         text = f"seeds of {name!r} in no cell: {seeds[lost].tolist()}"
         wrong.append(Problem("region", text) if lost.any() else None)

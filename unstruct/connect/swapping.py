@@ -234,9 +234,11 @@ def swap_diagonals(
     N[locked] = -1  # a constrained edge is a boundary on both sides
     events = _run(P, T, N, wide, history, progress)
     known = None if locked.any() else N
+    regions = mesh.regions if "region" in markers else None
     result = Mesh(
-        mesh.points, T, neighbors=known, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers
-    )
+        mesh.points, T, neighbors=known, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers,
+        regions=regions,
+    )  # fmt: skip
     return (result, events) if history else result
 
 

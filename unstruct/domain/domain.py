@@ -20,6 +20,8 @@ from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, j
 from .derived import Derived
 from .plane import poly, shapes
 from .plane.faults import refuse
+from .plane.features import features_of, from_features
+from .plane.polygons import polygon, subtracted
 from .plane.repair import Repair
 from .plane.sample import Sampled
 from .sides import SIDES
@@ -119,6 +121,8 @@ class Domain(Derived):
         refuse(self, self._side.find_faults(self))
         if self.curves:
             self._side.check_ends(self)
+        if self.regions:
+            self._side.check_seeds_off_pieces(self)
         if self.curves or self.regions:  # the chords show where curves meet
             self._side.check_seeds(self, self._coarse)
 
@@ -206,16 +210,18 @@ class Domain(Derived):
         outer : array_like, shape (k, 2)
             Corners in order, in either direction; a last corner equal to the first is left out.
         holes : sequence of array_like, optional
-            Further rings; by the even-odd rule a ring within a hole is an island.
+            Rings of what is removed, inside of outer; they may touch it and each other in points. With
+            ``resolve=True`` they may lie anywhere and overlap, and `repairs` has an account.
         **options
-            As for `Domain`; piece numbers run along the rings.
+            As for `Domain`; points and pieces are numbered along the rings.
         """
-        return cls._of(shapes.rings(outer, holes, 1 if options.get("resolve") else 3), options)
+        least = 1 if options.get("resolve") else 3
+        return polygon(cls._of, shapes.rings(outer, holes, least), shapes.ring_names(holes), options)
 
     @classmethod
     def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
         """As `polygon`, with smooth closed curves through the corners: cubic splines by chord length."""
-        return cls._of(shapes.smooth_rings(outer, holes), options)
+        return polygon(cls._of, shapes.smooth_rings(outer, holes), shapes.ring_names(holes), options)
 
     @classmethod
     def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Self:
@@ -276,17 +282,24 @@ class Domain(Derived):
         return cls._of(shapes.letters(text, size, font), options)
 
     @classmethod
-    def from_geojson(cls, geometry: Any, **options: Any) -> Self:
-        """Rings of a GeoJSON mapping, or of anything with ``__geo_interface__`` such as shapely's geometry.
+    def from_geojson(cls, geometry: Any, *, name: str | None = None, **options: Any) -> Self:
+        """What GeoJSON mappings cover, or anything with ``__geo_interface__`` such as shapely's geometry.
 
         Parameters
         ----------
-        geometry : mapping or object
-            Rings of polygons become facets (even-odd: their order does not matter), lines become inner
-            segments, and points loose vertices; equal coordinates become one vertex. Polygons that share a
-            side need ``resolve=True``, which removes the side.
+        geometry : mapping, object, or iterable of these
+            Several polygons cover what each of them covers; common borders are inner segments. Lines become
+            inner segments, points loose vertices. Equal coordinates become one vertex, and segments are split
+            at vertices that lie on them. With ``resolve=True`` crossings are split, too, the first polygon
+            owns what overlaps, and `repairs` has an account.
+        name : str, optional
+            The property that names features: the regions of polygons, the markers of lines. By default that
+            is "name", "NAME" or "id"; without any the number of the feature in its collection is its name.
         """
-        return cls._of(shapes.outlines(geometry), options)
+        found = from_features(features_of(geometry, name), resolve=bool(options.get("resolve")))
+        domain = cls._of(found.parts, options)
+        domain.repairs[:0] = found.repairs
+        return domain
 
     @classmethod
     def read(cls, path: str | Path, **options: Any) -> Self:
@@ -325,17 +338,19 @@ class Domain(Derived):
         poly.write_poly(self, self._coarse, self.max_areas, Path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
-        """A domain of all pieces together; by the even-odd rule a domain inside this one becomes a hole.
+        """This domain minus others, which lie inside of it and apart from each other.
 
         Parameters
         ----------
         *others : Domain
             Markers and regions of equal names are joined.
         resolve : bool
-            As for `Domain`.
+            As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
-        make: Any = type(self)
-        return make(**joined([self, *map(as_domain, others)]), resolve=resolve)
+        domains: list[Domain] = [self, *map(as_domain, others)]
+        group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
+        names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
+        return subtracted(self._of, joined(domains), group, names, resolve=resolve)
 
     # ------------------------------------------------------------------ validation
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..geometry.outline import Outline
-from .plane import faults, inside, sample
+from .plane import faults, inside, seeds
 from .plane.repaired import Repaired, repaired
 from .plane.sample import Sampled
 from .plane.simplify import Simplified, simplified
@@ -22,6 +22,7 @@ class Side(NamedTuple):
     repaired: Callable[[Outline], Repaired]
     find_faults: Callable[[Outline], list[faults.Fault]]
     check_ends: Callable[[Outline], None]
+    check_seeds_off_pieces: Callable[[Outline], None]
     check_seeds: Callable[[Outline, Sampled], None]
     coarse: Callable[[Outline], Sampled]
     sized: Callable[[Outline, Any, float], Sampled]
@@ -35,9 +36,10 @@ PLANE = Side(
     repaired,
     faults.find_faults,
     faults.check_ends,
-    inside.check_seeds,
-    sample.coarse,
-    sample.sized,
+    seeds.check_seeds_off_pieces,
+    seeds.check_seeds,
+    seeds.coarse,
+    seeds.sized,
     inside.contains,
     inside.area,
     inside.bounds,

@@ -11,7 +11,7 @@ from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
 from .boxes import BoxTree
 
-__all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "right_parity"]
+__all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "on_the_right", "right_parity"]
 
 
 POINTS_AT_ONCE = 1 << 14  # how many points are processed at a time
@@ -78,8 +78,14 @@ def right_parity(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> 
     They are counted at the lower end of each row, just to the right of it when looking upward. The rows may
     be segments themselves, or other pairs of vertices whose connections cross no segment.
     """
+    query, _ = on_the_right(points, segments, rows)
+    return np.bincount(query, minlength=len(rows)) % 2 == 1
+
+
+def on_the_right(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs of a row and a segment to the right of it, as `right_parity` counts them: their numbers."""
     if len(segments) == 0:
-        return np.zeros(len(rows), dtype=bool)
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     up = _below(points, segments)
     lower, upper = np.where(up[:, None], segments, segments[:, ::-1]).T
     foot, top = np.where(_below(points, rows)[:, None], rows, rows[:, ::-1]).T
@@ -92,12 +98,12 @@ def right_parity(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> 
     f, c, d = foot[query], lower[hit], upper[hit]
     same = c == f
     over = (same | _below(points, np.column_stack([c, f]))) & _below(points, np.column_stack([f, d]))
-    query, f, c, d, same = query[over], f[over], c[over], d[over], same[over]
+    query, hit, f, c, d, same = query[over], hit[over], f[over], c[over], d[over], same[over]
     # A segment counts if it lies to the right at the height of the foot, or leaves the foot to the right of
     # the row.
     corners = np.column_stack([f, np.where(same, d, c), np.where(same, top[query], d)])
     right = orient_rows(points, corners) > 0
-    return np.bincount(query[right], minlength=len(rows)) % 2 == 1
+    return query[right], hit[right]
 
 
 def _below(points: np.ndarray, rows: np.ndarray) -> np.ndarray:

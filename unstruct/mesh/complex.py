@@ -24,6 +24,7 @@ from .cells import (
     simplex_dimension,
     simplex_type,
 )
+from .naming import as_region_names
 
 __all__ = ["CellComplex"]
 
@@ -48,10 +49,12 @@ class CellComplex:
         cells: Mapping[str, Any] | None = None,
         weights: Any = None,
         hidden: Any = None,
+        regions: Mapping[str, int] | None = None,
         _ready: bool = False,
     ):
         if _ready:  # arrays of our own kernels have the right types and ranges, and nothing else uses them
             self._hold(points, simplices, neighbors, origin, markers or {})
+            self.regions: dict[str, int] = dict(regions or {})
             return
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
@@ -84,6 +87,7 @@ class CellComplex:
         if markers:
             size = self.size
             self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
+        self.regions = as_region_names(regions, self.markers) if regions else {}
 
     def _hold(
         self,

@@ -83,7 +83,11 @@ class CurvedMesh:
         region = self.mesh.markers.get("region")
         known = region is not None and region.ndim == 1
         groups = [np.asarray(region, dtype=np.int64) + 1 if known else np.ones(len(self.triangles), np.int64)]
-        field_data = {f"region {r}": np.array([r + 1, 2]) for r in sorted({int(g) - 1 for g in groups[0]})}
+        called = {number: name for name, number in self.mesh.regions.items() if name not in self.mesh.markers}
+        field_data = {
+            called.get(r, f"region {r}"): np.array([r + 1, 2])
+            for r in sorted({int(g) - 1 for g in groups[0]})
+        }
         number = int(groups[0].max(initial=0))
         for name, rows in self.mesh.markers.items():
             if rows.ndim == 2 and rows.shape[1] == 2 and len(rows):

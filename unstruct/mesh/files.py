@@ -18,6 +18,7 @@ from .complex import CellComplex
 from .formats import fits
 from .gmsh import FACE_NAMES, coded, decoded, face_blocks, from_groups, is_ours, stacked, to_groups
 from .grouping import group_rows
+from .naming import WITH_NAMES, add_names, found_names, names_by_number
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
@@ -38,7 +39,8 @@ def to_meshio(mesh: CellComplex) -> Any:
         number of each cell as "polygon:number". ``point_data`` contains "origin" and "kept" (the vertex
         itself, or the vertex that it duplicates); ``cell_data`` contains the markers. Named faces follow as
         blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere. For a name of k vertices per
-        face that has no faces, it is -k everywhere.
+        face that has no faces, it is -k everywhere. ``field_data`` has the names of regions, each with its
+        number and the dimension of cells, as meshio has those of Gmsh's groups.
     """
     import meshio
 
@@ -91,6 +93,7 @@ def to_meshio(mesh: CellComplex) -> Any:
         blocks,
         point_data={"origin": np.asarray(mesh.origin), "kept": kept},
         cell_data=data,
+        field_data={name: np.array([number, mesh.dimension]) for name, number in mesh.regions.items()},
     )
 
 
@@ -113,13 +116,16 @@ def write(mesh: CellComplex, path: str | Path) -> None:
         other.points = np.pad(other.points, ((0, 0), (0, 3 - mesh.points.shape[1])))
     if path.suffix not in WITH_DATA:
         _drop(mesh, f"{path.suffix} stores points and cells only", mesh.markers)
-        other.point_data, other.cell_data = {}, {}
+        other.point_data, other.cell_data, other.field_data = {}, {}, {}
         del other.cells[len(other.cells) - len(face_blocks(_named_faces(mesh))) :]
     elif path.suffix in GMSH:
         _for_gmsh(mesh, other)
     else:
         spaces = path.suffix == ".vtk"
         other.cell_data = {coded(name, spaces=spaces): v for name, v in other.cell_data.items()}
+        other.field_data = {}
+        if path.suffix not in WITH_NAMES:
+            _drop(mesh, f"{path.suffix} stores no names of regions", [f"region {k}" for k in mesh.regions])
     if path.suffix in WITH_DATA:
         whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in _named_faces(mesh)]
         _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
@@ -127,6 +133,8 @@ def write(mesh: CellComplex, path: str | Path) -> None:
         other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
     except Exception as error:  # meshio raises many kinds of errors for suffixes and cells alike
         raise InputError(f"meshio cannot write this mesh as {path.suffix or path.name!r}: {error}") from error
+    if mesh.regions and path.suffix in WITH_NAMES:
+        add_names(path, mesh.regions)
     return None
 
 
@@ -199,14 +207,17 @@ def read(path: str | Path) -> dict[str, Any]:
         place = _in_order(cells, number)
         markers = {name: values[place] if values.ndim == 1 else values for name, values in markers.items()}
     bare = CellComplex(points, cells=cells)
+    regions = found_names(path, other) if path.suffix in WITH_NAMES and is_ours(other) else {}
     if not any(name.startswith(FACES_HEADER) for name in other.cell_data):
-        markers |= from_groups(bare, other, order, dimensions)
+        groups, named = from_groups(bare, other, order, dimensions)
+        markers, regions = markers | groups, regions | named
     return {
         "points": points,
         "cells": bare.cells,
         "origin": origin,
         "duplicates": duplicates,
         "markers": markers,
+        "regions": regions if "region" in markers else {},
     }
 
 
@@ -321,7 +332,8 @@ def _table(path: Path) -> tuple[list[int], np.ndarray]:
 def to_skfem(mesh: CellComplex) -> Any:
     """The mesh as a scikit-fem mesh; named facets become boundaries, cell markers subdomains.
 
-    A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2".
+    A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2", or
+    the name of that region.
     """
     import skfem
 
@@ -354,8 +366,9 @@ def to_skfem(mesh: CellComplex) -> Any:
         elif values.ndim == 1 and values.dtype.kind in "iu":
             order = np.argsort(values, kind="stable")
             different, first = np.unique(values[order], return_index=True)
+            called = names_by_number(mesh.regions) if marker == "region" else {}
             for value, part in zip(different.tolist(), np.split(order, first[1:])):
-                subdomains[f"{marker} {value}"] = part
+                subdomains[called.get(value, f"{marker} {value}")] = part
     if boundaries:
         result = result.with_boundaries(boundaries)
     return result.with_subdomains(subdomains) if subdomains else result

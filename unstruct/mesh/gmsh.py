@@ -2,9 +2,10 @@
 
 Files are written in version 2.2 of the format, in which each cell and each face has the number of one group.
 A face in several markers goes to the first of them that is not "facets" or "inner"; these two follow from the
-others, because facets are where the mesh ends. Groups of cells are "region 0", "region 1", ..., by the values
-of the marker "region". Without that marker, they are Boolean markers that have no cell in common. Other cell
-data are kept only if the file contains nothing but cells of one kind.
+others, because facets are where the mesh ends. Groups of cells have the names of the regions; those without
+one are "region 0", "region 1", ..., by the values of the marker "region". Without that marker, they are
+Boolean markers that have no cell in common, which are read as regions. Other cell data are kept only if the
+file contains nothing but cells of one kind.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ import numpy as np
 from .complex import CellComplex
 from .grouping import group_rows
 from .marked import marked_facets
+from .naming import names_by_number
 
 __all__ = ["coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
 
 OWN_NAMES = ("facets", "inner")
+MOST_GROUPS = 2**31 - 1  # numbers of groups are of 32 bits
+REGION = r"region (-?\d+)"  # the name of a group of cells whose region has none
 FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 
 
@@ -78,8 +82,8 @@ def to_groups(mesh: CellComplex, other: Any, faces: dict[str, np.ndarray]) -> tu
     """
     blocks = face_blocks(faces)
     top = len(other.cells) - len(blocks)
-    tags, names, cells = _cell_groups(mesh, other, top)
-    other.field_data = {name: np.array([i + 1, mesh.dimension]) for i, name in enumerate(names)}
+    tags, names, cells = _cell_groups(mesh, other, top, {coded(name) for name in faces})
+    other.field_data = {name: np.array([tag, mesh.dimension]) for name, tag in names.items()}
     del other.cells[top:]
     lost = [name for name in faces if coded(name) in other.field_data]
     count = dict.fromkeys(range(3), 0)
@@ -137,13 +141,27 @@ def _keys(rows: np.ndarray) -> set[tuple[int, ...]]:
     return set(map(tuple, np.sort(rows, axis=1).tolist()))
 
 
-def _cell_groups(mesh: CellComplex, other: Any, top: int) -> tuple[list[np.ndarray], list[str], list[str]]:
-    """The group of each cell of each block, the names of groups 1, 2, ..., and the markers that they keep."""
+def _cell_groups(
+    mesh: CellComplex, other: Any, top: int, taken: set[str]
+) -> tuple[list[np.ndarray], dict[str, int], list[str]]:
+    """The group of each cell of each block, the groups' numbers by name, and the markers that they keep.
+
+    The group of region k is k + 1, unless numbers are negative. Names in ``taken`` belong to faces.
+    """
     region = mesh.markers.get("region")
     if region is not None and region.ndim == 1 and region.dtype.kind in "iu":
-        values = np.unique(region)
-        tags = [np.searchsorted(values, rows) + 1 for rows in other.cell_data["region"][:top]]
-        return tags, [f"region {value}" for value in values.tolist()], ["region"]
+        values = np.union1d(region, list(mesh.regions.values())).astype(np.int64)
+        usual = len(values) and 0 <= values[0] and values[-1] < MOST_GROUPS
+        number = values + 1 if usual else np.arange(len(values)) + 1
+        tags = [number[np.searchsorted(values, rows)] for rows in other.cell_data["region"][:top]]
+        called = names_by_number(mesh.regions)
+        names = {}
+        for value, tag in zip(values.tolist(), number.tolist()):
+            name = coded(called[value]) if value in called else f"region {value}"
+            if value in called and (name in taken or re.fullmatch(REGION, name)):
+                name = "".join(f"%{byte:02X}" for byte in called[value].encode())
+            names[name] = tag
+        return tags, names, ["region"]
     tags = [np.zeros(len(block.data), dtype=np.int64) for block in other.cells[:top]]
     held: list[str] = []
     for name, values in mesh.markers.items():
@@ -153,12 +171,12 @@ def _cell_groups(mesh: CellComplex, other: Any, top: int) -> tuple[list[np.ndarr
                 held.append(name)
                 for tag, rows in zip(tags, chosen):
                     tag[rows] = len(held)
-    return tags, [coded(name) for name in held], held
+    return tags, {coded(name): i + 1 for i, name in enumerate(held)}, held
 
 
 def from_groups(
     mesh: CellComplex, other: Any, main: list[int], dimensions: list[int]
-) -> dict[str, np.ndarray]:
+) -> tuple[dict[str, np.ndarray], dict[str, int]]:
     """The markers that physical groups stand for.
 
     Parameters
@@ -173,15 +191,20 @@ def from_groups(
 
     Returns
     -------
-    dict of str to array
-        Faces by the names of their groups, or by their kind and number. Cells: "region" for groups that are
-        called "region 0", "region 1", ...; True and False for other names; "gmsh:physical" for numbers.
+    markers : dict of str to array
+        Faces by the names of their groups, or by their kind and number. Cells: "region" if groups of cells
+        have names, and "gmsh:physical" for numbers, if some have none.
+    regions : dict of str to int
+        The number in "region" of each group of cells whose name is not "region 0", "region 1", ...
     """
     physical = other.cell_data.get("gmsh:physical")
-    names = {(int(tag), int(d)): decoded(name) for name, (tag, d) in other.field_data.items()}
-    markers = _of_cells(mesh, physical, main, names)
+    fields = {name: np.ravel(row).tolist() for name, row in other.field_data.items() if np.size(row) == 2}
+    names = {(int(tag), int(d)): name for name, (tag, d) in fields.items()}
+    markers, regions = _of_cells(mesh, other, main, names)
     faces: dict[str, np.ndarray] = {
-        name: np.empty((0, d + 1), dtype=np.int32) for (_, d), name in names.items() if d < mesh.dimension
+        decoded(name): np.empty((0, d + 1), dtype=np.int32)
+        for (_, d), name in names.items()
+        if d < mesh.dimension
     }
     for i, block in enumerate(other.cells):
         if i in main:
@@ -189,7 +212,7 @@ def from_groups(
         rows, kind = np.asarray(block.data), block.type
         tags = np.zeros(len(rows), dtype=int) if physical is None else np.asarray(physical[i])
         for tag in np.unique(tags).tolist():
-            name = names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}")
+            name = decoded(names.get((tag, dimensions[i]), kind if tag == 0 else f"{kind} {tag}"))
             part = rows[tags == tag]
             known = name in faces and len(faces[name])
             faces[name] = stacked([faces[name], part]) if known else part
@@ -197,20 +220,34 @@ def from_groups(
         for width in FACE_NAMES:
             some = {k: v for k, v in faces.items() if v.shape[1] == width and (v >= 0).all()}
             faces |= _joined(some, _border(mesh, width), len(mesh.points))
-    return markers | faces
+    return markers | faces, regions
 
 
-def _of_cells(mesh: CellComplex, physical: Any, main: list[int], names: dict) -> dict[str, np.ndarray]:
+def _of_cells(
+    mesh: CellComplex, other: Any, main: list[int], names: dict[tuple[int, int], str]
+) -> tuple[dict[str, np.ndarray], dict[str, int]]:
+    """The markers of cells, and the numbers of named regions.
+
+    A number is that in "region 3", one less than that of the group in files of `Mesh.write`, or otherwise the
+    place of the group among all.
+    """
+    physical = other.cell_data.get("gmsh:physical")
     if physical is None:
-        return {}
-    tags = np.concatenate([np.asarray(physical[i]) for i in main])
-    used = np.unique(tags).tolist()
-    called = [names.get((tag, mesh.dimension), "") for tag in used]
-    numbers = [re.fullmatch(r"region (-?\d+)", name) for name in called]
-    if all(numbers):
-        values = np.array([int(number[1]) for number in numbers if number])
-        return {"region": values[np.searchsorted(used, tags)]}
-    markers = {name: tags == tag for name, tag in zip(called, used) if name}
-    if any(tag and not name for name, tag in zip(called, used)):
-        markers["gmsh:physical"] = tags
-    return markers
+        return {}, {}
+    tags = np.concatenate([np.asarray(physical[i]) for i in main]).astype(np.int64)
+    used = set(np.unique(tags).tolist())
+    called = {tag: name for (tag, d), name in names.items() if d == mesh.dimension}
+    without = used - set(called)
+    markers = {"gmsh:physical": tags} if without - {0} else {}
+    if not used & set(called):
+        return markers, {}
+    groups = sorted(used | set(called), key=lambda tag: (tag == 0, tag))
+    plain = {tag: match for tag in groups if (match := re.fullmatch(REGION, called.get(tag, "")))}
+    if is_ours(other) or len(plain) == len(groups):
+        number = {tag: int(plain[tag][1]) if tag in plain else tag - 1 for tag in groups}
+    if not (is_ours(other) or len(plain) == len(groups)) or len(set(number.values())) < len(groups):
+        number = {tag: i for i, tag in enumerate(groups)}
+    place = np.array(sorted(groups))
+    values = np.array([number[tag] for tag in place.tolist()])
+    regions = {decoded(name): number[tag] for tag, name in called.items() if tag not in plain}
+    return {"region": values[np.searchsorted(place, tags)], **markers}, regions

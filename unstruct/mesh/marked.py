@@ -125,4 +125,10 @@ def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
         else:
             whole = ((number[values] >= 0) | (values < 0)).all(axis=1)
             markers[name] = remaining_faces(number[values[whole]], cells)
-    return {"points": mesh.points[used], "cells": cells, "origin": mesh.origin[used], "markers": markers}
+    return {
+        "points": mesh.points[used],
+        "cells": cells,
+        "origin": mesh.origin[used],
+        "markers": markers,
+        "regions": mesh.regions,
+    }

@@ -59,6 +59,9 @@ class Mesh(CellComplex):
         "hexahedron", "wedge", "pyramid", "polygon", ...), all of one dimension; "polygon" may be a list of
         rows of different lengths. Cells are numbered through the kinds in their order; the first three
         corners of a wedge turn left seen from the other three.
+    regions : dict of str to int, optional
+        Names of values of the marker "region": the cells of region ``name`` are those with
+        ``mesh.markers["region"] == mesh.regions[name]``. Values without a name are allowed.
 
     Raises
     ------
@@ -213,6 +216,7 @@ class Mesh(CellComplex):
             markers=self.markers,
             weights=self.weights,
             hidden=self.hidden,
+            regions=self.regions,
         )
 
     def select(self, mask: Any) -> Mesh:
@@ -265,10 +269,12 @@ class Mesh(CellComplex):
         others       yes            no                no                   no
         ============ ============== ================= ==================== ===================
 
-        In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`): "region 0", ... for cells. A face
-        in several markers is in the group of the first one other than "facets" and "inner", which follow
-        from where the mesh ends. If a format has no cells of some kind in the mesh (.msh has no polygons),
-        an error names the kind; .vtu and .vtk store all kinds, and polygons in their order.
+        Names of regions are kept where markers of cells are. In .msh markers are Gmsh's physical groups
+        (`unstruct.mesh.gmsh`): those of cells have the names of regions, or "region 0", ... without one. In
+        .vtu and .vtk names are field data, "region:<name>", with the number of the region. A face in several
+        markers is in the group of the first one other than "facets" and "inner", which follow from where the
+        mesh ends. If a format has no cells of some kind in the mesh (.msh has no polygons), an error names
+        the kind; .vtu and .vtk store all kinds, and polygons in their order.
         """
         files.write(self, path)
 

@@ -18,8 +18,10 @@ from unstruct.examples.running import running_region, running_size
 def test_polygons_discs_rectangles() -> None:
     closed = Domain.polygon([[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], [[[1, 1], [2, 1], [2, 2], [1, 2]]])
     assert len(closed.points) == 8 and closed.area == 15
-    island = Domain.polygon(
-        [[0, 0], [9, 0], [9, 9], [0, 9]], [[[1, 1], [8, 1], [8, 8], [1, 8]], [[2, 2], [3, 2], [2, 3]]]
+    rings = [[0, 0], [9, 0], [9, 9], [0, 9]], [[1, 1], [8, 1], [8, 8], [1, 8]], [[2, 2], [3, 2], [2, 3]]
+    island = Domain.polygon(rings[0], rings[1:2])
+    island = Domain(
+        np.concatenate([island.points, rings[2]]), np.concatenate([island.facets, [[8, 9], [9, 10], [10, 8]]])
     )
     assert (
         island.area == 81 - 49 + 0.5 and island.contains([[2.2, 2.2]])[0] and not island.contains([[5, 5]])[0]
@@ -109,63 +111,6 @@ def test_splines_are_smooth_and_closed() -> None:
     before, after = ring.at(0, [1 - 1e-6, 1.0]), ring.at(1, [0.0, 1e-6])
     assert np.allclose(np.diff(before, axis=0), np.diff(after, axis=0), rtol=1e-4)
     assert check(refine(ring, 0.4), domain=ring)
-
-
-# ---------------------------------------------------------------------- geographic outlines
-
-
-class Shape:
-    """What shapely offers."""
-
-    def __init__(self, mapping: dict):
-        self.__geo_interface__ = mapping
-
-
-def test_geojson() -> None:
-    hole = [[1, 1], [1, 2], [2, 2], [2, 1], [1, 1]]
-    square = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
-    triangle = [[4, 4, 7.5], [5, 4, 7.5], [5, 5, 7.5], [4, 4, 7.5]]
-    polygon = {"type": "Polygon", "coordinates": [square, hole]}
-    assert Domain.from_geojson(polygon).area == 15
-    both = {"type": "MultiPolygon", "coordinates": [[square, hole], [triangle]]}  # they touch in a corner
-    assert Domain.from_geojson(Shape(both)).area == 15.5 and len(Domain.from_geojson(both).points) == 10
-    line = {"type": "LineString", "coordinates": [[3, 1], [3, 2], [2.5, 3]]}
-    dots = {"type": "MultiPoint", "coordinates": [[0.5, 0.5], [3.5, 3.5]]}
-    features = [{"type": "Feature", "properties": {}, "geometry": g} for g in (polygon, line, dots)]
-    domain = Domain.from_geojson({"type": "FeatureCollection", "features": features})
-    assert len(domain.inner) == 2 and len(domain.loose) == 2 and domain.area == 15
-    assert Domain.from_geojson({"type": "LinearRing", "coordinates": hole}).area == 1
-
-
-def test_geojson_without_places_and_with_some_heights() -> None:
-    """Features without geometry, empty geometry, and heights at some positions only are all legal."""
-    ring = [[0, 0], [2, 0, 5.0], [2, 2], [0, 2], [0, 0]]
-    features: list[dict] = [
-        {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}},
-        {"type": "Feature", "properties": {}, "geometry": None},
-    ]
-    empty = [{"type": kind, "coordinates": []} for kind in ("Point", "LineString", "Polygon", "MultiPoint")]
-    collection = {"type": "FeatureCollection", "features": [*features, *empty]}
-    domain = Domain.from_geojson(collection)
-    assert domain.area == 4 and len(domain.points) == 4
-
-
-def test_inner_segments_of_geometry_and_caller_are_joined() -> None:
-    """The caller's inner segments come after those of the geometry, which stay."""
-    square = {"type": "Polygon", "coordinates": [[[0, 0], [4, 0], [4, 4], [0, 4]]]}
-    line = {"type": "LineString", "coordinates": [[1, 0.5], [3, 0.5]]}
-    both = {"type": "GeometryCollection", "geometries": [square, line]}
-    domain = Domain.from_geojson(both, inner=[[0, 2]], markers={"caller's": [5]})
-    assert domain.inner.tolist() == [[4, 5], [0, 2]] and domain.markers["caller's"].tolist() == [5]
-
-
-def test_neighboring_polygons_share_their_sides() -> None:
-    left, right = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], [[1, 0], [2, 0], [2, 1], [1, 1], [1, 0]]
-    both = {"type": "MultiPolygon", "coordinates": [[left], [right]]}
-    with pytest.raises(InputError, match="join the same points"):
-        Domain.from_geojson(both)
-    joined = Domain.from_geojson(both, resolve=True)
-    assert joined.area == 2 and [r.kind for r in joined.repairs] == ["repeated segment"]
 
 
 # ---------------------------------------------------------------------- several in one, files

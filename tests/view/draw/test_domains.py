@@ -62,8 +62,8 @@ def test_many_pieces_have_no_numbers_unless_they_are_asked_for():
 
 def test_only_the_inside_is_filled():
     """An island in a hole, both turned like the outer ring, and curves."""
-    ring = Domain.disc((0, 0), 3).with_holes(Domain.rectangle((-2, -2), (2, 2)))
-    domain = ring.with_holes(Domain.disc((0, 0), 1))
+    hole = Domain.rectangle((-2, -2), (2, 2)).with_holes(Domain.disc((0, 0), 1))
+    domain = Domain.disc((0, 0), 3).with_holes(hole)
     ax = view.plot_domain(domain, numbers=False)
     assert len([p for p in ax.patches if isinstance(p, PathPatch)]) == 1
     for x in ((2.5, 0.3), (0.3, 0.3), (1.5, 0.2), (2.9, 2.9)):

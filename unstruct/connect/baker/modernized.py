@@ -210,6 +210,7 @@ class Baker:
                 name: values[self._source[live]] if values.ndim == 1 else remaining(values, simplices)
                 for name, values in old.markers.items()
             },
+            regions=old.regions,
         )
 
     def _check_box(self, new: NDArray[np.float64]) -> None:

@@ -144,6 +144,8 @@ class PlanarComplex:
     ends, piece, span, where : ndarray
         For each subsegment its two vertices in the direction of its piece, the piece, the parameters of the
         ends on it, and one half-edge that carries it.
+    regions : dict of str to int
+        The numbers of the parts that have a name.
     state : ndarray of int64, shape (16,)
         Counters that the kernels advance: triangles, vertices, subsegments, the first free slot.
 
@@ -173,6 +175,7 @@ class PlanarComplex:
         self.piece: NDArray[np.int32] = np.empty(0, dtype=np.int32)
         self.span: NDArray[np.float64] = np.empty((0, 2))
         self.where: NDArray[np.int32] = np.empty(0, dtype=np.int32)
+        self.regions: dict[str, int] = {}
         self.state: NDArray[np.int64] = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[FREE], self.state[VERTICES] = count, -1, len(rows)
 
@@ -340,6 +343,7 @@ class PlanarComplex:
             segments=ends,
             piece=piece,
             span=span,
+            regions=self.regions if regions else None,
             _ready=True,
             **rest,
         )

@@ -7,12 +7,15 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.jit import inline, kernel
+from ...geometry.boxes import BoxTree
 from ...geometry.ordering import radix_argsort
 from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
 
 __all__ = ["flood", "hold_seeds", "mark_regions"]
+
+FEW_SEEDS = 16  # so many are compared with all triangles, which takes less than a tree of their boxes
 
 
 @kernel
@@ -111,6 +114,19 @@ def flood(plane, facets, hull, part, stack, least):
     return np.int64(-1), parts
 
 
+@inline
+def _hold(xy, vertex, mark, t, x, y):
+    """Whether the closed triangle t contains (x, y): 1, on a marked edge 2, otherwise 0."""
+    on = False
+    for e in range(3 * t, 3 * t + 3):
+        u, v = vertex[next_edge(e)], vertex[prev_edge(e)]
+        side = orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], x, y)
+        if side < 0:
+            return 0
+        on = on or (side == 0 and mark[e] >= 0)
+    return 2 if on else 1
+
+
 @kernel
 def hold_seeds(xy, vertex, mark, count, seeds):
     """For each seed the slot of a closed triangle that contains it; -1 for none, -2 on a segment.
@@ -124,20 +140,26 @@ def hold_seeds(xy, vertex, mark, count, seeds):
             continue
         for i in range(len(seeds)):
             x, y = seeds[i, 0], seeds[i, 1]
-            if not (
+            if (
                 min(xy[a, 0], xy[b, 0], xy[c, 0]) <= x <= max(xy[a, 0], xy[b, 0], xy[c, 0])
                 and min(xy[a, 1], xy[b, 1], xy[c, 1]) <= y <= max(xy[a, 1], xy[b, 1], xy[c, 1])
+                and found[i] != -2
             ):
-                continue
-            inside, on = True, False
-            for e in range(3 * t, 3 * t + 3):
-                u, v = vertex[next_edge(e)], vertex[prev_edge(e)]
-                side = orient2(xy[u, 0], xy[u, 1], xy[v, 0], xy[v, 1], x, y)
-                inside = inside and side >= 0
-                on = on or (side == 0 and mark[e] >= 0)
-            if inside and found[i] != -2:
-                found[i] = -2 if on else t
+                held = _hold(xy, vertex, mark, t, x, y)
+                if held > 0:
+                    found[i] = -2 if held == 2 else t
     return found
+
+
+@kernel
+def hold_pairs(xy, vertex, mark, query, slots, seeds, found):
+    """As `hold_seeds`, with pairs of a seed and a triangle whose box contains it."""
+    for i in range(len(query)):
+        q = query[i]
+        if found[q] != -2:
+            held = _hold(xy, vertex, mark, slots[i], seeds[q, 0], seeds[q, 1])
+            if held > 0:
+                found[q] = -2 if held == 2 else slots[i]
 
 
 def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArray], hull: bool) -> None:
@@ -155,6 +177,7 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         )
     if parts == 0:
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
+    complex_.regions = {name: k for k, name in enumerate(regions)}
     if parts == 1 and not regions:
         return
     number = np.empty(parts, dtype=np.int32)
@@ -182,21 +205,39 @@ def _named(
     complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
 ) -> NDArray[np.int32]:
     """For each part the place of the name of its seed; without one, further numbers ordered by ``number``."""
-    names, count = list(regions), complex_.triangles
+    names = list(regions)
+    rows = [np.asarray(seeds, dtype=np.float64).reshape(-1, 2) for seeds in regions.values()]
+    seeds, start = np.concatenate(rows), np.cumsum([0] + [len(row) for row in rows])
     named = np.full(len(number), -1, dtype=np.int32)
-    for k, name in enumerate(names):
-        seeds = np.asarray(regions[name], dtype=np.float64).reshape(-1, 2)
-        found = hold_seeds(complex_.xy, complex_.vertex, complex_.mark, count, seeds * complex_.factor)
-        for row, slot in enumerate(found.tolist()):
-            p = part[slot] if slot >= 0 else -1
-            where = f"regions[{name!r}][{row}] = {seeds[row].tolist()}"
-            if slot == -2:
-                raise InputError(f"{where} lies on a segment: move it into one of the parts")
-            if p < 0:
-                raise InputError(f"{where} lies outside of the domain: move it inside")
-            if named[p] not in (-1, k):
-                raise InputError(f"{where} lies in the same part as {names[named[p]]!r}: drop one of them")
+    found, k = _held(complex_, seeds * complex_.factor), 0
+    for i, slot in enumerate(found.tolist()):
+        while i >= start[k + 1]:
+            k += 1
+        p = part[slot] if slot >= 0 else -1
+        if p >= 0 and named[p] in (-1, k):
             named[p] = k
+            continue
+        where = f"regions[{names[k]!r}][{i - start[k]}] = {seeds[i].tolist()}"
+        if slot == -2:
+            raise InputError(f"{where} lies on a segment: move it into one of the parts")
+        if p < 0:
+            raise InputError(f"{where} lies outside of the domain: move it inside")
+        raise InputError(f"{where} lies in the same part as {names[named[p]]!r}: drop one of them")
     free = np.flatnonzero(named < 0)
     named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))
     return named
+
+
+def _held(complex_: PlanarComplex, seeds: NDArray[np.float64]) -> NDArray[np.int64]:
+    """`hold_seeds`; for many seeds with only the triangles near each of them."""
+    count = complex_.triangles
+    if len(seeds) <= FEW_SEEDS:
+        return hold_seeds(complex_.xy, complex_.vertex, complex_.mark, count, seeds)
+    vertex = complex_.vertex[: 3 * count].reshape(-1, 3)
+    solid = np.flatnonzero((vertex >= 0).all(axis=1))
+    corners = complex_.xy[vertex[solid]]
+    tree = BoxTree(corners.min(axis=1), corners.max(axis=1))
+    found = np.full(len(seeds), -1, dtype=np.int64)
+    query, hit = tree.pairs(seeds, seeds)
+    hold_pairs(complex_.xy, complex_.vertex, complex_.mark, query, solid[hit], seeds, found)
+    return found

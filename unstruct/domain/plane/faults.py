@@ -13,7 +13,7 @@ from ...geometry.outline import Outline
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
 from ...geometry.sweep import lexicographic
 
-__all__ = ["Fault", "check_ends", "find_faults", "first_copies", "not_ends"]
+__all__ = ["Fault", "check_ends", "find_faults", "first_copies", "not_ends", "refuse"]
 
 HALF_WORD = 2**32 - 1
 MIX = (0x5BD1E995, 0x7ED55D17, 0x6B43A9B5, 0x4CF5AD43)  # odd numbers below 2^31

@@ -6,13 +6,12 @@ from math import fsum
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...geometry.outline import Outline
 from ...geometry.parity import enclosed_area, even_odd, left_parity
 from .lunes import areas_beyond_chords, lunes_hold
 from .sample import Sampled
 
-__all__ = ["area", "bounds", "check_seeds", "contains"]
+__all__ = ["area", "bounds", "contains"]
 
 
 def contains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
@@ -45,20 +44,3 @@ def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
         points.append(outline.points_at(piece, np.tile(np.linspace(0, 1, 257), len(outline.curves))))
     every = np.concatenate(points)
     return np.stack([every.min(axis=0), every.max(axis=0)])
-
-
-def check_seeds(outline: Outline, sampled: Sampled) -> None:
-    """Raise if a seed of a region lies on a piece or outside."""
-    if not outline.regions:
-        return
-    straight = ~np.isin(sampled.piece, list(outline.curves))
-    for name, seeds in outline.regions.items():
-        on = even_odd(sampled.points, sampled.ends[straight], seeds)[1]
-        wrong = on | ~contains(outline, sampled, seeds) if len(outline.facets) else on
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            where = "on a piece" if on[row] else "outside the region (even-odd)"
-            raise InputError(
-                f"regions[{name!r}][{row}] = {seeds[row].tolist()} lies {where}; move it into a part of the "
-                "region"
-            )

@@ -13,7 +13,7 @@ from ...geometry.outline import Outline
 from ...predicates.batch import orient
 from .sample import Sampled, fine_chains
 
-__all__ = ["areas_beyond_chords", "lune_area", "lunes_hold"]
+__all__ = ["areas_beyond_chords", "in_lunes", "lune_area", "lunes_hold"]
 
 DEPTH = 48  # after so many halvings of a curve a point that is still near is on the curve, up to rounding
 
@@ -22,19 +22,27 @@ DEPTH = 48  # after so many halvings of a curve a point that is still near is on
 
 
 def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Whether points lie in an odd number of the regions between the chords ``rows`` and their curves.
+    """Whether points lie in an odd number of the regions between the chords ``rows`` and their curves."""
+    query, _, inside = in_lunes(outline, sampled, rows, x)
+    return np.bincount(query[inside], minlength=len(x)) % 2 == 1
+
+
+def in_lunes(
+    outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs (point, place in ``rows``) that are near, and whether the point lies between chord and curve.
 
     By the even-odd rule the region between chord and curve consists of the triangle of the chord and the
     middle of the curve, and of the two smaller regions beside it. Halving ends when the point is outside of a
     box around the part of the curve.
     """
-    odd = np.zeros(len(x), dtype=bool)
     piece, span = sampled.piece[rows], sampled.span[rows]
     first, last = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
     chains = fine_chains(outline, sampled, rows)
     low, high = chains.min(axis=1), chains.max(axis=1)
     reach = 0.25 * (high - low).max(axis=1, keepdims=True)
     query, row = BoxTree(low - reach, high + reach).pairs(x, x)
+    found, odd, pair = (query, row), np.zeros(len(query), dtype=bool), np.arange(len(query))
     piece, span, first, last = piece[row], span[row], first[row], last[row]
     for _ in range(DEPTH):
         if len(query) == 0:
@@ -42,9 +50,9 @@ def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarr
         t = span.mean(axis=1)
         middle = outline.points_at(piece, t)
         corners = np.stack([first, middle, last], axis=1)
-        np.logical_xor.at(odd, query, _in_triangles(corners, x[query]))
+        np.logical_xor.at(odd, pair, _in_triangles(corners, x[query]))
         away = np.linalg.norm(middle - (first + last) / 2, axis=1)
-        query, piece = np.repeat(query, 2), np.repeat(piece, 2)
+        query, piece, pair = np.repeat(query, 2), np.repeat(piece, 2), np.repeat(pair, 2)
         span = np.stack([span[:, 0], t, t, span[:, 1]], axis=1).reshape(-1, 2)
         first, last = np.stack([corners[:, :2], corners[:, 1:]], axis=2).reshape(-1, 2, 2).transpose(1, 0, 2)
         # The next sagitta is about a quarter of this one, so that this one is a generous margin.
@@ -52,7 +60,8 @@ def lunes_hold(outline: Outline, sampled: Sampled, rows: np.ndarray, x: np.ndarr
         near = (x[query] >= np.minimum(first, last) - margin) & (x[query] <= np.maximum(first, last) + margin)
         keep = near.all(axis=1) & (span[:, 0] < span[:, 1])
         query, piece, span, first, last = query[keep], piece[keep], span[keep], first[keep], last[keep]
-    return odd
+        pair = pair[keep]
+    return *found, odd
 
 
 def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:

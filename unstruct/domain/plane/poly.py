@@ -25,6 +25,7 @@ from ...mesh.marked import parts
 from ...mesh.mesh import Mesh
 from ...mesh.topology import oriented_facet
 from .sample import Sampled
+from .seeds import first_on_piece
 
 __all__ = ["read_poly", "write_poly"]
 
@@ -134,6 +135,13 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
         if bound and bound[0] > 0:
             areas[name] = min(areas.get(name, np.inf), bound[0])
     walls = make(points, (), inner=segments, markers=markers, resolve=resolve)
+    on_piece = first_on_piece(walls, seeds) if len(seeds) else None
+    if on_piece is not None:
+        hole, where = on_piece
+        where = where.replace("inner segment", "segment")
+        raise InputError(
+            f"{path.name}: hole {hole} at {seeds[hole].tolist()} lies on {where}; move it into the hole"
+        )
     facets = _bounding(walls, seeds)
     order = np.concatenate([np.nonzero(facets)[0], np.nonzero(~facets)[0]])
     place = np.empty(len(order), dtype=np.int64)
@@ -215,22 +223,17 @@ def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], pa
         for i, ((a, b), piece) in enumerate(zip(sampled.ends.tolist(), sampled.piece))
     ]
     mesh, part, beyond = _hull_parts(sampled.points, sampled.ends)
-    holes = []
-    for p in np.setdiff1d(part, beyond):
-        cells = np.nonzero(part == p)[0]
-        seed = mesh.points[mesh.simplices[cells[np.argmax(mesh.volumes[cells])]]].mean(axis=0)
-        if not _inside(sampled, len(domain.facets), seed):
-            holes.append(seed.tolist())
+    order = np.lexsort((-mesh.volumes, part))
+    largest = order[np.unique(part[order], return_index=True)[1]]  # the triangle of each part
+    middle = mesh.points[mesh.simplices[largest[~np.isin(part[largest], beyond)]]].mean(axis=1)
+    inside = even_odd(sampled.points, sampled.ends[sampled.piece < len(domain.facets)], middle)[0]
+    holes = middle[~inside].tolist()
     lines += [str(len(holes))] + [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(holes)]
     seeds = [(name, x) for name in domain.regions for x in domain.regions[name].tolist()]
     lines += [str(len(seeds))]
     for row, (name, (x, y)) in enumerate(seeds):
         lines.append(f"{row} {x!r} {y!r} {values[name]} {areas.get(name, -1.0)!r}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _inside(sampled: Any, facets: int, x: np.ndarray) -> bool:
-    return bool(even_odd(sampled.points, sampled.ends[sampled.piece < facets], x[None])[0][0])
 
 
 def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Ready-made regions: polygons, discs, smooth closed curves, airfoils, letters, and geographic outlines.
+"""Ready-made regions: polygons, discs, smooth closed curves, airfoils, letters.
 
 Each function gives the arguments of a `Domain`: points, facets, and options. See the book, chapter 2.6d.
 """
@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
-from itertools import pairwise
 from math import pi, radians
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from ...base.errors import InputError
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..arguments import around, as_ring
 
-__all__ = ["Parts", "airfoil", "disc", "letters", "outlines", "rectangle", "rings", "smooth_rings"]
+__all__ = ["Parts", "airfoil", "disc", "letters", "rectangle", "rings", "smooth_rings"]
 
 Parts = dict[str, Any]  # points, facets, and further arguments of `Domain`
 
@@ -33,15 +32,19 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
     return float(rows[0, 0]), float(rows[0, 1])
 
 
+def ring_names(holes: Any) -> list[str]:
+    """What messages call the outer ring and the holes of a polygon."""
+    if not isinstance(holes, Iterable):
+        raise InputError(f"holes must be a sequence of rings, not {holes!r}")
+    return ["outer", *(f"holes[{i}]" for i, _ in enumerate(holes))]
+
+
 def rings(outer: Any, holes: Sequence[Any], least: int = 3) -> Parts:
     """A polygon with holes: points and facets along the rings, which have at least so many corners.
 
     A single corner becomes two equal ones, for ``resolve=True`` to drop with an account.
     """
-    if not isinstance(holes, Iterable):
-        raise InputError(f"holes must be a sequence of rings, not {holes!r}")
-    every = enumerate([outer, *holes])
-    found = [as_ring(ring, f"holes[{i - 1}]" if i else "outer", least) for i, ring in every]
+    found = [as_ring(ring, name, least) for name, ring in zip(ring_names(holes), [outer, *holes])]
     found = [np.repeat(ring, 2, axis=0) if len(ring) == 1 else ring for ring in found]
     start = np.cumsum([0] + [len(ring) for ring in found])
     facets = [around(first, len(ring)) for first, ring in zip(start, found)]
@@ -228,73 +231,3 @@ def _contours(path: Any) -> Iterator[list[np.ndarray]]:
             contour = []
         at = vertices[i] if i < len(codes) else at
         i += 1
-
-
-# ---------------------------------------------------------------------- geographic outlines
-
-
-def outlines(geometry: Any) -> Parts:
-    """Rings as facets, lines as inner segments, points as loose vertices; see `Domain.from_geojson`."""
-    numbers: dict[tuple[float, float], int] = {}
-    facets: list[tuple[int, int]] = []
-    inner: list[tuple[int, int]] = []
-
-    def vertex(x: Any) -> int:
-        return numbers.setdefault((float(x[0]), float(x[1])), len(numbers))
-
-    for kind, coordinates in _geometries(geometry):
-        if len(coordinates) == 0:  # an empty geometry, which both GeoJSON and shapely allow
-            continue
-        rows = _planar(coordinates, f"a {kind}")
-        if kind == "ring":
-            index = [vertex(x) for x in as_ring(rows, "a ring")]
-            facets += zip(index, index[1:] + index[:1])
-        else:
-            index = [vertex(x) for x in rows]
-            inner += pairwise(index) if kind == "line" else []
-    if not numbers:
-        raise InputError("the geometry is empty: give at least one polygon, line or point")
-    return {"points": np.array(list(numbers)), "facets": facets, "inner": inner or None}
-
-
-def _planar(coordinates: Any, name: str) -> np.ndarray:
-    """Positions as points of the plane; heights are ignored, whether all positions have one or only some."""
-    try:
-        return as_points([position[:2] for position in coordinates], name)
-    except (TypeError, IndexError, KeyError):
-        raise InputError(f"{name} must be a list of positions (x, y), not {coordinates!r}") from None
-
-
-def _geometries(geometry: Any) -> Iterator[tuple[str, Any]]:
-    geometry = getattr(geometry, "__geo_interface__", geometry)
-    if not isinstance(geometry, dict):
-        raise InputError(
-            "a geometry must be a mapping with a 'type', or an object with __geo_interface__ such as "
-            f"shapely's, not {type(geometry).__name__}"
-        )
-    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
-    if kind in ("FeatureCollection", "GeometryCollection"):
-        for part in _member(geometry, "features" if kind == "FeatureCollection" else "geometries"):
-            yield from _geometries(part)
-    elif kind == "Feature":
-        if geometry.get("geometry") is not None:  # null stands for a feature without a place
-            yield from _geometries(geometry["geometry"])
-    elif kind in ("Polygon", "MultiPolygon"):
-        for polygon in [coordinates] if kind == "Polygon" else coordinates or ():
-            for ring in polygon or ():
-                yield "ring", ring
-    elif kind == "LinearRing":
-        yield "ring", coordinates or ()
-    elif kind in ("LineString", "MultiLineString"):
-        for line in [coordinates] if kind == "LineString" else coordinates or ():
-            yield "line", line or ()
-    elif kind in ("Point", "MultiPoint"):
-        yield "point", ([coordinates] if kind == "Point" and coordinates else coordinates) or ()
-    else:
-        raise InputError(f"the type {kind!r} of a geometry is unknown; use those of GeoJSON or LinearRing")
-
-
-def _member(geometry: dict[str, Any], name: str) -> Sequence[Any]:
-    if not isinstance(geometry.get(name), list | tuple):
-        raise InputError(f"a {geometry['type']} must have a list of {name!r}")
-    return cast("Sequence[Any]", geometry[name])

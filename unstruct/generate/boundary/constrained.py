@@ -42,6 +42,7 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
         which vertex of the domain each vertex is. The markers are "facets", "inner", those of the domain, and
         "region". In "region" a cell of a part with a named seed has the place of the name in
         ``domain.regions``; cells of the other connected parts have further numbers, one for each part.
+        ``mesh.regions`` has the number of each name.
 
     Raises
     ------

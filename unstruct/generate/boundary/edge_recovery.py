@@ -88,6 +88,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
         origin=mesh.origin,
         duplicates=mesh.duplicates,
         markers={**markers, "recovered": parts},
+        regions=mesh.regions if "region" in markers else None,
         segments=parts,
         piece=complex_.piece,
         span=complex_.span,

@@ -173,6 +173,7 @@ def _result(
         origin=mesh.origin,
         duplicates=mesh.duplicates,
         markers=markers,
+        regions=mesh.regions,
         counts=counts,
         **rest,
     )

@@ -129,10 +129,12 @@ def per_region(value: Any, names: list[str], what: str) -> list[Any]:
     """One value for each region: the same for all, or that of its name (None if the name is not given)."""
     if not isinstance(value, Mapping):
         return [value] * len(names)
-    unknown = [name for name in value if name not in names]
+    known = set(names)
+    unknown = [name for name in value if name not in known]
     if unknown:
         raise InputError(
-            f"{what} names region {unknown[0]!r}, but the regions of the domain are {sorted(set(names))}"
+            f"{what} names region {unknown[0]!r}, but the regions of the domain are "
+            f"{sorted(known - {''}, key=str)}"
         )
     return [value.get(name) for name in names]
 

@@ -25,7 +25,7 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from .account import account, history_of
 from .limits import make_limits
-from .remeshing import carry, plan_mesh
+from .remeshing import by_name, carry, plan_mesh
 from .run import Planned, RefineRun
 from .state import BUDGET, EVENTS, REFUSALS
 
@@ -62,7 +62,7 @@ def refine(
     min_angle : float, optional
         The wanted minimum angle, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
-        The largest area wanted.
+        The largest area wanted. In a mesh, a region is named as in ``mesh.regions`` or by its number.
     method : "off-centers", "chew" or "ruppert"
         "ruppert": circumcenters and diametral discs. "chew", Chew's second algorithm: subsegments are split
         if a vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are
@@ -125,6 +125,8 @@ def refine(
     angle, lens, offset = _method(method, min_angle)
     planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
     c = planned.complex_
+    if isinstance(domain, Mesh):
+        max_area, size = by_name(domain, max_area), by_name(domain, size)
     limits = make_limits(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )

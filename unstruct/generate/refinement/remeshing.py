@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,12 @@ from ...connect.planar.inserting import insert_all
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
+from ...mesh.naming import names_by_number
 from ...predicates.batch import orient
 from .encroachment import STRAIGHT
 from .run import Planned
 
-__all__ = ["carry", "plan_mesh"]
+__all__ = ["by_name", "carry", "plan_mesh"]
 
 STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
@@ -36,8 +38,9 @@ def plan_mesh(mesh: Mesh) -> Planned:
     Returns
     -------
     Planned
-        Cells with equal values of all cell markers have the same region. It is named by the value of the
-        marker "region", if there is one. Pieces are straight chains of edges with equal markers.
+        Cells with equal values of all cell markers have the same region. Its name is that of the value of
+        the marker "region", if there is one, or else the value. Pieces are straight chains of edges with
+        equal markers.
 
     Raises
     ------
@@ -51,9 +54,7 @@ def plan_mesh(mesh: Mesh) -> Planned:
     ends, chain, span, flipped = chains(mesh.points, edges, np.column_stack([kinds, left < 0, right < 0]))
     left, right = np.where(flipped, right, left), np.where(flipped, left, right)
     joints = _joints(ends, span, chain)
-    inner = np.array(
-        [(left[chain == p] >= 0).all() and (right[chain == p] >= 0).all() for p in range(len(joints))]
-    )
+    inner = np.bincount(chain, (left < 0) | (right < 0)) == 0
     order = np.argsort(inner, kind="stable")  # facets first
     number = np.empty(len(order), dtype=np.int32)
     number[order] = np.arange(len(order))
@@ -67,7 +68,10 @@ def plan_mesh(mesh: Mesh) -> Planned:
         raise MeshError("a vertex of the mesh lies on an edge of which it is not an end: see unstruct.check")
     _color(c, left, right)
     _compare(mesh, c)
-    names = [row["region"] for row in values] if "region" in mesh.markers else [""] * len(values)
+    called = names_by_number(mesh.regions)
+    names: list[Any] = [""] * len(values)
+    if "region" in mesh.markers:
+        names = [called.get(row["region"], row["region"]) for row in values]
     inputs = np.ones(len(used), dtype=bool)
     inputs[place[ends]], inputs[place[joints]] = False, True
     return Planned(
@@ -81,6 +85,18 @@ def plan_mesh(mesh: Mesh) -> Planned:
             },
         },
     )  # fmt: skip
+
+
+def by_name(mesh: Mesh, value: Any) -> Any:
+    """A limit by region with the names of regions instead of their numbers, where they have names."""
+    if not isinstance(value, Mapping):
+        return value
+    called = names_by_number(mesh.regions)
+    found = {called.get(key, key): limit for key, limit in value.items()}
+    if len(found) < len(value):
+        twice = next(key for key in value if called.get(key, key) != key)
+        raise InputError(f"region {called[twice]!r} is named twice: by its name, and by its number {twice}")
+    return found
 
 
 def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -249,6 +265,7 @@ def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
     values = planned.rest["values"]
     for name in values[0]:
         result.markers[name] = frozen(np.array([row[name] for row in values])[group])
+    result.regions = dict(mesh.regions)
     place = np.full(len(mesh.points), -1, dtype=np.int32)
     used = _used(mesh)[0]
     place[used] = np.arange(len(used))  # the first vertices of the result, in the same order
