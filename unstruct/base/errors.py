@@ -4,7 +4,14 @@ from typing import Any
 
 from .doors import door
 
-__all__ = ["DegenerateInputError", "DomainError", "InputError", "MeshError", "UnstructError"]
+__all__ = [
+    "DegenerateInputError",
+    "DomainError",
+    "InputError",
+    "MeshError",
+    "MissingPackageError",
+    "UnstructError",
+]
 
 _plot = door("unstruct.view:plot_domain")
 
@@ -59,3 +66,7 @@ class DegenerateInputError(UnstructError):
 
 class MeshError(UnstructError):
     """A mesh, or a requested change of it, is not valid; the message names cells and vertices."""
+
+
+class MissingPackageError(UnstructError, ImportError):
+    """A function needs a package that is not installed; the message says how to install it."""
