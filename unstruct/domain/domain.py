@@ -15,6 +15,7 @@ import numpy as np
 from ..base.arguments import as_mapping, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
+from ..base.files import as_path
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
 from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
@@ -22,6 +23,7 @@ from .plane import faults, inside, poly, sample, shapes
 from .plane.repair import Repair
 from .plane.repaired import Repaired, repaired
 from .plane.sample import Sampled
+from .plane.sources import as_geometry, source_of
 
 __all__ = ["Domain", "as_domain"]
 
@@ -319,34 +321,48 @@ class Domain(Outline):
 
         Parameters
         ----------
-        geometry : mapping or object
-            Rings of polygons become facets (even-odd: their order does not matter), lines become inner
-            segments, and points loose vertices; equal coordinates become one vertex. Polygons that share a
-            side need ``resolve=True``, which removes the side.
+        geometry : mapping or object, or str or Path
+            Also GeoJSON or WKT as a text, or the path of a file of either or of a Shapefile. Rings of
+            polygons become facets (even-odd: their order does not matter), lines inner segments, and points
+            loose vertices; equal coordinates become one vertex. Polygons that share a side need
+            ``resolve=True``, which removes the side.
         """
-        return cls._of(shapes.outlines(geometry), options)
+        return cls._of(shapes.outlines(as_geometry(geometry)), options)
 
     @classmethod
-    def read(cls, path: str | Path, **options: Any) -> Self:
-        """Read Triangle's ``.poly`` (with its ``.node`` if it has no vertices itself).
+    def read(
+        cls, source: str | Path, *, shape: str = "spline", name: str | None = None, **options: Any
+    ) -> Self:
+        """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp) or an airfoil's .dat.
 
         Parameters
         ----------
-        path : str or Path
+        source : str or Path
+            A path, its suffix in letters of any size; or a text of GeoJSON or WKT itself.
+        shape : str
+            For .dat, in Selig's or Lednicer's order, "spline" or "polygon". Markers are "upper", "lower" and,
+            where the trailing edge is open, "trailing edge".
+        name : str, optional
+            The property that names features; see `from_geojson`.
         **options
             As for `Domain`.
 
         Returns
         -------
         Domain
-            The region that Triangle would mesh. It removes the outside, as far as segments do not stop it,
-            and holes in the same way from their seeds. Segments between inside and outside become facets, the
-            others inner segments. Boundary markers other than 0 become markers named by their number, and
-            regional attributes become regions named by their value; `max_areas` contains the area bounds of
-            regions by these names. `origin`, `piece_origin` and `repairs` refer to the vertices and segments
-            of the file, counted from 0 (-1 for pieces that ``options`` add).
+            Of .poly the region that Triangle would mesh: without the outside, as far as segments do not stop
+            it, and without holes, from their seeds. Segments between inside and outside become facets, the
+            others inner segments. Boundary markers other than 0 become markers named by their number,
+            regional attributes become regions named by their value; `max_areas` has the area bounds of
+            regions. `origin`, `piece_origin`, `repairs` refer to the file, counted from 0 (-1 for pieces that
+            ``options`` add). .node is a set of loose points: mesh its hull, or add facets by its numbers.
         """
-        found = poly.read_poly(Path(path), make=cls, resolve=bool(options.get("resolve")))
+        kind, content = source_of(source, shape=shape)
+        if kind == "features":
+            return cls.from_geojson(content, **({} if name is None else {"name": name}), **options)
+        if kind == "parts":
+            return cls._of(content, options)
+        found = poly.read_poly(content, make=cls, resolve=bool(options.get("resolve")))
         domain = cls._of(found.parts, options)
         domain.max_areas.update(found.areas)
         domain.repairs[:0] = found.walls.repairs
@@ -360,7 +376,7 @@ class Domain(Outline):
         Markers and regions are numbers in this format. A name that is not a number is replaced by a free
         number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
-        poly.write_poly(self, self._coarse, self.max_areas, Path(path))
+        poly.write_poly(self, self._coarse, self.max_areas, as_path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """A domain of all pieces together; by the even-odd rule a domain inside this one becomes a hole.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, MeshError
+from ..base.files import suffix_of
 from .cells import CELL_TYPES, cell_dimension
 from .complex import CellComplex
 from .exchange import Block, Exchange
@@ -29,7 +30,8 @@ def exchange_of(mesh: CellComplex) -> Exchange:
     blocks: list[tuple[str, np.ndarray]] = []
     rows: list[np.ndarray] = []  # the cells of each block
     start = 0
-    for name, block in mesh.cells.items():
+    some = {name: block for name, block in mesh.cells.items() if len(block)}  # formats have no empty kinds
+    for name, block in (some or mesh.cells).items():
         if name == "polygon":
             sizes = np.array([len(row) for row in block])
             for size in np.unique(sizes):
@@ -108,6 +110,8 @@ def arguments_of(path: Path, other: Exchange) -> dict[str, Any]:
         raise InputError(f"{path.name} contains no cells")
     top = max(dimensions)
     points = np.asarray(other.points, dtype=np.float64)
+    if points.ndim != 2:
+        raise InputError(f"{path.name} contains no points")
     while points.shape[1] > max(top, 1) and not points[:, -1].any():
         points = points[:, :-1]
     main = [i for i, dimension in enumerate(dimensions) if dimension == top]
@@ -118,7 +122,8 @@ def arguments_of(path: Path, other: Exchange) -> dict[str, Any]:
     kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
     copies = np.nonzero(kept != np.arange(n))[0]
     duplicates = np.column_stack([copies, kept[copies]])
-    markers = _markers(other, order, dimensions, top)
+    typed = is_ours(other) and suffix_of(path) != ".msh"
+    markers = _markers(other, order, dimensions, top, typed=typed)
     if is_ours(other) and ORDER in markers:
         number = markers.pop(ORDER)
         place = _in_order(cells, number)
@@ -166,8 +171,13 @@ def _by_type(blocks: list[Any]) -> dict[str, Any]:
     return cells
 
 
-def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
-    """The markers of cells, from cell data, and those of faces, in files that `write` wrote."""
+def _markers(
+    other: Any, main: list[int], dimensions: list[int], top: int, *, typed: bool
+) -> dict[str, np.ndarray]:
+    """The markers of cells, from cell data, and those of faces, in files that `write` wrote.
+
+    Files that are not ``typed`` may store integers as floats; such data become integers again.
+    """
     markers: dict[str, np.ndarray] = {}
     lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
     ours = is_ours(other)
@@ -187,9 +197,8 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
                 stacklevel=4,
             )
         elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
-            whole = (
-                column.dtype.kind == "f" and np.isfinite(column).all() and (column == np.round(column)).all()
-            )
+            whole = not typed and column.dtype.kind == "f"
+            whole = whole and bool(np.isfinite(column).all() and (column == np.round(column)).all())
             flags = ours and column.dtype == np.int8 and np.isin(column, (0, 1)).all()
             markers[name] = column.astype(np.int64) if whole else column.astype(bool) if flags else column
     return markers

@@ -25,7 +25,7 @@ from .complex import CellComplex
 from .conversion import FACES_HEADER, arguments_of, exchange_of, named_faces
 from .exchange import Block, Exchange
 from .foam import write_foam
-from .formats import NEED_H5PY, NOT_MESHES, fits, meshio_options, refuse_options
+from .formats import MAY_BE_DOMAINS, NEED_H5PY, NOT_MESHES, fits, meshio_options, refuse_options
 from .gmsh import coded, face_blocks, to_groups
 from .grouping import group_rows
 from .msh import msh_version, read_msh
@@ -36,7 +36,7 @@ from .su2 import read_su2, write_su2
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
 SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
-WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
+WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf", ".xmf"}  # formats that keep data at points and cells
 MESHIO_READS_MSH = ("4.0", "4")  # versions of Gmsh's format that are left to meshio
 
 
@@ -46,11 +46,11 @@ def to_meshio(mesh: CellComplex) -> Any:
     Returns
     -------
     meshio.Mesh
-        Polygons are grouped by their number of corners; if there are several groups, ``cell_data`` has the
-        number of each cell as "polygon:number". ``point_data`` contains "origin" and "kept" (the vertex
-        itself, or the vertex that it duplicates); ``cell_data`` contains the markers. Named faces follow as
-        blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere. For a name of k vertices per
-        face that has no faces, it is -k everywhere.
+        Kinds without cells are left out. Polygons are grouped by their number of corners; if there are
+        several groups, ``cell_data`` has the number of each cell as "polygon:number". ``point_data`` contains
+        "origin" and "kept" (the vertex itself, or the vertex that it duplicates); ``cell_data`` contains the
+        markers. Named faces follow as blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere.
+        For a name of k vertices per face that has no faces, it is -k everywhere.
     """
     meshio = optional("meshio", "Mesh.to_meshio")
     other = exchange_of(mesh)
@@ -91,7 +91,7 @@ def write(
         with replacing(path) as beside:
             write_node_ele(mesh, beside)
         return
-    fits(list(mesh.cells), suffix)
+    fits([kind for kind, block in mesh.cells.items() if len(block)], suffix)
     if suffix == ".su2":
         with replacing(path) as beside:
             lost = write_su2(mesh, beside)
@@ -221,7 +221,7 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
             f"{path.name} cannot be read: no format has the suffix {suffix!r}; there are .node, .msh, .su2, "
             f"{', '.join(sorted(meshio.extension_to_filetypes))}"
         )
-    if suffix in NEED_H5PY and not (suffix == ".xdmf" and b'Format="HDF"' not in data):
+    if suffix in NEED_H5PY and not (suffix in (".xdmf", ".xmf") and b'Format="HDF"' not in data):
         optional("h5py", f"reading {path.name}")
     said = StringIO()
     try:
@@ -231,7 +231,7 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
         why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else str(error)
         raise InputError(
             f"meshio cannot read {path.name} ({type(error).__name__}: {why}): is it whole, and in the format "
-            f"that {suffix} stands for?"
+            f"that {suffix} stands for? {MAY_BE_DOMAINS.get(suffix, '')}".rstrip()
         ) from None
     blocks = [Block(block.type, np.asarray(block.data)) for block in other.cells]
     return Exchange(

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import InputError
 
-__all__ = ["NEED_H5PY", "NOT_MESHES", "fits", "meshio_options", "refuse_options"]
+__all__ = ["MAY_BE_DOMAINS", "NEED_H5PY", "NOT_MESHES", "fits", "meshio_options", "refuse_options"]
 
 FLAT = ("triangle", "quad")
 SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
@@ -25,17 +25,21 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys([".msh", ".avs"], ("line", *FLAT, *SOLID)),
     ".inp": ("line", *FLAT, "tetra", "wedge", "hexahedron"),
 }
-NEED_H5PY = (".xdmf", ".h5m", ".med", ".cgns", ".hmf")
+NEED_H5PY = (".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf")
 DOMAIN = "read it with Domain.read, and mesh the domain"
 NOT_MESHES = {
-    **dict.fromkeys([".poly", ".geojson", ".json", ".shp", ".shx", ".dbf", ".wkt"], DOMAIN),
+    **dict.fromkeys([".poly", ".geojson", ".json", ".shp", ".shx", ".dbf"], DOMAIN),
     **dict.fromkeys([".geo", ".step", ".stp", ".igs", ".iges"], "Gmsh makes meshes of such files"),
     **dict.fromkeys([".png", ".jpg", ".svg", ".pdf"], "a picture has no cells"),
+}
+MAY_BE_DOMAINS = {
+    ".dat": "(The coordinates of an airfoil are read by Domain.read.)",
+    ".wkt": "(Polygons are read by Domain.read.)",
 }
 # Keywords of meshio for files that are binary, and for those that are text.
 BINARY_OPTIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     **dict.fromkeys([".vtk", ".vtu", ".stl", ".ply"], ({"binary": True}, {"binary": False})),
-    ".xdmf": ({"data_format": "HDF"}, {"data_format": "XML"}),
+    **dict.fromkeys([".xdmf", ".xmf"], ({"data_format": "HDF"}, {"data_format": "XML"})),
 }
 ALONE = (".xml", ".tec", ".dat")  # these formats store cells of one kind only
 

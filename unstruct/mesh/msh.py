@@ -52,7 +52,9 @@ class _Source:
         self.path, self.name, self.data, self.order, self.at = path, name, data, order, 0
         self.flat: Any = None
         if not order:
-            self.flat = numbers_of(data)
+            self.flat = numbers_of(data, int) if name == "Elements" else None
+            if self.flat is None:
+                self.flat = numbers_of(data)
             if self.flat is None:
                 raise self.error(f"{_no_number(data)!r} is no number")
 
