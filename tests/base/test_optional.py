@@ -14,6 +14,8 @@ from unstruct.base.optional import EXTRAS, optional
 def test_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch, module: str) -> None:
     monkeypatch.setitem(sys.modules, module, None)
     package, extra = EXTRAS[module]
+    if module == "contourpy":  # it comes with matplotlib
+        assert (package, extra) == ("matplotlib", "plot")
     told = rf"^tea needs {package}, and {module} is not installed: pip install 'unstruct\[{extra}\]', or"
     with pytest.raises(UnstructError, match=told) as caught:
         optional(module, "tea")

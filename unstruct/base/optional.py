@@ -11,6 +11,7 @@ __all__ = ["optional"]
 
 EXTRAS = {  # module -> (the package that has it, the extra of this library that installs it)
     "anywidget": ("anywidget", "plot"),
+    "contourpy": ("matplotlib", "plot"),
     "h5py": ("h5py", "hdf"),
     "ipywidgets": ("ipywidgets", "plot"),
     "matplotlib": ("matplotlib", "plot"),

@@ -17,6 +17,7 @@ from ..base.errors import InputError
 from ..base.files import text_of
 from .complex import CellComplex
 from .exchange import border_groups, plain_names, rows_in_runs
+from .gmsh import stacked
 
 __all__ = ["read_su2", "write_su2"]
 
@@ -45,8 +46,8 @@ def write_su2(mesh: CellComplex, path: Path) -> list[str]:
     start = 0
     for kind, block in mesh.cells.items():
         m = len(block)
-        rows = [np.full(m, SU2_NUMBERS[kind]), np.asarray(block), np.arange(start, start + m)]
-        parts.append(rows_as_text(np.column_stack(rows)))
+        columns = [np.full(m, SU2_NUMBERS[kind]), np.asarray(block), np.arange(start, start + m)]
+        parts.append(rows_as_text(np.column_stack(columns)))
         start += m
     parts += [f"NPOIN= {n}\n".encode(), rows_as_text(None, mesh.points)]
     border = np.asarray(mesh.boundary)
@@ -85,7 +86,7 @@ def read_su2(path: Path) -> dict[str, Any]:
     points: np.ndarray | None = None
     markers: dict[str, np.ndarray] = {}
     ends = [entry.start() for entry in entries[1:]] + [len(text)]
-    for entry, end in zip(entries, ends):
+    for entry, end in zip(entries, ends, strict=True):
         key, value, body = entry[1], entry[2].strip(), text[entry.end() : end]
         file.at = entry.start()
         if key == "NZONE" and value != "1":
@@ -102,11 +103,9 @@ def read_su2(path: Path) -> dict[str, Any]:
             tag = value
         elif key == "MARKER_ELEMS":
             found = list(file.cells(file.count(value), body).values())
-            found += [markers[tag]] if tag in markers else []
-            width = max((rows.shape[1] for rows in found), default=d)
-            pads = [((0, 0), (0, width - rows.shape[1])) for rows in found] or [((0, 0), (0, 0))]
-            parts = [np.pad(rows, pad, constant_values=-1) for rows, pad in zip(found, pads)]
-            markers[tag] = np.concatenate(parts) if parts else np.empty((0, width), dtype=np.int32)
+            markers[tag] = stacked(
+                [markers[tag], *found] if tag in markers else found or [np.empty((0, d), int)]
+            )
     if cells is None or points is None:
         raise InputError(f"{path.name} has no {'NELEM' if cells is None else 'NPOIN'}: it is incomplete")
     every = [*cells.items(), *markers.items()]

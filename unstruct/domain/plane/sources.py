@@ -17,13 +17,11 @@ from ...mesh.node_ele import read_points
 from .sections import read_section, section_parts
 from .well_known import is_wkt, wkt_geometries
 
-__all__ = ["as_geometry", "source_of"]
+__all__ = ["REGION_SUFFIXES", "as_geometry", "source_of"]
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".ndjson", ".geojsons")
 MESHES = tuple(".msh .ele .vtu .vtk .su2 .stl .off .obj .ply .xdmf .mesh .inp .bdf .med .cgns".split())
-SUFFIXES = (
-    ".poly, .node, .geojson, .json, .wkt, .txt, .shp, .zip (of a Shapefile), .dat (airfoil coordinates)"
-)
+REGION_SUFFIXES = (".poly", ".node", *GEOJSON, ".wkt", ".txt", ".shp", ".shx", ".dbf", ".zip", ".dat")
 
 
 def as_geometry(source: Any) -> Any:
@@ -91,7 +89,9 @@ def source_of(source: str | Path, *, shape: str = "spline") -> tuple[str, Any]:
             return "features", _from_json(text, path.name)
         if suffix == ".wkt":
             return "features", _collection(wkt_geometries(text, path.name))
-    raise InputError(f"{path.name} cannot be read: {suffix or 'no suffix'!r} is none of {SUFFIXES}")
+    raise InputError(
+        f"{path.name} cannot be read: its suffix {suffix!r} is none of {', '.join(REGION_SUFFIXES)}"
+    )
 
 
 def _sibling(path: Path) -> Path:
