@@ -128,9 +128,22 @@ def table(
     if rows is not None and len(rows) == n * columns:
         rows = rows.reshape(n, columns)
         first = int(rows[0, 0]) if n and whole_number(float(rows[0, 0])) else 0
-        if np.array_equal(rows[:, 0], np.arange(first, first + n)) and np.isfinite(rows).all():
+        good = np.array_equal(rows[:, 0], np.arange(first, first + n)) and np.isfinite(rows).all()
+        if good and _one_row_a_line(body, n, columns):
             return header, rows[:, 1:], first
     return header, *_line_by_line(Rows(path, text), n, columns, what)
+
+
+def _one_row_a_line(text: str, n: int, columns: int) -> bool:
+    """Whether n times ``columns`` words stand in n lines, the same number in each."""
+    data = np.frombuffer(text.encode(), dtype=np.uint8)
+    word = np.append(False, data > 32)
+    starts = np.flatnonzero(word[1:] & ~word[:-1])
+    if len(starts) != n * columns:
+        return False
+    ends = np.flatnonzero((data == 10) | (data == 13))
+    first, last = (np.searchsorted(ends, starts[i::columns]) for i in (0, columns - 1))
+    return bool((first == last).all() and (first[1:] > last[:-1]).all())
 
 
 def _line_by_line(rows: Rows, n: int, columns: int, what: str) -> tuple[np.ndarray, int]:

@@ -7,16 +7,18 @@ physical groups, or in none (Mesh.SaveAll). Source: the Gmsh reference manual, c
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..base.decimals import numbers_of
 from ..base.errors import InputError
 from ..base.files import bytes_of
 from .exchange import Block, Exchange, rows_in_runs
+from .grouping import group_rows
+from .msh_parts import MshSource, msh_data, values_of_cells
 
 __all__ = ["MSH_TYPES", "msh_version", "read_msh"]
 
@@ -45,68 +47,6 @@ class _Cells(NamedTuple):
     groups: list[np.ndarray]  # physical groups: columns (m,), 0 for none
 
 
-class _Source:
-    """The contents of a section, read number by number."""
-
-    def __init__(self, path: Path, name: str, data: bytes, order: str):
-        self.path, self.name, self.data, self.order, self.at = path, name, data, order, 0
-        self.flat: Any = None
-        if not order:
-            self.flat = numbers_of(data, int) if name == "Elements" else None
-            if self.flat is None:
-                self.flat = numbers_of(data)
-            if self.flat is None:
-                raise self.error(f"{_no_number(data)!r} is no number")
-
-    def error(self, what: str) -> InputError:
-        return InputError(f"{self.path.name}, section ${self.name}: {what}")
-
-    def _take(self, count: int, kind: str) -> np.ndarray:
-        count = int(count)
-        if self.flat is not None:
-            found = self.flat[self.at : self.at + count]
-            self.at += count
-        else:
-            size = np.dtype(kind).itemsize * count
-            found = np.frombuffer(self.data[self.at : self.at + size], self.order + kind) if size else []
-            self.at += size
-        if len(found) < count:
-            raise self.error("it ends too early")
-        return np.asarray(found)
-
-    def ints(self, count: int) -> np.ndarray:
-        """So many integers of 32 bits."""
-        return self._take(count, "i4").astype(np.int64)
-
-    def sizes(self, count: int) -> np.ndarray:
-        """So many integers of 64 bits."""
-        return self._take(count, "u8").astype(np.int64)
-
-    def reals(self, count: int) -> np.ndarray:
-        """So many doubles."""
-        return self._take(count, "f8").astype(np.float64)
-
-    def line(self) -> int:
-        """A number on a line of its own, which is text in binary files, too."""
-        if self.flat is not None:
-            return int(self.ints(1)[0])
-        end = self.data.find(b"\n", self.at)
-        text = self.data[self.at : end].strip()
-        if end < 0 or not text.isdigit():
-            raise self.error(f"{text[:40]!r} is no count")
-        self.at = end + 1
-        return int(text)
-
-
-def _no_number(data: bytes) -> str:
-    for word in data.split():
-        try:
-            float(word)
-        except ValueError:
-            return word.decode("utf-8", "replace")[:40]
-    return ""
-
-
 def _sections(path: Path, data: bytes) -> dict[str, list[bytes]]:
     """The contents of sections by name; unknown ones too."""
     found: dict[str, list[bytes]] = {}
@@ -123,7 +63,7 @@ def _sections(path: Path, data: bytes) -> dict[str, list[bytes]]:
 
 def msh_version(path: Path) -> tuple[str, dict[str, list[bytes]], str]:
     """The version of a file, its sections, and the order of bytes ("" for text)."""
-    sections = _sections(path, bytes_of(path))
+    sections = _sections(path, bytes_of(path).removeprefix(BOM_UTF8))
     if "MeshFormat" not in sections:
         raise InputError(
             f"{path.name} is not in Gmsh's format: there is no section $MeshFormat; if it comes from Ansys "
@@ -152,16 +92,18 @@ def read_msh(path: Path, version: str, sections: dict[str, list[bytes]], order: 
     missing = {"Nodes", "Elements"} - set(sections)
     if missing:
         raise InputError(f"{path.name} has no section ${min(missing)}: it contains no cells")
-    nodes, elements = (_Source(path, name, sections[name][0], order) for name in ("Nodes", "Elements"))
+    nodes, elements = (MshSource(path, name, sections[name][0], order) for name in ("Nodes", "Elements"))
     if version == "4.1":
-        entities = _entities(_Source(path, "Entities", sections.get("Entities", [b""])[0], order))
+        entities = _entities(MshSource(path, "Entities", sections.get("Entities", [b""])[0], order))
         tags, points = _nodes4(nodes)
         parts = list(_elements4(elements, entities))
     else:
         tags, points = _nodes2(nodes)
-        parts = list(_elements2(elements))
+        parts = [part for part in _elements2(elements) if len(part.numbers)]
     number = _Numbers(nodes, tags)
     blocks = _joined_parts(parts)
+    if version != "4.1":
+        blocks = [_once(part) for part in blocks]
     cells, groups, counts, middles = [], [], [], [np.empty(0, dtype=np.int64)]
     for part in blocks:
         rows = number(part.nodes, "Elements")
@@ -175,13 +117,13 @@ def read_msh(path: Path, version: str, sections: dict[str, list[bytes]], order: 
     result.field_data = _names(path, sections)
     _add_groups(result, groups)
     for data in sections.get("NodeData", []):
-        name, rows, values = _data(path, "NodeData", data, order)
+        name, rows, values = msh_data(path, "NodeData", data, order)
         column = np.zeros((len(points), values.shape[1]))
         column[number(rows, "NodeData")] = values
         result.point_data[name] = column[:, 0] if values.shape[1] == 1 else column
     for data in sections.get("ElementData", []):
-        name, rows, values = _data(path, "ElementData", data, order)
-        result.cell_data[name] = _for_cells(rows, values, counts)
+        name, rows, values = msh_data(path, "ElementData", data, order)
+        result.cell_data[name] = values_of_cells(rows, values, counts)
     # faces in further groups are further blocks, without data of their own
     for columns in result.cell_data.values():
         for block in result.cells[len(columns) :]:
@@ -192,7 +134,7 @@ def read_msh(path: Path, version: str, sections: dict[str, list[bytes]], order: 
 class _Numbers:
     """The rows of nodes by their tags."""
 
-    def __init__(self, source: _Source, tags: np.ndarray):
+    def __init__(self, source: MshSource, tags: np.ndarray):
         self.source, self.order = source, np.argsort(tags, kind="stable")
         self.tags = tags[self.order]
         self.plain = bool((tags == np.arange(1, len(tags) + 1)).all())
@@ -211,7 +153,7 @@ class _Numbers:
         return place if self.plain else self.order[place]
 
 
-def _nodes2(source: _Source) -> tuple[np.ndarray, np.ndarray]:
+def _nodes2(source: MshSource) -> tuple[np.ndarray, np.ndarray]:
     n = source.line()
     if source.flat is not None:
         rows = source.reals(4 * n).reshape(n, 4)
@@ -224,13 +166,13 @@ def _nodes2(source: _Source) -> tuple[np.ndarray, np.ndarray]:
     return rows["tag"].astype(np.int64), rows["x"].astype(np.float64)
 
 
-def _kind(source: _Source, number: int) -> tuple[str, int]:
+def _kind(source: MshSource, number: int) -> tuple[str, int]:
     if number not in MSH_TYPES:
         raise source.error(f"cells of type {number} are not known; known are {sorted(MSH_TYPES)}")
     return MSH_TYPES[number]
 
 
-def _elements2(source: _Source) -> Iterator[_Cells]:
+def _elements2(source: MshSource) -> Iterator[_Cells]:
     n = source.line()
     if source.flat is not None:
         flat = source.flat[source.at :].astype(np.int64)
@@ -254,7 +196,7 @@ def _elements2(source: _Source) -> Iterator[_Cells]:
         done += many
 
 
-def _entities(source: _Source) -> dict[tuple[int, int], list[int]]:
+def _entities(source: MshSource) -> dict[tuple[int, int], list[int]]:
     """The physical groups of each entity (dimension, tag)."""
     found: dict[tuple[int, int], list[int]] = {}
     if not source.data.strip():
@@ -269,7 +211,7 @@ def _entities(source: _Source) -> dict[tuple[int, int], list[int]]:
     return found
 
 
-def _nodes4(source: _Source) -> tuple[np.ndarray, np.ndarray]:
+def _nodes4(source: MshSource) -> tuple[np.ndarray, np.ndarray]:
     blocks = int(source.sizes(4)[0])
     tags, points = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))]
     for _ in range(blocks):
@@ -281,7 +223,7 @@ def _nodes4(source: _Source) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(tags), np.concatenate(points)
 
 
-def _elements4(source: _Source, entities: dict[tuple[int, int], list[int]]) -> Iterator[_Cells]:
+def _elements4(source: MshSource, entities: dict[tuple[int, int], list[int]]) -> Iterator[_Cells]:
     for _ in range(int(source.sizes(4)[0])):
         dimension, tag, number = source.ints(3).tolist()
         many = int(source.sizes(1)[0])
@@ -292,7 +234,7 @@ def _elements4(source: _Source, entities: dict[tuple[int, int], list[int]]) -> I
 
 
 def _joined_parts(parts: list[_Cells]) -> list[_Cells]:
-    """Parts of the same kind and number of nodes as one, in the order of their first occurrence."""
+    """Parts of the same kind and number of nodes as one, in the order of the elements' tags."""
     together: dict[tuple[str, int], list[_Cells]] = {}
     for part in parts:
         together.setdefault((part.kind, part.nodes.shape[1]), []).append(part)
@@ -305,8 +247,23 @@ def _joined_parts(parts: list[_Cells]) -> list[_Cells]:
                 np.concatenate([p.groups[i] if i < len(p.groups) else m for p, m in zip(some, missing)])
             )
         numbers, nodes = (np.concatenate([getattr(p, name) for p in some]) for name in ("numbers", "nodes"))
-        result.append(_Cells(kind, numbers, nodes, groups))
+        order = np.argsort(numbers, kind="stable")
+        result.append(_Cells(kind, numbers[order], nodes[order], [column[order] for column in groups]))
     return result
+
+
+def _once(part: _Cells) -> _Cells:
+    """Cells that are there several times, once for each of their groups, once with all these groups."""
+    group, first = group_rows(np.sort(part.nodes, axis=1))
+    if len(first) == len(group) or not part.groups:
+        return part
+    order = np.argsort(group, kind="stable")
+    start = np.searchsorted(group[order], np.arange(len(first)))
+    rank = np.arange(len(group)) - start[group[order]]
+    columns = np.zeros((rank.max() + 1, len(first)), dtype=np.int64)
+    columns[rank, group[order]] = part.groups[0][order]
+    keep = np.argsort(first)
+    return _Cells(part.kind, part.numbers[first[keep]], part.nodes[first[keep]], list(columns[:, keep]))
 
 
 def _add_groups(result: Exchange, groups: list[list[np.ndarray]]) -> None:
@@ -340,51 +297,4 @@ def _names(path: Path, sections: dict[str, list[bytes]]) -> dict[str, np.ndarray
                     f"{path.name}, section $PhysicalNames: {line!r} is not a dimension, a number and a name"
                 )
             found[match[3]] = np.array([int(match[2]), int(match[1])])
-    return found
-
-
-def _data(path: Path, section: str, data: bytes, order: str) -> tuple[str, np.ndarray, np.ndarray]:
-    """The name, the numbers and the values (k, c) of a section of data."""
-    lines: list[bytes] = []
-    at = 0
-
-    def line() -> str:
-        nonlocal at
-        end = data.find(b"\n", at)
-        if end < 0:
-            raise InputError(f"{path.name}, section ${section}: it ends too early")
-        lines.append(data[at:end])
-        at = end + 1
-        return lines[-1].decode("utf-8", "replace").strip()
-
-    try:
-        strings = [line() for _ in range(int(line()))]
-        _ = [line() for _ in range(int(line()))]
-        whole = [int(line()) for _ in range(int(line()))]
-        width, n = whole[1], whole[2]
-    except (ValueError, IndexError):
-        raise InputError(f"{path.name}, section ${section}: {lines[-1][:40]!r} is no count") from None
-    name = strings[0].strip('"') if strings else section
-    if order:
-        kind = np.dtype([("tag", order + "i4"), ("value", order + "f8", width)])
-        if len(data) - at < n * kind.itemsize:
-            raise InputError(f"{path.name}, section ${section}: it ends too early")
-        rows = np.frombuffer(data[at : at + n * kind.itemsize], kind)
-        return name, rows["tag"].astype(np.int64), rows["value"].astype(np.float64).reshape(n, width)
-    table = _Source(path, section, data[at:], "").reals(n * (1 + width)).reshape(n, 1 + width)
-    return name, table[:, 0].astype(np.int64), table[:, 1:]
-
-
-def _for_cells(rows: np.ndarray, values: np.ndarray, counts: list[np.ndarray]) -> list[np.ndarray]:
-    """Values by the numbers of elements, distributed to the blocks; zero where there is none."""
-    order = np.argsort(rows, kind="stable")
-    known = rows[order]
-    found = []
-    for numbers in counts:
-        column = np.zeros((len(numbers), values.shape[1]))
-        if len(known):
-            place = np.minimum(np.searchsorted(known, numbers), len(known) - 1)
-            some = known[place] == numbers
-            column[some] = values[order[place[some]]]
-        found.append(column[:, 0] if values.shape[1] == 1 else column)
     return found
