@@ -120,6 +120,10 @@ def _write_foam(mesh: CellComplex, path: Path, thickness: float | None) -> None:
     _drop(mesh, why, lost, duplicates=True)
 
 
+def _widened(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.int32) if values.dtype.itemsize < 4 else values
+
+
 def _padded(points: np.ndarray) -> np.ndarray:
     """Most formats have three coordinates; a zero third one is dropped on reading."""
     return np.pad(points, ((0, 0), (0, max(3 - points.shape[1], 0))))
@@ -143,6 +147,8 @@ def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | 
         spaces = suffix == ".vtk"
         other.cell_data = {coded(name, spaces=spaces): v for name, v in other.cell_data.items()}
         _drop_whole(mesh)
+    if suffix in (".xdmf", ".xmf"):  # it has no short integers
+        other.cell_data = {name: [_widened(v) for v in part] for name, part in other.cell_data.items()}
     if suffix in NEED_H5PY and options.get("data_format") != "XML":
         optional("h5py", f"writing {suffix}")
     theirs = meshio.Mesh(

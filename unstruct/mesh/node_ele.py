@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.decimals import rows_as_text
 from ..base.errors import InputError, MeshError
-from ..base.files import text_of
+from ..base.files import suffix_of, text_of
 from ..base.tables import Rows, table
 from .complex import CellComplex
 from .second_order import without_middles
@@ -26,7 +26,10 @@ def write_node_ele(mesh: CellComplex, path: Path) -> None:
         )
     n, d = mesh.points.shape
     points = rows_as_text(np.arange(n)[:, None], mesh.points)
-    node, ele = (path.with_suffix(_like(path.suffix, name)) for name in (".node", ".ele"))
+    node, ele = (
+        path if suffix_of(path) == name else path.with_suffix(_like(path.suffix, name))
+        for name in (".node", ".ele")
+    )
     node.write_bytes(f"{n} {d} 0 0\n".encode() + points)
     rows = rows_as_text(np.column_stack([np.arange(mesh.size), mesh.simplices]))
     ele.write_bytes(f"{mesh.size} {mesh.dimension + 1} 0\n".encode() + rows)
@@ -38,7 +41,7 @@ def _like(given: str, suffix: str) -> str:
 
 def _partner(path: Path, suffix: str) -> Path:
     """The file of the same name with another suffix, whatever its case."""
-    if path.suffix.lower() == suffix:
+    if suffix_of(path) == suffix:
         return path
     for name in (_like(path.suffix, suffix), suffix, suffix.upper()):
         if path.with_suffix(name).exists():

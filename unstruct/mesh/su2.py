@@ -76,7 +76,7 @@ def read_su2(path: Path) -> dict[str, Any]:
     InputError
         For files that are incomplete or wrong; the message names file and line.
     """
-    text = re.sub(r"%[^\r\n]*", "", text_of(path))
+    text = re.sub(r"%[^\r\n]*|^[ \t]*SEND_[A-Z]+[ \t]*=[^\r\n]*", "", text_of(path), flags=re.MULTILINE)
     entries = list(re.finditer(r"^[ \t]*([A-Z_]+)[ \t]*=[ \t]*([^\r\n]*)", text, re.MULTILINE))
     if not any(entry[1] == "NDIME" for entry in entries):
         raise InputError(f"{path.name} is not in SU2's format: there is no line 'NDIME= 2' or 'NDIME= 3'")
@@ -137,7 +137,6 @@ class _File:
         return int(words[0])
 
     def _numbers(self, body: str, kind: type) -> np.ndarray:
-        body = re.sub(r"SEND_RECV\s*=[^\r\n]*", "", body)
         found = numbers_of(body, kind)
         if found is None:
             for i, line in enumerate(body.splitlines()):

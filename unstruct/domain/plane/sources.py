@@ -115,6 +115,8 @@ def _from_json(text: str, name: str) -> dict[str, Any]:
         lines = [line.strip("\x1e \t\r") for line in text.splitlines()]
         try:
             found = [json.loads(line) for line in lines if line]
+            if not found:
+                raise error
         except json.JSONDecodeError:
             raise InputError(f"{name}, line {error.lineno}: this is not JSON: {error.msg}") from None
         features = [f if _type(f) == "Feature" else {"type": "Feature", "geometry": f} for f in found]

@@ -28,7 +28,9 @@ KINDS = {  # name -> (type of GeoJSON, brackets within its own)
     "POLYHEDRALSURFACE": ("MultiPolygon", 2),
 }
 CURVED = "CIRCULARSTRING|COMPOUNDCURVE|CURVEPOLYGON|MULTICURVE|MULTISURFACE|CURVE|SURFACE"
-START = re.compile(rf"\s*(SRID\s*=\s*\d+\s*;\s*)?({'|'.join(KINDS)}|GEOMETRYCOLLECTION|{CURVED})\b", re.I)
+START = re.compile(
+    rf"\s*(SRID\s*=\s*\d+\s*;\s*)?({'|'.join(KINDS)}|GEOMETRYCOLLECTION|{CURVED})(ZM|Z|M)?\b", re.I
+)
 NEXT = re.compile(r"\s*(SRID\s*=\s*\d+\s*;\s*)?([A-Za-z]+)(?:\s*(ZM|Z|M)\b)?\s*(EMPTY\b|\()?", re.I)
 
 
