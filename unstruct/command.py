@@ -30,7 +30,7 @@ from .mesh.mesh import Mesh
 
 __all__ = ["main"]
 
-METHODS: dict[str, Any] = {
+MESHERS: dict[str, Any] = {
     "refine": refine,
     "voronoi-segment": voronoi_segment,
     "circumcenter-insertion": circumcenter_insertion,
@@ -123,7 +123,7 @@ def _with(options: list[Any]) -> Any:
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The file to write.")
 @click.option("--size", type=float, help="The wanted edge length.")
 @click.option(
-    "--method", type=click.Choice(list(METHODS)), default="refine", show_default=True, help="How to mesh."
+    "--method", type=click.Choice(list(MESHERS)), default="refine", show_default=True, help="How to mesh."
 )
 @click.option("--min-angle", type=float, help="The wanted least angle in degrees; for refine.")
 @click.option("--max-area", type=float, help="The largest area of a triangle; for refine.")
@@ -149,7 +149,7 @@ def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | 
     if isinstance(found, Mesh) and method != "refine":
         raise click.UsageError(f"{source.name} is a mesh; only refine takes one, {method} takes a region")
     show = sys.stderr.isatty() and not quiet if progress is None else progress
-    result = METHODS[method](found, **given, progress=show)
+    result = MESHERS[method](found, **given, progress=show)
     _write(result, output, options)
     if not quiet:
         angle = f", minimum angle {result.quality('min_angle').min():.4g} degrees" if result.size else ""

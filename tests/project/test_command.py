@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from unstruct import Domain, Mesh, check, constrained_delaunay
-from unstruct.command import METHODS, main
+from unstruct.command import MESHERS, main
 
 SQUARE = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}
 
@@ -26,7 +26,7 @@ def run(*words: object) -> Result:
     return CliRunner().invoke(main, list(map(str, words)), catch_exceptions=False)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", MESHERS)
 def test_every_method_meshes(square: Path, method: str) -> None:
     target = square.with_name("out.msh")
     size = [] if method == "constrained-delaunay" else ["--size", 0.3]
@@ -122,6 +122,7 @@ def test_info_and_convert(square: Path, tmp_path: Path) -> None:
 
 
 def test_in_a_shell(square: Path) -> None:
+    """The module ``unstruct.__main__``."""
     words = [sys.executable, "-m", "unstruct", "info", str(square)]
     result = subprocess.run(words, capture_output=True, text=True)
     assert result.returncode == 0 and "a region" in result.stdout

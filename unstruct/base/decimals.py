@@ -22,7 +22,7 @@ LONGEST_INTEGER = 21
 ZERO_DIGIT, MINUS, POINT, SPACE, LINE_END = 48, 45, 46, 32, 10
 LETTER_E, PLUS = 101, 43
 LEAST_POWER, MOST_POWER = -292, 324  # decimal exponents of the table
-HALF_WORD, LOW_HALF = np.uint64(32), np.uint64(0xFFFFFFFF)
+HALF_BITS, LOW_HALF = np.uint64(32), np.uint64(0xFFFFFFFF)
 FRACTION_BITS, HIDDEN_BIT = np.uint64(52), np.uint64(1 << 52)
 U0, U1, U2, U4, U10 = (np.uint64(i) for i in (0, 1, 2, 4, 10))
 
@@ -53,11 +53,11 @@ def _powers() -> tuple[np.ndarray, np.ndarray]:
 @inline
 def _product(a, b):
     """The high and the low word of a product of two words."""
-    a0, a1, b0, b1 = a & LOW_HALF, a >> HALF_WORD, b & LOW_HALF, b >> HALF_WORD
+    a0, a1, b0, b1 = a & LOW_HALF, a >> HALF_BITS, b & LOW_HALF, b >> HALF_BITS
     low, mid, high = a0 * b0, a1 * b0, a1 * b1
-    mid += low >> HALF_WORD
+    mid += low >> HALF_BITS
     other = (mid & LOW_HALF) + a0 * b1
-    return high + (mid >> HALF_WORD) + (other >> HALF_WORD), (other << HALF_WORD) | (low & LOW_HALF)
+    return high + (mid >> HALF_BITS) + (other >> HALF_BITS), (other << HALF_BITS) | (low & LOW_HALF)
 
 
 @kernel

@@ -18,12 +18,12 @@ from ..base.errors import InputError
 from ..base.files import as_path
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
-from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
+from .arguments import as_curves, as_markers, as_seeds, as_segments, joined
 from .plane import faults, inside, poly, sample, shapes
 from .plane.repair import Repair
 from .plane.repaired import Repaired, repaired
 from .plane.sample import Sampled
-from .plane.sources import as_geometry, source_of
+from .plane.sources import as_geometry, read_domain
 
 __all__ = ["Domain", "as_domain"]
 
@@ -340,8 +340,7 @@ class Domain(Outline):
         source : str or Path
             A path, its suffix in letters of any size; or a text of GeoJSON or WKT itself.
         shape : str
-            For .dat, in Selig's or Lednicer's order, "spline" or "polygon". Markers are "upper", "lower" and,
-            where the trailing edge is open, "trailing edge".
+            For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
         name : str, optional
             The property that names features; see `from_geojson`.
         **options
@@ -350,25 +349,13 @@ class Domain(Outline):
         Returns
         -------
         Domain
-            Of .poly the region that Triangle would mesh: without the outside, as far as segments do not stop
-            it, and without holes, from their seeds. Segments between inside and outside become facets, the
-            others inner segments. Boundary markers other than 0 become markers named by their number,
-            regional attributes become regions named by their value; `max_areas` has the area bounds of
-            regions. `origin`, `piece_origin`, `repairs` refer to the file, counted from 0 (-1 for pieces that
-            ``options`` add). .node is a set of loose points: mesh its hull, or add facets by its numbers.
+            Of .poly the region that Triangle would mesh: it removes what is outside, and holes from their
+            seeds, as far as segments do not stop it. Segments at removed parts are facets, others are inner.
+            Boundary markers other than 0 become markers, regional attributes regions, named by their number;
+            `max_areas` has the bounds of regions. `origin`, `piece_origin` and `repairs` refer to the file,
+            counted from 0 (-1 for pieces that ``options`` add). .node is a set of loose points.
         """
-        kind, content = source_of(source, shape=shape)
-        if kind == "features":
-            return cls.from_geojson(content, **({} if name is None else {"name": name}), **options)
-        if kind == "parts":
-            return cls._of(content, options)
-        found = poly.read_poly(content, make=cls, resolve=bool(options.get("resolve")))
-        domain = cls._of(found.parts, options)
-        domain.max_areas.update(found.areas)
-        domain.repairs[:0] = found.walls.repairs
-        domain.origin = composed(found.walls.origin, domain.origin)
-        domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
-        return domain
+        return read_domain(cls, cls._of, source, shape=shape, name=name, options=options)
 
     def write(self, path: str | Path) -> None:
         """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.

@@ -27,6 +27,7 @@ class MshSource:
                 raise self.error(f"{_no_number(data)!r} is no number")
 
     def error(self, what: str) -> InputError:
+        """An error that names the file and the section."""
         return InputError(f"{self.path.name}, section ${self.name}: {what}")
 
     def _take(self, count: int, kind: str) -> np.ndarray:

@@ -5,7 +5,7 @@ show the same frames, side by side or step by step. `view3d` shows objects in sp
 The widgets have sliders.
 """
 
-from . import needed as needed
+from .draw import extras as extras
 from .draw import frames as frames
 from .draw.colors import ROLES as ROLES
 from .draw.colors import line_style as line_style

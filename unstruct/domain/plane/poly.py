@@ -26,9 +26,10 @@ from ...geometry.parity import even_odd
 from ...mesh.marked import parts
 from ...mesh.mesh import Mesh
 from ...mesh.topology import oriented_facet
+from ..arguments import composed
 from .sample import Sampled
 
-__all__ = ["read_poly", "write_poly"]
+__all__ = ["account", "read_poly", "write_poly"]
 
 
 # ---------------------------------------------------------------------- reading
@@ -153,6 +154,14 @@ def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray
     n = len(mesh.points)
     free = ~np.isin(sides[:, 0] * n + sides[:, 1], walled[:, 0] * n + walled[:, 1])
     return mesh, part, np.unique(part[cells[free]])
+
+
+def account(domain: Any, found: Poly) -> None:
+    """Let a domain made of what was found account for the vertices and segments of the file."""
+    domain.max_areas.update(found.areas)
+    domain.repairs[:0] = found.walls.repairs
+    domain.origin = composed(found.walls.origin, domain.origin)
+    domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
 
 
 # ---------------------------------------------------------------------- writing

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ from ...base.errors import InputError
 from ...base.files import as_path, bytes_of, suffix_of, text_of
 from ...base.optional import optional
 from ...mesh.node_ele import read_points
+from . import poly
 from .sections import read_section, section_parts
 from .well_known import is_wkt, wkt_geometries
 
-__all__ = ["REGION_SUFFIXES", "as_geometry", "source_of"]
+__all__ = ["REGION_SUFFIXES", "as_geometry", "read_domain", "source_of"]
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".ndjson", ".geojsons")
 MESHES = tuple(".msh .ele .vtu .vtk .su2 .stl .off .obj .ply .xdmf .mesh .inp .bdf .med .cgns".split())
@@ -32,6 +34,27 @@ def as_geometry(source: Any) -> Any:
     if kind != "features":
         raise InputError(f"{source} contains no geometries: Domain.read reads it")
     return content
+
+
+def read_domain(
+    cls: Any,
+    make: Callable[[dict[str, Any], dict[str, Any]], Any],
+    source: str | Path,
+    *,
+    shape: str,
+    name: str | None,
+    options: dict[str, Any],
+) -> Any:
+    """The domain of a source; see `Domain.read`. ``make`` joins parts and options."""
+    kind, content = source_of(source, shape=shape)
+    if kind == "features":
+        return cls.from_geojson(content, **({} if name is None else {"name": name}), **options)
+    if kind == "parts":
+        return make(content, options)
+    found = poly.read_poly(content, make=cls, resolve=bool(options.get("resolve")))
+    domain = make(found.parts, options)
+    poly.account(domain, found)
+    return domain
 
 
 def source_of(source: str | Path, *, shape: str = "spline") -> tuple[str, Any]:

@@ -15,7 +15,7 @@ from ...base.errors import InputError
 
 __all__ = ["is_wkt", "wkt_geometries"]
 
-KINDS = {  # name -> (type of GeoJSON, brackets within its own)
+WKT_KINDS = {  # name -> (type of GeoJSON, brackets within its own)
     "POINT": ("Point", 0),
     "LINESTRING": ("LineString", 0),
     "LINEARRING": ("LinearRing", 0),
@@ -29,7 +29,7 @@ KINDS = {  # name -> (type of GeoJSON, brackets within its own)
 }
 CURVED = "CIRCULARSTRING|COMPOUNDCURVE|CURVEPOLYGON|MULTICURVE|MULTISURFACE|CURVE|SURFACE"
 START = re.compile(
-    rf"\s*(SRID\s*=\s*\d+\s*;\s*)?({'|'.join(KINDS)}|GEOMETRYCOLLECTION|{CURVED})(ZM|Z|M)?\b", re.I
+    rf"\s*(SRID\s*=\s*\d+\s*;\s*)?({'|'.join(WKT_KINDS)}|GEOMETRYCOLLECTION|{CURVED})(ZM|Z|M)?\b", re.I
 )
 NEXT = re.compile(r"\s*(SRID\s*=\s*\d+\s*;\s*)?([A-Za-z]+)(?:\s*(ZM|Z|M)\b)?\s*(EMPTY\b|\()?", re.I)
 
@@ -83,10 +83,12 @@ class _Reader:
             raise self.error("the name of a geometry is expected, such as POLYGON")
         name = match[2].upper()
         short = re.sub(r"(ZM|Z|M)$", "", name)  # POLYGONZ, without a space
-        name = name if name in KINDS or short not in {*KINDS, "GEOMETRYCOLLECTION"} else short
-        if name not in KINDS and name != "GEOMETRYCOLLECTION":
+        name = name if name in WKT_KINDS or short not in {*WKT_KINDS, "GEOMETRYCOLLECTION"} else short
+        if name not in WKT_KINDS and name != "GEOMETRYCOLLECTION":
             curved = re.fullmatch(CURVED, name)
-            hint = "convert curves to straight segments first" if curved else f"known are {', '.join(KINDS)}"
+            hint = (
+                "convert curves to straight segments first" if curved else f"known are {', '.join(WKT_KINDS)}"
+            )
             raise self.error(f"{name} is not understood; {hint}")
         if not match[4]:
             raise self.error(f"'(' or EMPTY is expected after {name}")
@@ -99,7 +101,7 @@ class _Reader:
                 if self._separator() == ")":
                     break
             return {"type": "GeometryCollection", "geometries": parts}
-        kind, depth = KINDS[name]
+        kind, depth = WKT_KINDS[name]
         coordinates = [] if empty else self._group(depth, points=name == "MULTIPOINT")
         if kind == "Point" and not empty:
             if len(coordinates) != 1:

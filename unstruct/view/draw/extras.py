@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..base.optional import optional
+from ...base.optional import optional
 
 __all__ = ["NEEDED"]
 
