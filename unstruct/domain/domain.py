@@ -108,8 +108,7 @@ class Domain(Outline):
 
     Notes
     -----
-    Faults are found by exact signs in O(n log n): about a second for 10^5 segments. The region is meshed as
-    it is stored, without tolerances. Book: 2.5, 2.6d.
+    Faults are found by exact signs in O(n log n), without tolerances. Book: 2.5, 2.6d.
     """
 
     def __init__(
@@ -323,9 +322,8 @@ class Domain(Outline):
         ----------
         geometry : mapping or object, or str or Path
             Also GeoJSON or WKT as a text, or the path of a file of either or of a Shapefile. Rings of
-            polygons become facets (even-odd: their order does not matter), lines inner segments, and points
-            loose vertices; equal coordinates become one vertex. Polygons that share a side need
-            ``resolve=True``, which removes the side.
+            polygons become facets (even-odd), lines inner segments, and points loose vertices; equal
+            coordinates become one vertex. Polygons that share a side need ``resolve=True``.
         """
         return cls._of(shapes.outlines(as_geometry(geometry)), options)
 
@@ -338,7 +336,7 @@ class Domain(Outline):
         Parameters
         ----------
         source : str or Path
-            A path, its suffix in letters of any size; or a text of GeoJSON or WKT itself.
+            A path, or a text of GeoJSON or WKT itself.
         shape : str
             For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
         name : str, optional
@@ -349,11 +347,10 @@ class Domain(Outline):
         Returns
         -------
         Domain
-            Of .poly the region that Triangle would mesh: it removes what is outside, and holes from their
-            seeds, as far as segments do not stop it. Segments at removed parts are facets, others are inner.
-            Boundary markers other than 0 become markers, regional attributes regions, named by their number;
-            `max_areas` has the bounds of regions. `origin`, `piece_origin` and `repairs` refer to the file,
-            counted from 0 (-1 for pieces that ``options`` add). .node is a set of loose points.
+            Of .poly the region that Triangle would mesh: without the outside, and without holes from their
+            seeds. Segments at what it removes are facets, others inner. Boundary markers other than 0 become
+            markers, regional attributes regions, by their number; `max_areas` has their bounds. `origin`,
+            `piece_origin`, `repairs` refer to the file, counted from 0. .node is a set of loose points.
         """
         return read_domain(cls, cls._of, source, shape=shape, name=name, options=options)
 
