@@ -413,7 +413,7 @@ def test_triangle_files_from_elsewhere(tmp_path):
     with pytest.raises(InputError, match="announces 3 rows but contains 1"):
         Mesh.read(tmp_path / "box.ele")
     (tmp_path / "box.ele").write_text("hello\n")
-    with pytest.raises(InputError, match="Triangle's format"):
+    with pytest.raises(InputError, match=r"box\.ele, line 1: 'hello' .* is no number"):
         Mesh.read(tmp_path / "box.ele")
 
 
@@ -434,7 +434,7 @@ def test_physical_groups_of_gmsh(tmp_path):
 
 
 def test_files_that_are_not_meshes(tmp_path):
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(InputError, match=r"there is no file none\.node; looked in"):
         Mesh.read(tmp_path / "none.node")
     (tmp_path / "bad.vtu").write_text("hello")
     with pytest.raises(InputError, match=r"cannot read bad\.vtu"):

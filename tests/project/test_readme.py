@@ -2,15 +2,101 @@
 
 from __future__ import annotations
 
+import json
 import re
 import struct
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 from book_files import BOOK, ROOT, chapters, notebooks
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+# What a light installation does not have: everything that only extras bring.
+LIGHT = """
+import sys
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in set("{}".split()):
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Missing())
+"""
+OPTIONAL = (
+    "IPython PIL anywidget contourpy gmsh h5py ipywidgets matplotlib meshio pandas shapefile skfem sympy "
+    "traitlets triangle vega_datasets"
+)
+
+
+def light(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run code as in an installation without extras."""
+    words = [sys.executable, "-c", LIGHT.format(OPTIONAL) + code]
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True)
+
+
+def test_every_extra_is_missing_in_a_light_installation() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = {re.split(r"[<>=\[]", name)[0] for name in project["dependencies"]}
+    assert needed == {"numpy", "scipy", "numba", "tqdm", "click"}
+    modules = {"pyshp": "shapefile", "scikit-fem": "skfem", "vega-datasets": "vega_datasets"}
+    extras = {
+        re.split(r"[<>=\[]", name)[0]
+        for extra in ("io", "hdf", "plot", "fem")
+        for name in project["optional-dependencies"][extra]
+    }
+    assert {modules.get(name, name) for name in extras - {"unstruct"}} <= set(OPTIONAL.split())
+    assert all(f"`{extra}`" in README or f"[{extra}," in README for extra in ("io", "hdf", "plot", "fem"))
+    text = README.split("needs only ")[1].split(": ")[0]
+    assert set(re.split(r", | and ", text)) == needed
+
+
+def test_examples_run_in_a_light_installation(tmp_path: Path) -> None:
+    for code in re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S):
+        result = light(code, tmp_path)
+        assert result.returncode == 0, result.stderr
+    assert (tmp_path / "points.msh").stat().st_size > 100_000
+
+
+def test_what_is_missing_is_named_with_its_extra(tmp_path: Path) -> None:
+    calls = {
+        "mesh.write('a.vtu')": "io",
+        "unstruct.Mesh.read('a.stl')": "io",
+        "unstruct.Domain.read('a.shp')": "io",
+        "mesh.to_meshio()": "io",
+        "mesh.plot()": "plot",
+        "unstruct.view.plot(mesh)": "plot",
+        "unstruct.Domain.letters('a')": "plot",
+        "unstruct.examples.coastline()": "plot",
+        "mesh.to_skfem()": "fem",
+    }
+    (tmp_path / "a.stl").write_text("solid")
+    (tmp_path / "a.shp").write_bytes(b"\0\0\x27\x0a")
+    code = "import unstruct\nmesh = unstruct.Mesh([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])\n"
+    code += "assert '<svg' in mesh._repr_html_() or mesh._repr_html_()\n"
+    for call, extra in calls.items():
+        code += f"try:\n    {call}\nexcept unstruct.UnstructError as error:\n"
+        code += f"    assert \"pip install 'unstruct[{extra}]'\" in str(error), error\n"
+        code += f"else:\n    raise AssertionError({call!r})\n"
+    result = light(code, tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.shp", "a.stl"]
+
+
+def test_the_commands_run_in_a_light_installation(tmp_path: Path) -> None:
+    ring = [[0, 0], [0.3, 0], [0.3, 0.2], [0, 0.2], [0, 0]]
+    (tmp_path / "coast.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    (block,) = re.findall(r"^```\n(unstruct mesh.*?)^```", README, flags=re.M | re.S)
+    for line in block.splitlines():
+        name, *words = line.split()
+        assert name == "unstruct"
+        code = f"from unstruct.command import main\nmain({words!r}, prog_name='unstruct')\n"
+        result = light(code, tmp_path)
+        assert result.returncode == 0, result.stdout + result.stderr
+    assert result.stdout.startswith("valid")
 
 
 def test_the_taste_runs(tmp_path: Path) -> None:
@@ -21,7 +107,7 @@ def test_the_taste_runs(tmp_path: Path) -> None:
     degrees, cubes = result.stdout.splitlines()
     assert 0 < float(degrees) < 60
     assert re.fullmatch(r"\d+ tetrahedra, total volume 512\.0", cubes)
-    assert (tmp_path / "points.vtu").stat().st_size > 100_000
+    assert (tmp_path / "points.msh").stat().st_size > 100_000
 
 
 def test_the_region_is_meshed() -> None:

@@ -29,6 +29,7 @@ domain/arguments domain/plane domain
 generate/boundary generate/refinement generate/centers generate/improve generate/rebay
 assess examples
 view/draw view/scenes view/widgets view
+command __main__
 """.split()
 FACES = {"__init__", "errors", "simplex", "topology", "studies"}  # files beside the rooms: they hand on names
 HAND_ON = {"unstruct", *(f"unstruct.{room}" for room in "predicates sizing examples view".split())}

@@ -10,6 +10,7 @@ __all__ = [
     "IncompleteWarning",
     "InputError",
     "MeshError",
+    "MissingPackageError",
     "UnstructError",
 ]
 
@@ -66,6 +67,10 @@ class DegenerateInputError(UnstructError):
 
 class MeshError(UnstructError):
     """A mesh, or a requested change of it, is not valid; the message names cells and vertices."""
+
+
+class MissingPackageError(UnstructError, ImportError):
+    """A function needs a package that is not installed; the message says how to install it."""
 
 
 class IncompleteWarning(UserWarning):

@@ -15,8 +15,9 @@ import numpy as np
 from ..base.arguments import as_mapping, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
+from ..base.files import as_path
 from ..geometry.curves import CurveLike
-from .arguments import as_curves, as_markers, as_seeds, as_segments, composed, joined
+from .arguments import as_curves, as_markers, as_seeds, as_segments, joined
 from .derived import Derived
 from .plane import poly, shapes
 from .plane.faults import refuse
@@ -24,6 +25,7 @@ from .plane.features import features_of, from_features
 from .plane.polygons import polygon, subtracted
 from .plane.repair import Repair
 from .plane.sample import Sampled
+from .plane.sources import as_geometry, read_domain
 from .sides import SIDES
 
 __all__ = ["Domain", "as_domain"]
@@ -83,8 +85,7 @@ class Domain(Derived):
 
     Notes
     -----
-    Faults are found by exact signs in O(n log n): about a second for 10^5 segments. The region is meshed as
-    it is stored, without tolerances. Book: 2.5, 2.6d.
+    Faults are found by exact signs in O(n log n), without tolerances. Book: 2.5, 2.6d.
     """
 
     def __init__(
@@ -287,7 +288,8 @@ class Domain(Derived):
 
         Parameters
         ----------
-        geometry : mapping, object, or iterable of these
+        geometry : mapping, object, or iterable of these; or str or Path
+            Also GeoJSON or WKT as a text, or the path of a file of either or of a Shapefile.
             Several polygons cover what each of them covers; common borders are inner segments. Lines become
             inner segments, points loose vertices. Equal coordinates become one vertex, and segments are split
             at vertices that lie on them. With ``resolve=True`` crossings are split, too, the first polygon
@@ -296,38 +298,37 @@ class Domain(Derived):
             The property that names features: the regions of polygons, the markers of lines. By default that
             is "name", "NAME" or "id"; without any the number of the feature in its collection is its name.
         """
-        found = from_features(features_of(geometry, name), resolve=bool(options.get("resolve")))
+        found = from_features(features_of(as_geometry(geometry), name), resolve=bool(options.get("resolve")))
         domain = cls._of(found.parts, options)
         domain.repairs[:0] = found.repairs
         return domain
 
     @classmethod
-    def read(cls, path: str | Path, **options: Any) -> Self:
-        """Read Triangle's ``.poly`` (with its ``.node`` if it has no vertices itself).
+    def read(
+        cls, source: str | Path, *, shape: str = "spline", name: str | None = None, **options: Any
+    ) -> Self:
+        """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp) or an airfoil's .dat.
 
         Parameters
         ----------
-        path : str or Path
+        source : str or Path
+            A path, or a text of GeoJSON or WKT itself.
+        shape : str
+            For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
+        name : str, optional
+            The property that names features; see `from_geojson`.
         **options
             As for `Domain`.
 
         Returns
         -------
         Domain
-            The region that Triangle would mesh. It removes the outside, as far as segments do not stop it,
-            and holes in the same way from their seeds. Segments between inside and outside become facets, the
-            others inner segments. Boundary markers other than 0 become markers named by their number, and
-            regional attributes become regions named by their value; `max_areas` contains the area bounds of
-            regions by these names. `origin`, `piece_origin` and `repairs` refer to the vertices and segments
-            of the file, counted from 0 (-1 for pieces that ``options`` add).
+            Of .poly the region that Triangle would mesh: without the outside, and without holes from their
+            seeds. Segments at what it removes are facets, others inner. Boundary markers other than 0 become
+            markers, regional attributes regions, by their number; `max_areas` has their bounds. `origin`,
+            `piece_origin`, `repairs` refer to the file, counted from 0. .node is a set of loose points.
         """
-        found = poly.read_poly(Path(path), make=cls, resolve=bool(options.get("resolve")))
-        domain = cls._of(found.parts, options)
-        domain.max_areas.update(found.areas)
-        domain.repairs[:0] = found.walls.repairs
-        domain.origin = composed(found.walls.origin, domain.origin)
-        domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
-        return domain
+        return read_domain(cls, cls._of, source, shape=shape, name=name, options=options)
 
     def write(self, path: str | Path) -> None:
         """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.
@@ -335,7 +336,7 @@ class Domain(Derived):
         Markers and regions are numbers in this format. A name that is not a number is replaced by a free
         number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
-        poly.write_poly(self, self._coarse, self.max_areas, Path(path))
+        poly.write_poly(self, self._coarse, self.max_areas, as_path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """This domain minus others, which lie inside of it and apart from each other.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import InputError
+from ..base.optional import optional
 from .running import inside_polygon, running_region
 
 __all__ = ["clipped_lattice", "letter_outlines", "mapped_grid"]
@@ -68,12 +69,11 @@ def letter_outlines(text: str, *, size: int = 64) -> tuple[Array, NDArray[np.int
     segments : (n, 2) int32
         Edges of the contours, with the ink on their left.
     """
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import TextPath
-
+    fonts = optional("matplotlib.font_manager", "examples.letter_outlines")
+    paths = optional("matplotlib.textpath", "examples.letter_outlines")
     if not text.strip():
         raise InputError(f"{text!r} has no outline; give a text with letters")
-    path = TextPath((0, 0), text, size=size, prop=FontProperties(family="DejaVu Sans"))
+    path = paths.TextPath((0, 0), text, size=size, prop=fonts.FontProperties(family="DejaVu Sans"))
     points, segments, start = [], [], 0
     for contour in path.to_polygons():
         ring = np.round(np.asarray(contour)[:-1] * 64) / 64

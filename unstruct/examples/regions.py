@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.elementary import cosine, sines
+from ..base.optional import optional
 from ..domain.domain import Domain
 from ..geometry.curves import Arc, Curve, CurveLike
 from ..sizing import sources
@@ -87,14 +88,14 @@ def coastline(level: float = 0.5, thin: float = 0.004) -> Domain:
         latitude and y the latitude, in degrees from the south-western corner. The marker "frame" contains the
         pieces on the frame. Needs matplotlib.
     """
-    from contourpy import FillType, contour_generator
-    from matplotlib.cbook import get_sample_data
-
-    data: Any = get_sample_data("topobathy.npz")
+    contourpy = optional("contourpy", "examples.coastline")
+    data: Any = optional("matplotlib.cbook", "examples.coastline").get_sample_data("topobathy.npz")
     relief, x, y = (np.asarray(data[name], dtype=float) for name in ("topo", "longitude", "latitude"))
     x, y = (x - x[0]) * cosine(math.radians(y.mean())), y - y[0]
     lower, upper = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
-    filled = contour_generator(x, y, relief, fill_type=FillType.OuterOffset).filled(relief.min() - 1, level)
+    outer_offset = contourpy.FillType.OuterOffset
+    contours = contourpy.contour_generator(x, y, relief, fill_type=outer_offset)
+    filled = contours.filled(relief.min() - 1, level)
     waters = [[points[a:b] for a, b in pairwise(offsets)] for points, offsets in zip(*filled, strict=True)]
     outer, *holes = max(waters, key=lambda rings: np.prod(np.ptp(rings[0], axis=0)))
     rings = [_thinned(ring[:-1], thin, lower, upper) for ring in (outer, *holes)]

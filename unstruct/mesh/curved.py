@@ -17,6 +17,7 @@ import numpy as np
 
 from ..base.arrays import frozen
 from ..base.errors import InputError
+from ..base.optional import optional
 from ..geometry.outline import Outline
 from .domain_mesh import DomainMesh
 from .mesh import Mesh, is_planar
@@ -77,7 +78,7 @@ class CurvedMesh:
         Regions and named edges are physical groups of Gmsh ("gmsh:physical"). An edge in several groups is
         listed once for each.
         """
-        import meshio
+        meshio = optional("meshio", "writing curved cells")
 
         cells: list[tuple[str, np.ndarray]] = [("triangle6", self.triangles)]
         region = self.mesh.markers.get("region")

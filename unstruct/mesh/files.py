@@ -1,4 +1,4 @@
-"""Meshes in files and in other libraries: meshio, Triangle's .node/.ele, scikit-fem.
+"""Meshes in files and in other libraries: Gmsh, Triangle, SU2, OpenFOAM, meshio's formats, scikit-fem.
 
 Files keep points, cells, `origin`, `duplicates`, cell markers, and named faces (as cells of lower dimension
 with the data "faces:<name>"), as far as the format can store them. See the book, chapter 1.
@@ -7,26 +7,38 @@ with the data "faces:<name>"), as far as the format can store them. See the book
 from __future__ import annotations
 
 import warnings
+from codecs import BOM_UTF8
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from ..base.arguments import positive
 from ..base.errors import InputError, MeshError
-from .cells import cell_dimension
+from ..base.files import as_path, bytes_of, replacing, suffix_of
+from ..base.optional import optional
 from .complex import CellComplex
-from .formats import fits
-from .gmsh import FACE_NAMES, coded, decoded, face_blocks, from_groups, is_ours, stacked, to_groups
+from .conversion import FACES_HEADER, arguments_of, exchange_of, named_faces
+from .exchange import Block, Exchange
+from .foam import write_foam
+from .formats import MAY_BE_DOMAINS, NEED_H5PY, NOT_MESHES, fits, meshio_options, refuse_options
+from .gmsh import coded, face_blocks, to_groups
 from .grouping import group_rows
-from .naming import WITH_NAMES, add_names, found_names, names_by_number
+from .msh import msh_version, read_msh
+from .msh_writing import write_msh
+from .naming import WITH_NAMES, add_names, names_by_number
+from .node_ele import read_node_ele, write_node_ele
+from .su2 import read_su2, write_su2
 
 __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
-FACES_HEADER = "faces:"
 SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
-WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf"}  # formats that keep data at points and cells
-ORDER = "polygon:number"  # cell data: the numbers of polygons before a file grouped them by size
-GMSH = {".msh"}  # meshio would take the suffix for Ansys; we write version 2.2 of Gmsh's format
+WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf", ".xmf"}  # formats that keep data at points and cells
+MESHIO_READS_MSH = ("4.0", "4")  # versions of Gmsh's format that are left to meshio
 
 
 def to_meshio(mesh: CellComplex) -> Any:
@@ -35,137 +47,162 @@ def to_meshio(mesh: CellComplex) -> Any:
     Returns
     -------
     meshio.Mesh
-        Polygons are grouped by their number of corners; if there are several groups, ``cell_data`` has the
-        number of each cell as "polygon:number". ``point_data`` contains "origin" and "kept" (the vertex
-        itself, or the vertex that it duplicates); ``cell_data`` contains the markers. Named faces follow as
-        blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere. For a name of k vertices per
-        face that has no faces, it is -k everywhere. ``field_data`` has the names of regions, each with its
-        number and the dimension of cells, as meshio has those of Gmsh's groups.
+        Kinds without cells are left out. Polygons are grouped by their number of corners; if there are
+        several groups, ``cell_data`` has the number of each cell as "polygon:number". ``point_data`` contains
+        "origin" and "kept" (the vertex itself, or the vertex that it duplicates); ``cell_data`` contains the
+        markers. Named faces follow as blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere.
+        For a name of k vertices per face that has no faces, it is -k everywhere. ``field_data`` has the names
+        of regions, each with its number and the dimension of cells, as meshio has those of Gmsh's groups.
     """
-    import meshio
-
-    blocks: list[tuple[str, np.ndarray]] = []
-    rows: list[np.ndarray] = []  # the cells of each block
-    start = 0
-    for name, block in mesh.cells.items():
-        if name == "polygon":
-            sizes = np.array([len(row) for row in block])
-            for size in np.unique(sizes):
-                chosen = np.nonzero(sizes == size)[0]
-                blocks.append(("polygon", np.array([block[i] for i in chosen])))
-                rows.append(start + chosen)
-        else:
-            if name.startswith("simplex"):
-                raise MeshError(
-                    f"meshio has no cells of dimension {mesh.dimension}: write .node/.ele instead"
-                )
-            blocks.append((name, np.asarray(block)))
-            rows.append(start + np.arange(len(block)))
-        start += len(block)
-    named = _named_faces(mesh)
-    faces = face_blocks(named)
-    for _, array in faces:
-        blocks.append((FACE_NAMES[array.shape[1]], np.asarray(array)))
-    data: dict[str, list[np.ndarray]] = {}
-    for name, values in mesh.markers.items():
-        if values.ndim == 1:
-            values = values.astype(np.int8) if values.dtype == bool else values
-            missing = np.zeros(1, dtype=values.dtype)
-            data[name] = [values[r] for r in rows] + [np.repeat(missing, len(a)) for _, a in faces]
-    for i, (name, _) in enumerate(faces):
-        flags = data.setdefault(
-            FACES_HEADER + name, [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
-        )
-        flags[len(rows) + i][:] = 1
-    if sum(name == "polygon" for name, _ in blocks) > 1:
-        data[ORDER] = [r.astype(np.int32) for r in rows] + [
-            np.zeros(len(a), dtype=np.int32) for _, a in faces
-        ]
-    for name, array in named.items():
-        if len(array) == 0:
-            data[FACES_HEADER + name] = [
-                np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks
-            ]
-    kept = np.arange(len(mesh.points), dtype=np.int32)
-    kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]
+    meshio = optional("meshio", "Mesh.to_meshio")
+    other = exchange_of(mesh)
     return meshio.Mesh(
-        np.asarray(mesh.points),
-        blocks,
-        point_data={"origin": np.asarray(mesh.origin), "kept": kept},
-        cell_data=data,
-        field_data={name: np.array([number, mesh.dimension]) for name, number in mesh.regions.items()},
+        other.points,
+        list(other.cells),
+        point_data=other.point_data,
+        cell_data=other.cell_data,
+        field_data=other.field_data,
     )
 
 
-def write(mesh: CellComplex, path: str | Path) -> None:
+def write(
+    mesh: CellComplex,
+    path: str | Path,
+    *,
+    version: str | None = None,
+    binary: bool | None = None,
+    thickness: float | None = None,
+) -> None:
     """Write a file; see `Mesh.write`.
 
     Raises
     ------
     InputError
-        For a suffix that no format has, and for meshes that a format cannot store.
+        For a suffix that no format has, for meshes and options that a format does not have, and if the file
+        cannot be written. What was there before is then still there.
     """
-    path = Path(path)
-    if path.suffix in (".node", ".ele"):
-        return _write_node_ele(mesh, path)
-    other = to_meshio(mesh)
-    fits(list(mesh.cells), path.suffix)
-    if (
-        mesh.points.shape[1] < 3
-    ):  # most formats have three coordinates; a zero third one is dropped on reading
-        other.points = np.pad(other.points, ((0, 0), (0, 3 - mesh.points.shape[1])))
-    if path.suffix not in WITH_DATA:
-        _drop(mesh, f"{path.suffix} stores points and cells only", mesh.markers)
-        other.point_data, other.cell_data, other.field_data = {}, {}, {}
-        del other.cells[len(other.cells) - len(face_blocks(_named_faces(mesh))) :]
-    elif path.suffix in GMSH:
-        _for_gmsh(mesh, other)
-    else:
-        spaces = path.suffix == ".vtk"
-        other.cell_data = {coded(name, spaces=spaces): v for name, v in other.cell_data.items()}
-        other.field_data = {}
-        if path.suffix not in WITH_NAMES:
-            _drop(mesh, f"{path.suffix} stores no names of regions", [f"region {k}" for k in mesh.regions])
-    if path.suffix in WITH_DATA:
-        whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in _named_faces(mesh)]
-        _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
+    path = as_path(path)
+    suffix = suffix_of(path)
+    if path.name == "polyMesh":
+        refuse_options("polyMesh", version=version, binary=binary)
+        _write_foam(mesh, path, thickness)
+        return
+    refuse_options(suffix, thickness=thickness)
+    if suffix not in (".msh",):
+        refuse_options(suffix, version=version)
+    if suffix in (".node", ".ele", ".su2"):
+        refuse_options(suffix, binary=binary)
+    if suffix in (".node", ".ele"):
+        _drop(mesh, ".node and .ele store points and cells only", mesh.markers)
+        with replacing(path) as beside:
+            write_node_ele(mesh, beside)
+        return
+    fits([kind for kind, block in mesh.cells.items() if len(block)], suffix)
+    if suffix == ".su2":
+        with replacing(path) as beside:
+            lost = write_su2(mesh, beside)
+        why = ".su2 stores for each facet of the boundary its first marker other than facets"
+        _drop(mesh, why, lost, duplicates=True)
+        return
+    if suffix == ".msh":
+        if version not in (None, "2.2", "4.1"):
+            raise InputError(f"version {version!r} of Gmsh's format is not written: '2.2' or '4.1' is")
+        with replacing(path) as beside:
+            write_msh(_for_gmsh(mesh), beside, version or "2.2", bool(binary))
+        return
+    _write_by_meshio(mesh, path, suffix, binary)
+
+
+def _write_foam(mesh: CellComplex, path: Path, thickness: float | None) -> None:
+    if thickness is not None:
+        thickness = positive(thickness, "thickness")
     try:
-        other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
-    except Exception as error:  # meshio raises many kinds of errors for suffixes and cells alike
-        raise InputError(f"meshio cannot write this mesh as {path.suffix or path.name!r}: {error}") from error
-    if mesh.regions and path.suffix in WITH_NAMES:
-        add_names(path, mesh.regions)
-    return None
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder {path}: {error.strerror or error}") from None
+    with replacing(path / "points") as beside:
+        lost = write_foam(mesh, beside.parent, thickness)
+    why = "polyMesh stores for each edge of the boundary its first marker other than facets"
+    _drop(mesh, why, lost, duplicates=True)
 
 
-def _named_faces(mesh: CellComplex) -> dict[str, np.ndarray]:
-    """Markers of faces, including empty ones, but not of whole cells, which would be read as more cells."""
-    lower = {width: min(width - 1, 2) < mesh.dimension for width in FACE_NAMES}
-    faces = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2}
-    return {name: rows for name, rows in faces.items() if lower.get(rows.shape[1], False)}
+def _widened(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.int32) if values.dtype.itemsize < 4 else values
 
 
-def _drop(mesh: CellComplex, why: str, names: Any) -> None:
+def _padded(points: np.ndarray) -> np.ndarray:
+    """Most formats have three coordinates; a zero third one is dropped on reading."""
+    return np.pad(points, ((0, 0), (0, max(3 - points.shape[1], 0))))
+
+
+def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | None) -> None:
+    meshio = optional("meshio", f"writing {suffix or path.name!r}")
+    if suffix not in meshio.extension_to_filetypes:
+        raise InputError(
+            f"cannot write this mesh as {suffix!r}: no format has this suffix; there are polyMesh, .node, "
+            f".msh, .su2, {', '.join(sorted(meshio.extension_to_filetypes))}"
+        )
+    options = meshio_options(suffix, binary)
+    other = exchange_of(mesh)
+    other.points = _padded(other.points)
+    if suffix not in WITH_DATA:
+        _drop(mesh, f"{suffix} stores points and cells only", mesh.markers)
+        other.point_data, other.cell_data = {}, {}
+        del other.cells[len(other.cells) - len(face_blocks(named_faces(mesh))) :]
+    else:
+        spaces = suffix == ".vtk"
+        other.cell_data = {coded(name, spaces=spaces): v for name, v in other.cell_data.items()}
+        _drop_whole(mesh)
+        if suffix not in WITH_NAMES:
+            _drop(mesh, f"{suffix} stores no names of regions", [f"region {name}" for name in mesh.regions])
+    if suffix in (".xdmf", ".xmf"):  # it has no short integers
+        other.cell_data = {name: [_widened(v) for v in part] for name, part in other.cell_data.items()}
+    if suffix in NEED_H5PY and options.get("data_format") != "XML":
+        optional("h5py", f"writing {suffix}")
+    theirs = meshio.Mesh(
+        other.points, list(other.cells), point_data=other.point_data, cell_data=other.cell_data
+    )
+    with replacing(path) as beside:
+        try:
+            theirs.write(beside, **options)
+            if mesh.regions and suffix in WITH_NAMES:
+                add_names(beside, mesh.regions)
+        except OSError:
+            raise
+        except (Exception, SystemExit) as error:  # meshio raises many kinds for suffixes and cells alike
+            raise InputError(f"meshio cannot write this mesh as {suffix!r}: {error}") from error
+
+
+def _drop(mesh: CellComplex, why: str, names: Any, *, duplicates: bool = False) -> None:
     lost = [repr(name) for name in names]
-    if len(mesh.duplicates) and names is mesh.markers:
+    if len(mesh.duplicates) and (duplicates or names is mesh.markers):
         lost.append("duplicates")
     if lost:
-        warnings.warn(f"not written: {', '.join(lost)}; {why}", stacklevel=5)
+        warnings.warn(f"not written: {', '.join(lost)}; {why}", stacklevel=4)
 
 
-def _for_gmsh(mesh: CellComplex, other: Any) -> None:
+def _drop_whole(mesh: CellComplex) -> None:
+    whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in named_faces(mesh)]
+    _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
+
+
+def _for_gmsh(mesh: CellComplex) -> Exchange:
     """Make regions and named faces physical groups; keep real data if there is only one block of cells."""
-    faces = _named_faces(mesh)
+    other = exchange_of(mesh)
+    other.points = _padded(other.points)
+    _drop_whole(mesh)
+    faces = named_faces(mesh)
     data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES_HEADER)}
     held, lost = to_groups(mesh, other, faces)
     why = ".msh stores each face in one group, that of its first marker other than facets and inner"
     _drop(mesh, why, lost)
     rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
-    if len(other.cells) > 1:  # meshio cannot read such data back
+    if len(other.cells) > 1:  # other programs take data of cells for data of all elements
         _drop(mesh, ".msh keeps other cell data only where there is one kind of cell and no named face", rest)
         rest = []
     other.point_data = {name: values.astype(float) for name, values in other.point_data.items()}
     other.cell_data |= {coded(name): [v.astype(float) for v in data[name]] for name in rest}
+    return other
 
 
 def read(path: str | Path) -> dict[str, Any]:
@@ -174,156 +211,64 @@ def read(path: str | Path) -> dict[str, Any]:
     The cells of the highest dimension are the mesh; lower ones become markers. A third coordinate that is
     zero throughout is dropped if the cells are plane.
     """
-    path = Path(path)
-    if path.suffix in (".node", ".ele"):
-        return _read_node_ele(path)
-    import meshio
-
-    try:
-        other = meshio.read(path, file_format="gmsh" if path.suffix in GMSH else None)
-    except FileNotFoundError:
-        raise
-    except (Exception, SystemExit) as error:  # meshio exits on what it cannot read
-        raise InputError(f"meshio cannot read {path.name}: {error}") from None
-    kinds = [block.type for block in other.cells]
-    dimensions = [0 if kind == "vertex" else cell_dimension(kind) for kind in kinds]
-    if not kinds or max(dimensions) == 0:
-        raise InputError(f"{path.name} contains no cells")
-    top = max(dimensions)
-    points = np.asarray(other.points, dtype=np.float64)
-    while points.shape[1] > max(top, 1) and not points[:, -1].any():
-        points = points[:, :-1]
-    main = [i for i, dimension in enumerate(dimensions) if dimension == top]
-    cells = _by_type([other.cells[i] for i in main])
-    order = sorted(main, key=lambda i: list(cells).index(kinds[i]))
-    n = len(points)
-    origin = other.point_data.get("origin", np.arange(n)).astype(np.int32)
-    kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
-    copies = np.nonzero(kept != np.arange(n))[0]
-    duplicates = np.column_stack([copies, kept[copies]])
-    markers = _markers(other, order, dimensions, top)
-    if is_ours(other) and ORDER in markers:
-        number = markers.pop(ORDER)
-        place = _in_order(cells, number)
-        markers = {name: values[place] if values.ndim == 1 else values for name, values in markers.items()}
-    bare = CellComplex(points, cells=cells)
-    regions = found_names(path, other) if path.suffix in WITH_NAMES and is_ours(other) else {}
-    if not any(name.startswith(FACES_HEADER) for name in other.cell_data):
-        groups, named = from_groups(bare, other, order, dimensions)
-        markers, regions = markers | groups, regions | named
-    return {
-        "points": points,
-        "cells": bare.cells,
-        "origin": origin,
-        "duplicates": duplicates,
-        "markers": markers,
-        "regions": regions if "region" in markers else {},
-    }
+    path = as_path(path)
+    suffix = suffix_of(path)
+    if suffix in (".node", ".ele"):
+        return read_node_ele(path)
+    if suffix == ".su2":
+        return read_su2(path)
+    if suffix == ".msh":
+        version, sections, order = msh_version(path)
+        if version in MESHIO_READS_MSH:
+            return arguments_of(path, _read_by_meshio(path, "gmsh"))
+        return arguments_of(path, read_msh(path, version, sections, order))
+    return arguments_of(path, _read_by_meshio(path, None))
 
 
-def _in_order(cells: dict[str, Any], number: np.ndarray) -> np.ndarray:
-    """Put polygons back in their order; return the place of each cell in the file."""
-    start = sum(len(block) for block in list(cells.values())[: list(cells).index("polygon")])
-    polygons = cells["polygon"]
-    order = np.argsort(number[start : start + len(polygons)], kind="stable")
-    cells["polygon"] = [polygons[i] for i in order.tolist()]
-    place = np.arange(len(number))
-    place[start : start + len(polygons)] = start + order
-    return place
-
-
-def _by_type(blocks: list[Any]) -> dict[str, Any]:
-    """Cells by their type; blocks of the same type are joined."""
-    cells: dict[str, Any] = {}
-    for block in blocks:
-        rows = np.asarray(block.data)
-        if block.type == "polygon":
-            cells.setdefault("polygon", []).extend(rows)
-        else:
-            cells[block.type] = np.concatenate([cells[block.type], rows]) if block.type in cells else rows
-    return cells
-
-
-def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
-    """The markers of cells, from cell data, and those of faces, in files that `write` wrote."""
-    markers: dict[str, np.ndarray] = {}
-    lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
-    ours = is_ours(other)
-    for key, values in other.cell_data.items():
-        name = decoded(key) if ours else key
-        if name == "gmsh:physical" or (ours and name == "gmsh:geometrical"):
-            continue  # see `from_groups`
-        column = np.concatenate([np.asarray(values[i]) for i in main])
-        if name.startswith(FACES_HEADER):
-            chosen = [other.cells[i].data[np.asarray(values[i]) == 1] for i in lower]
-            width = -int(column.min(initial=0))  # for a marker without faces, else 0
-            chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
-            markers[name.removeprefix(FACES_HEADER)] = stacked(chosen)
-        elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
-            warnings.warn(
-                f"cell data {name!r} of shape {column.shape} is not read: markers have one value per cell",
-                stacklevel=4,
-            )
-        elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
-            whole = (
-                column.dtype.kind == "f" and np.isfinite(column).all() and (column == np.round(column)).all()
-            )
-            flags = ours and column.dtype == np.int8 and np.isin(column, (0, 1)).all()
-            markers[name] = column.astype(np.int64) if whole else column.astype(bool) if flags else column
-    return markers
-
-
-# ---------------------------------------------------------------------- Triangle and TetGen
-
-
-def _write_node_ele(mesh: CellComplex, path: Path) -> None:
-    """Write .node and .ele, numbered from 0, with as many digits as restore each double exactly."""
-    if not mesh.is_simplicial:
-        kinds = ", ".join(mesh.cells)
-        raise MeshError(
-            f".node and .ele store simplices of one kind, not {kinds}: write .vtu, or select them"
+def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
+    """The contents of a file as meshio reads it, without its messages on the screen."""
+    suffix = suffix_of(path)
+    data = bytes_of(path)
+    if suffix in NOT_MESHES:
+        raise InputError(f"{path.name} is no mesh: {NOT_MESHES[suffix]}")
+    meshio = optional("meshio", f"reading {path.name}")
+    if suffix not in meshio.extension_to_filetypes:
+        raise InputError(
+            f"{path.name} cannot be read: no format has the suffix {suffix!r}; there are .node, .msh, .su2, "
+            f"{', '.join(sorted(meshio.extension_to_filetypes))}"
         )
-    simplices = mesh.simplices
-    _drop(mesh, ".node and .ele store points and cells only", mesh.markers)
-    n, d = mesh.points.shape
-    lines = [f"{n} {d} 0 0"]
-    lines += [f"{i} {' '.join(map(repr, row))}" for i, row in enumerate(mesh.points.tolist())]
-    path.with_suffix(".node").write_text("\n".join(lines) + "\n")
-    lines = [f"{mesh.size} {simplices.shape[1]} 0"]
-    lines += [f"{t} {' '.join(map(str, row))}" for t, row in enumerate(simplices.tolist())]
-    path.with_suffix(".ele").write_text("\n".join(lines) + "\n")
-
-
-def _read_node_ele(path: Path) -> dict[str, Any]:
-    """Read .node and .ele, numbered like their first vertex; attributes and boundary marks become markers."""
-    header, rows = _table(path.with_suffix(".node"))
-    d, attributes, marks = header[1], header[2], header[3] if len(header) > 3 else 0
-    base = int(rows[0, 0]) if len(rows) else 0
-    points = rows[:, 1 : 1 + d]
-    head, elements = _table(path.with_suffix(".ele"))
-    corners = elements[:, 1 : 1 + d + 1].astype(np.int64) - base
-    markers: dict[str, np.ndarray] = {}
-    for i in range(head[2] if len(head) > 2 else 0):
-        markers["attribute" if i == 0 else f"attribute{i}"] = elements[:, 1 + head[1] + i]
-    if marks:
-        values = rows[:, 1 + d + attributes].astype(np.int64)
-        for value in np.unique(values[values != 0]).tolist():
-            markers[f"vertices {value}"] = np.nonzero(values == value)[0][:, None]
-    return {"points": points, "simplices": corners, "markers": markers}
-
-
-def _table(path: Path) -> tuple[list[int], np.ndarray]:
-    """Header and rows of numbers of a file in Triangle's format; # starts a comment."""
-    lines = [line.split("#")[0].split() for line in path.read_text().splitlines()]
-    lines = [line for line in lines if line]
+    if suffix in NEED_H5PY and not (suffix in (".xdmf", ".xmf") and b'Format="HDF"' not in data):
+        optional("h5py", f"reading {path.name}")
+    said = StringIO()
     try:
-        header = [int(word) for word in lines[0]]
-        rows = np.array([[float(word) for word in line] for line in lines[1 : 1 + header[0]]])
-    except (IndexError, ValueError) as error:
-        raise InputError(f"{path.name} is not in Triangle's format: {error}") from None
-    if len(rows) != header[0]:
-        raise InputError(f"{path.name} announces {header[0]} rows but contains {len(rows)}")
-    return header, rows
+        with redirect_stdout(said), redirect_stderr(said), _without_mark(path, data) as plain:
+            other = meshio.read(plain, file_format=file_format)
+    except (Exception, SystemExit) as error:  # meshio exits on what it cannot read
+        why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else str(error)
+        raise InputError(
+            f"meshio cannot read {path.name} ({type(error).__name__}: {why}): is it whole, and in the format "
+            f"that {suffix} stands for? {MAY_BE_DOMAINS.get(suffix, '')}".rstrip()
+        ) from None
+    blocks = [Block(block.type, np.asarray(block.data)) for block in other.cells]
+    return Exchange(
+        np.asarray(other.points, dtype=np.float64),
+        blocks,
+        dict(other.point_data),
+        dict(other.cell_data),
+        dict(other.field_data),
+    )
+
+
+@contextmanager
+def _without_mark(path: Path, data: bytes) -> Iterator[Path]:
+    """The file itself, or a copy without its byte order mark, which meshio does not expect."""
+    if not data.startswith(BOM_UTF8):
+        yield path
+        return
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(data.removeprefix(BOM_UTF8))
+        yield copy
 
 
 # ---------------------------------------------------------------------- scikit-fem
@@ -335,8 +280,7 @@ def to_skfem(mesh: CellComplex) -> Any:
     A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2", or
     the name of that region.
     """
-    import skfem
-
+    skfem = optional("skfem", "Mesh.to_skfem")
     kinds = {
         ("line", 1): "MeshLine",
         ("triangle", 2): "MeshTri",

@@ -1,4 +1,4 @@
-"""Which kinds of cells a file format can store.
+"""Which kinds of cells and which options file formats have.
 
 meshio converts other kinds, or leaves them out, with at most a message on the screen; here it is an error.
 """
@@ -6,10 +6,11 @@ meshio converts other kinds, or leaves them out, with at most a message on the s
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from ..base.errors import InputError
 
-__all__ = ["fits"]
+__all__ = ["MAY_BE_DOMAINS", "NEED_H5PY", "NOT_MESHES", "fits", "meshio_options", "refuse_options"]
 
 FLAT = ("triangle", "quad")
 SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
@@ -23,6 +24,22 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys([".mesh", ".meshb", ".su2", ".tec", ".dat", ".bdf"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".msh", ".avs"], ("line", *FLAT, *SOLID)),
     ".inp": ("line", *FLAT, "tetra", "wedge", "hexahedron"),
+}
+NEED_H5PY = (".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf")
+DOMAIN = "read it with Domain.read, and mesh the domain"
+NOT_MESHES = {
+    **dict.fromkeys([".poly", ".geojson", ".json", ".shp", ".shx", ".dbf"], DOMAIN),
+    **dict.fromkeys([".geo", ".step", ".stp", ".igs", ".iges"], "Gmsh makes meshes of such files"),
+    **dict.fromkeys([".png", ".jpg", ".svg", ".pdf"], "a picture has no cells"),
+}
+MAY_BE_DOMAINS = {
+    ".dat": "(The coordinates of an airfoil are read by Domain.read.)",
+    ".wkt": "(Polygons are read by Domain.read.)",
+}
+# Keywords of meshio for files that are binary, and for those that are text.
+BINARY_OPTIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    **dict.fromkeys([".vtk", ".vtu", ".stl", ".ply"], ({"binary": True}, {"binary": False})),
+    **dict.fromkeys([".xdmf", ".xmf"], ({"data_format": "HDF"}, {"data_format": "XML"})),
 }
 ALONE = (".xml", ".tec", ".dat")  # these formats store cells of one kind only
 
@@ -43,4 +60,25 @@ def fits(kinds: Sequence[str], suffix: str) -> None:
     elif suffix in ALONE and len(kinds) > 1:
         why = f"it stores cells of one kind only, not {', '.join(kinds)}"
     if why:
-        raise InputError(f"meshio cannot write this mesh as {suffix!r}: {why}; .vtu stores all")
+        raise InputError(f"cannot write this mesh as {suffix!r}: {why}; .vtu stores all")
+
+
+def meshio_options(suffix: str, binary: bool | None) -> dict[str, Any]:
+    """The keywords of meshio for a format; by default those that meshio has."""
+    if binary is None:
+        return {}
+    if suffix not in BINARY_OPTIONS:
+        refuse_options(suffix, binary=binary)
+    return BINARY_OPTIONS[suffix][0 if binary else 1]
+
+
+def refuse_options(suffix: str, **options: Any) -> None:
+    """An error for options that are given but that a format does not have."""
+    takers = {
+        "version": ".msh",
+        "thickness": "a folder named polyMesh",
+        "binary": ", ".join([".msh", *BINARY_OPTIONS]),
+    }
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(f"{suffix} has no option {name!r}; it is for {takers[name]}")

@@ -1,6 +1,7 @@
 """Markers as Gmsh's physical groups, and back.
 
-Files are written in version 2.2 of the format, in which each cell and each face has the number of one group.
+Files are written so that each cell and each face has the number of one group, which is all that version 2.2
+of the format knows.
 A face in several markers goes to the first of them that is not "facets" or "inner"; these two follow from the
 others, because facets are where the mesh ends. Groups of cells have the names of the regions; those without
 one are "region 0", "region 1", ..., by the values of the marker "region". Without that marker, they are

@@ -255,9 +255,37 @@ class Mesh(CellComplex):
         """Draw with matplotlib: see `unstruct.view.plot` for the options."""
         return _plot(self, **options)
 
-    def write(self, path: str | Path) -> None:
-        """Write a file; its suffix chooses the format.
+    def write(
+        self,
+        path: str | Path,
+        *,
+        version: str | None = None,
+        binary: bool | None = None,
+        thickness: float | None = None,
+    ) -> None:
+        """Write a file; its suffix, in letters of any size, chooses the format.
 
+        Parameters
+        ----------
+        path : str or Path
+            A folder named "polyMesh" becomes OpenFOAM's mesh of one layer of prisms.
+        version : str, optional
+            Of Gmsh's format: "2.2", the default, or "4.1".
+        binary : bool, optional
+            Binary instead of text: .msh (text by default), .vtu, .vtk, .stl, .ply, .xdmf.
+        thickness : float, optional
+            Of the layer in polyMesh; by default a tenth of the longer side of the bounding box.
+
+        Raises
+        ------
+        InputError
+            If the format has no cells of some kind in the mesh or no such option, or if the file cannot be
+            written: the old file is then untouched, because the new one replaces it when it is complete.
+        MissingPackageError
+            For meshio's formats without meshio, and for .xdmf and others without h5py.
+
+        Notes
+        -----
         The table shows what `Mesh.read` finds again; a warning names the rest:
 
         ============ ============== ================= ==================== ===================
@@ -265,22 +293,40 @@ class Mesh(CellComplex):
         ============ ============== ================= ==================== ===================
         .vtu, .vtk   yes            yes               all, empty ones too  all
         .msh         yes            yes               one for each face    "region"
+        .su2         yes            no                one, boundary only   no
+        polyMesh     planar         no                one, boundary only   no
         .node, .ele  simplices      no                no                   no
         others       yes            no                no                   no
         ============ ============== ================= ==================== ===================
 
-        Names of regions are kept where markers of cells are. In .msh markers are Gmsh's physical groups
-        (`unstruct.mesh.gmsh`): those of cells have the names of regions, or "region 0", ... without one. In
-        .vtu and .vtk names are field data, "region:<name>", with the number of the region. A face in several
-        markers is in the group of the first one other than "facets" and "inner", which follow from where the
-        mesh ends. If a format has no cells of some kind in the mesh (.msh has no polygons), an error names
-        the kind; .vtu and .vtk store all kinds, and polygons in their order.
+        .msh, .su2, polyMesh, .node and .ele need no other package, the others meshio. Names of regions are
+        kept where markers of cells are. In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`):
+        those of cells have the names of regions, or "region 0", ... without one. In .vtu and .vtk names are
+        field data, "region:<name>", with the number of the region. A face in several markers is in the group
+        of the first one other than "facets" and "inner", which follow from where the mesh ends. .msh and .su2
+        have no polygons; .vtu and .vtk store all kinds, and polygons in their order.
         """
-        files.write(self, path)
+        files.write(self, path, version=version, binary=binary, thickness=thickness)
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read a file by its suffix: any format of meshio, or Triangle's .node/.ele pair."""
+        """Read a file by its suffix: Gmsh's .msh, .su2, Triangle's .node/.ele, or any format of meshio.
+
+        Parameters
+        ----------
+        path : str or Path
+            A .node file without its .ele is a set of points: the mesh has no cells.
+
+        Raises
+        ------
+        InputError
+            If there is no such file, or it is not what its suffix says; the message names the file and,
+            in formats of text that need no other package, the line or section.
+
+        Notes
+        -----
+        Cells of second or higher order are read by their corners, with a warning.
+        """
         return cls(**files.read(path))
 
     def to_meshio(self) -> Any:

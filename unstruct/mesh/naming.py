@@ -11,6 +11,7 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.files import suffix_of
 
 __all__ = ["WITH_NAMES", "add_names", "as_region_names", "found_names", "names_by_number"]
 
@@ -55,7 +56,7 @@ def add_names(path: Path, regions: Mapping[str, int]) -> None:
     """Put names of regions into a file that meshio has written, as field data "region:<name>"."""
     names = {FIELD + quote(name, safe="()[]{}/:,;=+-*|~!@#$^?'"): number for name, number in regions.items()}
     content = path.read_bytes()
-    if path.suffix == ".vtu":
+    if suffix_of(path) == ".vtu":
         at = content.index(b"<UnstructuredGrid>") + len(b"<UnstructuredGrid>")
         rows = "".join(
             f'<DataArray type="Int64" Name="{name}" NumberOfTuples="1" format="ascii">{number}</DataArray>\n'
@@ -64,8 +65,11 @@ def add_names(path: Path, regions: Mapping[str, int]) -> None:
         added = f"\n<FieldData>\n{rows}</FieldData>\n".encode()
     else:
         at = content.index(b"DATASET UNSTRUCTURED_GRID\n") + len(b"DATASET UNSTRUCTURED_GRID\n")
+        text = b"\nASCII\n" in content[:at]
         fields = b"".join(
-            f"{name} 1 1 vtktypeint64\n".encode() + number.to_bytes(8, "big", signed=True) + b"\n"
+            f"{name} 1 1 vtktypeint64\n".encode()
+            + (str(number).encode() if text else number.to_bytes(8, "big", signed=True))
+            + b"\n"
             for name, number in names.items()
         )
         added = f"FIELD FieldData {len(names)}\n".encode() + fields
@@ -74,12 +78,16 @@ def add_names(path: Path, regions: Mapping[str, int]) -> None:
 
 def found_names(path: Path, other: Any) -> dict[str, int]:
     """The names that `add_names` has put into a file; ``other`` is what meshio has read from it."""
-    if path.suffix == ".vtu":
+    if suffix_of(path) == ".vtu":
         fields = {
             name: int(np.ravel(rows)[0]) for name, rows in other.field_data.items() if np.size(rows) == 1
         }
     else:  # meshio drops field data of the grid
         head = path.read_bytes().partition(b"POINTS ")[0]
-        rows = re.findall(rb"\n(\S+) 1 1 vtktypeint64\n(.{8})(?=\n)", head, re.DOTALL)
-        fields = {name.decode(): int.from_bytes(number, "big", signed=True) for name, number in rows}
+        if b"\nASCII\n" in head:
+            words = re.findall(rb"\n(\S+) 1 1 vtktypeint64\n(-?\d+)(?=\n)", head)
+            fields = {name.decode(): int(number) for name, number in words}
+        else:
+            rows = re.findall(rb"\n(\S+) 1 1 vtktypeint64\n(.{8})(?=\n)", head, re.DOTALL)
+            fields = {name.decode(): int.from_bytes(number, "big", signed=True) for name, number in rows}
     return {unquote(k.removeprefix(FIELD)): number for k, number in fields.items() if k.startswith(FIELD)}

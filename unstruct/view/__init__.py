@@ -1,10 +1,11 @@
-"""Pictures of meshes and of the steps of algorithms; needs the ``book`` extra (matplotlib, anywidget).
+"""Pictures of meshes and of the steps of algorithms; needs the extra ``plot`` (matplotlib, anywidget).
 
 `setup` sets the style. `plot` and the other functions ``plot_...`` draw with matplotlib. `strip` and `player`
 show the same frames, side by side or step by step. `view3d` shows objects in space that the reader can turn.
 The widgets have sliders.
 """
 
+from .draw import extras as extras
 from .draw import frames as frames
 from .draw.colors import ROLES as ROLES
 from .draw.colors import line_style as line_style

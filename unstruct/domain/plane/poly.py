@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.files import replacing, suffix_of, text_of
+from ...base.tables import Rows
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
@@ -24,72 +26,33 @@ from ...geometry.parity import even_odd
 from ...mesh.marked import parts
 from ...mesh.mesh import Mesh
 from ...mesh.topology import oriented_facet
+from ..arguments import composed
 from .sample import Sampled
 from .seeds import first_on_piece
 
-__all__ = ["read_poly", "write_poly"]
+__all__ = ["account", "read_poly", "write_poly"]
 
 
 # ---------------------------------------------------------------------- reading
 
 
-class _Rows:
-    """The rows of a file that contain more than a comment."""
-
-    def __init__(self, path: Path):
-        self.path = path
-        if not path.is_file():
-            raise InputError(f"there is no file {path.name}")
-        lines = path.read_text(encoding="utf-8").splitlines()
-        self.rows = [words for line in lines if (words := line.split("#")[0].split())]
-        self.at = 0
-
-    def next(self, needed: int, what: str) -> list[str]:
-        """The next row, of at least so many entries."""
-        if self.at >= len(self.rows):
-            raise InputError(f"{self.path.name} ends where {what} is expected")
-        row = self.rows[self.at]
-        self.at += 1
-        if len(row) < needed:
-            raise InputError(f"{self.path.name}: {what} needs {needed} entries, not {' '.join(row)!r}")
-        return row
-
-    def count(self, what: str) -> list[int]:
-        """A row of whole numbers that begins a section."""
-        many, *rest = (_whole(word, what, self.path) for word in self.next(1, what))
-        if many < 0:
-            raise InputError(f"{self.path.name}: {what} is {many}, but must not be negative")
-        return [many, *rest]
-
-    def end(self) -> bool:
-        """Whether the file ends here."""
-        return self.at >= len(self.rows)
-
-
-def _number(word: str, what: str, path: Path) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise InputError(f"{path.name}: {word!r} among {what} is no number") from None
-
-
-def _whole(word: str, what: str, path: Path) -> int:
-    number = _number(word, what, path)
-    if not number.is_integer():
-        raise InputError(f"{path.name}: {word!r} among {what} is no whole number")
-    return int(number)
-
-
-def _vertices(path: Path, rows: _Rows) -> tuple[np.ndarray, int]:
+def _vertices(path: Path, rows: Rows) -> tuple[np.ndarray, int]:
     """Coordinates, and the number of the first vertex (0 or 1)."""
     many, *rest = rows.count("the number of vertices")
     if many == 0:
-        return _vertices(path, _Rows(path.with_suffix(".node")))
+        node = path.with_suffix(".NODE" if path.suffix.isupper() else ".node")
+        if rows.path == node:
+            raise InputError(f"{rows.place}: there are no vertices")
+        return _vertices(path, Rows(node, text_of(node)))
     if rest and rest[0] != 2:
-        raise InputError(f"{rows.path.name} is in {rest[0]} dimensions, not 2")
-    table = [rows.next(3, "a vertex") for _ in range(many)]
-    points = np.array([[_number(w, "vertices", rows.path) for w in row[1:3]] for row in table])
-    return points, _whole(table[0][0], "the numbers of vertices", rows.path)
+        raise InputError(f"{rows.place}: the file is in {rest[0]} dimensions, not 2")
+    points, first = np.empty((many, 2)), 0
+    for i in range(many):
+        number, *x = rows.next(3, "a vertex")[:3]
+        if i == 0:
+            first = rows.whole(number, "the numbers of vertices")
+        points[i] = [rows.number(w, "vertices") for w in x]
+    return points, first
 
 
 class Poly(NamedTuple):
@@ -115,21 +78,21 @@ class Poly(NamedTuple):
 
 def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
     """Read a file; ``make`` (`Domain`) checks its segments and, with ``resolve``, repairs them."""
-    rows = _Rows(path)
+    rows = Rows(path, text_of(path))
     points, first = _vertices(path, rows)
     many, *flags = rows.count("the number of segments")
     segments = np.empty((many, 2), dtype=np.int64)
     markers: dict[str, list[int]] = {}
     for i in range(many):
         row = rows.next(3, "a segment")
-        segments[i] = [_whole(w, "segments", path) - first for w in row[1:3]]
-        if flags and flags[0] and len(row) > 3 and (mark := _whole(row[3], "markers", path)):
+        segments[i] = [rows.whole(w, "segments") - first for w in row[1:3]]
+        if flags and flags[0] and len(row) > 3 and (mark := rows.whole(row[3], "markers")):
             markers.setdefault(str(mark), []).append(i)
-    seeds = np.array(list(_seeds(rows, "holes", path)), dtype=float).reshape(-1, 2)
+    seeds = np.array(list(_seeds(rows, "holes")), dtype=float).reshape(-1, 2)
     regions: dict[str, list[list[float]]] = {}
     areas: dict[str, float] = {}
     for _ in range(0 if rows.end() else rows.count("the number of regions")[0]):
-        _, x, y, value, *bound = (_number(w, "regions", path) for w in rows.next(4, "a region"))
+        _, x, y, value, *bound = (rows.number(w, "regions") for w in rows.next(4, "a region"))
         name = _region_name(value)
         regions.setdefault(name, []).append([x, y])
         if bound and bound[0] > 0:
@@ -161,9 +124,9 @@ def _region_name(value: float) -> str:
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
-def _seeds(rows: _Rows, what: str, path: Path) -> Iterator[list[float]]:
+def _seeds(rows: Rows, what: str) -> Iterator[list[float]]:
     for _ in range(0 if rows.end() else rows.count(f"the number of {what}")[0]):
-        yield [_number(w, what, path) for w in rows.next(3, what)[1:3]]
+        yield [rows.number(w, what) for w in rows.next(3, what)[1:3]]
 
 
 def _bounding(walls: Outline, seeds: np.ndarray) -> np.ndarray:
@@ -201,12 +164,20 @@ def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray
     return mesh, part, np.unique(part[cells[free]])
 
 
+def account(domain: Any, found: Poly) -> None:
+    """Let a domain made of what was found account for the vertices and segments of the file."""
+    domain.max_areas.update(found.areas)
+    domain.repairs[:0] = found.walls.repairs
+    domain.origin = composed(found.walls.origin, domain.origin)
+    domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
+
+
 # ---------------------------------------------------------------------- writing
 
 
 def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], path: Path) -> None:
     """Write vertices, segments, a seed for each hole, and regions; every number has full precision."""
-    if path.suffix != ".poly":
+    if suffix_of(path) != ".poly":
         raise InputError(f"a region is written as .poly, not as {path.suffix!r}: change the file's name")
     marks = _numbers(domain.markers, _is_marker)
     mark = np.full(len(domain.pieces), "0", dtype=object)
@@ -233,7 +204,8 @@ def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], pa
     lines += [str(len(seeds))]
     for row, (name, (x, y)) in enumerate(seeds):
         lines.append(f"{row} {x!r} {y!r} {values[name]} {areas.get(name, -1.0)!r}")
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with replacing(path) as beside:
+        beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:

@@ -16,6 +16,7 @@ from ...base.arguments import finite, positive
 from ...base.arrays import as_points
 from ...base.elementary import cosine, sine, sines
 from ...base.errors import InputError
+from ...base.optional import optional
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..arguments import around, as_ring
 
@@ -185,12 +186,11 @@ def _surface(camber: float, place: float, thickness: float, last: float, angle: 
 
 def letters(text: str, size: float, font: str) -> Parts:
     """The outlines of a text, with their Bezier curves as the font has them; see `Domain.letters`."""
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import TextPath
-
     if not (isinstance(text, str) and text.strip()):  # matplotlib fails on these
         raise InputError(f"the text {text!r} has no outline: give at least one visible letter")
-    path = TextPath((0, 0), text, size=positive(size, "size"), prop=FontProperties(family=font))
+    fonts = optional("matplotlib.font_manager", "Domain.letters")
+    paths = optional("matplotlib.textpath", "Domain.letters")
+    path = paths.TextPath((0, 0), text, size=positive(size, "size"), prop=fonts.FontProperties(family=font))
     points: list[list[float]] = []
     facets: list[list[int]] = []
     curves: dict[int, CurveLike] = {}

@@ -108,7 +108,10 @@ def complex_of(
     """
     facets = len(domain.facets)
     if not facets and not hull:
-        raise InputError("the domain has no facets, so nothing is inside: give facets, or use hull=True")
+        raise InputError(
+            "the domain has no facets, so nothing is inside: give facets; without any, mesh the convex hull "
+            "by constrained_delaunay(domain, hull=True), and refine that mesh if need be"
+        )
     complex_ = PlanarComplex(sampled.points, progress=progress)
     insert_all(complex_, sampled.ends, sampled.piece, sampled.span, facets=facets, progress=progress)
     mark_regions(complex_, facets, domain.regions, hull)

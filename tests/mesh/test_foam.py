@@ -1,0 +1,125 @@
+"""OpenFOAM's polyMesh, read by a reader of the tests' own: closed cells, order, patches, volumes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mixed_cells import planar
+
+from unstruct import Domain, InputError, Mesh, MeshError, constrained_delaunay
+
+
+def contents(path: Path) -> str:
+    text = path.read_text()
+    assert text.startswith("FoamFile\n{") and f"object {path.name};" in text
+    many, body = re.search(r"\}\n(\d+)\n\(\n(.*)\)\n$", text, re.S).groups()
+    return f"{many}\n{body}"
+
+
+def read(folder: Path) -> tuple[np.ndarray, list[list[int]], np.ndarray, np.ndarray, dict[str, tuple]]:
+    many, *rows = contents(folder / "points").splitlines()
+    points = np.array([list(map(float, row.strip("()").split())) for row in rows])
+    assert len(points) == int(many)
+    many, *rows = contents(folder / "faces").splitlines()
+    faces = []
+    for row in rows:
+        size, inner = re.fullmatch(r"(\d+)\((.*)\)", row).groups()
+        faces.append(list(map(int, inner.split())))
+        assert len(faces[-1]) == int(size)
+    assert len(faces) == int(many)
+    labels = []
+    for name in ("owner", "neighbour"):
+        many, *rows = contents(folder / name).splitlines()
+        labels.append(np.array(list(map(int, rows)), dtype=int))
+        assert len(rows) == int(many)
+    boundary = contents(folder / "boundary")
+    found = re.findall(r"(\S+)\n    \{\n\s+type (\w+);\n\s+nFaces (\d+);\n\s+startFace (\d+);", boundary)
+    assert len(found) == int(boundary.split("\n")[0])
+    patches = {name: (kind, int(n), int(start)) for name, kind, n, start in found}
+    return points, faces, *labels, patches
+
+
+def area_vector(x: np.ndarray) -> np.ndarray:
+    return sum(np.cross(x[i] - x[0], x[i + 1] - x[0]) for i in range(1, len(x) - 1)) / 2
+
+
+def assert_good(folder: Path, mesh: Mesh, thickness: float) -> dict[str, tuple]:
+    points, faces, owner, neighbour, patches = read(folder)
+    assert len(owner) == len(faces) and (owner[: len(neighbour)] < neighbour).all()
+    pairs = list(zip(owner[: len(neighbour)].tolist(), neighbour.tolist()))
+    assert pairs == sorted(set(pairs)), "upper triangular order"
+    assert set(owner.tolist()) | set(neighbour.tolist()) == set(range(mesh.size))
+    closed, volume = np.zeros((mesh.size, 3)), np.zeros(mesh.size)
+    edges: dict[tuple[int, int, int], int] = {}
+    for f, face in enumerate(faces):
+        x = points[face]
+        sides = [(owner[f], 1)] + ([(neighbour[f], -1)] if f < len(neighbour) else [])
+        for cell, way in sides:
+            closed[cell] += way * area_vector(x)
+            volume[cell] += way * area_vector(x) @ x.mean(axis=0) / 3
+            for a, b in zip(face, face[1:] + face[:1]):
+                edges[cell, a, b] = edges.get((cell, a, b), 0) + way
+                edges[cell, b, a] = edges.get((cell, b, a), 0) - way
+    assert np.abs(closed).max() < 1e-12 and not any(edges.values()), "each cell is closed"
+    assert volume == pytest.approx(np.abs(mesh.volumes) * thickness) and (volume > 0).all()
+    at = len(neighbour)
+    for kind, n, start in patches.values():
+        assert start == at and kind in ("patch", "empty")
+        at += n
+    assert at == len(faces) and list(patches)[-1] == "frontAndBack"
+    assert patches["frontAndBack"][:2] == ("empty", 2 * mesh.size)
+    return patches
+
+
+@pytest.mark.parametrize("mesh", [planar(4, jitter=0.1, seed=1), planar(6, seed=5)], ids=repr)
+def test_mixed_cells(tmp_path: Path, mesh: Mesh) -> None:
+    mesh.write(tmp_path / "constant" / "polyMesh", thickness=0.25)
+    assert_good(tmp_path / "constant" / "polyMesh", mesh, 0.25)
+
+
+def test_names_become_patches(tmp_path: Path) -> None:
+    domain = Domain.rectangle((0, 0), (2, 1)).with_holes(
+        Domain.disc((0.5, 0.5), 0.2, markers={"round wall": [0, 1, 2, 3]}), Domain.disc((1.5, 0.5), 0.2)
+    )
+    mesh = constrained_delaunay(domain)
+    mesh.write(tmp_path / "polyMesh")
+    patches = assert_good(tmp_path / "polyMesh", mesh, 0.2)
+    sizes = {name: n for name, (_, n, _) in patches.items()}
+    assert sizes["bottom"] == len(mesh.markers["bottom"]) and sizes["round_wall"] == len(
+        mesh.markers["round wall"]
+    )
+    rest = len(mesh.boundary) - sum(
+        len(mesh.markers[n]) for n in ("bottom", "top", "left", "right", "round wall")
+    )
+    assert sizes["facets"] == rest > 0
+
+
+def test_turned_cells_and_unused_vertices(tmp_path: Path) -> None:
+    mesh = Mesh([[9, 9], [0, 0], [1, 0], [1, 1], [0, 1]], [[1, 3, 2], [1, 3, 4]])
+    mesh.write(tmp_path / "polyMesh", thickness=2)
+    assert_good(tmp_path / "polyMesh", mesh, 2)
+    assert len(read(tmp_path / "polyMesh")[0]) == 8
+
+
+def test_what_cannot_be_extruded(tmp_path: Path) -> None:
+    folder = tmp_path / "polyMesh"
+    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    Mesh(square, [[0, 1, 2], [0, 2, 3]]).write(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    for mesh, told in [
+        (Mesh(square, np.empty((0, 3), dtype=int)), "polyMesh is made of planar meshes"),
+        (Mesh(np.eye(3), [[0, 1, 2]]), "polyMesh is made of planar meshes"),
+        (Mesh([*square, [2, 0]], [[0, 1, 4], [0, 1, 2]]), "cell 0 has no area"),
+        (
+            Mesh([*square, [0.5, 2]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]]),
+            r"the edge \[0, 1\] belongs to more than two",
+        ),
+    ]:
+        with pytest.raises((InputError, MeshError), match=told):
+            mesh.write(folder)
+    with pytest.raises(InputError, match="thickness = -1"):
+        Mesh(square, [[0, 1, 2]]).write(folder, thickness=-1)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

@@ -1,0 +1,130 @@
+"""The command: what it prints, what it writes, and its exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from unstruct import Domain, Mesh, check, constrained_delaunay
+from unstruct.command import MESHERS, main
+
+SQUARE = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}
+
+
+@pytest.fixture
+def square(tmp_path: Path) -> Path:
+    (tmp_path / "square.geojson").write_text(json.dumps(SQUARE))
+    return tmp_path / "square.geojson"
+
+
+def run(*words: object) -> Result:
+    return CliRunner().invoke(main, list(map(str, words)), catch_exceptions=False)
+
+
+@pytest.mark.parametrize("method", MESHERS)
+def test_every_method_meshes(square: Path, method: str) -> None:
+    target = square.with_name("out.msh")
+    size = [] if method == "constrained-delaunay" else ["--size", 0.3]
+    result = run("mesh", square, *size, "--method", method, "-o", target)
+    assert result.exit_code == 0, result.output
+    mesh = Mesh.read(target)
+    assert check(mesh, domain=Domain.read(square))
+    assert f"out.msh: {len(mesh.points)} points, {mesh.size} triangles, minimum angle" in result.output
+    assert run("mesh", square, *size, "--method", method, "-o", target, "-q").output == ""
+
+
+def test_options_reach_the_method_and_the_file(square: Path) -> None:
+    target = square.with_name("out.msh")
+    words = [
+        "mesh",
+        square,
+        "--max-area",
+        0.01,
+        "--min-angle",
+        28,
+        "-o",
+        target,
+        "--gmsh-version",
+        "4.1",
+        "--binary",
+    ]
+    assert run(*words).exit_code == 0
+    mesh = Mesh.read(target)
+    assert mesh.volumes.max() <= 0.01 and mesh.quality("min_angle").min() >= 28
+    assert target.read_bytes().startswith(b"$MeshFormat\n4.1 1 8\n")
+    again = square.with_name("again.msh")
+    assert run("mesh", target, "--max-area", 0.005, "-o", again).exit_code == 0
+    assert Mesh.read(again).volumes.max() <= 0.005
+
+
+def test_what_is_not_reached_is_told(tmp_path: Path) -> None:
+    needle = tmp_path / "needle.wkt"
+    needle.write_text("POLYGON ((0 0, 1 0, 1 0.01, 0 0))")
+    result = run("mesh", needle, "--min-angle", 20, "-o", tmp_path / "a.msh")
+    assert result.exit_code == 1 and "Not complete: " in result.stderr
+    assert (tmp_path / "a.msh").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["mesh", "none.shp", "-o", "a.msh"], "there is no file none.shp"),
+        (["mesh", "SQUARE", "-o", "a.hello"], "no format has this suffix"),
+        (["mesh", "SQUARE", "-o", "none/a.msh"], "there is no folder none"),
+        (["mesh", "SQUARE"], "Missing option '-o'"),
+        (["mesh", "SQUARE", "--size", "0", "-o", "a.msh"], "size"),
+        (["mesh", "SQUARE", "--method", "voronoi-segment", "-o", "a.msh"], "needs --size"),
+        (
+            ["mesh", "SQUARE", "--method", "voronoi-segment", "--min-angle", "9", "-o", "a.msh"],
+            "it is for refine",
+        ),
+        (["mesh", "SQUARE", "--hull", "-o", "a.msh"], "--hull; it is for constrained-delaunay"),
+        (["mesh", "SQUARE", "--thickness", "1", "-o", "a.msh"], "has no option 'thickness'"),
+        (["convert", "SQUARE", "a.msh"], "is a region, which is written as .poly"),
+        (["check", "SQUARE"], "is no mesh"),
+        (["hello"], "No such command"),
+    ],
+)
+def test_wrong_use(square: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], told: str) -> None:
+    monkeypatch.chdir(square.parent)
+    result = run(*[word.replace("SQUARE", square.name) for word in words])
+    assert result.exit_code == 2 and told in result.stderr and "Traceback" not in result.output
+    assert sorted(path.name for path in square.parent.iterdir()) == [square.name]
+
+
+def test_check(square: Path, tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.msh", tmp_path / "bad.node"
+    points = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    constrained_delaunay(Domain.read(square)).write(good)
+    Mesh(points, [[0, 1, 2], [0, 3, 2]]).write(bad)
+    assert run("check", good, "--domain", square, "--delaunay").output.startswith("valid")
+    assert run("check", good, "-q").output == ""
+    result = run("check", bad, "-q")
+    assert result.exit_code == 1 and result.output.startswith("not valid")
+
+
+def test_info_and_convert(square: Path, tmp_path: Path) -> None:
+    result = run("info", square)
+    assert result.exit_code == 0 and "area 1, from [0.0, 0.0] to [1.0, 1.0]" in result.output
+    poly, mesh, other = (tmp_path / name for name in ("a.poly", "a.su2", "a.MSH"))
+    assert run("convert", square, poly).exit_code == 0
+    assert Domain.read(poly).area == 1
+    run("mesh", poly, "--method", "constrained-delaunay", "-o", mesh)
+    result = run("convert", mesh, other)
+    assert result.exit_code == 0 and "Mesh: 4 points, 2 triangles" in result.output
+    result = run("info", other)
+    assert "2 triangles" in result.output and "marker 'facets': 4 faces" in result.output
+
+
+def test_in_a_shell(square: Path) -> None:
+    """The module ``unstruct.__main__``."""
+    words = [sys.executable, "-m", "unstruct", "info", str(square)]
+    result = subprocess.run(words, capture_output=True, text=True)
+    assert result.returncode == 0 and "a region" in result.stdout
+    result = subprocess.run([*words[:3], "info", "none.msh"], capture_output=True, text=True)
+    assert result.returncode == 2 and result.stderr.startswith("Error: there is no file none.msh")

@@ -1,0 +1,244 @@
+"""The command ``unstruct``: mesh a region, check, describe and convert files, from a shell.
+
+Exit codes: 0, all is well; 1, the mesh is not all that was asked for, or the check found faults; 2, wrong
+options, or a file that cannot be read or written.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections import Counter
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from .assess.check import check as check_mesh
+from .base.errors import UnstructError
+from .base.files import suffix_of
+from .domain.domain import Domain
+from .domain.plane.sources import REGION_SUFFIXES
+from .generate.boundary.conforming import conforming_delaunay
+from .generate.boundary.constrained import constrained_delaunay
+from .generate.centers.circumcenters import circumcenter_insertion
+from .generate.rebay.voronoi_segment import voronoi_segment
+from .generate.refinement.refine import refine
+from .mesh.mesh import Mesh
+
+__all__ = ["main"]
+
+MESHERS: dict[str, Any] = {
+    "refine": refine,
+    "voronoi-segment": voronoi_segment,
+    "circumcenter-insertion": circumcenter_insertion,
+    "conforming-delaunay": conforming_delaunay,
+    "constrained-delaunay": constrained_delaunay,
+}
+TAKES = {  # which options a method has
+    "refine": {"size", "min_angle", "max_area"},
+    "voronoi-segment": {"size"},
+    "circumcenter-insertion": {"size"},
+    "conforming-delaunay": {"size"},
+    "constrained-delaunay": {"hull"},
+}
+NEEDS_SIZE = ("voronoi-segment", "circumcenter-insertion")
+NOT_WELL, WRONG_USE = 1, 2
+
+
+class _WrongInput(click.ClickException):
+    """Told in one line, with exit code 2."""
+
+    exit_code = WRONG_USE
+
+
+class _Commands(click.Group):
+    """Commands that tell errors of the library in one line."""
+
+    def invoke(self, context: click.Context) -> Any:
+        with warnings.catch_warnings():
+            warnings.showwarning = _say_warning
+            try:
+                return super().invoke(context)
+            except UnstructError as error:
+                raise _WrongInput(str(error)) from error
+
+
+def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"Warning: {message}", err=True)
+
+
+def _version() -> str:
+    try:
+        return version("unstruct")
+    except PackageNotFoundError:  # run from a folder, without an installation
+        return "(not installed)"
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(_version(), prog_name="unstruct")
+def main() -> None:
+    """Mesh planar regions; check, describe and convert meshes.
+
+    Exit codes: 0, all is well; 1, the mesh is not all that was asked for, or the check found faults; 2, wrong
+    options, or a file that cannot be read or written.
+    """
+
+
+_source = click.argument("source", type=click.Path(path_type=Path))
+_region_options = [
+    click.option("--resolve", is_flag=True, help="Repair the region instead of refusing it."),
+    click.option(
+        "--names", metavar="PROPERTY", help="The property that names features (GeoJSON, Shapefile)."
+    ),
+    click.option(
+        "--shape",
+        type=click.Choice(["spline", "polygon"]),
+        default="spline",
+        show_default=True,
+        help="How an airfoil's points are joined.",
+    ),
+]
+_file_options = [
+    click.option("--gmsh-version", type=click.Choice(["2.2", "4.1"]), help="For .msh; 2.2 by default."),
+    click.option("--binary/--text", default=None, help="For .msh, .vtu, .vtk, .stl, .ply, .xdmf."),
+    click.option("--thickness", type=float, help="Of the layer, for a folder polyMesh."),
+]
+_quiet = click.option("-q", "--quiet", is_flag=True, help="Print nothing but warnings and errors.")
+
+
+def _with(options: list[Any]) -> Any:
+    def add(function: Any) -> Any:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return add
+
+
+@main.command()
+@_source
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The file to write.")
+@click.option("--size", type=float, help="The wanted edge length.")
+@click.option(
+    "--method", type=click.Choice(list(MESHERS)), default="refine", show_default=True, help="How to mesh."
+)
+@click.option("--min-angle", type=float, help="The wanted least angle in degrees; for refine.")
+@click.option("--max-area", type=float, help="The largest area of a triangle; for refine.")
+@click.option("--hull", is_flag=True, help="Mesh the convex hull; for constrained-delaunay.")
+@_with(_region_options)
+@_with(_file_options)
+@click.option("--progress/--no-progress", default=None, help="A progress bar; by default on a terminal.")
+@_quiet
+def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | None, **options: Any) -> None:
+    """Mesh the region in SOURCE: .poly, .geojson, .wkt, .shp, or an airfoil's .dat.
+
+    SOURCE may also be a mesh of triangles, which is refined.
+    """
+    given = {name: options[name] for name in ("size", "min_angle", "max_area") if options[name] is not None}
+    given |= {"hull": True} if options["hull"] else {}
+    for name in given:
+        if name not in TAKES[method]:
+            takers = ", ".join(other for other, some in TAKES.items() if name in some)
+            raise click.UsageError(f"{method} has no option --{name.replace('_', '-')}; it is for {takers}")
+    if method in NEEDS_SIZE and "size" not in given:
+        raise click.UsageError(f"{method} needs --size")
+    found = _read(source, options)
+    if isinstance(found, Mesh) and method != "refine":
+        raise click.UsageError(f"{source.name} is a mesh; only refine takes one, {method} takes a region")
+    show = sys.stderr.isatty() and not quiet if progress is None else progress
+    result = MESHERS[method](found, **given, progress=show)
+    _write(result, output, options)
+    if not quiet:
+        angle = f", minimum angle {result.quality('min_angle').min():.4g} degrees" if result.size else ""
+        click.echo(f"{output}: {len(result.points)} points, {result.size} triangles{angle}")
+    if not getattr(result, "complete", True):
+        reasons = Counter(str(reason) or "not reached" for reason in result.reasons)
+        click.echo(f"Not complete: {len(result.unrefined)} triangles are not as asked for", err=True)
+        for reason, count in reasons.most_common(5):
+            click.echo(f"  {count}: {reason}", err=True)
+        sys.exit(NOT_WELL)
+
+
+@main.command()
+@_source
+@click.option("--domain", type=click.Path(path_type=Path), help="The region that the mesh should fill.")
+@click.option("--delaunay", is_flag=True, help="Check empty circles, too.")
+@_with(_region_options)
+@_quiet
+def check(source: Path, domain: Path | None, delaunay: bool, quiet: bool, **options: Any) -> None:
+    """Check the mesh in SOURCE exactly: orientation, neighbors, overlaps, and what else a mesh must be."""
+    found = _read(source, options, region=False)
+    region = None if domain is None else _read(domain, options, region=True)
+    report = check_mesh(found, domain=region, delaunay=delaunay)
+    if not quiet or not report:
+        click.echo(str(report))
+    if not report:
+        sys.exit(NOT_WELL)
+
+
+@main.command()
+@_source
+@_with(_region_options)
+def info(source: Path, **options: Any) -> None:
+    """Describe the mesh or the region in SOURCE: counts, size, quality, names."""
+    found = _read(source, options)
+    if isinstance(found, Domain):
+        low, high = found.bounds if len(found.points) else np.zeros((2, 2))
+        click.echo(f"{source.name}: a region")
+        click.echo(
+            f"points {len(found.points)}, facets {len(found.facets)}, inner segments {len(found.inner)}"
+        )
+        click.echo(f"area {found.area:.6g}, from {low.tolist()} to {high.tolist()}")
+        for name, pieces in found.markers.items():
+            click.echo(f"marker {name!r}: {len(pieces)} pieces")
+        for name, seeds in found.regions.items():
+            click.echo(f"region {name!r}: {len(seeds)} seeds")
+        for repair in found.repairs:
+            click.echo(f"repaired: {repair.text}")
+        return
+    click.echo(f"{source.name}: a mesh")
+    click.echo(str(found.summary()))
+    for name, values in found.markers.items():
+        what = f"{len(values)} faces" if values.ndim == 2 else "a value for each cell"
+        click.echo(f"marker {name!r}: {what}")
+
+
+@main.command()
+@_source
+@click.argument("target", type=click.Path(path_type=Path))
+@_with(_region_options)
+@_with(_file_options)
+@_quiet
+def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
+    """Write the mesh or the region in SOURCE to TARGET, in the format of its suffix; regions as .poly."""
+    found = _read(source, options)
+    if isinstance(found, Domain) and suffix_of(target) != ".poly":
+        raise click.UsageError(
+            f"{source.name} is a region, which is written as .poly; 'unstruct mesh' meshes it"
+        )
+    _write(found, target, options)
+    if not quiet:
+        click.echo(f"{target}: {found!r}".replace("<", "").replace(">", ""))
+
+
+def _read(path: Path, options: dict[str, Any], *, region: bool | None = None) -> Any:
+    """A domain or a mesh, by the suffix; .node is a mesh unless a region is wanted."""
+    suffix = suffix_of(path)
+    if region or (region is None and suffix in REGION_SUFFIXES and suffix != ".node"):
+        return Domain.read(path, resolve=options["resolve"], name=options["names"], shape=options["shape"])
+    return Mesh.read(path)
+
+
+def _write(found: Any, path: Path, options: dict[str, Any]) -> None:
+    if isinstance(found, Domain):
+        found.write(path)
+        return
+    found.write(
+        path,
+        version=options.get("gmsh_version"),
+        binary=options.get("binary"),
+        thickness=options.get("thickness"),
+    )

@@ -1,0 +1,158 @@
+"""What files hold of a mesh: points, blocks of cells and data, under the names that meshio has for them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..base.errors import InputError
+from .complex import CellComplex
+from .grouping import group_rows
+from .marked import marked_facets
+
+__all__ = ["Block", "Exchange", "border_groups", "plain_names", "rows_in_runs"]
+
+
+class Block(NamedTuple):
+    """Cells of one kind.
+
+    Attributes
+    ----------
+    type : str
+        By meshio's names; "vertex" is a point.
+    data : ndarray of int, shape (m, k)
+    """
+
+    type: str
+    data: np.ndarray
+
+
+@dataclass
+class Exchange:
+    """A mesh as files have it; `meshio.Mesh` has attributes of the same names.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, d)
+    cells : list of Block
+    point_data : dict of str to ndarray
+    cell_data : dict of str to list of ndarray
+        One array for each block.
+    field_data : dict of str to ndarray
+        Name of a physical group -> (number, dimension).
+    sets : dict of str to list of ndarray of bool
+        Further groups of cells, which may overlap, an array for each block.
+    middles : ndarray of int or None
+        Nodes of cells of higher order that are no corners.
+    """
+
+    points: np.ndarray
+    cells: list[Any]
+    point_data: dict[str, np.ndarray] = field(default_factory=dict)
+    cell_data: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    field_data: dict[str, np.ndarray] = field(default_factory=dict)
+    sets: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    middles: np.ndarray | None = None
+
+
+def rows_in_runs(
+    flat: np.ndarray, count: int, key: slice, width: Callable[[np.ndarray], int], what: str
+) -> Iterator[np.ndarray]:
+    """Cut a list of numbers into rows whose lengths follow from some of their entries.
+
+    Parameters
+    ----------
+    flat : ndarray, shape (k,)
+    count : int
+        The number of rows.
+    key : slice
+        The entries of a row on which its length depends.
+    width : function (ndarray) -> int
+        The length of a row by these entries.
+    what : str
+        What a row is, for errors.
+
+    Yields
+    ------
+    ndarray, shape (r, w)
+        As many successive rows of equal key as there are. O(k) and a few microseconds for each change.
+    """
+    at, row, window = 0, 0, 16
+    while row < count:
+        head = flat[at + key.start : at + key.stop]
+        if len(head) < key.stop - key.start:
+            raise InputError(f"{count} {what} are announced, but there are {row}")
+        size = width(head)
+        many = min(window, count - row, (len(flat) - at) // size)
+        if many == 0:
+            raise InputError(f"{what} number {row + 1} of {count} is incomplete")
+        rows = flat[at : at + many * size].reshape(many, size)
+        same = (rows[:, key] == head).all(axis=1)
+        good = many if same.all() else int(np.argmin(same))
+        yield rows[:good]
+        at, row = at + good * size, row + good
+        window = 2 * window if good == many else 16
+    if at != len(flat):
+        raise InputError(f"{count} {what} are announced, but more numbers follow")
+
+
+def plain_names(names: Iterable[str]) -> dict[str, str]:
+    """Names as configuration files of solvers can use them: letters, digits, _ - . + only; all different."""
+    found: dict[str, str] = {}
+    for name in names:
+        word = plain = re.sub(r"[^\w.+-]+", "_", name) or "_"
+        count = 2
+        while word in found.values():
+            word, count = f"{plain}_{count}", count + 1
+        found[name] = word
+    return found
+
+
+def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Give each facet of the boundary to one marker: the first other than "facets" that names it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    border : ndarray of int, shape (f, k)
+        The facets where the mesh ends, padded by -1.
+
+    Returns
+    -------
+    groups : dict of str to ndarray of int
+        Name -> rows of ``border``, none empty; "facets" has those that no other marker names.
+    lost : list of str
+        Markers that name other faces too, or faces that are in an earlier group, or nothing; and markers of
+        cells.
+    """
+    width = border.shape[1]
+    owner = np.full(len(border), -1)
+    names: list[str] = []
+    lost = []
+    for name, faces in mesh.markers.items():
+        if faces.ndim == 1:
+            lost.append(name)
+        elif name != "facets" and (name != "inner" or len(faces)):
+            if faces.shape[1] > width or len(faces) == 0:
+                lost.append(name)
+                continue
+            wide = np.pad(faces, ((0, 0), (0, width - faces.shape[1])), constant_values=-1)
+            found = _among(border, wide, len(mesh.points))
+            if found.sum() < len(group_rows(np.sort(wide, axis=1))[1]) or (owner[found] >= 0).any():
+                lost.append(name)
+            owner[found & (owner < 0)] = len(names)
+            names.append(name)
+    groups = {name: np.flatnonzero(owner == i) for i, name in enumerate([*names, "facets"])}
+    groups["facets"] = np.flatnonzero(owner < 0)
+    return {name: rows for name, rows in groups.items() if len(rows)}, lost
+
+
+def _among(border: np.ndarray, faces: np.ndarray, n: int) -> np.ndarray:
+    if (border >= 0).all() and (faces >= 0).all():
+        return marked_facets(border, faces, n)
+    group, _ = group_rows(np.sort(np.concatenate([faces, border]), axis=1))
+    return np.isin(group[len(faces) :], group[: len(faces)])
