@@ -27,6 +27,9 @@ except ImportError:  # the kernels then run as plain Python
 
 __all__ = ["inline", "kernel", "lean"]
 
+NARROW = () if numba is None else (numba.types.int8, numba.types.int16, numba.types.int32)
+BARE = {"nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 
 def kernel(function: Callable) -> Any:
     """Compile a module-level function on first call, and cache the machine code on disk."""
@@ -78,8 +81,8 @@ class _Inner:
 
     def compiler(self) -> Any:
         if self._compiler is None:
-            bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-            found = numba.njit(nogil=True, **bare, **self.options)(self.outer.py_func)
+            options: Any = BARE | self.options
+            found = numba.njit(**options)(self.outer.py_func)
             found._cache = KernelCache(self.outer, "-inner")
             self._insert, found.add_overload = found.add_overload, self.add_overload
             self._compiler = found
@@ -87,7 +90,8 @@ class _Inner:
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """What numba asks when it compiles a call: the types of the result."""
-        return self.compiler().get_call_template(args, kws)
+        kws = {name: _plain(kind) for name, kind in kws.items()}
+        return self.compiler().get_call_template(tuple(map(_plain, args)), kws)
 
     def get_overload(self, sig: Any) -> Any:
         """What numba asks next: the compiled function."""
@@ -121,6 +125,12 @@ class _Inner:
     def _symbol(self, args: Any) -> str:
         """The name of the machine code for these types of arguments: the same in each process."""
         return "unstruct." + hashlib.sha256(f"{stamp(self.outer)} {args}".encode()).hexdigest()
+
+
+def _plain(kind: Any) -> Any:
+    """One type for all integers, where numba would compile a kernel again for 0, 1, and 32 bits."""
+    kind = numba.types.unliteral(kind)
+    return numba.types.int64 if kind in NARROW else kind
 
 
 class _Reference(NamedTuple):
