@@ -1,8 +1,8 @@
 """``python -m benchmarks.cold [CALL ...]``: CPU seconds of first calls from an empty cache of kernels.
 
 Each call runs in a process of its own, which then reports the import, the first call, the second one, and the
-kernels that took longest to compile (by themselves, without those that they call). A second process measures the
-first call from the cache that the first has left.
+kernels that took longest to compile (by themselves, without those that they call). A second process measures
+the first call from the cache that the first has left.
 """
 
 from __future__ import annotations
