@@ -108,14 +108,7 @@ class KernelCache:
 
     def _open(self) -> Any:
         if self._opened is None:
-            function = self.dispatcher.py_func
-            cache = _Cache(function)
-            name = f"{function.__module__}.{function.__qualname__}{self.kind}".replace("<", "").replace(
-                ">", ""
-            )
-            version = "py{}{}".format(*sys.version_info[:2])
-            cache._cache_file = _Files(cache.cache_path, f"{name}.{version}", stamp(self.dispatcher))
-            self._opened = cache
+            self._opened = _Cache(self.dispatcher, self.kind)
         return self._opened
 
     @property
@@ -147,6 +140,13 @@ class _Files(IndexDataCacheFile):
 
 class _Cache(FunctionCache):
     """numba's cache, with a key that includes the names of the fields of records."""
+
+    def __init__(self, dispatcher: Any, kind: str):
+        function = dispatcher.py_func
+        super().__init__(function)
+        name = f"{function.__module__}.{function.__qualname__}{kind}".replace("<", "").replace(">", "")
+        version = "py{}{}".format(*sys.version_info[:2])
+        self._cache_file = _Files(self.cache_path, f"{name}.{version}", stamp(dispatcher))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         # numba would first register all of its own functions, which only the compiler needs, and which

@@ -61,6 +61,8 @@ def cospherical_groups(
         t, corner = np.nonzero(across > np.arange(low, low + len(across))[:, None])
         u = across[t, corner]
         t += low
+        if not len(t):
+            continue
         beyond = simplices[u, np.argmax(neighbors[u] == t[:, None], axis=1)]
         if weights is None:
             inside = np.atleast_1d(in_sphere(points[simplices[t]], points[beyond]))
