@@ -31,7 +31,14 @@ assess examples
 view/draw view/scenes view/widgets view
 command __main__
 """.split()
-FACES = {"__init__", "errors", "simplex", "topology", "studies"}  # files beside the rooms: they hand on names
+FACES = {
+    "__init__",
+    "compile",
+    "errors",
+    "simplex",
+    "topology",
+    "studies",
+}  # files beside the rooms: they hand on names
 HAND_ON = {"unstruct", *(f"unstruct.{room}" for room in "predicates sizing examples view".split())}
 DOORS = {
     "unstruct.view:plot_domain",

@@ -16,6 +16,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arrays import fill
 from ..base.jit import inline, kernel
 
 __all__ = ["brio", "draws", "hilbert_order"]
@@ -247,7 +248,9 @@ def radix_argsort(keys, bits):
     The array ``keys`` is overwritten.
     """
     n = keys.shape[0]
-    order = np.arange(n)
+    order = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        order[i] = i
     if n <= FEW_KEYS:  # by insertion
         for i in range(1, n):
             key, j = keys[i], i
@@ -256,11 +259,11 @@ def radix_argsort(keys, bits):
                 j -= 1
             keys[j], order[j] = key, i
         return order
-    spare_keys = np.empty_like(keys)
-    spare_order = np.empty_like(order)
+    spare_keys, spare_order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     size = 1 << DIGIT
+    start = np.empty(size + 1, dtype=np.int64)
     for shift in range(0, bits, DIGIT):
-        start = np.zeros(size + 1, dtype=np.int64)
+        fill(start, 0)
         for i in range(n):
             start[((keys[i] >> shift) & (size - 1)) + 1] += 1
         for j in range(size):

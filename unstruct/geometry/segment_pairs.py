@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.arrays import fill
 from ..base.jit import inline, kernel
 from ..predicates.batch import orient_rows
 from .boxes import BoxTree
@@ -183,8 +184,9 @@ def none_meet(points, segments, alone):
     room = 2
     while room < 4 * cells * s:
         room *= 2
-    head, entries = np.full(room, -1, dtype=np.int32), np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
-    seen, none = np.full(s, -1, dtype=np.int32), np.empty((0, 2), dtype=np.int64)
+    head = fill(np.empty(room, dtype=np.int32), -1)
+    entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
+    seen, none = fill(np.empty(s, dtype=np.int32), -1), np.empty((0, 2), dtype=np.int64)
     tall = int((y1 - y0) * scale) + 1
     if _cell_pairs(ends, segments, x0, y0, scale, tall, head, entries, seen, looks * s, none) != 0:
         return False

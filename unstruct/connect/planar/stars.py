@@ -70,7 +70,8 @@ class Stars(NamedTuple):
 @lean
 def opposite_half_edges(vertex, region, count, at):
     """For each vertex of a triangle that has a region a half-edge opposite it; -1 for the others."""
-    at[:] = -1
+    for v in range(at.shape[0]):
+        at[v] = -1
     for t in range(count):
         if region[t] >= 0:
             for e in range(3 * t, 3 * t + 3):
