@@ -23,7 +23,7 @@ __all__ = ["interpolate"]
 
 Floats = NDArray[np.float64]
 
-METHODS = ("linear", "natural", "laplace")
+INTERPOLATIONS = ("linear", "natural", "laplace")
 FLAT_CELL = 1e-6  # cells of a smaller relative volume are treated with rational arithmetic
 ON_HULL = 1e-15  # points that are relatively nearer to an edge of the hull than this count as on it
 CAVITIES_AT_ONCE = 50_000  # queries per kernel call: a fraction of a second, so that Ctrl-C takes effect
@@ -80,8 +80,8 @@ def interpolate(
     >>> unstruct.interpolate(mesh, [0.0, 1.0, 3.0, 2.0], [(0.25, 0.5), (0, 1), (2, 2)]).tolist()
     [1.25, 2.0, nan]
     """
-    if method not in METHODS:
-        raise InputError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
+    if method not in INTERPOLATIONS:
+        raise InputError(f"method must be one of {', '.join(INTERPOLATIONS)}, not {method!r}")
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
     d = mesh.points.shape[1]

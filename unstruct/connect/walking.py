@@ -13,7 +13,7 @@ from ..predicates.kernels import orient2
 
 __all__ = ["cells_at"]
 
-STEPS = 200  # of a walk between queries that follow each other along a curve, before it is given up
+STEPS_OF_WALK = 200  # of a walk between queries that follow each other along a curve, before it is given up
 FEW_QUERIES = 1000  # up to so many queries the tree finds as soon
 
 
@@ -33,7 +33,7 @@ def _walk(xy, simplices, neighbors, rows, found):
                 if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], x, y) < 0:
                     out = u if u >= 0 else np.int64(-2)
                     break
-            if out < 0 or steps == STEPS:
+            if out < 0 or steps == STEPS_OF_WALK:
                 found[i] = t if out == -1 else -1
                 break
             last, t, steps = t, out, steps + 1

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from regions import KINDS, random_region
 from segments import coastline
 
+from benchmarks.inputs import fractal_coast
 from unstruct import (
     Domain,
     InputError,
@@ -226,3 +227,20 @@ def test_a_sampled_boundary_can_be_meshed() -> None:
         report = check(mesh, domain=pieces)
         assert report, str(report)
         assert len(mesh.markers["right"]) >= len(pieces.ends) // 2 - 2
+
+
+def test_a_fractal_coast_with_islands() -> None:
+    rings = fractal_coast(6000, 40)
+    assert len(rings) == 41 and sum(map(len, rings)) == 6000
+    old = Domain.polygon(rings[0], rings[1:], resolve=True)
+    assert not old.repairs and len(old.facets) == 6000  # simple by construction
+    new = old.simplified(size=0.05)
+    assert 100 < len(new.points) < 1000 and len(new.points) + len(lost_vertices(new)) == 6000
+    mesh = refine(new, 0.05)
+    assert check(mesh, domain=new)
+    with pytest.raises(ValueError, match="multiples of 3"):
+        fractal_coast(6001, 40)
+
+
+def lost_vertices(new: Domain) -> set[int]:
+    return {v for r in new.repairs for v in r.vertices}
