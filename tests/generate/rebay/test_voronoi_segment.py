@@ -564,3 +564,21 @@ def test_what_is_no_domain() -> None:
     for call in (lambda d: voronoi_segment(d, 0.1), constrained_delaunay, Domain.rectangle().with_holes):
         with pytest.raises(InputError, match="must be a Domain"):
             call(None)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [(-1, 2), (0, 0), (2, -1), (0, 1e-28)],
+        [(1.94e-170, -2), (2.4e-09, 3.7e-90), (8e-176, -2)],
+        [(2, 1), (4.3e-168, -1.0009639963136083), (-2.42e-07, 0), (0, 4.2e-56), (0, 0)],
+        [(0, 0), (1, 0), (0.37, 1e-6)],
+    ],
+)
+def test_wide_exponents(points: list) -> None:
+    """Edges whose squares are below all doubles divided by zero; a needle became dust in finishing."""
+    domain = Domain.polygon(points)
+    mesh = voronoi_segment(domain, float(np.ptp(domain.bounds, axis=0).max()) / 10)
+    report = check(mesh, domain=domain, delaunay="constrained")
+    assert report, str(report)
+    assert mesh.size < 5000

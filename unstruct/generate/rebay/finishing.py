@@ -117,7 +117,7 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
 
 
 def refine_angles(
-    domain: Domain, complex_: PlanarComplex, given: int, most: int, kept: NDArray[np.uint8]
+    domain: Domain, complex_: PlanarComplex, given: int, most: int | None, kept: NDArray[np.uint8]
 ) -> tuple[dict[str, int], list[int], list[str]]:
     """Refine the complex by Chew's second algorithm, with the minimum angle as the only goal.
 
@@ -129,7 +129,7 @@ def refine_angles(
     given : int
         Vertices from this number on may be removed.
     most : int
-        Refinement stops at this number of vertices.
+        Refinement stops at this number of vertices. None: at 10^7, and where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
 

@@ -9,13 +9,14 @@ from ...base.elementary import turns
 from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
 from .encroachment import across_small_angle
-from .limits import ANGLE, Limits, misses
+from .limits import ANGLE, PLAUSIBLE, Limits, misses
 from .state import (
     CIRCUMCENTERS,
     CURVE,
     FLOOR,
     KEPT,
     LARGE,
+    NARROW,
     PRECISION,
     REJECTED,
     REMOVED,
@@ -30,9 +31,11 @@ __all__ = ["account", "history_of"]
 TEXTS = {
     KEPT: "kept: only a vertex on a piece that must not be split would help",
     FLOOR: "too near: the angle would need edges shorter than a thousandth of the input's, or near rounding",
+    NARROW: "narrow: a gap or wedge this long and thin would take very many triangles; a budget allows them",
     PRECISION: "precision: the needed point cannot be told from its neighbors in doubles",
     CURVE: "curve: a split of a curve would meet another piece or vertex",
 }
+STEEP = f"too near: an angle above {PLAUSIBLE:g}° would need edges shorter than half of those nearby"
 MISSES = ("angle", "area", "size")
 NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
@@ -102,6 +105,8 @@ def account(
     reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
     for code, text in TEXTS.items():
         reasons[why == code] = text
+    if limits.growth > 0.0:
+        reasons[why == FLOOR] = STEEP
     if not finished:
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)

@@ -66,7 +66,7 @@ def split_straight(xy, a, b, t0, t1, apexes):
     dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     if apexes == FIRST or apexes == SECOND:
         length = math.sqrt(dx * dx + dy * dy)
-        ratio = split_distance(length, apexes) / length
+        ratio = split_distance(length, apexes) / length if length > 0.0 else 0.5
     else:
         ratio = 0.5
     return xy[a, 0] + ratio * dx, xy[a, 1] + ratio * dy, t0 + ratio * (t1 - t0)

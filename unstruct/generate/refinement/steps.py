@@ -41,7 +41,8 @@ from .encroachment import (
     split_straight,
 )
 from .free_vertices import MOST_CORNERS, clear_disc
-from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
+from .limits import ANGLE, BY_ANGLE, BY_SIZE, FRACTION, SIZE, largest_radius2
+from .narrow import charge, grown_floor
 from .state import (
     BEGUN,
     BUDGET,
@@ -49,12 +50,13 @@ from .state import (
     CURVE,
     CURVES,
     EVENTS,
+    FINEST_SPAN,
     FLOOR,
-    FRACTION,
     KEPT,
     LARGE_ONES,
     LINKED,
     LOCKED,
+    NARROW,
     OPEN,
     PRECISION,
     REJECTED,
@@ -135,18 +137,25 @@ def split_next(w, tally, limits):
         return
     by, w.asked[s] = w.asked[s], 0
     w.given[s, 0] = np.nan
-    a, b = w.ends[s, 0], w.ends[s, 1]
+    a, b, piece = w.ends[s, 0], w.ends[s, 1], w.piece[s]
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
+    # where a subsegment is short, size asks for a split only because the triangle beside it is very flat
+    wanted = _wanted(w, limits, s, px, py)
+    thin = square < 0.25 * wanted
+    if thin and min(w.allowed[piece, 0], w.allowed[piece, 1]) <= 0:
+        _lock(w, tally, s, NARROW)
+        return
     rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
     smallest = floor
     if by & BY_SIZE:
-        smallest = FRACTION * _wanted(w, limits, s, px, py)
-        floor = min(floor, max(FRACTION * square, rounding))
-    if square < smallest:
+        smallest = FRACTION * wanted
+        floor = min(floor, max(limits.fraction * square, rounding))
+    step = min(t - w.span[s, 0], w.span[s, 1] - t)
+    if square < smallest or step < FINEST_SPAN:
         _lock(w, tally, s, FLOOR)
         return
     if limits.lens > 0.0 and w.apexes[s] == 0:
@@ -155,11 +164,12 @@ def split_next(w, tally, limits):
     if k < 0 and clear_disc(w, tally, limits, s) > 0:
         m, k, h = _find(w, s, px, py)
     if k < 0:
-        _lock(w, tally, s, PRECISION if w.curve[w.piece[s]] == STRAIGHT else CURVE)
+        _lock(w, tally, s, PRECISION if w.curve[piece] == STRAIGHT else CURVE)
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
-    w.kind[p], w.floor[p] = w.piece[s], floor
+    charge(w, limits, s, thin)
+    w.kind[p], w.floor[p] = piece, grown_floor(limits, floor, square)
     record(w, tally, SPLITS, p, (a, b, s), px, py)
     new = commit_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), m, k, h, p, t)
     tally[SPLITS] += 1
@@ -314,7 +324,7 @@ def improve_next(w, tally, limits, offset):
             give_up(w, tally, t, FLOOR)
             return
     else:
-        floor = min(floor, max(FRACTION * square, rounding))
+        floor = min(floor, max(limits.fraction * square, rounding))
     if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)
         return
@@ -329,7 +339,7 @@ def improve_next(w, tally, limits, offset):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
-    w.kind[p], w.floor[p] = FREE_VERTEX, floor
+    w.kind[p], w.floor[p] = FREE_VERTEX, grown_floor(limits, floor, square)
     record(w, tally, CIRCUMCENTERS, p, (a, b, c), px, py)
     commit_here(w, w, m, k, p)
     tally[CIRCUMCENTERS] += 1
