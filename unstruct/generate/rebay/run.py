@@ -17,7 +17,7 @@ from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..refinement.state import FINEST_SPAN
 from . import steps as k
-from .finishing import PASSES, PROMISED_ANGLE, figures, refine_angles, smooth_poor
+from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 COUNT_NAMES = (
@@ -200,20 +200,31 @@ class VoronoiSegmentRun:
             refined = False
             slots: list[int] = []
             reasons: list[str] = []
+            if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
+                every = np.ones_like(self.kept)
+                found, _, _ = refine_angles(self.domain, c, self.first, most, every, TRIED_ANGLE)
+                refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept)
-                done["angle points"] += found["circumcenters"]
-                done["angle splits"] += found["splits"]
-                done["removed"] += found["removed"]
-                if found["circumcenters"] + found["splits"] > 0:
-                    refined, after = True, figures(c)
-                self.restart()
+                more, after = self._refined(found, done, after)
+                refined = refined or more
             if not refined and (c.size == size or number > 0):
                 break
             since = 0 if refined else size
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
+
+    def _refined(
+        self, found: dict[str, int], done: dict[str, int], before: dict[str, float]
+    ) -> tuple[bool, dict[str, float]]:
+        """Add up what `refine_angles` did; whether there are new points, and the figures afterwards."""
+        done["angle points"] += found["circumcenters"]
+        done["angle splits"] += found["splits"]
+        done["removed"] += found["removed"]
+        new = found["circumcenters"] + found["splits"] > 0
+        self.restart()
+        return new, figures(self.complex) if new else before
 
     # ------------------------------------------------------------------ the account
 

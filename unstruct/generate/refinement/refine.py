@@ -136,7 +136,7 @@ def refine(
     run = RefineRun(planned, limits, offset, _budget(budget), history)
     run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
     code = _loop(run, progress)
-    slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
+    slots, reasons, missed = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))

@@ -37,6 +37,7 @@ from .encroachment import (
     STRAIGHT,
     across_small_angle,
     encroaches,
+    sharper_than_input,
     split_arc,
     split_straight,
 )
@@ -224,12 +225,21 @@ def shortest_first(xy, vertex, t):
 
 
 @inline
-def _in_the_way(w, tally, limits, k, px, py, by, floor):
+def _too_short(w, a, b, across):
+    """Whether half of a-b is much shorter than an edge whose square is ``across``, 0 for no such edge."""
+    return (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2 < 3.2 * across
+
+
+@inline
+def _in_the_way(w, tally, limits, k, center, by, floor):
     """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
+
+    Those that are not twice as long as the edge across a small angle, if it is about one, are left alone.
 
     Returned are the number of subsegments, how many of them are encroached, how many of these are on the
     stack, and why one is not.
     """
+    px, py, _, across = center
     marked = found = asked = 0
     why = OPEN
     for i in range(k):
@@ -242,7 +252,9 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
-                if ask(w, tally, s, by, floor):
+                if _too_short(w, a, b, across):
+                    why = SMALL_ANGLE
+                elif ask(w, tally, s, by, floor):
                     asked += 1
                 else:
                     why = w.lock[s]
@@ -277,15 +289,17 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
     triangulation a point in the circle of the seed sees each edge of the boundary that is not marked; this
     need not be tested.
     """
-    px, py, sure = center
-    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
+    px, py, sure, across = center
+    marked, found, asked, why = _in_the_way(w, tally, limits, k, center, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
         s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
-            if ask(w, tally, s, by, floor):
+            if _too_short(w, w.ends[s, 0], w.ends[s, 1], across):
+                why = SMALL_ANGLE
+            elif ask(w, tally, s, by, floor):
                 asked = 1
             else:
                 why = w.lock[s]
@@ -316,10 +330,14 @@ def improve_next(w, tally, limits, offset):
     px, py, square, sure = _center(w.xy, a, b, c, offset)
     rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
+    across = 0.0
     if by == BY_ANGLE:
-        if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
-            give_up(w, tally, t, SMALL_ANGLE)
-            return
+        apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
+        if apex >= 0:
+            if not sharper_than_input(w.xy, apex, a, b, c):
+                give_up(w, tally, t, SMALL_ANGLE)
+                return
+            across = (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2
         if square < floor:
             give_up(w, tally, t, FLOOR)
             return
@@ -335,7 +353,7 @@ def improve_next(w, tally, limits, offset):
     if k < 0:
         give_up(w, tally, t, PRECISION)
         return
-    if not _step_aside(w, tally, limits, t, k, (px, py, sure), by, floor):
+    if not _step_aside(w, tally, limits, t, k, (px, py, sure, across), by, floor):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
