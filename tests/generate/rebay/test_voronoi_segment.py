@@ -75,7 +75,7 @@ def distance_to_boundary(mesh: unstruct.Mesh) -> np.ndarray:
 
 @settings(max_examples=40, deadline=None)
 @given(
-    st.sampled_from(sorted(set(KINDS) - {"angles", "thin"})),
+    st.sampled_from(sorted(set(KINDS) - {"angles", "thin", "wide exponents"})),
     st.integers(0, 10**6),
     st.sampled_from([0.06, 0.1, 0.2]),
     st.booleans(),
@@ -94,7 +94,7 @@ def test_any_region(kind: str, seed: int, fraction: float, graded: bool, accept:
     assert mesh.complete == (len(mesh.unrefined) == 0)
 
 
-@pytest.mark.parametrize("kind", ["angles", "thin"])
+@pytest.mark.parametrize("kind", ["angles", "thin", "wide exponents"])
 def test_tiny_angles_and_thin_regions(kind: str) -> None:
     """They need very many triangles for the angle's sake: a budget ends that, and the result says so."""
     for seed in range(4):

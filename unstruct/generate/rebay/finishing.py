@@ -139,6 +139,7 @@ def refine_angles(
     given: int,
     most: int | None,
     kept: NDArray[np.uint8],
+    allowed: NDArray[np.int64],
     wanted: float = WANTED_ANGLE,
 ) -> tuple[dict[str, int], list[int], list[str]]:
     """Refine the complex by Chew's second algorithm, with the minimum angle as the only goal.
@@ -154,6 +155,9 @@ def refine_angles(
         Refinement stops at this number of vertices. None: at 10^7, and where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
+    allowed : ndarray of int64, shape (pieces, 2)
+        What the angle may still cost each piece (see `refinement.narrow`), with which the next call goes on;
+        -1 at first.
     wanted : float
         The minimum angle, in degrees.
 
@@ -176,10 +180,13 @@ def refine_angles(
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
     run.keep(kept)
+    if (allowed >= 0).all():
+        run.allowed[:] = allowed
     free = run.kind[given : complex_.size]
     free[free == INPUT_VERTEX] = FREE_VERTEX
     code = run.advance()
     while code == MORE:
         code = run.advance()
+    allowed[:] = run.allowed
     slots, reasons, _ = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     return run.counts(), slots.tolist(), reasons.tolist()

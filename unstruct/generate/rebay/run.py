@@ -182,6 +182,7 @@ class VoronoiSegmentRun:
         c, most = self.complex, None if budget in (None, DEFAULT_BUDGET) else self.first + budget
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
+        allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
@@ -202,10 +203,10 @@ class VoronoiSegmentRun:
             reasons: list[str] = []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
                 every = np.ones_like(self.kept)
-                found, _, _ = refine_angles(self.domain, c, self.first, most, every, TRIED_ANGLE)
+                found, _, _ = refine_angles(self.domain, c, self.first, most, every, allowed, TRIED_ANGLE)
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
-                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept)
+                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept, allowed)
                 more, after = self._refined(found, done, after)
                 refined = refined or more
             if not refined and (c.size == size or number > 0):
