@@ -255,7 +255,7 @@ def test_a_split_that_would_cross_is_refused(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_after_finishing_it_is_known_of_all_triangles_whether_they_are_small_enough() -> None:
-    domain = lake()
+    domain = lake(0.12)
     complex_ = planar_complex(domain, running_size)
     run = VoronoiSegmentRun(domain, complex_, running_size, None, USUAL_RULE, no_kept_pieces(domain), False)
     run.insert(None, None)
