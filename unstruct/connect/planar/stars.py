@@ -189,11 +189,12 @@ def measures(ax, ay, bx, by, cx, cy):
     ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
     double = ux * (cy - ay) - uy * (cx - ax)
     u, v, w = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
-    if double <= 0.0 or u == 0.0 or v == 0.0 or w == 0.0:
+    below = u * v * w
+    if double <= 0.0 or below == 0.0:  # also where the squares of the edges are below all doubles
         return 0.0, 0.0
     a, b, c = sqrt(u), sqrt(v), sqrt(w)
     square = double * double
-    return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / (u * v * w)
+    return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / below
 
 
 @inline
