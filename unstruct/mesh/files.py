@@ -34,18 +34,19 @@ def to_meshio(mesh: CellComplex) -> Any:
     Returns
     -------
     meshio.Mesh
-        Polygons are grouped by their number of corners; if there are several groups, ``cell_data`` has the
-        number of each cell as "polygon:number". ``point_data`` contains "origin" and "kept" (the vertex
-        itself, or the vertex that it duplicates); ``cell_data`` contains the markers. Named faces follow as
-        blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere. For a name of k vertices per
-        face that has no faces, it is -k everywhere.
+        Kinds without cells are left out. Polygons are grouped by their number of corners; if there are
+        several groups, ``cell_data`` has the number of each cell as "polygon:number". ``point_data`` contains
+        "origin" and "kept" (the vertex itself, or the vertex that it duplicates); ``cell_data`` contains the
+        markers. Named faces follow as blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere.
+        For a name of k vertices per face that has no faces, it is -k everywhere.
     """
     import meshio
 
     blocks: list[tuple[str, np.ndarray]] = []
     rows: list[np.ndarray] = []  # the cells of each block
     start = 0
-    for name, block in mesh.cells.items():
+    some = {name: block for name, block in mesh.cells.items() if len(block)}  # formats have no empty kinds
+    for name, block in (some or mesh.cells).items():
         if name == "polygon":
             sizes = np.array([len(row) for row in block])
             for size in np.unique(sizes):
@@ -105,8 +106,8 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     path = Path(path)
     if path.suffix in (".node", ".ele"):
         return _write_node_ele(mesh, path)
+    fits([name for name, block in mesh.cells.items() if len(block)], path)
     other = to_meshio(mesh)
-    fits(list(mesh.cells), path.suffix)
     if (
         mesh.points.shape[1] < 3
     ):  # most formats have three coordinates; a zero third one is dropped on reading
@@ -123,9 +124,12 @@ def write(mesh: CellComplex, path: str | Path) -> None:
     if path.suffix in WITH_DATA:
         whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in _named_faces(mesh)]
         _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
+    new = not path.exists()
     try:
         other.write(path, file_format="gmsh22" if path.suffix in GMSH else None)
     except Exception as error:  # meshio raises many kinds of errors for suffixes and cells alike
+        if new:  # it may have begun
+            path.unlink(missing_ok=True)
         raise InputError(f"meshio cannot write this mesh as {path.suffix or path.name!r}: {error}") from error
     return None
 
@@ -183,6 +187,8 @@ def read(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path.name} contains no cells")
     top = max(dimensions)
     points = np.asarray(other.points, dtype=np.float64)
+    if points.ndim != 2:
+        raise InputError(f"{path.name} contains no points")
     while points.shape[1] > max(top, 1) and not points[:, -1].any():
         points = points[:, :-1]
     main = [i for i, dimension in enumerate(dimensions) if dimension == top]
@@ -193,7 +199,7 @@ def read(path: str | Path) -> dict[str, Any]:
     kept = other.point_data.get("kept", np.arange(n)).astype(np.int32)
     copies = np.nonzero(kept != np.arange(n))[0]
     duplicates = np.column_stack([copies, kept[copies]])
-    markers = _markers(other, order, dimensions, top)
+    markers = _markers(other, order, dimensions, top, typed=is_ours(other) and path.suffix not in GMSH)
     if is_ours(other) and ORDER in markers:
         number = markers.pop(ORDER)
         place = _in_order(cells, number)
@@ -233,8 +239,13 @@ def _by_type(blocks: list[Any]) -> dict[str, Any]:
     return cells
 
 
-def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> dict[str, np.ndarray]:
-    """The markers of cells, from cell data, and those of faces, in files that `write` wrote."""
+def _markers(
+    other: Any, main: list[int], dimensions: list[int], top: int, *, typed: bool
+) -> dict[str, np.ndarray]:
+    """The markers of cells, from cell data, and those of faces, in files that `write` wrote.
+
+    Files that are not ``typed`` may store integers as floats; such data become integers again.
+    """
     markers: dict[str, np.ndarray] = {}
     lower = [i for i, dimension in enumerate(dimensions) if dimension < top]
     ours = is_ours(other)
@@ -254,9 +265,8 @@ def _markers(other: Any, main: list[int], dimensions: list[int], top: int) -> di
                 stacklevel=4,
             )
         elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
-            whole = (
-                column.dtype.kind == "f" and np.isfinite(column).all() and (column == np.round(column)).all()
-            )
+            whole = not typed and column.dtype.kind == "f"
+            whole = whole and bool(np.isfinite(column).all() and (column == np.round(column)).all())
             flags = ours and column.dtype == np.int8 and np.isin(column, (0, 1)).all()
             markers[name] = column.astype(np.int64) if whole else column.astype(bool) if flags else column
     return markers
@@ -290,7 +300,7 @@ def _read_node_ele(path: Path) -> dict[str, Any]:
     base = int(rows[0, 0]) if len(rows) else 0
     points = rows[:, 1 : 1 + d]
     head, elements = _table(path.with_suffix(".ele"))
-    corners = elements[:, 1 : 1 + d + 1].astype(np.int64) - base
+    corners = elements[:, 1 : 1 + min(head[1], d + 1)].astype(np.int64) - base
     markers: dict[str, np.ndarray] = {}
     for i in range(head[2] if len(head) > 2 else 0):
         markers["attribute" if i == 0 else f"attribute{i}"] = elements[:, 1 + head[1] + i]
@@ -308,6 +318,7 @@ def _table(path: Path) -> tuple[list[int], np.ndarray]:
     try:
         header = [int(word) for word in lines[0]]
         rows = np.array([[float(word) for word in line] for line in lines[1 : 1 + header[0]]])
+        rows = rows if len(rows) else np.empty((0, 1 + header[1]))
     except (IndexError, ValueError) as error:
         raise InputError(f"{path.name} is not in Triangle's format: {error}") from None
     if len(rows) != header[0]:
