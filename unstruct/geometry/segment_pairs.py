@@ -5,7 +5,10 @@ Used to validate regions; see the book, chapter 2.6d.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 from ..predicates.batch import orient_rows
@@ -117,14 +120,29 @@ def _gather(points, segments, ends):
     return x0, y0, x1, y1, total
 
 
+class Table(NamedTuple):
+    """A grid of square cells, and a hash table of the cells that segments touch.
+
+    The grid has its lowest corner at (x0, y0), ``scale`` cells per unit of length, and ``ny`` rows.
+    """
+
+    x0: float
+    y0: float
+    scale: float
+    ny: int
+    head: NDArray[np.int32]  # the last entry in each slot
+    entries: NDArray[np.int32]  # row and column of a cell, a segment, the previous entry in the same slot
+    seen: NDArray[np.int32]  # seen[t]: the last segment that t was compared with
+
+
 @kernel
-def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
-    """Candidates that share a cell of a grid; a hash table contains the cells that segments touch.
+def _cell_pairs(ends, segments, table, looks, pairs):
+    """Candidates that share a cell of a grid.
 
     Returns the number of pairs, of which as many as fit are written; or -1 if there are too many entries or
-    more than ``looks`` comparisons. An entry has the row and the column of its cell, a segment, and the
-    previous entry in the same slot. ``seen[t]`` is the last segment that t was compared with.
+    more than ``looks`` comparisons. The table must be empty.
     """
+    x0, y0, scale, ny, head, entries, seen = table
     used, count = 0, 0
     mask = head.shape[0] - 1
     for s in range(ends.shape[0]):
@@ -186,7 +204,8 @@ def none_meet(points, segments, alone):
     head, entries = np.full(room, -1, dtype=np.int32), np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
     seen, none = np.full(s, -1, dtype=np.int32), np.empty((0, 2), dtype=np.int64)
     tall = int((y1 - y0) * scale) + 1
-    if _cell_pairs(ends, segments, x0, y0, scale, tall, head, entries, seen, looks * s, none) != 0:
+    table = Table(x0, y0, scale, tall, head, entries, seen)
+    if _cell_pairs(ends, segments, table, looks * s, none) != 0:
         return False
     for v in alone:  # cells of segments overlap by more than rounding may move a point
         px, py = points[v, 0], points[v, 1]
@@ -296,11 +315,9 @@ class _Grid:
         head = np.full(2 ** int(np.ceil(np.log2(max(2, 4 * cells) * s))), -1, dtype=np.int32)
         entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
         seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
+        table = Table(*self.low, scale, int(self.tall * scale) + 1, head, entries, seen)
         while True:
-            count = _cell_pairs(
-                self.ends, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
-                looks * s, pairs,
-            )  # fmt: skip
+            count = _cell_pairs(self.ends, self.segments, table, looks * s, pairs)
             if count < 0:
                 return None
             if count <= len(pairs):
