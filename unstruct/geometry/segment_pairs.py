@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..base.jit import inline, kernel
 from ..predicates.batch import orient_rows
 from .boxes import BoxTree
+from .segment_filter import SLACK, may_hold, may_meet
 from .sweep import any_meeting
 
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "none_meet", "vertices_on_segments"]
@@ -24,62 +25,6 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
 TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
 FEW_SEGMENTS = 48  # up to so many segments each is compared with each
-SLACK = 1e-15  # a relative bound above the rounding errors of the few operations below
-
-
-@inline
-def _beside(ax, ay, bx, by, ux, uy, vx, vy):
-    """Whether u and v certainly lie strictly on one side of the line ab; False in doubtful cases."""
-    dx, dy = bx - ax, by - ay
-    ux, uy, vx, vy = ux - bx, uy - by, vx - bx, vy - by
-    u, v = dx * uy - dy * ux, dx * vy - dy * vx
-    bound = SLACK * (abs(dx) * (abs(uy) + abs(vy)) + abs(dy) * (abs(ux) + abs(vx))) + 1e-290
-    return (u > bound and v > bound) or (u < -bound and v < -bound)
-
-
-@inline
-def _turns(ax, ay, bx, by, ux, uy):
-    """Whether the segments from a to b and from a to u certainly have only a in common.
-
-    They overlap only if b, a, u are on a line with b and u on the same side of a.
-    """
-    dx, dy, ux, uy = bx - ax, by - ay, ux - ax, uy - ay
-    if dx * ux + dy * uy < -SLACK * (abs(dx * ux) + abs(dy * uy)) - 1e-290:
-        return True
-    return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
-
-
-@inline
-def _may_meet(ends, segments, s, t):
-    """False only if floating point proves that the two segments meet at most in a common end."""
-    px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
-    ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
-    if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
-        return False
-    if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
-        return False
-    if px == ax and py == ay:  # the same vertex, or two vertices at the same place
-        return (
-            segments[s, 0] != segments[t, 0] or (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
-        )
-    if qx == ax and qy == ay:
-        return (
-            segments[s, 1] != segments[t, 0] or (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
-        )
-    if px == bx and py == by:
-        return segments[s, 0] != segments[t, 1] or not _turns(px, py, qx, qy, ax, ay)
-    if qx == bx and qy == by:
-        return segments[s, 1] != segments[t, 1] or not _turns(qx, qy, px, py, ax, ay)
-    return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
-
-
-@inline
-def _may_hold(ends, s, x, y):
-    """False only where floating point proves that a point does not lie on a segment."""
-    ax, ay, bx, by = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
-    if x < min(ax, bx) or x > max(ax, bx) or y < min(ay, by) or y > max(ay, by):
-        return False
-    return not _beside(ax, ay, bx, by, x, y, x, y)
 
 
 # ---------------------------------------------------------------------- a table of cells
@@ -158,7 +103,7 @@ def _cell_pairs(ends, segments, table, looks, pairs):
                     looks -= 1
                     if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
                         seen[t] = s
-                        if _may_meet(ends, segments, t, s):
+                        if may_meet(ends, segments, t, s):
                             if count < pairs.shape[0]:
                                 pairs[count, 0], pairs[count, 1] = t, s
                             count += 1
@@ -185,10 +130,10 @@ def none_meet(points, segments, alone):
     if s <= FEW_SEGMENTS:
         for t in range(s):
             for u in range(t):
-                if _may_meet(ends, segments, u, t):
+                if may_meet(ends, segments, u, t):
                     return False
             for v in alone:
-                if _may_hold(ends, t, points[v, 0], points[v, 1]):
+                if may_hold(ends, t, points[v, 0], points[v, 1]):
                     return False
         return True
     cells, looks, most = TABLES[0]
@@ -214,7 +159,7 @@ def none_meet(points, segments, alone):
         row, column = min(int((py - y0) * scale), tall - 1), int((px - x0) * scale)
         e = head[_slot(row, column, room - 1)]
         while e >= 0:
-            if entries[e, 0] == row and entries[e, 1] == column and _may_hold(ends, entries[e, 2], px, py):
+            if entries[e, 0] == row and entries[e, 1] == column and may_hold(ends, entries[e, 2], px, py):
                 return False
             e = entries[e, 3]
     return True
@@ -260,7 +205,7 @@ def _tree_pairs(ends, segments, low, high, order, pairs):
             first = (node - leaves) * 4
             for i in range(first, min(first + 4, order.shape[0])):
                 t = order[i]
-                if t > s and _may_meet(ends, segments, s, t):
+                if t > s and may_meet(ends, segments, s, t):
                     if count < pairs.shape[0]:
                         pairs[count, 0], pairs[count, 1] = s, t
                     count += 1

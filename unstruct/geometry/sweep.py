@@ -27,7 +27,7 @@ class Line(NamedTuple):
     """
 
     blocks: NDArray[np.int64]  # (., BLOCK) numbers of segments
-    count: NDArray[np.int64]  # how many segments each block holds
+    held: NDArray[np.int64]  # how many segments each block holds
     directory: NDArray[np.int64]  # the blocks in their order; the free ones follow
 
 

@@ -137,6 +137,13 @@ class Voronoi:
         self.ray_vertices = self.simplex_vertex[facets // (d + 1)]
         self.ray_directions = outward_normals(own, self._cells, facets, self._scale) + 0.0  # no -0.0
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.points, self.duplicates = (
+            self.mesh.points,
+            self.mesh.duplicates,
+        )  # read-only, which pickle forgets
+
     def _centers(self, own: Floats) -> tuple[Ints, Floats]:
         """One center for each vertex, computed from the largest of its simplices."""
         cells = self._cells
