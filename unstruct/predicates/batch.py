@@ -154,13 +154,6 @@ def orient_at(points: NDArray[np.float64], vertices: NDArray) -> int:
     return exact_orient(simplex) if sign == UNDECIDED else int(sign)
 
 
-def in_sphere_at(points: NDArray[np.float64], vertices: NDArray, q: NDArray[np.float64]) -> int:
-    """In-sphere sign of ``q`` and the simplex on rows of scaled ``points``, any dimension."""
-    simplex = points[vertices]
-    sign = filter_in_sphere(simplex, q)
-    return exact_in_sphere(simplex, q) if sign == UNDECIDED else int(sign)
-
-
 def orient(simplex: ArrayLike) -> NDArray[np.int8] | int:
     """Exact orientation of simplices.
 

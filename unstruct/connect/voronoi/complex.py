@@ -26,6 +26,10 @@ Ints = NDArray[np.int32]
 class VoronoiComplex:
     """The dual of a Delaunay mesh, without measures; see `Voronoi`."""
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.points, self.duplicates = self.mesh.points, self.mesh.duplicates  # read-only, which pickle forgets
+
     def __init__(self, mesh: Mesh, *, _trusted: bool = False):
         points, simplices = mesh.points, mesh.simplices
         n, d = points.shape

@@ -366,7 +366,9 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
 
 def _shade(style: Any, color: str | None, corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """The fill color; faces toward the light, which is above the reader's left shoulder, are brighter."""
-    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    first, second = corners[1] - corners[0], corners[2] - corners[0]
+    longest = max(np.abs(first).max(), np.abs(second).max()) or 1.0  # so that squares do not overflow
+    normal = np.cross(first / longest, second / longest)
     light = np.array([-0.35, 0.5, 1.0]) @ turn
     facing = abs(normal @ light) / (np.linalg.norm(normal) * np.linalg.norm(light) or 1)
     base = (
