@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,10 @@ class VoronoiComplex:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self.points, self.duplicates = self.mesh.points, self.mesh.duplicates  # read-only, which pickle forgets
+        self.points, self.duplicates = (
+            self.mesh.points,
+            self.mesh.duplicates,
+        )  # read-only, which pickle forgets
 
     def __init__(self, mesh: Mesh, *, _trusted: bool = False):
         points, simplices = mesh.points, mesh.simplices
