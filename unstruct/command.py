@@ -17,7 +17,7 @@ import click
 import numpy as np
 
 from .assess.check import check as check_mesh
-from .base.errors import UnstructError
+from .base.errors import IncompleteWarning, UnstructError
 from .base.files import suffix_of
 from .domain.domain import Domain
 from .domain.plane.sources import REGION_SUFFIXES
@@ -60,6 +60,7 @@ class _Commands(click.Group):
     def invoke(self, context: click.Context) -> Any:
         with warnings.catch_warnings():
             warnings.showwarning = _say_warning
+            warnings.simplefilter("ignore", IncompleteWarning)  # `mesh` tells it at the end, with its reasons
             try:
                 return super().invoke(context)
             except UnstructError as error:

@@ -25,8 +25,8 @@ from .mesh import Mesh, is_planar
 __all__ = ["CurvedMesh", "bernstein", "second_order"]
 
 ROUNDING = 2.0**-46  # relative to the squared extent of a triangle: more than the rounding of a coefficient
-HALVINGS = 60  # of a parameter interval, until its ends are neighbors
-DEPTH = 3  # how often a triangle is cut into four before its Jacobian counts as not positive
+BISECTIONS = 60  # of a parameter interval, until its ends are neighbors
+CUTS_IN_FOUR = 3  # how often a triangle is cut into four before its Jacobian counts as not positive
 SIDES = ((0, 1), (1, 2), (2, 0))  # in the order of VTK and Gmsh: node 3 + k is on side k
 
 
@@ -235,7 +235,7 @@ def _on_curves(
         name = domain.name(int(piece[np.argmax(off)]))
         raise InputError(f"an edge of the mesh is not on {name}, as it should be: is this the meshed domain?")
     low, high = span.T.copy()
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         t = (low + high) / 2
         x = domain.points_at(piece, t)
         nearer = ((x - ends[:, 0]) ** 2).sum(axis=1) < ((x - ends[:, 1]) ** 2).sum(axis=1)
@@ -286,7 +286,7 @@ def _positive_everywhere(six: np.ndarray) -> np.ndarray:
     sure = (found > bound[:, None]).all(axis=1)
     for row in np.nonzero(~sure)[0]:
         exact = np.array([[Fraction(x) for x in place] for place in six[row].tolist()], dtype=object)
-        sure[row] = _proved(_coefficients(exact[None], Fraction(2))[0].tolist(), DEPTH)
+        sure[row] = _proved(_coefficients(exact[None], Fraction(2))[0].tolist(), CUTS_IN_FOUR)
     return sure
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_number
+from ...base.arguments import MOST_VERTICES, as_number
 from ...base.arrays import counted_off
 from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
@@ -74,8 +74,9 @@ def refine(
         True, False, or "inner", for inner pieces only. Triangles that need such a vertex stay; the reason
         says so.
     budget : int, optional
-        The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
-        its triangulation are made in any case.
+        The number of vertices at which to stop. The boundary, cut to the wanted size, and its triangulation
+        are made in any case. Without a budget (then it is 10^7), a piece is not split any longer for the
+        angle's sake after 8192 splits, or 256 within a wedge: long narrow gaps and needles stay as they are.
     history : bool
         Keep a record in ``steps`` of the result.
     progress : bool
@@ -85,9 +86,10 @@ def refine(
     -------
     DomainMesh
         It is ``complete`` if all limits are met. Otherwise ``unrefined`` lists the cells that miss one, and
-        ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision:
-        ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With ``history`` the arrays of
-        ``steps`` have one row for each event: "kind" ("split", "circumcenter", "rejected", "removed"),
+        ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "narrow:
+        ...", "precision: ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With
+        ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split", "circumcenter",
+        "rejected", "removed"),
         "vertex" (-1 for a rejected one), "cause" (the ends of the subsegment and its number, or the
         triangle), "place". If no vertex was removed (always so for Ruppert's method on straight segments),
         each state is the constrained Delaunay triangulation of the first points, ``points[:k]``.
@@ -111,7 +113,8 @@ def refine(
     input without small angles where, in exact arithmetic, Ruppert's method never ends for more than about
     29.5°, and other input where Chew's does not for more than about 30.7° (Rand). Beyond the
     theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
-    the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
+    the input's edges nearby (of half of them above 33.5°, where few runs would end by themselves), and one
+    for the sake of size or area keeps its distance by itself. A piece is cut into parts of at least 2^-50.
 
     O(n log n) in practice: no point is located, as each starts at its bad triangle. Sources: J. Ruppert,
     Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;
@@ -133,7 +136,7 @@ def refine(
     run = RefineRun(planned, limits, offset, _budget(budget), history)
     run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
     code = _loop(run, progress)
-    slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
+    slots, reasons, missed = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))
@@ -167,9 +170,9 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
     return angle, lens, offset
 
 
-def _budget(budget: int | None) -> int:
+def _budget(budget: int | None) -> int | None:
     if budget is None:
-        return DEFAULT_BUDGET
+        return None
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
     return min(int(budget), MOST_VERTICES)
