@@ -12,6 +12,7 @@ from ..geometry.outline import Outline
 __all__ = ["html"]
 
 GRIDS = (0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # pixels to which vertices are rounded: as fine as can be drawn
+RADIX = 2**12  # more than the picture has places in a row; RADIX x + y is the number of a place
 MOST_STROKES = 2000  # the largest number of segments and of loose points that are drawn
 CURVE_CHORDS = 16  # straight parts in which a curve is drawn
 MOST_NAMES = 6  # the largest number of names of a kind that are listed
@@ -31,10 +32,10 @@ def html(outline: Outline, repairs: int) -> str:
     points, ends, facet = _chords(outline)
     pixels = to_pixels(points)
     for grid in GRIDS:
-        xy = np.round(np.round(pixels / grid) * grid, 1)
-        walls, times = _distinct(xy, ends[facet])
-        lines, _ = _distinct(xy, ends[~facet])
-        dots = np.unique(xy[outline.loose], axis=0)
+        place = np.round(pixels / grid).astype(np.int64) @ [RADIX, 1]
+        walls, times = _distinct(place[ends[facet]], grid)
+        lines, _ = _distinct(place[ends[~facet]], grid)
+        dots = _pixels(np.unique(place[outline.loose]), grid)
         if max(len(walls), len(lines), len(dots)) <= MOST_STROKES:
             break
     rings = "".join(f"M{_path(ring)}Z" for ring in _closed(walls[times % 2 == 1]))
@@ -81,15 +82,15 @@ def _listed(names: Iterable[str]) -> str:
     return ", ".join(name if len(name) <= 24 else f"{name[:23]}…" for name in names[:MOST_NAMES]) + more
 
 
-def _distinct(xy: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _distinct(ends: np.ndarray, grid: float) -> tuple[np.ndarray, np.ndarray]:
     """Segments (s, 2, 2) without those of no length, each once in any direction, and how often each came."""
-    segments = xy[ends].reshape(-1, 2, 2)
-    segments = segments[(segments[:, 0] != segments[:, 1]).any(axis=1)]
-    a, b = segments[:, 0], segments[:, 1]
-    turned = (a[:, 0] > b[:, 0]) | ((a[:, 0] == b[:, 0]) & (a[:, 1] > b[:, 1]))
-    segments[turned] = segments[turned, ::-1]
-    rows, times = np.unique(segments.reshape(-1, 4), axis=0, return_counts=True)
-    return rows.reshape(-1, 2, 2), times
+    ends = np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1)
+    keys, times = np.unique(ends @ [RADIX**2, 1], return_counts=True)
+    return _pixels(np.stack(np.divmod(keys, RADIX**2), axis=1), grid), times
+
+
+def _pixels(places: np.ndarray, grid: float) -> np.ndarray:
+    return np.round(np.stack(np.divmod(places, RADIX), axis=-1) * grid, 1)
 
 
 def _closed(segments: np.ndarray) -> list[list[tuple[float, float]]]:
