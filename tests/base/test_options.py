@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from typing import Any, TypedDict, Unpack
 
 import pytest
 
@@ -87,13 +88,19 @@ def test_an_option_that_does_not_exist_is_refused() -> None:
         unstruct.delaunay([(0, 0), (1, 0), (0, 1)]).plot(markers=True)
 
 
-def test_named() -> None:
-    class Options(dict):
-        __annotations__ = {"one": int, "two": int, "_three": int}
+class Options(TypedDict, total=False):
+    """Two options that are shown, and one that is not."""
 
+    one: int | None
+    two: float
+    _three: int
+
+
+def test_named() -> None:
     @named(Options, two=2)
-    def function(x, *, zero=0, **options):
+    def function(x: Any, *, zero: int = 0, **options: Unpack[Options]) -> Any:
         return x, options
 
-    assert str(inspect.signature(function)) == "(x, *, zero=0, one: int = None, two: int = 2)"
+    shown = str(inspect.signature(function)).replace("'", "")
+    assert shown == "(x: Any, *, zero: int = 0, one: int | None = None, two: float = 2) -> Any"
     assert function(1, one=5) == (1, {"one": 5})

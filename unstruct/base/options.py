@@ -26,7 +26,12 @@ def named(options: type, **defaults: Any) -> Callable[[F], F]:
         found = signature(function)
         kept = [p for p in found.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
         kept += [
-            Parameter(key, Parameter.KEYWORD_ONLY, default=defaults.get(key), annotation=kind)
+            Parameter(
+                key,
+                Parameter.KEYWORD_ONLY,
+                default=defaults.get(key),
+                annotation=getattr(kind, "__forward_arg__", kind),
+            )
             for key, kind in options.__annotations__.items()
             if key[0] != "_"
         ]
