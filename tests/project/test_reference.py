@@ -11,6 +11,10 @@ import unstruct
 
 TEXT = (BOOK / "reference_examples.txt").read_text(encoding="utf-8")
 EXAMPLES = dict(zip(*[iter(re.split(r"^=== (.*)\n", TEXT, flags=re.M)[1:])] * 2))
+PICTURES = [  # the functions of `unstruct.view` that draw; the others are the book's frames and widgets
+    *(name for name in dir(unstruct.view) if name.startswith("plot")),
+    *"setup color_cells picture view3d draw draw_items strip player insertion_frames line_style".split(),
+]
 SPACES = ("sizing", "simplex", "topology", "predicates", "studies", "examples")
 PAGE = "\n".join(
     output.get("data", {}).get("text/html", "")
@@ -22,6 +26,7 @@ PAGE = "\n".join(
 def public() -> list[str]:
     spaces = {*SPACES, "plain", "view"}
     names = [name for name in unstruct.__all__ if name not in spaces]
+    names += [f"view.{name}" for name in PICTURES]
     return names + [f"{space}.{name}" for space in SPACES for name in getattr(unstruct, space).__all__]
 
 

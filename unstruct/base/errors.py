@@ -43,9 +43,17 @@ class DomainError(InputError):
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (*self.args, self.outline, self.faults)
 
-    def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw what was given, with the faults marked; see `unstruct.view.plot_domain`."""
-        return _plot(self, ax, **options)
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        numbers: bool | None = None,
+        names: bool = True,
+        vertices: bool | None = None,
+        faults: Any = (),
+    ) -> Any:
+        """Draw what was given, with the faults marked; see `unstruct.Domain.plot` for the options."""
+        return _plot(self, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
 
 
 class DegenerateInputError(UnstructError):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -13,7 +13,27 @@ from ..base.errors import InputError
 from ..geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..geometry.outline import Outline
 
-__all__ = ["around", "as_curves", "as_markers", "as_ring", "as_seeds", "as_segments", "joined"]
+__all__ = [
+    "DomainOptions",
+    "around",
+    "as_curves",
+    "as_markers",
+    "as_ring",
+    "as_seeds",
+    "as_segments",
+    "joined",
+]
+
+
+class DomainOptions(TypedDict, total=False):
+    """The arguments of a `Domain` that all functions take which make one of something else."""
+
+    inner: Any
+    curves: Mapping[int, CurveLike] | None
+    markers: Mapping[str, Any] | None
+    regions: Mapping[str, Any] | None
+    resolve: bool
+
 
 RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
 

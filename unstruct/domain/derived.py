@@ -1,4 +1,4 @@
-"""Domains derived from a domain: fewer vertices, or the subsegments of its pieces."""
+"""What follows from a domain: pictures of it, and domains of fewer vertices or of subsegments."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..base.doors import door
 from ..geometry.outline import Outline
+from . import card
 from .arguments import composed
 from .plane.account import Repair
 from .plane.sample import Sampled
@@ -15,9 +17,11 @@ from .sides import SIDES, Side
 
 __all__ = ["Derived"]
 
+_plot = door("unstruct.view:plot_domain")
+
 
 class Derived(Outline):
-    """What a `Domain` knows about its input, and the domains that follow from it."""
+    """What a `Domain` knows about its input, its pictures, and the domains that follow from it."""
 
     origin: np.ndarray
     piece_origin: np.ndarray
@@ -86,3 +90,40 @@ class Derived(Outline):
         new.origin, new.piece_origin = composed(self.origin, origin), composed(self.piece_origin, pieces)
         new.repairs, new.max_areas = [*self.repairs, *repairs], dict(self.max_areas)
         return new
+
+    # ------------------------------------------------------------------ pictures
+
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        numbers: bool | None = None,
+        names: bool = True,
+        vertices: bool | None = None,
+        faults: Any = (),
+    ) -> Any:
+        """Draw with matplotlib what bounds the region, with the names of markers and regions.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            Where to draw; by default in a new figure.
+        numbers : bool, optional
+            Whether to write the numbers of vertices and pieces, as error messages use them ("f3" is facet 3,
+            "i0" inner segment 0). By default where there are at most 40 of them.
+        names : bool
+            Whether to write the names of regions at their seeds, and of markers at their longest piece.
+        vertices : bool, optional
+            Whether to mark the vertices; by default where there are at most 400. Loose ones are always
+            marked.
+        faults : sequence of Fault
+            Are marked and described at their places; `DomainError.plot` marks those that it reports.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        return _plot(self, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
+
+    def _repr_html_(self) -> str:
+        return card.html(self, len(self.repairs))

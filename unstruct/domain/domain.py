@@ -5,27 +5,27 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, Unpack
 
 import numpy as np
 
-from ..base.arguments import as_mapping, positive
+from ..base.arguments import positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..base.files import as_path
+from ..base.options import named
 from ..geometry.curves import CurveLike
-from .arguments import as_curves, as_markers, as_seeds, as_segments, joined
-from .derived import Derived
-from .plane import poly, shapes
+from .arguments import DomainOptions, as_curves, as_markers, as_seeds, as_segments, joined
+from .making import Makers
+from .plane import poly
 from .plane.faults import refuse
-from .plane.features import features_of, from_features
-from .plane.polygons import polygon, subtracted
+from .plane.polygons import subtracted
 from .plane.repair import Repair
 from .plane.sample import Sampled
-from .plane.sources import as_geometry, read_domain
+from .plane.sources import read_domain
 from .sides import SIDES
 
 __all__ = ["Domain", "as_domain"]
@@ -34,7 +34,7 @@ __all__ = ["Domain", "as_domain"]
 NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
-class Domain(Derived):
+class Domain(Makers):
     """A planar region that is to be meshed.
 
     *Facets* and *inner segments* are called *pieces* and numbered together: facets 0 to f - 1, then inner
@@ -188,124 +188,17 @@ class Domain(Derived):
         """((smallest x, smallest y), (largest x, largest y)) of the points and, approximately, of curves."""
         return self._side.bounds(self, self._coarse)
 
-    # ------------------------------------------------------------------ making and files
+    # ------------------------------------------------------------------ files and differences
 
     @classmethod
-    def _of(cls, parts: shapes.Parts, options: Mapping[str, Any]) -> Self:
-        """A domain of ready-made parts and options; curves, markers, regions and inner pieces are joined."""
-        options = dict(options)
-        for name in {"curves", "markers", "regions"} & set(parts):
-            options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
-        if options.get("inner") is not None and parts.get("inner") is not None:
-            both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
-            options["inner"] = np.concatenate(both)
-        make: Any = cls
-        return make(**{**parts, **options})
-
-    @classmethod
-    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
-        """A polygon with holes.
-
-        Parameters
-        ----------
-        outer : array_like, shape (k, 2)
-            Corners in order, in either direction; a last corner equal to the first is left out.
-        holes : sequence of array_like, optional
-            Rings of what is removed, inside of outer; they may touch it and each other in points. With
-            ``resolve=True`` they may lie anywhere and overlap, and `repairs` has an account.
-        **options
-            As for `Domain`; points and pieces are numbered along the rings.
-        """
-        least = 1 if options.get("resolve") else 3
-        return polygon(cls._of, shapes.rings(outer, holes, least), shapes.ring_names(holes), options)
-
-    @classmethod
-    def smooth(cls, outer: Any, holes: Sequence[Any] = (), **options: Any) -> Self:
-        """As `polygon`, with smooth closed curves through the corners: cubic splines by chord length."""
-        return polygon(cls._of, shapes.smooth_rings(outer, holes), shapes.ring_names(holes), options)
-
-    @classmethod
-    def rectangle(cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Any) -> Self:
-        """A rectangle by two corners; its pieces and markers are "bottom", "right", "top" and "left"."""
-        return cls._of(shapes.rectangle(lower, upper), options)
-
-    @classmethod
-    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Any) -> Self:
-        """A disc, bounded by four arcs."""
-        return cls._of(shapes.disc(center, radius), options)
-
-    @classmethod
-    def naca(
-        cls,
-        digits: str,
-        *,
-        chord: float = 1.0,
-        nose: Any = (0.0, 0.0),
-        attack: float = 0.0,
-        closed: bool = True,
-        **options: Any,
-    ) -> Self:
-        """A NACA four-digit airfoil section, as true curves.
-
-        Parameters
-        ----------
-        digits : str
-            Camber in percent of the chord, its place in tenths, thickness in percent: "0012", "2412".
-        chord : float
-        nose : (2,) array_like
-            Where the leading edge lies.
-        attack : float
-            Angle of attack in degrees: the tail is turned down by it.
-        closed : bool
-            Whether the trailing edge is sharp (last coefficient 0.1036 instead of 0.1015).
-        **options
-            As for `Domain`. Markers are "upper", "lower", and "trailing edge" if that is open.
-
-        Notes
-        -----
-        E. N. Jacobs, K. E. Ward, R. M. Pinkerton, *The characteristics of 78 related airfoil sections*, NACA
-        report 460 (1933).
-        """
-        return cls._of(shapes.airfoil(digits, chord, nose, attack, closed), options)
-
-    @classmethod
-    def letters(cls, text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Any) -> Self:
-        """The outlines of a text as matplotlib sets it, with the font's own Bezier curves; needs matplotlib.
-
-        Parameters
-        ----------
-        text : str
-        size : float
-            The size of the font; the line starts at the origin.
-        font : str
-            A font family that matplotlib knows; DejaVu Sans comes with matplotlib.
-        """
-        return cls._of(shapes.letters(text, size, font), options)
-
-    @classmethod
-    def from_geojson(cls, geometry: Any, *, name: str | None = None, **options: Any) -> Self:
-        """What GeoJSON mappings cover, or anything with ``__geo_interface__`` such as shapely's geometry.
-
-        Parameters
-        ----------
-        geometry : mapping, object, or iterable of these; or str or Path
-            Also GeoJSON or WKT as a text, or the path of a file of either or of a Shapefile.
-            Several polygons cover what each of them covers; common borders are inner segments. Lines become
-            inner segments, points loose vertices. Equal coordinates become one vertex, and segments are split
-            at vertices that lie on them. With ``resolve=True`` crossings are split, too, the first polygon
-            owns what overlaps, and `repairs` has an account.
-        name : str, optional
-            The property that names features: the regions of polygons, the markers of lines. By default that
-            is "name", "NAME" or "id"; without any the number of the feature in its collection is its name.
-        """
-        found = from_features(features_of(as_geometry(geometry), name), resolve=bool(options.get("resolve")))
-        domain = cls._of(found.parts, options)
-        domain.repairs[:0] = found.repairs
-        return domain
-
-    @classmethod
+    @named(DomainOptions, resolve=False)
     def read(
-        cls, source: str | Path, *, shape: str = "spline", name: str | None = None, **options: Any
+        cls,
+        source: str | Path,
+        *,
+        shape: str = "spline",
+        name: str | None = None,
+        **options: Unpack[DomainOptions],
     ) -> Self:
         """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp) or an airfoil's .dat.
 
@@ -317,8 +210,8 @@ class Domain(Derived):
             For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
         name : str, optional
             The property that names features; see `from_geojson`.
-        **options
-            As for `Domain`.
+        inner, curves, markers, regions, resolve : optional
+            As for `Domain`; what is given is added to what the file has.
 
         Returns
         -------

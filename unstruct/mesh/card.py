@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.card import card, to_pixels
 from .cells import CELL_TYPES
 from .complex import CellComplex
 
 __all__ = ["html"]
 
-PIXELS = 200  # width and height of the picture
-MARGIN = 6  # pixels that stay free on each side
 MOST_CELLS = 400  # the largest number of cells that are drawn
 
 
@@ -20,25 +19,10 @@ def html(mesh: CellComplex) -> str:
     rows += [("edges", len(mesh.edges)), ("dimensions", mesh.points.shape[1])]
     if len(mesh.duplicates):
         rows.append(("duplicates", len(mesh.duplicates)))
-    table = "".join(
-        f"<tr><td style='text-align:left'>{name}</td><td style='text-align:right'>{value:,}</td></tr>"
-        for name, value in rows
-    )
-    return (
-        f"<div style='display:flex;align-items:center;gap:1em'>{_picture(mesh)}<table>{table}</table></div>"
-    )
-
-
-def _picture(mesh: CellComplex) -> str:
     segments, shown = _segments(mesh)
     label = f"Mesh of {mesh.size} cells" + ("" if shown == mesh.size else f", {shown} of them drawn")
     lines = " ".join(f"M{a:g} {b:g}L{c:g} {d:g}" for (a, b), (c, d) in segments.tolist())
-    return (
-        f"<svg role='img' aria-label='{label}' width='{PIXELS}' height='{PIXELS}' "
-        f"viewBox='0 0 {PIXELS} {PIXELS}' "
-        f"style='background:white'><title>{label}</title>"
-        f"<path d='{lines}' stroke='#333333' stroke-width='0.7' fill='none'/></svg>"
-    )
+    return card(label, f"<path d='{lines}' stroke='#333333' stroke-width='0.7' fill='none'/>", rows)
 
 
 def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
@@ -62,11 +46,7 @@ def _segments(mesh: CellComplex) -> tuple[np.ndarray, int]:
     ends = _project(mesh.points)[np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)]
     if len(ends) == 0:
         return np.empty((0, 2, 2)), 0
-    low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
-    span = (high - low).max()
-    scale = (PIXELS - 2 * MARGIN) / span if span > 0 else 1.0
-    pixels = (ends - (low + high) / 2) * scale * [1, -1] + PIXELS / 2
-    return np.round(pixels, 1), len(number)
+    return np.round(to_pixels(ends), 1), len(number)
 
 
 def _edges_of(name: str, row: list[int]) -> list[tuple[int, int]]:

@@ -125,12 +125,19 @@ class CurvedMesh:
             places, linear.t, _boundaries=linear.boundaries, _subdomains=linear.subdomains, validate=False
         )
 
-    def write(self, path: Any, **options: Any) -> None:
+    def write(self, path: Any, *, file_format: str | None = None, binary: bool | None = None) -> None:
         """Write to a file that meshio knows and that holds second-order cells: .vtu, .msh, .xdmf, ...
 
-        Options are passed to `meshio.write`, for example ``file_format="gmsh22"``.
+        Parameters
+        ----------
+        path : str or Path
+        file_format : str, optional
+            meshio's name of the format, for example "gmsh22"; by default the suffix decides.
+        binary : bool, optional
+            Binary instead of text, in formats that have both.
         """
-        self.to_meshio().write(path, **options)
+        options = {} if binary is None else {"binary": binary}
+        self.to_meshio().write(path, file_format=file_format, **options)
 
     def __repr__(self) -> str:
         lost = f", {len(self.straightened)} straightened" if len(self.straightened) else ""

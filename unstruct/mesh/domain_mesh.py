@@ -5,13 +5,14 @@ from __future__ import annotations
 import warnings
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import frozen
 from ..base.errors import IncompleteWarning, InputError
+from ..base.options import named
 from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
@@ -19,13 +20,27 @@ __all__ = ["DomainMesh", "noticed"]
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
+class MeshOptions(TypedDict, total=False):
+    """The arguments of a `Mesh` after its points and simplices."""
+
+    neighbors: Any
+    origin: Any
+    duplicates: Any
+    markers: Mapping[str, Any] | None
+    cells: Mapping[str, Any] | None
+    weights: Any
+    hidden: Any
+    regions: Mapping[str, int] | None
+    _ready: bool
+
+
 class DomainMesh(Mesh):
     """A mesh of a domain, as the meshing methods return it.
 
     Parameters
     ----------
-    points, simplices, **rest
-        As for `Mesh`.
+    points, simplices : array_like
+        As for `Mesh`, and so are neighbors, origin, duplicates, markers, cells, weights, hidden, regions.
     unrefined : array_like of int, shape (k,), optional
         Cells that do not satisfy what was asked for.
     reasons : array_like of str, shape (k,), optional
@@ -49,6 +64,7 @@ class DomainMesh(Mesh):
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
 
+    @named(MeshOptions)
     def __init__(
         self,
         points: Any,
@@ -62,7 +78,7 @@ class DomainMesh(Mesh):
         segments: ArrayLike | None = None,
         piece: ArrayLike | None = None,
         span: ArrayLike | None = None,
-        **rest: Any,
+        **rest: Unpack[MeshOptions],
     ):
         super().__init__(points, simplices, **rest)
         self.unrefined: np.ndarray = NO_CELLS

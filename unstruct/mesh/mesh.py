@@ -250,9 +250,22 @@ class Mesh(CellComplex):
 
     # ------------------------------------------------------------------ pictures and files
 
-    def plot(self, **options: Any) -> Any:
-        """Draw with matplotlib: see `unstruct.view.plot` for the options."""
-        return _plot(self, **options)
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        role: str = "cell",
+        names: bool = False,
+        vertices: bool | None = None,
+        values: Any = None,
+        label: str = "",
+        azimuth: float | None = None,
+        elevation: float | None = None,
+        explode: float | None = None,
+    ) -> Any:
+        """Draw with matplotlib, on new axes or on ``ax``; see `unstruct.view.plot` for the options."""
+        shown = {"role": role, "names": names, "vertices": vertices, "values": values, "label": label}
+        return _plot(self, ax, **shown, azimuth=azimuth, elevation=elevation, explode=explode)
 
     def write(
         self,

@@ -319,9 +319,17 @@ class Voronoi(VoronoiComplex):
 
     # --- display -----------------------------------------------------------------------------------
 
-    def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw a planar diagram; see `unstruct.view.plot_voronoi` for the options."""
-        return _plot_voronoi(self, ax, **options)
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        delaunay: bool = False,
+        sites: bool = True,
+        vertices: bool = True,
+        view: Any = None,
+    ) -> Any:
+        """Draw a planar diagram, on new axes or on ``ax``; see `unstruct.view.plot_voronoi`."""
+        return _plot_voronoi(self, ax, delaunay=delaunay, sites=sites, vertices=vertices, view=view)
 
     def __repr__(self) -> str:
         n, d = self.points.shape

@@ -17,6 +17,7 @@ from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.files import text_of
 from ...geometry.curves import Curve
+from .splines import open_slopes
 
 __all__ = ["read_section", "section_parts"]
 
@@ -96,7 +97,7 @@ def section_parts(points: np.ndarray, shape: str) -> dict[str, Any]:
     if shape == "spline":
         step = np.hypot(*np.diff(points, axis=0).T)
         knots = np.append(0.0, np.cumsum(step))
-        spline = partial(_on_spline, frozen(knots), frozen(points.copy()), frozen(_end_slopes(points, step)))
+        spline = partial(_on_spline, frozen(knots), frozen(points.copy()), frozen(open_slopes(points, step)))
         curves = {0: Curve(spline, 0.0, knots[nose]), 1: Curve(spline, knots[nose], knots[-1])}
         ends = [points[0], points[nose]] + ([] if sharp else [points[-1]])
         facets = [[0, 1], [1, 0]] if sharp else [[0, 1], [1, 2], [2, 0]]
@@ -109,26 +110,6 @@ def section_parts(points: np.ndarray, shape: str) -> dict[str, Any]:
     if not sharp:
         sides["trailing edge"] = [len(facets) - 1]
     return {"points": np.array(ends), "facets": facets, "curves": curves, "markers": sides}
-
-
-def _end_slopes(points: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """The derivatives (k, 2) of the cubic spline whose second derivative is zero at both ends."""
-    secant = np.diff(points, axis=0) / step[:, None]
-    k = len(points)
-    # row i: step[i] s[i-1] + 2 (step[i-1] + step[i]) s[i] + step[i-1] s[i+1] = right[i]
-    below, diagonal, above = np.ones(k), np.full(k, 2.0), np.ones(k)
-    below[1:-1], above[1:-1], diagonal[1:-1] = step[1:], step[:-1], 2 * (step[:-1] + step[1:])
-    right = np.empty((k, 2))
-    right[0], right[-1] = 3 * secant[0], 3 * secant[-1]
-    right[1:-1] = 3 * (step[1:, None] * secant[:-1] + step[:-1, None] * secant[1:])
-    for i in range(1, k):
-        ratio = below[i] / diagonal[i - 1]
-        diagonal[i] -= ratio * above[i - 1]
-        right[i] -= ratio * right[i - 1]
-    right[-1] /= diagonal[-1]
-    for i in range(k - 2, -1, -1):
-        right[i] = (right[i] - above[i] * right[i + 1]) / diagonal[i]
-    return right
 
 
 def _on_spline(knots: np.ndarray, points: np.ndarray, slopes: np.ndarray, t: np.ndarray) -> np.ndarray:

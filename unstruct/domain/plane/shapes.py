@@ -20,7 +20,7 @@ from ...base.optional import optional
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..arguments import around, as_ring
 
-__all__ = ["Parts", "airfoil", "disc", "letters", "rectangle", "rings", "smooth_rings"]
+__all__ = ["Parts", "airfoil", "disc", "letters", "rectangle", "rings"]
 
 Parts = dict[str, Any]  # points, facets, and further arguments of `Domain`
 
@@ -67,57 +67,6 @@ def disc(center: Any, radius: float) -> Parts:
     points = [[x + r, y], [x, y + r], [x - r, y], [x, y - r]]
     arcs = {i: Arc((x, y), r, i * pi / 2, pi / 2) for i in range(4)}
     return {"points": points, "facets": around(0, 4), "curves": arcs}
-
-
-def smooth_rings(outer: Any, holes: Sequence[Any]) -> Parts:
-    """Closed cubic splines by chord length through the corners of rings; two derivatives are continuous."""
-    parts = rings(outer, holes)
-    curves: dict[int, CurveLike] = {}
-    for i, ring in enumerate([outer, *holes]):
-        name = f"holes[{i - 1}]" if i else "outer"
-        corners = as_ring(ring, name)
-        closed = np.concatenate([corners, corners[:1]])
-        step = np.hypot(*np.diff(closed, axis=0).T)
-        if not (step > 0).all():
-            raise InputError(f"corner {int(np.argmin(step))} of {name} equals the next one; drop one of them")
-        reach = step[:, None] / 3 * _slopes(corners, step)
-        back = np.roll(step / np.roll(step, -1), 1)[
-            :, None
-        ]  # for the same slope at the end of the edge before
-        ahead, behind = corners + reach, corners - reach * back
-        controls = np.stack([corners, ahead, np.roll(behind, -1, axis=0), closed[1:]], axis=1)
-        curves |= {len(curves) + j: Bezier(piece) for j, piece in enumerate(controls)}
-    return {**parts, "curves": curves}
-
-
-def _slopes(corners: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """The derivatives (n, 2) of the closed cubic spline at its corners; the parameter is chord length.
-
-    Elimination needs no exchanges of rows, as the diagonal dominates. The first slope is kept as an unknown
-    until the end.
-    """
-    n, before = len(corners), np.roll(step, 1)
-    secant = (np.roll(corners, -1, axis=0) - corners) / step[:, None]
-    right = 3 * (step[:, None] * np.roll(secant, 1, axis=0) + before[:, None] * secant)
-    # row i: step[i] s[i - 1] + 2 (before[i] + step[i]) s[i] + before[i] s[i + 1] = right[i]
-    known, first, diagonal = right.copy(), np.zeros(n), 2 * (before + step)
-    first[1], first[-1] = -step[1], -before[-1]
-    for i in range(2, n):
-        ratio = step[i] / diagonal[i - 1]
-        diagonal[i] -= ratio * before[i - 1]
-        known[i] -= ratio * known[i - 1]
-        first[i] -= ratio * first[i - 1]
-    for i in range(n - 1, 0, -1):
-        if i < n - 1:
-            known[i] -= before[i] * known[i + 1]
-            first[i] -= before[i] * first[i + 1]
-        known[i] /= diagonal[i]
-        first[i] /= diagonal[i]
-    known[0] = (right[0] - step[0] * known[-1] - before[0] * known[1]) / (
-        diagonal[0] + step[0] * first[-1] + before[0] * first[1]
-    )
-    known[1:] += first[1:, None] * known[0]
-    return known
 
 
 # ---------------------------------------------------------------------- airfoils

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,12 +38,12 @@ def as_geometry(source: Any) -> Any:
 
 def read_domain(
     cls: Any,
-    make: Callable[[dict[str, Any], dict[str, Any]], Any],
+    make: Callable[[dict[str, Any], Mapping[str, Any]], Any],
     source: str | Path,
     *,
     shape: str,
     name: str | None,
-    options: dict[str, Any],
+    options: Mapping[str, Any],
 ) -> Any:
     """The domain of a source; see `Domain.read`. ``make`` joins parts and options."""
     kind, content = source_of(source, shape=shape)

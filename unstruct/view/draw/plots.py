@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,6 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.transforms import ScaledTranslation
 
 from ...base.errors import DomainError, InputError
+from ...base.options import named
 from ...geometry.outline import Outline
 from ...geometry.simplex import circumcenter, circumradius
 from . import frames as fr
@@ -27,6 +28,16 @@ FEW = 250  # with more cells than this, lines become thinner, down to 0.3 of the
 CROWD = 400  # with more vertices than this, no markers are drawn, because they would hide the cells
 
 
+class PlotOptions(TypedDict, total=False):
+    """The options of `plot` for planar meshes."""
+
+    role: str
+    names: bool
+    vertices: bool | None
+    values: Any
+    label: str
+
+
 def plot(
     mesh: Any,
     ax: Axes | None = None,
@@ -36,7 +47,9 @@ def plot(
     vertices: bool | None = None,
     values: Any = None,
     label: str = "",
-    **view: Any,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+    explode: float | None = None,
 ) -> Axes:
     """Draw a mesh: planar cells of any number of corners, a surface, or the boundary of a solid; or a domain.
 
@@ -56,8 +69,12 @@ def plot(
     values : array (cells,), optional
         Color the cells by these values, with a color bar called ``label`` (planar meshes, surfaces, and the
         faces of solids).
-    **view
-        ``azimuth``, ``elevation`` in degrees and ``explode`` for three dimensions.
+    label : str
+        Of the color bar.
+    azimuth, elevation : float, optional
+        From where solids and surfaces in space are seen, in degrees; by default -55 and 22.
+    explode : float, optional
+        How far cells are moved apart, in units of their size; by default they are not.
 
     Returns
     -------
@@ -68,11 +85,13 @@ def plot(
     InputError
         For more than three dimensions, or if ``values`` does not have one entry per cell.
     """
+    given = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
+    view = {name: value for name, value in given.items() if value is not None}
     if isinstance(mesh, Outline | DomainError):
-        if role != "cell" or values is not None or label:
-            raise InputError("role, values and label are options of meshes; for a domain see plot_domain")
-        return plot_domain(mesh, ax, numbers=names or None, vertices=vertices, **view)
-    if not hasattr(mesh, "points") or not hasattr(mesh, "simplices"):
+        if role != "cell" or values is not None or label or view:
+            raise InputError("role, values, label and views in space are options of meshes; see plot_domain")
+        return plot_domain(mesh, ax, numbers=names or None, vertices=vertices)
+    if not hasattr(mesh, "points") or not (hasattr(mesh, "cells") or hasattr(mesh, "simplices")):
         raise InputError(f"plot draws a Mesh or a Domain, not a {type(mesh).__name__}")
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] == 3:
@@ -136,6 +155,7 @@ def _planar(mesh: Any, what: str) -> tuple[np.ndarray, np.ndarray]:
     return points, cells
 
 
+@named(PlotOptions, role="cell", names=False, label="")
 def plot_circumcircles(
     mesh: Any,
     cells: Any = None,
@@ -143,11 +163,21 @@ def plot_circumcircles(
     *,
     centers: bool = True,
     margin: float = 0.06,
-    **options: Any,
+    **options: Unpack[PlotOptions],
 ) -> Axes:
     """Draw a planar triangulation with the circumcircles of some cells, by default of all.
 
-    Other options are passed to `plot`. The window contains the mesh and the circles that are not much larger.
+    Parameters
+    ----------
+    mesh : Mesh
+    cells : array_like of int, optional
+    ax : matplotlib axes, optional
+    centers : bool
+        Whether to mark the centers of the circles.
+    margin : float
+        What stays free around, as a share. The window contains the mesh and circles not much larger than it.
+    role, names, vertices, values, label : optional
+        As for `plot`.
     """
     points, triangles = _planar(mesh, "circumcircles")
     chosen = triangles if cells is None else triangles[np.atleast_1d(cells)]
@@ -162,10 +192,29 @@ def plot_circumcircles(
     return ax
 
 
+@named(PlotOptions, role="cell", names=False, label="")
 def plot_cavity(
-    mesh: Any, cells: Any, point: Any, ax: Axes | None = None, *, circles: bool = True, **options: Any
+    mesh: Any,
+    cells: Any,
+    point: Any,
+    ax: Axes | None = None,
+    *,
+    circles: bool = True,
+    **options: Unpack[PlotOptions],
 ) -> Axes:
-    """Draw the cavity of a point, which consists of ``cells`` of a planar mesh, with their circumcircles."""
+    """Draw the cavity of a point, which consists of ``cells`` of a planar mesh, with their circumcircles.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    cells : array_like of int
+    point : (2,) array_like
+    ax : matplotlib axes, optional
+    circles : bool
+        Whether to draw the circumcircles.
+    role, names, vertices, values, label : optional
+        As for `plot`.
+    """
     points, triangles = _planar(mesh, "cavities")
     chosen = triangles[np.atleast_1d(np.asarray(cells, dtype=int))]
     ax = plot(mesh, ax, **options)
