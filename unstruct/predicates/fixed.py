@@ -4,8 +4,8 @@ Mirrored points, regular polygons and lattices with steps such as 0.1 give exact
 all bits of a double. Yet the differences to one of the points are integers below 2^57 in magnitude, times
 one power of two, unless a coordinate is much smaller than the others. Such an integer is x1 * 2^29 + x0, with
 digits 0 <= x0 < 2^29 and -2^28 <= x1 < 2^28. The determinants are evaluated digit by digit, without
-arrays, and more than ten times faster than in `unstruct.predicates.exact`, where numbers have any length. The digits
-are short enough for all sums of their products to stay below 2^62, so that 64-bit integers hold them.
+arrays: more than ten times faster than in `unstruct.predicates.exact`, where numbers have any length. The
+digits are short enough for all sums of their products to stay below 2^62: 64-bit integers hold them.
 """
 
 from __future__ import annotations
