@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 import warnings
 from collections import Counter
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -71,15 +70,8 @@ def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     click.echo(f"Warning: {message}", err=True)
 
 
-def _version() -> str:
-    try:
-        return version("unstruct")
-    except PackageNotFoundError:  # run from a folder, without an installation
-        return "(not installed)"
-
-
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(_version(), prog_name="unstruct")
+@click.version_option(package_name="unstruct", prog_name="unstruct")
 def main() -> None:
     """Mesh planar regions; check, describe and convert meshes.
 

@@ -27,7 +27,7 @@ except ImportError:  # the kernels then run as plain Python
 
 __all__ = ["inline", "kernel", "lean"]
 
-NARROW = () if numba is None else (numba.types.int8, numba.types.int16, numba.types.int32)
+NARROW_TYPES = () if numba is None else (numba.types.int8, numba.types.int16, numba.types.int32)
 BARE = {"nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
@@ -130,7 +130,7 @@ class _Inner:
 def _plain(kind: Any) -> Any:
     """One type for all integers, where numba would compile a kernel again for 0, 1, and 32 bits."""
     kind = numba.types.unliteral(kind)
-    return numba.types.int64 if kind in NARROW else kind
+    return numba.types.int64 if kind in NARROW_TYPES else kind
 
 
 class _Reference(NamedTuple):

@@ -29,7 +29,7 @@ STARS_A_CALL = 100_000  # vertices looked at in one kernel call
 NEARLY, LAPLACE_ROUNDS = 0.995, 3
 POOR, SEARCH_ROUNDS = 0.93, 6
 # In the end the smallest 2 r / R of stars is raised where it is below this bound; most triangles are above.
-SHARP, SHARP_ROUNDS = 0.91, 24
+IMPROVED_BELOW, SHARP_ROUNDS = 0.91, 24
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
 WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
 # Before that, inner points are tried where an angle is below the first number, for the second one. The
@@ -84,8 +84,8 @@ def smooth_poor(
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
     _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
     todo[:] = False
-    look_for(c.xy, c.vertex, c.region, count, SHARP, seen | moved, todo)
-    _rounds(stars, todo, moved, SHARP, True, SHARP_ROUNDS, ROUNDNESS)
+    look_for(c.xy, c.vertex, c.region, count, IMPROVED_BELOW, seen | moved, todo)
+    _rounds(stars, todo, moved, IMPROVED_BELOW, True, SHARP_ROUNDS, ROUNDNESS)
     swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
     moved[corners.reshape(-1, 3)[swapped]] = True
     return int(counts[0]), int(counts[1]), moved, before

@@ -37,7 +37,7 @@ TEXTS = {
     CURVE: "curve: a split of a curve would meet another piece or vertex",
 }
 STEEP = f"too near: an angle above {PLAUSIBLE:g}° would need edges shorter than half of those nearby"
-STEP = 2.0**-13  # of the parameter of a curve, for its tangent at an end
+TANGENT_STEP = 2.0**-13  # of the parameter of a curve, for its tangent at an end
 MISSES = ("angle", "area", "size")
 NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 7), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
@@ -135,7 +135,11 @@ def _directions(
     first, last = planned.joints[piece].T == apex
     rows = np.flatnonzero((first != last) & (planned.curve[piece] != STRAIGHT))
     if len(rows):  # the derivative by three points
-        k, begin, step = piece[rows], np.where(first[rows], 0.0, 1.0), np.where(first[rows], STEP, -STEP)
+        k, begin, step = (
+            piece[rows],
+            np.where(first[rows], 0.0, 1.0),
+            np.where(first[rows], TANGENT_STEP, -TANGENT_STEP),
+        )
         x0, x1, x2 = (planned.at(k, begin + i * step) for i in range(3))
         u[rows] = 4.0 * (x1 - x0) - (x2 - x0)
     return u
