@@ -20,6 +20,14 @@ from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks
 import unstruct
 
 ALL = [pytest.param(path, id=path.stem) for path in notebooks()]
+HOW_TO = (
+    "geojson-to-gmsh",
+    "airfoil-to-su2",
+    "boundary-conditions",
+    "sizes",
+    "refine-again",
+    "three-dimensions",
+)
 COMPARISONS = {"2.6d-regions-and-methods"}  # they teach no method, but take those of other chapters to work
 METHOD_CHAPTERS = [
     pytest.param(path, id=path.stem)
@@ -63,6 +71,7 @@ def must_show(source: str) -> bool:
 def test_there_is_a_book() -> None:
     names = {path.stem for path in notebooks()}
     pages = {"index", "ledger", "errata", "references", "reference", "benchmarks", "benchmarks-planar"}
+    pages |= {f"howto-{task}" for task in HOW_TO}
     assert pages <= names, f"missing pages: {sorted(pages - names)}"
     for section in (
         "1-",
@@ -111,6 +120,19 @@ def test_limits(path: Path) -> None:
     assert path.stat().st_size <= 2_000_000
     for cell in code_cells(path):
         assert len(cell.source.splitlines()) <= 30, f"{cell.id} has {len(cell.source.splitlines())} lines"
+
+
+@pytest.mark.parametrize("path", [p for p in ALL if p.id.startswith("howto-")])
+def test_how_to_pages_are_short_and_say_what_they_are_for(path: Path) -> None:
+    """One task, a picture, numbers that are asserted; no files but in temporary folders."""
+    cells = notebook(path).cells
+    assert len(cells) <= 15
+    assert re.match(r"# How .*\n\n\*\*Task\.\*\* ", cells[0].source)
+    assert any(has_picture(cell) for cell in code_cells(path))
+    code = "\n".join(cell.source for cell in code_cells(path))
+    assert len(re.findall(r"^\s*assert\b", code, flags=re.M)) >= 3
+    if re.search(r"\.write(_text)?\(", code):
+        assert "TemporaryDirectory" in code
 
 
 @pytest.mark.parametrize("path", ALL)
