@@ -13,6 +13,7 @@ import sys
 import tomllib
 from itertools import pairwise
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks, tags
@@ -215,6 +216,16 @@ def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
             modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             assert {m.split(".")[0] for m in modules} <= allowed, f"{cell.id} imports {modules}"
+
+
+def test_dois() -> None:
+    """Each is the address of its own link, and the page says how many there are. Nothing is looked up."""
+    text = "\n".join(cell.source for cell in notebook(ROOT / "book" / "references.ipynb").cells)
+    dois = re.findall(r"\[doi:(10\.\d{4,5}/\S+)\]\((\S+)\)", text)
+    assert all(unquote(link) == f"https://doi.org/{doi}" for doi, link in dois)
+    assert len({doi for doi, _ in dois}) == len(dois) == text.count("doi.org")
+    works = len(re.findall(r"^- ", text, flags=re.M))
+    assert f"{len(dois)} of the {works} works have a DOI" in text.replace("\n", " ")
 
 
 NAMESPACES = {"predicates", "simplex", "topology", "sizing", "view", "plain", "examples", "studies"}
