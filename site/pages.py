@@ -11,7 +11,15 @@ import nbformat
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 FRONT = "index"
-# after the chapters, in this order
+# after the chapters, in these orders
+HOW_TO = [
+    "howto-geojson-to-gmsh",
+    "howto-airfoil-to-su2",
+    "howto-boundary-conditions",
+    "howto-sizes",
+    "howto-refine-again",
+    "howto-three-dimensions",
+]
 BACK = ["benchmarks", "benchmarks-planar", "ledger", "errata", "reference", "references"]
 
 
@@ -41,9 +49,10 @@ def contents(names: list[str]) -> str:
     """The table of contents that makes the site's navigation: chapters by number, then the other pages."""
     chapters = [name for name in names if name[0].isdigit()]
     others = [name for name in BACK if name in names]
-    others += [name for name in names if name not in [FRONT, *chapters, *others]]
+    tasks = [name for name in HOW_TO if name in names]
+    others += [name for name in names if name not in [FRONT, *chapters, *tasks, *others]]
     trees = []
-    for caption, group in (("Chapters", chapters), ("Beside the chapters", others)):
+    for caption, group in (("Chapters", chapters), ("How to", tasks), ("Beside the chapters", others)):
         if group:
             trees.append("\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *group, "```"]))
     return "\n\n".join(trees)

@@ -13,6 +13,7 @@ import sys
 import tomllib
 from itertools import pairwise
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks, tags
@@ -20,6 +21,14 @@ from book_files import ROOT, chapters, code_cells, headings, notebook, notebooks
 import unstruct
 
 ALL = [pytest.param(path, id=path.stem) for path in notebooks()]
+HOW_TO = (
+    "geojson-to-gmsh",
+    "airfoil-to-su2",
+    "boundary-conditions",
+    "sizes",
+    "refine-again",
+    "three-dimensions",
+)
 COMPARISONS = {"2.6d-regions-and-methods"}  # they teach no method, but take those of other chapters to work
 METHOD_CHAPTERS = [
     pytest.param(path, id=path.stem)
@@ -63,6 +72,7 @@ def must_show(source: str) -> bool:
 def test_there_is_a_book() -> None:
     names = {path.stem for path in notebooks()}
     pages = {"index", "ledger", "errata", "references", "reference", "benchmarks", "benchmarks-planar"}
+    pages |= {f"howto-{task}" for task in HOW_TO}
     assert pages <= names, f"missing pages: {sorted(pages - names)}"
     for section in (
         "1-",
@@ -111,6 +121,19 @@ def test_limits(path: Path) -> None:
     assert path.stat().st_size <= 2_000_000
     for cell in code_cells(path):
         assert len(cell.source.splitlines()) <= 30, f"{cell.id} has {len(cell.source.splitlines())} lines"
+
+
+@pytest.mark.parametrize("path", [p for p in ALL if p.id.startswith("howto-")])
+def test_how_to_pages_are_short_and_say_what_they_are_for(path: Path) -> None:
+    """One task, a picture, numbers that are asserted; no files but in temporary folders."""
+    cells = notebook(path).cells
+    assert len(cells) <= 15
+    assert re.match(r"# How .*\n\n\*\*Task\.\*\* ", cells[0].source)
+    assert any(has_picture(cell) for cell in code_cells(path))
+    code = "\n".join(cell.source for cell in code_cells(path))
+    assert len(re.findall(r"^\s*assert\b", code, flags=re.M)) >= 3
+    if re.search(r"\.write(_text)?\(", code):
+        assert "TemporaryDirectory" in code
 
 
 @pytest.mark.parametrize("path", ALL)
@@ -183,7 +206,11 @@ def test_exercises_have_folded_executed_solutions(path: Path) -> None:
 @pytest.mark.parametrize("path", ALL)
 def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    names = [*project["dependencies"], *project["optional-dependencies"]["book"]]
+    extras = project["optional-dependencies"]
+    names = [*project["dependencies"], *extras["book"]]
+    for name in extras["book"]:  # extras of the library's own stand for their packages
+        for extra in re.findall(r"\w+", name.removeprefix("unstruct[")) if "unstruct[" in name else ():
+            names += extras[extra]
     installed = {re.split(r"[<>=\[ ]", name)[0].replace("-", "_") for name in names}
     installed = {{"scikit_fem": "skfem"}.get(name, name) for name in installed}  # imported by another name
     allowed = installed | set(sys.stdlib_module_names)
@@ -193,6 +220,16 @@ def test_notebooks_need_only_what_the_book_installs(path: Path) -> None:
             modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             assert {m.split(".")[0] for m in modules} <= allowed, f"{cell.id} imports {modules}"
+
+
+def test_dois() -> None:
+    """Each is the address of its own link, and the page says how many there are. Nothing is looked up."""
+    text = "\n".join(cell.source for cell in notebook(ROOT / "book" / "references.ipynb").cells)
+    dois = re.findall(r"\[doi:(10\.\d{4,5}/\S+)\]\((\S+)\)", text)
+    assert all(unquote(link) == f"https://doi.org/{doi}" for doi, link in dois)
+    assert len({doi for doi, _ in dois}) == len(dois) == text.count("doi.org")
+    works = len(re.findall(r"^- ", text, flags=re.M))
+    assert f"{len(dois)} of the {works} works have a DOI" in text.replace("\n", " ")
 
 
 NAMESPACES = {"predicates", "simplex", "topology", "sizing", "view", "plain", "examples", "studies"}

@@ -27,7 +27,7 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     ".h5m": ("line", "triangle", "tetra"),
     ".cgns": ("tetra",),
     ".f3grid": ("tetra", "pyramid", "hexahedron"),  # meshio turns wedges inside out
-    ".su2": SOLID,
+    ".su2": (*FLAT, *SOLID),
     ".ugrid": (*FLAT, *SOLID),
     **dict.fromkeys([".tec", ".dat"], ("line", *FLAT, "tetra", "hexahedron")),
     **dict.fromkeys([".inp", ".mdpa"], ("line", *FLAT, "tetra", "wedge", "hexahedron")),
