@@ -12,7 +12,7 @@ from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
 
-__all__ = ["flood", "hold_seeds", "mark_regions"]
+__all__ = ["flood", "hold_seeds", "mark_regions", "name_parts", "rank_parts", "relabel"]
 
 
 @kernel
@@ -158,12 +158,15 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
     if parts == 1 and not regions:
         return
     number = np.empty(parts, dtype=np.int32)
-    _rank(least, number)
-    _relabel(part, _named(complex_, regions, part, number) if regions else number)
+    rank_parts(least, number)
+    if regions:
+        name_parts(complex_, regions, number)
+    else:
+        relabel(part, number)
 
 
 @kernel
-def _rank(least, number):
+def rank_parts(least, number):
     """Number the parts in the order of their lowest vertices, not of their slots."""
     keys = least[: len(number)].astype(np.int64)
     order = radix_argsort(keys, 31) if len(number) > 1 else np.zeros(1, dtype=np.int64)
@@ -172,17 +175,17 @@ def _rank(least, number):
 
 
 @kernel
-def _relabel(part, label):
+def relabel(part, label):
+    """Replace the number of each part by its label."""
     for t in range(len(part)):
         if part[t] >= 0:
             part[t] = label[part[t]]
 
 
-def _named(
-    complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """For each part the place of the name of its seed; without one, further numbers ordered by ``number``."""
+def name_parts(complex_: PlanarComplex, regions: dict[str, NDArray], number: NDArray[np.int32]) -> None:
+    """Number each part by the place of the name of its seed; those without one follow, by ``number``."""
     names, count = list(regions), complex_.triangles
+    part = complex_.region[:count]
     named = np.full(len(number), -1, dtype=np.int32)
     for k, name in enumerate(names):
         seeds = np.asarray(regions[name], dtype=np.float64).reshape(-1, 2)
@@ -199,4 +202,4 @@ def _named(
             named[p] = k
     free = np.flatnonzero(named < 0)
     named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))
-    return named
+    relabel(part, named)

@@ -1,0 +1,95 @@
+"""The triangles of a domain within a planar complex, as the arrays of a mesh, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import kernel
+from ..insertion.engine import COUNT, extract_cells
+from ..insertion.halfedges import SEGMENTS, VERTICES
+
+__all__ = ["ends_of_kinds", "extract", "number_kept"]
+
+
+@kernel
+def number_kept(vertex, region, count, number, place):
+    """Number the triangles of the domain and their vertices, the others -1; return how many there are."""
+    place[:] = -1
+    cells = 0
+    for t in range(count):
+        if region[t] < 0:
+            number[t] = -1
+            continue
+        number[t] = cells
+        cells += 1
+        for k in range(3):
+            place[vertex[3 * t + k]] = 0
+    vertices = 0
+    for v in range(len(place)):
+        if place[v] == 0:
+            place[v] = vertices
+            vertices += 1
+    return cells, vertices
+
+
+@kernel
+def extract(triangles, subsegments, state, facets):
+    """The arrays of the mesh of a domain, made in one call.
+
+    Parameters
+    ----------
+    triangles : tuple
+        The arrays ``vertex``, ``twin`` and ``region`` of a `PlanarComplex`.
+    subsegments : tuple
+        Its arrays ``where``, ``ends``, ``piece`` and ``span``.
+    state : ndarray of int64
+    facets : int
+
+    Returns
+    -------
+    vertices, outer : int
+        How many vertices, and how many subsegments of facets, belong to a triangle of the domain.
+    simplices, neighbors, regions : ndarray
+        Its triangles, numbered in the order of their slots.
+    rows, pieces, spans : ndarray
+        Its subsegments.
+    """
+    vertex, twin, region = triangles
+    where, ends, piece, span = subsegments
+    count = state[COUNT]
+    number, place = np.empty(count, dtype=np.int32), np.empty(state[VERTICES], dtype=np.int32)
+    cells, vertices = number_kept(vertex, region, count, number, place)
+    simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
+    regions = np.empty(cells, dtype=np.int32)
+    extract_cells(vertex, twin, 3, count, place, number, simplices, neighbors)
+    for t in range(count):
+        if number[t] >= 0:
+            regions[number[t]] = region[t]
+    kept = 0
+    for s in range(state[SEGMENTS]):
+        e = np.int64(where[s])
+        kept += number[e // 3] >= 0 or number[twin[e] // 3] >= 0
+    rows, pieces = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
+    spans = np.empty((kept, 2))
+    k = outer = 0
+    for s in range(state[SEGMENTS]):
+        e = np.int64(where[s])
+        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
+            rows[k, 0], rows[k, 1], pieces[k] = place[ends[s, 0]], place[ends[s, 1]], piece[s]
+            spans[k, 0], spans[k, 1] = span[s, 0], span[s, 1]
+            outer += piece[s] < facets
+            k += 1
+    return vertices, outer, simplices, neighbors, regions, rows, pieces, spans
+
+
+@kernel
+def ends_of_kinds(rows, pieces, facets, outer, inner):
+    """Write the subsegments of facets to ``outer``, the others to ``inner``."""
+    i = j = 0
+    for s in range(len(rows)):
+        if pieces[s] < facets:
+            outer[i, 0], outer[i, 1] = rows[s, 0], rows[s, 1]
+            i += 1
+        else:
+            inner[j, 0], inner[j, 1] = rows[s, 0], rows[s, 1]
+            j += 1
