@@ -23,29 +23,29 @@ ROUNDS = 3  # the number of rounds, as in `brio`
 
 
 @kernel
-def _scaled(rows, xy):
-    """Write ``xy = rows * factor``, by the factor of `power_of_two`; return it, and whether this is exact."""
+def _scale(xy):
+    """Multiply by the factor of `power_of_two`; return it, and whether this is exact."""
     largest = 0.0
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            largest = max(largest, abs(rows[i, k]))
+    for i in range(xy.shape[0]):
+        for k in range(xy.shape[1]):
+            largest = max(largest, abs(xy[i, k]))
     factor = 1.0 if largest == 0.0 else math.ldexp(1.0, min(-math.frexp(largest)[1], 1023))
     exact = True
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            y = rows[i, k] * factor
-            xy[i, k] = y
-            exact = exact and y / factor == rows[i, k]
+    for i in range(xy.shape[0]):
+        for k in range(xy.shape[1]):
+            x = xy[i, k]
+            xy[i, k] = x * factor
+            exact = exact and xy[i, k] / factor == x
     return factor, exact
 
 
 @kernel
-def _triangulate(points, xy, draw, levels, tables, half):
+def _triangulate(xy, draw, levels, tables, half):
     """Scale the points, order them, insert them, and number the vertices as the points are numbered.
 
     Returns the factor; 0 if it is not exact, if some points are equal, or if the first three are on a line.
     """
-    factor, exact = _scaled(points, xy)
+    factor, exact = _scale(xy)
     if not exact:
         return 0.0
     vertex, twin = half
@@ -94,12 +94,10 @@ def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdge
     """
     n = len(rows)
     if 3 <= n <= Planar.chunk and not progress:  # this is so short that Ctrl-C may wait
-        xy = np.empty((n, 2))
+        xy = rows.copy()
         vertex, twin = np.empty(6 * n - 6, dtype=np.int32), np.empty(6 * n - 6, dtype=np.int32)
         levels, *tables = curve(n, 2)
-        factor = _triangulate(
-            rows, xy, draws(n, RATIO ** (ROUNDS - 1)), levels, tuple(tables), (vertex, twin)
-        )
+        factor = _triangulate(xy, draws(n, RATIO ** (ROUNDS - 1)), levels, tuple(tables), (vertex, twin))
         if factor > 0.0:
             return HalfEdges(xy, vertex, twin, factor)
     return _step_by_step(rows, progress)

@@ -10,7 +10,7 @@ from ...base.jit import kernel
 from ...geometry.ordering import DRAWN_ONCE, draws
 from .complex import PlanarComplex
 from .filling import Filling
-from .flood import flood, name_parts, rank_parts, relabel
+from .flood import flood, number_parts
 from .inserting import PATIENCE, ordered
 from .records import Plane
 from .segments import carriers, fill_corners, insert_segments, mark_present
@@ -21,48 +21,49 @@ AT_ONCE = DRAWN_ONCE  # segments, so that random numbers are there already and C
 
 
 @kernel
-def _insert(plane, draw):
-    """Insert the segments of ``plane``, which become one edge each; False if any does not."""
-    vertex, twin, mark, ends, where = plane.vertex, plane.twin, plane.mark, plane.ends, plane.where
-    count, many = len(plane.region), len(ends)
-    corner, missing = np.empty(len(plane.xy), dtype=np.int32), np.empty(many, dtype=np.bool_)
-    fill_corners(vertex, 3 * count, corner)
-    status, left, _ = mark_present(vertex, twin, mark, corner, ends, where, missing)
-    if status != DONE or left == 0:
-        return status == DONE
-    bits, size = 2, count
-    while size > 0:
-        bits, size = bits + 1, size >> 1
-    order = ordered(missing, left, ends, corner, draw[:left], bits)
-    filling = Filling(
-        plane.xy, vertex, twin, mark, corner, where, np.empty(count + 2, dtype=np.int64),
-        np.empty(count + 2, dtype=np.int64), np.empty(count + 2, dtype=np.int64),
-        np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64),
-        np.empty(8 * count + 8, dtype=np.int32),
-    )  # fmt: skip
-    crossed = np.empty(many, dtype=np.int64)
-    status, _, _ = insert_segments(filling, ends, order, crossed, PATIENCE)
-    return status == DONE and carriers(vertex, mark, 3 * count, ends, where) == 2 * many
+def _bound(triangles, subsegments, state, facets, hull, rows):
+    """Mark the segments that are edges; if all are, flood: return how many are not, and how many parts.
+
+    Both are 0 if this fails. ``rows`` are scratch: a half-edge of each vertex, whether each segment is
+    missing, the stack of `flood`, and what it calls ``least``.
+    """
+    corner, missing, stack, least = rows
+    plane = Plane(*triangles, *subsegments, state)
+    fill_corners(plane.vertex, len(plane.vertex), corner)
+    status, left, _ = mark_present(
+        plane.vertex, plane.twin, plane.mark, corner, plane.ends, plane.where, missing
+    )
+    if status != DONE or left > 0:
+        return (left if status == DONE else 0), 0
+    odd, parts = flood(plane, facets, hull, plane.region, stack, least)
+    return 0, (parts if odd < 0 else 0)
 
 
 @kernel
-def _bound(triangles, subsegments, state, facets, hull, draw):
-    """Insert the segments, flood the inside, number its parts; return how many there are, 0 if this fails."""
-    xy, vertex, twin, mark, region = triangles
-    where, ends, piece, span = subsegments
-    plane = Plane(xy, vertex, twin, mark, region, where, ends, piece, span, state)
-    if not _insert(plane, draw):
+def _bound_missing(triangles, subsegments, state, facets, hull, rows, draw):
+    """Insert the segments that are missing, one edge each, and flood: return how many parts, 0 if this fails.
+
+    This is a kernel by itself, so that it need not be compiled for input whose segments are all there.
+    """
+    corner, missing, stack, least = rows
+    plane = Plane(*triangles, *subsegments, state)
+    count, many = len(plane.region), len(missing)
+    bits, size = 2, count
+    while size > 0:
+        bits, size = bits + 1, size >> 1
+    order = ordered(missing, len(draw), plane.ends, corner, draw, bits)
+    filling = Filling(
+        plane.xy, plane.vertex, plane.twin, plane.mark, corner, plane.where,
+        np.empty(count + 2, dtype=np.int64), np.empty(count + 2, dtype=np.int64),
+        np.empty(count + 2, dtype=np.int64), np.empty((8, count + 3), dtype=np.int64),
+        np.empty((count + 3, 3), dtype=np.int64), np.empty(8 * count + 8, dtype=np.int32),
+    )  # fmt: skip
+    crossed = np.empty(many, dtype=np.int64)
+    status, _, _ = insert_segments(filling, plane.ends, order, crossed, PATIENCE)
+    if status != DONE or carriers(plane.vertex, plane.mark, 3 * count, plane.ends, plane.where) != 2 * many:
         return 0
-    count = len(region)
-    least = np.empty(count, dtype=np.int32)
-    odd, parts = flood(plane, facets, hull, region, np.empty(3 * count + 3, dtype=np.int32), least)
-    if odd >= 0:
-        return 0
-    if parts > 1:
-        number = np.empty(parts, dtype=np.int32)
-        rank_parts(least, number)
-        relabel(region, number)
-    return parts
+    odd, parts = flood(plane, facets, hull, plane.region, stack, least)
+    return parts if odd < 0 else 0
 
 
 def bound_at_once(
@@ -95,10 +96,16 @@ def bound_at_once(
     many, c = len(ends), complex_
     ends, piece, span = ends.copy(), piece.copy(), span.copy()  # those of a `Domain` are read-only
     c.take_subsegments(ends, piece, span, np.empty(many, dtype=np.int32))
-    parts = _bound(
-        (c.xy, c.vertex, c.twin, c.mark, c.region), (c.where, ends, piece, span), c.state,
-        facets, hull, draws(many, 2**32),
+    triangles, rows = (c.xy, c.vertex, c.twin, c.mark, c.region), (c.where, ends, piece, span)
+    count = len(c.region)
+    least = np.empty(count, dtype=np.int32)
+    scratch = (
+        np.empty(len(c.xy), dtype=np.int32), np.empty(many, dtype=np.bool_),
+        np.empty(3 * count + 3, dtype=np.int32), least,
     )  # fmt: skip
-    if parts and regions:
-        name_parts(c, regions, np.arange(parts, dtype=np.int32))
+    left, parts = _bound(triangles, rows, c.state, facets, hull, scratch)
+    if left:
+        parts = _bound_missing(triangles, rows, c.state, facets, hull, scratch, draws(left, 2**32))
+    if parts > 1 or (parts and regions):
+        number_parts(c, regions, parts, least)
     return parts > 0

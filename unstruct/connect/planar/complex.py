@@ -13,29 +13,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arrays import as_points, frozen
+from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
 from ..insertion.engine import BUSY, COUNT, FREE, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.whole import half_edges
-from .extraction import ends_of_kinds, extract, number_kept
+from .extraction import extract, named_sets
 from .records import Plane, Scratch
 
-__all__ = ["PlanarComplex"]
-
-NO_EDGES = frozen(np.empty((0, 2), dtype=np.int32))
+__all__ = ["PlanarComplex", "copy_all"]
 
 
 @kernel
 def copy_all(old, new):
-    """Copy the arrays of a `Plane` to the beginnings of larger ones."""
-    new.xy[: len(old.xy)], new.vertex[: len(old.vertex)] = old.xy, old.vertex
-    new.twin[: len(old.twin)], new.mark[: len(old.mark)] = old.twin, old.mark
-    new.region[: len(old.region)], new.where[: len(old.where)] = old.region, old.where
-    new.ends[: len(old.ends)], new.piece[: len(old.piece)] = old.ends, old.piece
-    new.span[: len(old.span)] = old.span
+    """Copy the arrays of a `Plane` to the beginnings of larger ones.
+
+    (Slices would be as fast, but they took four seconds to compile.)
+    """
+    for v in range(len(old.xy)):
+        new.xy[v, 0], new.xy[v, 1] = old.xy[v, 0], old.xy[v, 1]
+    for e in range(len(old.vertex)):
+        new.vertex[e], new.twin[e], new.mark[e] = old.vertex[e], old.twin[e], old.mark[e]
+    for t in range(len(old.region)):
+        new.region[t] = old.region[t]
+    for s in range(len(old.where)):
+        new.where[s], new.piece[s] = old.where[s], old.piece[s]
+        new.ends[s, 0], new.ends[s, 1] = old.ends[s, 0], old.ends[s, 1]
+        new.span[s, 0], new.span[s, 1] = old.span[s, 0], old.span[s, 1]
 
 
 @kernel
@@ -247,35 +253,23 @@ class PlanarComplex:
             Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" contain
             the subsegments of each kind that bound a triangle.
         """
+        number, place = np.empty(self.triangles, dtype=np.int32), np.empty(self.size, dtype=np.int32)
         vertices, outer, simplices, neighbors, region, ends, piece, span = extract(
             (self.vertex, self.twin, self.region), (self.where, self.ends, self.piece, self.span),
-            self.state, facets,
+            self.state, facets, number, place,
         )  # fmt: skip
-        named: dict[str, NDArray] = {"facets": ends, "inner": NO_EDGES}
-        if outer < len(ends):
-            named["facets"] = np.empty((outer, 2), dtype=np.int32)
-            named["inner"] = np.empty((len(ends) - outer, 2), dtype=np.int32)
-            ends_of_kinds(ends, piece, facets, named["facets"], named["inner"])
+        named = named_sets(ends, piece, outer, facets, markers)
         rows, source = self._unscaled(points), self._origin(origin)
         if vertices < len(rows):
-            used = self._used()
+            used = place >= 0
             rows, source = rows[used], source[used]
-        if markers:
-            named |= {name: ends[np.isin(piece, np.asarray(pieces))] for name, pieces in markers.items()}
         if regions:
             named["region"] = region
         if rest.get("unrefined") is not None and len(rest["unrefined"]):
-            rest["unrefined"] = self.numbers()[np.asarray(rest["unrefined"], dtype=np.int64)]
+            rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
         return DomainMesh.of_triangles(
             rows, source, (simplices, neighbors), named, (ends, piece, span), **rest
         )
-
-    def _used(self) -> NDArray[np.bool_]:
-        """Which vertices belong to a triangle of the domain."""
-        place = np.empty(self.size, dtype=np.int32)
-        number = np.empty(self.triangles, dtype=np.int32)
-        number_kept(self.vertex, self.region, self.triangles, number, place)
-        return place >= 0
 
     def _origin(self, known: NDArray[np.int32] | None) -> NDArray[np.int32]:
         """``known`` for the first vertices, -1 for the others."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Mapping
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...base.arrays import frozen
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, extract_cells
-from ..insertion.halfedges import SEGMENTS, VERTICES
+from ..insertion.halfedges import SEGMENTS
 
-__all__ = ["ends_of_kinds", "extract", "number_kept"]
+__all__ = ["extract", "named_sets", "number_kept"]
+
+NO_EDGES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 @kernel
@@ -33,7 +39,7 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract(triangles, subsegments, state, facets):
+def extract(triangles, subsegments, state, facets, number, place):
     """The arrays of the mesh of a domain, made in one call.
 
     Parameters
@@ -44,6 +50,8 @@ def extract(triangles, subsegments, state, facets):
         Its arrays ``where``, ``ends``, ``piece`` and ``span``.
     state : ndarray of int64
     facets : int
+    number, place : ndarray of int32
+        Receive what `number_kept` writes, for each slot and each vertex.
 
     Returns
     -------
@@ -57,7 +65,6 @@ def extract(triangles, subsegments, state, facets):
     vertex, twin, region = triangles
     where, ends, piece, span = subsegments
     count = state[COUNT]
-    number, place = np.empty(count, dtype=np.int32), np.empty(state[VERTICES], dtype=np.int32)
     cells, vertices = number_kept(vertex, region, count, number, place)
     simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
     regions = np.empty(cells, dtype=np.int32)
@@ -83,7 +90,7 @@ def extract(triangles, subsegments, state, facets):
 
 
 @kernel
-def ends_of_kinds(rows, pieces, facets, outer, inner):
+def _write_kinds(rows, pieces, facets, outer, inner):
     """Write the subsegments of facets to ``outer``, the others to ``inner``."""
     i = j = 0
     for s in range(len(rows)):
@@ -93,3 +100,21 @@ def ends_of_kinds(rows, pieces, facets, outer, inner):
         else:
             inner[j, 0], inner[j, 1] = rows[s, 0], rows[s, 1]
             j += 1
+
+
+def named_sets(
+    ends: NDArray[np.int32],
+    piece: NDArray[np.int32],
+    outer: int,
+    facets: int,
+    markers: Mapping[str, ArrayLike] | None,
+) -> dict[str, NDArray]:
+    """The markers of edges: "facets" (``outer`` of them), "inner", and those of sets of pieces by name."""
+    named: dict[str, NDArray] = {"facets": ends, "inner": NO_EDGES}
+    if outer < len(ends):
+        named["facets"] = np.empty((outer, 2), dtype=np.int32)
+        named["inner"] = np.empty((len(ends) - outer, 2), dtype=np.int32)
+        _write_kinds(ends, piece, facets, named["facets"], named["inner"])
+    for name, pieces in (markers or {}).items():
+        named[name] = ends[np.isin(piece, np.asarray(pieces))]
+    return named

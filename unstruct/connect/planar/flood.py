@@ -12,7 +12,7 @@ from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
 
-__all__ = ["flood", "hold_seeds", "mark_regions", "name_parts", "rank_parts", "relabel"]
+__all__ = ["flood", "hold_seeds", "mark_regions", "number_parts"]
 
 
 @kernel
@@ -155,18 +155,22 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         )
     if parts == 0:
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
-    if parts == 1 and not regions:
-        return
+    if parts > 1 or regions:
+        number_parts(complex_, regions, int(parts), least)
+
+
+def number_parts(
+    complex_: PlanarComplex, regions: dict[str, NDArray], parts: int, least: NDArray[np.int32]
+) -> None:
+    """Number the parts that `flood` has found by their lowest vertices; those with a named seed first."""
     number = np.empty(parts, dtype=np.int32)
-    rank_parts(least, number)
-    if regions:
-        name_parts(complex_, regions, number)
-    else:
-        relabel(part, number)
+    _rank(least, number)
+    part = complex_.region[: complex_.triangles]
+    _relabel(part, _named(complex_, regions, part, number) if regions else number)
 
 
 @kernel
-def rank_parts(least, number):
+def _rank(least, number):
     """Number the parts in the order of their lowest vertices, not of their slots."""
     keys = least[: len(number)].astype(np.int64)
     order = radix_argsort(keys, 31) if len(number) > 1 else np.zeros(1, dtype=np.int64)
@@ -175,17 +179,17 @@ def rank_parts(least, number):
 
 
 @kernel
-def relabel(part, label):
-    """Replace the number of each part by its label."""
+def _relabel(part, label):
     for t in range(len(part)):
         if part[t] >= 0:
             part[t] = label[part[t]]
 
 
-def name_parts(complex_: PlanarComplex, regions: dict[str, NDArray], number: NDArray[np.int32]) -> None:
-    """Number each part by the place of the name of its seed; those without one follow, by ``number``."""
+def _named(
+    complex_: PlanarComplex, regions: dict[str, NDArray], part: NDArray, number: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """For each part the place of the name of its seed; without one, further numbers ordered by ``number``."""
     names, count = list(regions), complex_.triangles
-    part = complex_.region[:count]
     named = np.full(len(number), -1, dtype=np.int32)
     for k, name in enumerate(names):
         seeds = np.asarray(regions[name], dtype=np.float64).reshape(-1, 2)
@@ -202,4 +206,4 @@ def name_parts(complex_: PlanarComplex, regions: dict[str, NDArray], number: NDA
             named[p] = k
     free = np.flatnonzero(named < 0)
     named[free[np.argsort(number[free])]] = len(names) + np.arange(len(free))
-    relabel(part, named)
+    return named

@@ -25,7 +25,7 @@ from .state import (
 )
 from .steps import shortest_first
 
-__all__ = ["account", "history_of"]
+__all__ = ["account", "history_of", "survey_missed", "told"]
 
 TEXTS = {
     KEPT: "kept: only a vertex on a piece that must not be split would help",
@@ -34,16 +34,16 @@ TEXTS = {
     CURVE: "curve: a split of a curve would meet another piece or vertex",
 }
 MISSES = ("angle", "area", "size")
-NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
+NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 6), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
 @lean
-def _survey(w, limits, found):
+def survey_missed(w, limits, found):
     """Write rows on the triangles that miss a limit into ``found``; return their number.
 
-    A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, and the ends
-    of the shortest edge.
+    A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, the ends of
+    the shortest edge, and why the triangle was given up.
     """
     count = 0
     for t in range(w.state[COUNT]):
@@ -56,7 +56,7 @@ def _survey(w, limits, found):
             continue
         if count < len(found):
             found[count, 0], found[count, 1], found[count, 2] = t, bits, -1
-            found[count, 3], found[count, 4] = a, b
+            found[count, 3], found[count, 4], found[count, 5] = a, b, w.status[t] & 255
             if bits == ANGLE:
                 apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
                 e = 3 * t
@@ -91,13 +91,21 @@ def account(
     reasons : ndarray of str, shape (k,)
     missed : dict of str to int
     """
-    count = 0 if finished and not given_up else _survey(w, limits, NOTHING)
+    count = 0 if finished and not given_up else survey_missed(w, limits, NOTHING)
     if count == 0:
         return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
-    found = np.empty((count, 5), dtype=np.int64)
-    _survey(w, limits, found)
-    slot, bits, apex, a, b = found.T
-    why = w.status[slot].astype(np.int64) & 255
+    found = np.empty((count, 6), dtype=np.int64)
+    survey_missed(w, limits, found)
+    return told(found, w.xy, finished)
+
+
+def told(
+    found: NDArray[np.int64], xy: NDArray[np.float64], finished: bool
+) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
+    """`account` for the rows that `survey_missed` has found; the slots are as in the rows."""
+    if len(found) == 0:
+        return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
+    slot, bits, apex, a, b, why = found.T
     why[apex >= 0] = SMALL_ANGLE
     reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
     for code, text in TEXTS.items():
@@ -105,7 +113,7 @@ def account(
     if not finished:
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
-    u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
+    u, v = xy[a[rows]] - xy[apex[rows]], xy[b[rows]] - xy[apex[rows]]
     turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
     missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(MISSES)}
