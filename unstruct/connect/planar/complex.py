@@ -20,7 +20,7 @@ from ...mesh.domain_mesh import DomainMesh
 from ..insertion.engine import BUSY, COUNT, FREE, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.whole import half_edges
-from .extraction import extract, named_sets
+from .extraction import extract, named_sets, survey
 from .records import Plane, Scratch
 
 __all__ = ["PlanarComplex", "copy_all"]
@@ -254,9 +254,15 @@ class PlanarComplex:
             the subsegments of each kind that bound a triangle.
         """
         number, place = np.empty(self.triangles, dtype=np.int32), np.empty(self.size, dtype=np.int32)
-        vertices, outer, simplices, neighbors, region, ends, piece, span = extract(
-            (self.vertex, self.twin, self.region), (self.where, self.ends, self.piece, self.span),
-            self.state, facets, number, place,
+        triangles = self.vertex, self.twin, self.region
+        subsegments = self.where, self.ends, self.piece, self.span
+        cells, vertices, kept, outer = survey(triangles, subsegments, self.state, facets, number, place)
+        simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
+        region, ends = np.empty(cells, dtype=np.int32), np.empty((kept, 2), dtype=np.int32)
+        piece, span = np.empty(kept, dtype=np.int32), np.empty((kept, 2))
+        extract(
+            triangles, subsegments, self.state, number, place,
+            (simplices, neighbors, region), (ends, piece, span),
         )  # fmt: skip
         named = named_sets(ends, piece, outer, facets, markers)
         rows, source = self._unscaled(points), self._origin(origin)

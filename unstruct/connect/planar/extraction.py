@@ -12,7 +12,7 @@ from ...base.jit import kernel
 from ..insertion.engine import COUNT, extract_cells
 from ..insertion.halfedges import SEGMENTS
 
-__all__ = ["extract", "named_sets", "number_kept"]
+__all__ = ["extract", "named_sets", "survey"]
 
 NO_EDGES = frozen(np.empty((0, 2), dtype=np.int32))
 
@@ -39,8 +39,8 @@ def number_kept(vertex, region, count, number, place):
 
 
 @kernel
-def extract(triangles, subsegments, state, facets, number, place):
-    """The arrays of the mesh of a domain, made in one call.
+def survey(triangles, subsegments, state, facets, number, place):
+    """Count what `extract` will write, and number it.
 
     Parameters
     ----------
@@ -55,38 +55,45 @@ def extract(triangles, subsegments, state, facets, number, place):
 
     Returns
     -------
-    vertices, outer : int
-        How many vertices, and how many subsegments of facets, belong to a triangle of the domain.
-    simplices, neighbors, regions : ndarray
-        Its triangles, numbered in the order of their slots.
-    rows, pieces, spans : ndarray
-        Its subsegments.
+    cells, vertices, kept, outer : int
+        How many triangles the domain has; how many vertices, and how many subsegments, belong to one of them;
+        and how many of those subsegments are parts of facets.
+    """
+    vertex, twin, region = triangles
+    where, _, piece, _ = subsegments
+    cells, vertices = number_kept(vertex, region, state[COUNT], number, place)
+    kept = outer = 0
+    for s in range(state[SEGMENTS]):
+        e = np.int64(where[s])
+        if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
+            kept += 1
+            outer += piece[s] < facets
+    return cells, vertices, kept, outer
+
+
+@kernel
+def extract(triangles, subsegments, state, number, place, cells, rows):
+    """Write what `survey` has counted and numbered.
+
+    ``cells`` gets the vertices, neighbors and regions of the triangles, ``rows`` the ends, pieces and spans
+    of the subsegments.
     """
     vertex, twin, region = triangles
     where, ends, piece, span = subsegments
+    simplices, neighbors, regions = cells
+    pairs, pieces, spans = rows
     count = state[COUNT]
-    cells, vertices = number_kept(vertex, region, count, number, place)
-    simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
-    regions = np.empty(cells, dtype=np.int32)
     extract_cells(vertex, twin, 3, count, place, number, simplices, neighbors)
     for t in range(count):
         if number[t] >= 0:
             regions[number[t]] = region[t]
-    kept = 0
-    for s in range(state[SEGMENTS]):
-        e = np.int64(where[s])
-        kept += number[e // 3] >= 0 or number[twin[e] // 3] >= 0
-    rows, pieces = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
-    spans = np.empty((kept, 2))
-    k = outer = 0
+    k = 0
     for s in range(state[SEGMENTS]):
         e = np.int64(where[s])
         if number[e // 3] >= 0 or number[twin[e] // 3] >= 0:
-            rows[k, 0], rows[k, 1], pieces[k] = place[ends[s, 0]], place[ends[s, 1]], piece[s]
+            pairs[k, 0], pairs[k, 1], pieces[k] = place[ends[s, 0]], place[ends[s, 1]], piece[s]
             spans[k, 0], spans[k, 1] = span[s, 0], span[s, 1]
-            outer += piece[s] < facets
             k += 1
-    return vertices, outer, simplices, neighbors, regions, rows, pieces, spans
 
 
 @kernel

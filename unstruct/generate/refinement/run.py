@@ -41,7 +41,7 @@ PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
 OWN_OF = attrgetter(*OWN)
-COUNTED = ("circumcenters", "splits", "shell splits", "rejected", "locked", "refused")
+RUN_COUNTS = ("circumcenters", "splits", "shell splits", "rejected", "locked", "refused")
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -182,7 +182,7 @@ class RefineRun:
 def counts_of(tally: NDArray[np.int64], missed: dict[str, int]) -> dict[str, int]:
     """What happened in a run, and how many triangles miss each limit, by name."""
     numbers = tally.tolist()
-    counts = {"removed": numbers[REMOVED], **dict(zip(COUNTED, numbers[CIRCUMCENTERS:]))}
+    counts = {"removed": numbers[REMOVED], **dict(zip(RUN_COUNTS, numbers[CIRCUMCENTERS:]))}
     for name, number in missed.items():
         counts[f"missed {name}"] = number
     return counts

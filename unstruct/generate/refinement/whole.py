@@ -10,7 +10,7 @@ from ...base.jit import kernel
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES
 from ...connect.planar.complex import copy_all
-from ...connect.planar.extraction import extract, named_sets
+from ...connect.planar.extraction import extract, named_sets, survey
 from ...connect.planar.records import Plane
 from ...mesh.domain_mesh import DomainMesh
 from .account import survey_missed, told
@@ -77,7 +77,7 @@ def _refined(triangles, subsegments, state, pieces, limited, choices, kept, tall
     code, found = MORE, np.empty((0, 6), dtype=np.int64)
     if more <= FEW_VERTICES:
         room = 2 * np.int64(more)
-        plane = _larger(plane, room + 4 * n + 256, room + 4 * s + 64)
+        plane = _larger(plane, room + 8 * n + 256, room + 8 * s + 256)
         w = _work(plane, pieces, np.empty((len(plane.region) + 16, 4), dtype=np.int64))
         begin(w, np.arange(given).astype(np.int32))
         for i in range(s):
@@ -89,19 +89,22 @@ def _refined(triangles, subsegments, state, pieces, limited, choices, kept, tall
             found = found[: survey_missed(w, limits, found)]
     n = plane.state[VERTICES]
     number, place = np.empty(plane.state[COUNT], dtype=np.int32), np.empty(n, dtype=np.int32)
-    arrays = extract(
-        (plane.vertex, plane.twin, plane.region), (plane.where, plane.ends, plane.piece, plane.span),
-        plane.state, facets, number, place,
-    )  # fmt: skip
+    made = plane.vertex, plane.twin, plane.region
+    parts = plane.where, plane.ends, plane.piece, plane.span
+    count, vertices, held, outer = survey(made, parts, plane.state, facets, number, place)
+    simplices, neighbors = np.empty((count, 3), dtype=np.int32), np.empty((count, 3), dtype=np.int32)
+    cells = simplices, neighbors, np.empty(count, dtype=np.int32)
+    rows = np.empty((held, 2), dtype=np.int32), np.empty(held, dtype=np.int32), np.empty((held, 2))
+    extract(made, parts, plane.state, number, place, cells, rows)
     for i in range(len(found)):
         found[i, 0] = number[found[i, 0]]
-    points, origin = np.empty((arrays[0], 2)), np.empty(arrays[0], dtype=np.int32)
+    points, origin = np.empty((vertices, 2)), np.empty(vertices, dtype=np.int32)
     for v in range(n):
         i = place[v]
         if i >= 0:
             points[i, 0], points[i, 1] = plane.xy[v, 0] / factor, plane.xy[v, 1] / factor
             origin[i] = v if v < given else -1
-    return code, points, origin, arrays, found, plane.xy[: n if len(found) > 0 else 0]
+    return code, points, origin, cells, rows, outer, found, plane.xy[: n if len(found) > 0 else 0]
 
 
 def refined_at_once(
@@ -136,17 +139,18 @@ def refined_at_once(
     tally = np.zeros(16, dtype=np.int64)
     tally[VERTEX_LIMIT] = budget
     facets = mesh["facets"]
-    code, points, origin, arrays, found, xy = _refined(
+    code, points, origin, triangles, subsegments, outer, found, xy = _refined(
         (c.xy, c.vertex, c.twin, c.mark, c.region), (c.where, c.ends, c.piece, c.span), c.state,
         (curve, arc, planned.joints.copy()), tuple(limits), (offset, c.factor, facets, len(mesh["points"])),
         kept, tally,
     )  # fmt: skip
     if code != DONE:
         return None
-    _, outer, simplices, neighbors, region, ends, piece, span = arrays
+    simplices, neighbors, region = triangles
+    ends, piece, _ = subsegments
     cells, reasons, missed = told(found, xy, True)
     return DomainMesh.of_triangles(
         points, origin, (simplices, neighbors),
-        named_sets(ends, piece, outer, facets, mesh["markers"]) | {"region": region}, (ends, piece, span),
+        named_sets(ends, piece, outer, facets, mesh["markers"]) | {"region": region}, subsegments,
         unrefined=cells, reasons=reasons, counts=counts_of(tally, missed),
     )  # fmt: skip
