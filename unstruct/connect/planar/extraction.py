@@ -20,7 +20,8 @@ NO_EDGES = frozen(np.empty((0, 2), dtype=np.int32))
 @kernel
 def number_kept(vertex, region, count, number, place):
     """Number the triangles of the domain and their vertices, the others -1; return how many there are."""
-    place[:] = -1
+    for v in range(len(place)):
+        place[v] = -1
     cells = 0
     for t in range(count):
         if region[t] < 0:

@@ -21,7 +21,8 @@ def _parity(vertex, twin, mark, piece, facets, part, stack):
 
     Returns -1, or a facet where this fails.
     """
-    part[:] = -3
+    for t in range(len(part)):
+        part[t] = -3
     for t in range(len(part)):
         if vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0:
             part[t] = -1
@@ -44,10 +45,19 @@ def _parity(vertex, twin, mark, piece, facets, part, stack):
     return np.int64(-1)
 
 
+@inline
+def _highest(vertex):
+    """The largest number of a vertex. (Array expressions take numba longer to compile than loops.)"""
+    most = 0
+    for e in range(len(vertex)):
+        most = max(most, vertex[e])
+    return most
+
+
 @kernel
 def _odd_facet(vertex, mark, piece, facets):
     """A facet whose end belongs to an odd number of facets."""
-    degree = np.zeros(vertex.max() + 1, dtype=np.int64)
+    degree = np.zeros(_highest(vertex) + 1, dtype=np.int64)
     for e in range(len(mark)):
         if mark[e] >= 0 and piece[mark[e]] < facets:
             degree[vertex[next_edge(e)]] += 1  # each subsegment is met twice, once from each side
@@ -103,7 +113,9 @@ def flood(plane, facets, hull, part, stack, least):
             else:
                 part[t] = part[stack[t]]
     if parts > 1:
-        least[:parts] = vertex.max()
+        most = _highest(vertex)
+        for p in range(parts):
+            least[p] = most
         for t in range(len(part)):
             p = part[t]
             if p >= 0:

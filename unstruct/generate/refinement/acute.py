@@ -33,7 +33,8 @@ def apexes(plane, curve, result):
     """
     xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     region, ends, piece, where = plane.region, plane.ends, plane.piece, plane.where
-    result[:] = 0
+    for s in range(result.shape[0]):
+        result[s] = 0
     for s in range(result.shape[0]):
         for side in range(2):
             e = np.int64(where[s]) if side == 0 else np.int64(twin[where[s]])

@@ -298,11 +298,13 @@ def record(w, tally, what, p, corners, px, py):
 @lean
 def set_kinds(inputs, ends, piece, kind):
     """Set the kind of each vertex: the piece that it cuts, or INPUT_VERTEX for the input and all others."""
-    kind[:] = UNKNOWN
-    for v in inputs:
-        kind[v] = INPUT_VERTEX
+    for v in range(kind.shape[0]):
+        kind[v] = UNKNOWN
+    for i in range(inputs.shape[0]):
+        kind[inputs[i]] = INPUT_VERTEX
     for s in range(ends.shape[0]):
-        for v in ends[s]:
+        for k in range(2):
+            v = ends[s, k]
             if kind[v] != INPUT_VERTEX:
                 kind[v] = piece[s]
     for v in range(kind.shape[0]):
@@ -336,7 +338,8 @@ def set_floors(xy, vertex, mark, region, count, floor):
     This is the length of the shortest edge at v within the domain or, if that is less, the distance from v to
     a subsegment opposite it.
     """
-    floor[:] = np.inf
+    for v in range(floor.shape[0]):
+        floor[v] = np.inf
     for t in range(count):
         if region[t] < 0:
             continue

@@ -79,7 +79,10 @@ def _refined(triangles, subsegments, state, pieces, limited, choices, kept, tall
         room = 2 * np.int64(more)
         plane = _larger(plane, room + 8 * n + 256, room + 8 * s + 256)
         w = _work(plane, pieces, np.empty((len(plane.region) + 16, 4), dtype=np.int64))
-        begin(w, np.arange(given).astype(np.int32))
+        inputs = np.empty(given, dtype=np.int32)
+        for v in range(given):
+            inputs[v] = v
+        begin(w, inputs)
         for i in range(s):
             if kept[w.piece[i]] > 0:
                 w.lock[i] = KEPT
@@ -104,7 +107,7 @@ def _refined(triangles, subsegments, state, pieces, limited, choices, kept, tall
         if i >= 0:
             points[i, 0], points[i, 1] = plane.xy[v, 0] / factor, plane.xy[v, 1] / factor
             origin[i] = v if v < given else -1
-    return code, points, origin, cells, rows, outer, found, plane.xy[: n if len(found) > 0 else 0]
+    return code, points, origin, cells, rows, outer, found, plane.xy
 
 
 def refined_at_once(
