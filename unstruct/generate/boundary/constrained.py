@@ -14,6 +14,7 @@ from typing import Any
 
 from ...base.arguments import as_flag
 from ...base.errors import InputError
+from ...connect.planar.bounded import SEGMENTS_AT_ONCE, bound_at_once
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
@@ -113,6 +114,11 @@ def complex_of(
             "by constrained_delaunay(domain, hull=True), and refine that mesh if need be"
         )
     complex_ = PlanarComplex(sampled.points, progress=progress)
-    insert_all(complex_, sampled.ends, sampled.piece, sampled.span, facets=facets, progress=progress)
+    subsegments = sampled.ends, sampled.piece, sampled.span
+    if len(sampled.ends) <= SEGMENTS_AT_ONCE and not progress:
+        if bound_at_once(complex_, subsegments, facets, domain.regions, hull):
+            return complex_
+        complex_ = PlanarComplex(sampled.points)
+    insert_all(complex_, *subsegments, facets=facets, progress=progress)
     mark_regions(complex_, facets, domain.regions, hull)
     return complex_

@@ -26,8 +26,9 @@ from ..boundary.kept import SplitBoundary, kept_pieces
 from .account import account, history_of
 from .limits import make_limits
 from .remeshing import by_name, carry, plan_mesh
-from .run import Planned, RefineRun
+from .run import Planned, RefineRun, counts_of
 from .state import BUDGET, EVENTS, REFUSALS
+from .whole import refined_at_once
 
 __all__ = ["refine"]
 
@@ -133,8 +134,14 @@ def refine(
     limits = make_limits(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
-    run = RefineRun(planned, limits, offset, _budget(budget), history)
-    run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
+    kept = kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints))
+    most = _budget(budget)
+    if isinstance(domain, Domain) and not history and not progress:
+        at_once = refined_at_once(planned, limits, offset, most, kept, bool(domain.curves))
+        if at_once is not None:
+            return noticed(at_once)
+    run = RefineRun(planned, limits, offset, most, history)
+    run.keep(kept)
     code = _loop(run, progress)
     slots, reasons, missed = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     steps = None
@@ -142,8 +149,8 @@ def refine(
         steps = history_of(run.work(), int(run.tally[EVENTS]))
         steps["place"] /= c.factor
     result = c.mesh(
-        unrefined=slots, reasons=reasons, counts=run.counts() | {f"missed {k}": v for k, v in missed.items()},
-        steps=steps, **planned.rest["mesh"],
+        unrefined=slots, reasons=reasons, counts=counts_of(run.tally, missed), steps=steps,
+        **planned.rest["mesh"],
     )  # fmt: skip
     if isinstance(domain, Mesh):
         carry(domain, planned, result)

@@ -306,10 +306,11 @@ def set_kinds(inputs, ends, piece, kind):
     """Set the kind of each vertex: the piece that it cuts, or INPUT_VERTEX for the input and all others."""
     for v in range(kind.shape[0]):
         kind[v] = UNKNOWN
-    for v in inputs:
-        kind[v] = INPUT_VERTEX
+    for i in range(inputs.shape[0]):
+        kind[inputs[i]] = INPUT_VERTEX
     for s in range(ends.shape[0]):
-        for v in ends[s]:
+        for k in range(2):
+            v = ends[s, k]
             if kind[v] != INPUT_VERTEX:
                 kind[v] = piece[s]
     for v in range(kind.shape[0]):
