@@ -14,7 +14,7 @@ from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import vertices_on_segments
-from . import sample
+from . import by_size, sample
 from .faults import first_copies
 from .inside import contains
 from .lunes import in_lunes
@@ -133,5 +133,5 @@ def coarse(outline: Outline) -> Sampled:
 
 
 def sized(outline: Outline, size: Any, step: float) -> Sampled:
-    """`sample.sized`, apart from seeds."""
-    return _apart_from_seeds(outline, sample.sized(outline, size, step))
+    """`by_size.sized`, apart from seeds."""
+    return _apart_from_seeds(outline, by_size.sized(outline, size, step, lambda: coarse(outline)))

@@ -104,7 +104,7 @@ def conforming_delaunay(
     Parameters
     ----------
     domain : Domain
-    size : number, function or size field, optional
+    size : number, function, size field, or dict of region name to one of these, optional
         Cut the pieces by a size first; see `Domain.sampled`.
     test : {"missing", "gabriel"}
         Split subsegments that are in no Delaunay triangulation of the vertices; or, more cautiously, those

@@ -58,11 +58,13 @@ def refine(
         came from; ``piece`` of the result numbers straight chains of the edges that were kept.
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
-        vertices keep a distance of at least 1 / sqrt(2) times the wanted length.
+        vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
+        stands for all regions that are not named; without it these have no limit.
     min_angle : float, optional
         The wanted minimum angle, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
-        The largest area wanted. In a mesh, a region is named as in ``mesh.regions`` or by its number.
+        The largest area wanted, the key None as for the size. In a mesh, a region is named as in
+        ``mesh.regions`` or by its number.
     method : "off-centers", "chew" or "ruppert"
         "ruppert": circumcenters and diametral discs. "chew", Chew's second algorithm: subsegments are split
         if a vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are
