@@ -51,6 +51,7 @@ from .state import (
     EVENTS,
     FLOOR,
     FRACTION,
+    FREE,
     KEPT,
     LARGE_ONES,
     LINKED,
@@ -144,7 +145,7 @@ def split_next(w, tally, limits):
     w.need[s] = np.inf
     smallest = floor
     if by & BY_SIZE:
-        smallest = FRACTION * _wanted(w, limits, s, px, py)
+        smallest = rounding if tally[FREE] > 0 else FRACTION * _wanted(w, limits, s, px, py)
         floor = min(floor, max(FRACTION * square, rounding))
     if square < smallest:
         _lock(w, tally, s, FLOOR)
@@ -314,6 +315,9 @@ def improve_next(w, tally, limits, offset):
             give_up(w, tally, t, FLOOR)
             return
     else:
+        if square < rounding:
+            give_up(w, tally, t, FLOOR)
+            return
         floor = min(floor, max(FRACTION * square, rounding))
     if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)
