@@ -23,6 +23,7 @@ class Derived(Outline):
     piece_origin: np.ndarray
     repairs: list[Repair]
     max_areas: dict[str, float]
+    hole_seeds: np.ndarray
 
     @property
     def dimension(self) -> int:
@@ -84,5 +85,6 @@ class Derived(Outline):
             What was done.
         """
         new.origin, new.piece_origin = composed(self.origin, origin), composed(self.piece_origin, pieces)
+        new.hole_seeds = self.hole_seeds
         new.repairs, new.max_areas = [*self.repairs, *repairs], dict(self.max_areas)
         return new

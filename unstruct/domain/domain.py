@@ -31,6 +31,7 @@ from .sides import SIDES
 __all__ = ["Domain", "as_domain"]
 
 
+NO_SEEDS = frozen(np.empty((0, 2)))
 NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
@@ -78,6 +79,9 @@ class Domain(Derived):
         What ``resolve`` has changed; empty without it, and if nothing was wrong.
     max_areas : dict of str to float
         Area bounds of regions by name, as found by `Domain.read`; `refine` accepts them.
+    hole_seeds : (h, 2) float64
+        Points in holes, as found by `Domain.read`. Facets follow from them; they matter only for
+        ``constrained_delaunay(domain, hull="holes")``.
     origin : (n,) int32
         For each point its number in the input, -1 for a crossing. Without ``resolve`` these are 0 to n - 1.
     piece_origin : (f + g,) int32
@@ -115,6 +119,7 @@ class Domain(Derived):
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
+        self.hole_seeds: np.ndarray = NO_SEEDS
         self.origin: np.ndarray = counted_off(len(self.points))
         self.piece_origin: np.ndarray = counted_off(many)
         if resolve:
@@ -337,7 +342,7 @@ class Domain(Derived):
         Markers and regions are numbers in this format. A name that is not a number is replaced by a free
         number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
-        poly.write_poly(self, self._coarse, self.max_areas, as_path(path))
+        poly.write_poly(self, self._coarse, self.max_areas, self.hole_seeds, as_path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """This domain minus others, which lie inside of it and apart from each other.

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import unstruct
 from unstruct import Domain, InputError, check, refine
 
 SQUARE = Domain.rectangle()

@@ -316,7 +316,7 @@ def improve_next(w, tally, limits, offset):
             return
     else:
         if square < rounding:
-            give_up(w, tally, t, FLOOR)
+            give_up(w, tally, t, PRECISION)
             return
         floor = min(floor, max(FRACTION * square, rounding))
     if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
