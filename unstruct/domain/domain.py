@@ -23,6 +23,7 @@ from .plane import poly, shapes
 from .plane.faults import refuse
 from .plane.features import features_of, from_features
 from .plane.polygons import polygon, subtracted
+from .plane.prescribed import carried
 from .plane.repair import Repair
 from .plane.sample import Sampled
 from .plane.sources import as_geometry, read_domain
@@ -355,6 +356,8 @@ class Domain(Derived):
             As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
         domains: list[Domain] = [self, *map(as_domain, others)]
+        for domain in domains:
+            domain.must_be_free("combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
         return subtracted(self._of, joined(domains), group, names, resolve=resolve)
@@ -380,7 +383,9 @@ class Domain(Derived):
 def as_domain(value: Any) -> Domain:
     """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place."""
     if isinstance(value, Sampled):
-        return as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
+        new = as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
+        carried(value, new)
+        return new
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
     return value

@@ -16,6 +16,7 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
+NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -45,6 +46,8 @@ class DomainMesh(Mesh):
 
     Attributes
     ----------
+    pairs : (k, 2) int32
+        Vertices on sides that match (`Domain.matched`), and their images.
     complete : bool
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
@@ -83,6 +86,7 @@ class DomainMesh(Mesh):
         self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
         self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
         self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
+        self.pairs: np.ndarray = NO_PAIRS
         if not len(self.segments) == len(self.piece) == len(self.span):
             raise InputError("segments, piece and span must have one row per subsegment")
 

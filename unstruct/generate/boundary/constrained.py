@@ -20,6 +20,7 @@ from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh
+from .pairs import paired
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 
@@ -73,9 +74,10 @@ def constrained_delaunay(
     complex_ = complex_of(domain, sampled, hull=holes or as_flag(hull, "hull"), progress=progress)
     if holes:
         eat_holes(complex_, len(domain.facets), domain.hole_seeds, list(domain.regions))
-    return complex_.mesh(
+    mesh = complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points
     )
+    return paired(domain, mesh)
 
 
 def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) -> PlanarComplex:

@@ -27,6 +27,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
@@ -122,7 +123,7 @@ def circumcenter_insertion(
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
     most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
-    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     run = CircumcenterRun(complex_, domain, rule, kept, history)
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
@@ -135,7 +136,7 @@ def circumcenter_insertion(
         steps=run.steps() if history else None,
         **run.unrefined(),
     )
-    return noticed(result)
+    return noticed(paired(domain, result))
 
 
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:

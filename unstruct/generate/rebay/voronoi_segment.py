@@ -15,6 +15,7 @@ from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
@@ -135,12 +136,13 @@ def voronoi_segment(
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
-    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     size = size_by_region(complex_, size, domain.regions)
     run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, kept, history)
     with progress_bar(progress, " points") as bar:
         run.insert(budget, bar)
-    return noticed(run.result(run.finish(budget) if finish and not run.spent else None))
+    mesh = run.result(run.finish(budget) if finish and not run.spent else None)
+    return noticed(paired(domain, mesh))
 
 
 def epsilon_chains(mesh: DomainMesh) -> list[NDArray[np.float64]]:

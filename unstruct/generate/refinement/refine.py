@@ -24,6 +24,7 @@ from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .account import account, history_of
 from .limits import make_limits
 from .predicate import Predicate
@@ -142,7 +143,8 @@ def refine(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
     run = RefineRun(planned, limits, offset, _budget(budget), history)
-    run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
+    held = domain.held() if isinstance(domain, Domain) else None
+    run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held))
     asked = None if refine_if is None else Predicate(refine_if, run, _numbers(planned))
     code = _loop(run, asked, progress)
     slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
@@ -158,6 +160,8 @@ def refine(
     )  # fmt: skip
     if isinstance(domain, Mesh):
         carry(domain, planned, result)
+    else:
+        paired(domain, result)
     return noticed(result)
 
 
