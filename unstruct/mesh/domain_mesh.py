@@ -16,7 +16,7 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
-NO_PAIRS = frozen(np.empty((0, 2), dtype=np.int32))
+NO_MATCHES = frozen(np.empty((0, 2), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -86,7 +86,7 @@ class DomainMesh(Mesh):
         self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
         self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
         self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
-        self.pairs: np.ndarray = NO_PAIRS
+        self.pairs: np.ndarray = NO_MATCHES
         if not len(self.segments) == len(self.piece) == len(self.span):
             raise InputError("segments, piece and span must have one row per subsegment")
 

@@ -13,7 +13,7 @@ from .prescribed import Match
 
 __all__ = ["Matching", "matching", "pieces_of"]
 
-CLOSE = 2.0**-36  # of the extent: how far vertices may be from where they match, by default
+MATCHING_SLACK = 2.0**-36  # of the extent: how far vertices may be from where they match, by default
 CANDIDATES = 64  # translations from one vertex to its image that are tried as that of all
 LOOKED_AT = np.linspace(0.0, 1.0, 17)  # parameters at which curves are compared
 
@@ -54,7 +54,7 @@ def matching(outline: Outline, first: Any, second: Any, shift: Any, tolerance: f
             "they must have the same, with vertices at the same places"
         )
     points = outline.points
-    slack = CLOSE * float(np.ptp(points, axis=0).max()) if tolerance is None else tolerance
+    slack = MATCHING_SLACK * float(np.ptp(points, axis=0).max()) if tolerance is None else tolerance
     guess = points[b].mean(axis=0) - points[a].mean(axis=0) if shift is None else np.asarray(shift, float)
     if guess.shape != (2,) or not np.isfinite(guess).all():
         raise InputError(f"shift must be two finite numbers, not {shift!r:.60}")

@@ -199,8 +199,8 @@ def _moved(outline: Outline, sampled: Sampled) -> Sampled:
     rows = np.flatnonzero(np.isin(moved.piece, list(outline.curves)))
     pairs = conflicts(outline, moved, rows, fine_chains(outline, moved, rows))
     if len(pairs):
-        one, two = (outline.name(int(moved.piece[row])) for row in pairs[0])
-        raise InputError(f"{one} and {two} touch when the points of matched pieces are made equal")
+        name, other = (outline.name(int(moved.piece[row])) for row in pairs[0])
+        raise InputError(f"{name} and {other} touch when the points of matched pieces are made equal")
     return moved
 
 

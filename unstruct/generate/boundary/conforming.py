@@ -40,7 +40,7 @@ SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, as
 JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # shells="auto" turns to shells at an apex after this many halvings next to it
 SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
-SHORT, SPENT, REFUSED, HELD = 1, 2, 3, 4  # why a subsegment is not split
+SHORT, SPENT, REFUSED, PRESCRIBED = 1, 2, 3, 4  # why a subsegment is not split
 TOO_SHORT = "it is shorter than 2^-40 of the extent"
 HELD_PIECE = "its piece has given points and gets no others"
 TOO_CLOSE = "a split would touch or cross another piece"
@@ -209,7 +209,7 @@ class ConformingRun:
         self.why = np.append(self.why, np.zeros(c.segments - len(self.why), dtype=np.int8))
         self.why[rows] = 0
         self.why[rows[length < self.floor]] = SHORT
-        self.why[rows[held]] = HELD
+        self.why[rows[held]] = PRESCRIBED
         rows = rows[(length >= self.floor) & ~held]
         self.why[rows[left:]] = SPENT
         self.queue = rows[:0]
@@ -297,9 +297,9 @@ class ConformingRun:
             SHORT: TOO_SHORT,
             SPENT: f"the budget of {self.budget} points is spent",
             REFUSED: TOO_CLOSE,
-            HELD: HELD_PIECE,
+            PRESCRIBED: HELD_PIECE,
         }
-        why = np.array([text.get(code, "") for code in range(HELD + 1)])[self.why[failing]]
+        why = np.array([text.get(code, "") for code in range(PRESCRIBED + 1)])[self.why[failing]]
         half = c.where[failing].astype(np.int64)
         slots = np.concatenate([half // 3, c.twin[half] // 3])
         reasons = np.tile(np.char.add("a subsegment beside it was not split: ", why), 2)

@@ -18,7 +18,7 @@ from ...base.jit import lean
 from .account import TEXTS
 from .limits import SIZE
 from .run import RefineRun
-from .state import FREE, LARGE, PRECISION, settle
+from .state import BY_FUNCTION, LARGE, PRECISION, settle
 
 __all__ = ["Predicate"]
 
@@ -51,7 +51,7 @@ class Predicate:
         self.run, self.numbers = run, np.asarray(numbers)
         self.seen = np.full((0, 3), -1, dtype=np.int32)  # the corners of each slot when the function saw it
         self.wanted = np.zeros(0, dtype=bool)
-        run.tally[FREE] = 1
+        run.tally[BY_FUNCTION] = 1
 
     def ask(self) -> NDArray[np.int64]:
         """Ask about all triangles that are new; return the slots of those that it wants to be refined."""

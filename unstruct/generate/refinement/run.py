@@ -18,10 +18,10 @@ from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
+    BY_FUNCTION,
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
-    FREE,
     KEPT,
     LARGE,
     REMOVED,
@@ -64,7 +64,7 @@ class RefineRun:
     def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
-        self.tally = np.zeros(FREE + 1, dtype=np.int64)
+        self.tally = np.zeros(BY_FUNCTION + 1, dtype=np.int64)
         self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
         self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)

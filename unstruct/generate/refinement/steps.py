@@ -45,13 +45,13 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
 from .state import (
     BEGUN,
     BUDGET,
+    BY_FUNCTION,
     CIRCUMCENTERS,
     CURVE,
     CURVES,
     EVENTS,
     FLOOR,
     FRACTION,
-    FREE,
     KEPT,
     LARGE_ONES,
     LINKED,
@@ -145,7 +145,7 @@ def split_next(w, tally, limits):
     w.need[s] = np.inf
     smallest = floor
     if by & BY_SIZE:
-        smallest = rounding if tally[FREE] > 0 else FRACTION * _wanted(w, limits, s, px, py)
+        smallest = rounding if tally[BY_FUNCTION] > 0 else FRACTION * _wanted(w, limits, s, px, py)
         floor = min(floor, max(FRACTION * square, rounding))
     if square < smallest:
         _lock(w, tally, s, FLOOR)
