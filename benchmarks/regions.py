@@ -76,3 +76,52 @@ def edge_for(triangles: int) -> float:
 def graded(x: Array) -> Array:
     """The wanted edge length, which is smallest at the hole."""
     return FINEST + GROWTH * np.abs(np.hypot(x[:, 0] - 0.5, x[:, 1] - 0.5) - RADIUS)
+
+
+# --- where the minimum angle is hard: corners, teeth, curves, a gap as wide as an edge ---------------------
+
+
+class Outline(NamedTuple):
+    """Polygons and discs, the outer one first, with a wanted edge length; the others are holes."""
+
+    polygons: list[list[tuple[float, float]]]
+    discs: list[tuple[float, float, float]]  # center and radius
+    edge: float
+
+
+def rhombus(degrees: float, edge: float) -> Outline:
+    """A rhombus of side 1 with this acute angle."""
+    t = np.radians(degrees)
+    x, y = float(np.cos(t)), float(np.sin(t))
+    return Outline([[(0.0, 0.0), (1.0, 0.0), (1.0 + x, y), (x, y)]], [], edge)
+
+
+def comb(teeth: int, edge: float) -> Outline:
+    """A bar with teeth that are four tenths of their distance wide."""
+    rim = [(0.0, -0.2), (1.0, -0.2), (1.0, 0.0)]
+    for i in reversed(range(teeth)):
+        left, right = (i + 0.3) / teeth, (i + 0.7) / teeth
+        rim += [(right, 0.0), (right, 0.5), (left, 0.5), (left, 0.0)]
+    return Outline([[*rim, (0.0, 0.0)]], [], edge)
+
+
+def two_holes(gap: float, edge: float) -> Outline:
+    """The unit square with two round holes of radius 0.2, so far apart."""
+    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    return Outline([square], [(0.3 - gap / 2, 0.5, 0.2), (0.7 + gap / 2, 0.5, 0.2)], edge)
+
+
+OUTLINES = {
+    "rhombus 40": rhombus(40.0, 0.1),
+    "rhombus 75": rhombus(75.0, 0.1),
+    "comb 3": comb(3, 0.04),
+    "comb 4": comb(4, 0.05),
+    "annulus": Outline([], [(0.0, 0.0, 1.0), (0.0, 0.0, 0.4)], 0.1),
+    "gap 0.03": two_holes(0.03, 0.02),
+    "gap 0.04": two_holes(0.04, 0.02),
+}
+
+
+def in_gap(x: Array) -> NDArray[np.bool_]:
+    """Which points lie between the holes of `two_holes`."""
+    return (np.abs(x[:, 0] - 0.5) < 0.06) & (np.abs(x[:, 1] - 0.5) < 0.08)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 import warnings
 from collections import Counter
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ import click
 import numpy as np
 
 from .assess.check import check as check_mesh
-from .base.errors import UnstructError
+from .base.errors import IncompleteWarning, UnstructError
 from .base.files import suffix_of
 from .domain.domain import Domain
 from .domain.plane.sources import REGION_SUFFIXES
@@ -60,6 +59,7 @@ class _Commands(click.Group):
     def invoke(self, context: click.Context) -> Any:
         with warnings.catch_warnings():
             warnings.showwarning = _say_warning
+            warnings.simplefilter("ignore", IncompleteWarning)  # `mesh` tells it at the end, with its reasons
             try:
                 return super().invoke(context)
             except UnstructError as error:
@@ -70,15 +70,8 @@ def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     click.echo(f"Warning: {message}", err=True)
 
 
-def _version() -> str:
-    try:
-        return version("unstruct")
-    except PackageNotFoundError:  # run from a folder, without an installation
-        return "(not installed)"
-
-
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(_version(), prog_name="unstruct")
+@click.version_option(package_name="unstruct", prog_name="unstruct")
 def main() -> None:
     """Mesh planar regions; check, describe and convert meshes.
 

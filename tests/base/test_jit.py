@@ -110,6 +110,71 @@ def test_a_cache_that_names_a_class_of_yesterday_is_stale(tmp_path: Path) -> Non
         assert run("import ruled", tmp_path, **cache).split() == [str(step)]
 
 
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+def test_dates_comments_and_places_do_not_make_the_cache_stale(tmp_path: Path) -> None:
+    """What counts is what a kernel does, and the machine code of a callee may have been lost."""
+    code = "from caller import four_times\n"
+    code += "print(four_times(0), sum(four_times.stats.cache_hits.values()))"
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for name, text in {"middle": MIDDLE, "caller": CALLER, "helper": HELPER}.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    (tmp_path / "number.py").write_text(NUMBER.format(amount=1))
+    assert run(code, tmp_path, **cache).split() == ["4", "0"]
+    (tmp_path / "helper.py").write_text("# a comment\n" + HELPER)
+    (tmp_path / "middle.py").touch()
+    assert run(code, tmp_path, **cache).split() == ["4", "1"]
+    lost = list((tmp_path / "cache").rglob("middle.twice*"))
+    assert lost, "the kernel that the other one calls is kept by itself"
+    for path in lost:
+        path.unlink()
+    assert run(code, tmp_path, **cache).split() == ["4", "1"], "compiled again when its caller was read"
+
+
+RECORD = """
+from typing import NamedTuple
+from unstruct.base.jit import kernel
+
+class Pair(NamedTuple):
+    {fields}
+
+@kernel
+def first(pair):
+    return pair.x
+
+print(first(Pair(1.0, 2.0)))
+"""
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+def test_the_cache_sees_that_fields_of_a_record_change_places(tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for fields, wanted in (("x: float; y: float", "1.0"), ("y: float; x: float", "2.0")):
+        (tmp_path / "record.py").write_text(RECORD.format(fields=fields))
+        assert run("import record", tmp_path, **cache).split() == [wanted]
+
+
+INTEGERS = """
+import numpy as np
+from unstruct.base.jit import kernel
+
+@kernel
+def twice(x):
+    return 2 * x
+
+@kernel
+def several(small):
+    return twice(1) + twice(2) + twice(small[0]) + twice(np.int64(4))
+
+print(several(np.ones(1, dtype=np.int32)), len(twice.inner.compiler().overloads), len(twice.overloads))
+"""
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+def test_one_form_for_all_integers(tmp_path: Path) -> None:
+    (tmp_path / "integers.py").write_text(INTEGERS)
+    assert run("import integers", tmp_path, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["16", "1", "0"]
+
+
 LEAN_FIRST = """
 from unstruct.base.jit import lean
 from unstruct.predicates.kernels import incircle

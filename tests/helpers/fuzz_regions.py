@@ -103,6 +103,12 @@ def fixed_edges(mesh: Mesh) -> np.ndarray:
     return np.isin(np.minimum(start, end) * n + np.maximum(start, end), keys)
 
 
+def extent_of(domain: Domain) -> float:
+    """The root of the area of the box, but no less than a thirtieth of its longer side."""
+    sides = np.ptp(domain.bounds, axis=0)
+    return float(max(sides.prod() ** 0.5, sides.max() / 30))
+
+
 def quick(mesh: Mesh, domain: Domain, delaunay: bool = True) -> str:
     """What is wrong with a mesh of a domain, as far as that is quickly seen; "" for nothing."""
     points, _ = scaled(mesh.points)
@@ -114,7 +120,9 @@ def quick(mesh: Mesh, domain: Domain, delaunay: bool = True) -> str:
         return f"{FAULTS[fault]} at cell {cell}"
     if (mesh.neighbors[~fixed] < 0).any():
         return "a boundary edge is no part of a segment"
-    if not domain.curves and abs(mesh.volume - domain.area) > 1e-12 * np.ptp(domain.bounds, axis=0).prod():
+    sides = np.ptp(domain.bounds, axis=0)
+    slack = 1e-12 * sides.prod() + 2.0**-47 * np.abs(domain.bounds).max() * sides.sum()  # of rounding
+    if not domain.curves and abs(mesh.volume - domain.area) > slack:
         return f"area {mesh.volume} instead of {domain.area}"
     return ""
 
@@ -142,14 +150,14 @@ def refined(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     angle = float(rng.choice([0, 15, 20, 25, 30, 33]))
     options: dict[str, Any] = {}
     which = rng.integers(4)
-    extent = float(np.ptp(domain.bounds, axis=0).prod())
+    extent = extent_of(domain)
     if which == 1:
-        options["max_area"] = extent * 10.0 ** -rng.uniform(1, 3)
+        options["max_area"] = extent**2 * 10.0 ** -rng.uniform(1, 3)
     elif which == 2:
-        options["size"] = extent**0.5 * 10.0 ** -rng.uniform(0.5, 1.5)
+        options["size"] = extent * 10.0 ** -rng.uniform(0.5, 1.5)
     elif which == 3:
         x, y = domain.points[rng.integers(len(domain.points))]
-        h = extent**0.5 * 10.0 ** -rng.uniform(1, 2)
+        h = extent * 10.0 ** -rng.uniform(1, 2)
         options["size"] = lambda p: h + 0.3 * np.hypot(p[:, 0] - x, p[:, 1] - y)
     mesh = refine(domain, min_angle=angle, method=method, budget=BUDGET, **options)
     fault = quick(mesh, domain) or promises(mesh, angle, options.get("max_area"))
@@ -167,7 +175,7 @@ def conforming(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str
     """Midpoints and shells until the boundary is there by itself: then Delaunay across every segment."""
     test = ("missing", "gabriel")[rng.integers(2)]
     shells = ("auto", True, False)[rng.integers(3)]
-    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    extent = extent_of(domain)
     size = extent * 10.0 ** -rng.uniform(0.3, 1.3) if rng.random() < 0.3 else None
     mesh = conforming_delaunay(domain, size, test=test, shells=shells, budget=BUDGET // 10)
     fault = quick(mesh, domain)
@@ -197,7 +205,7 @@ def guarded(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
 def centers(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     """Circumcenters of worst triangles, by a size or a limit: exactly those that miss it must be listed."""
     split = rng.integers(2) == 0
-    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    extent = extent_of(domain)
     name = ("circumradius", "alpha", "radius_edge", "min_angle", "radius_ratio", "area")[rng.integers(6)]
     if name == "min_angle" and rng.random() < 0.5:
         goal: dict[str, Any] = {"limit": float(rng.choice([10.0, 20.0, 30.0])), "budget": 2000}
@@ -227,7 +235,7 @@ def centers(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
 
 def some_size(domain: Domain, rng: np.random.Generator) -> Any:
     """A constant size, or one that grows away from a vertex."""
-    extent = float(np.ptp(domain.bounds, axis=0).prod()) ** 0.5
+    extent = extent_of(domain)
     if rng.random() < 0.5:
         return extent * 10.0 ** -rng.uniform(0.3, 1.3)
     x, y = domain.points[rng.integers(len(domain.points))]

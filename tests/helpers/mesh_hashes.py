@@ -1,7 +1,7 @@
 """Meshes of all methods, hashed: for input equal bit for bit they are equal on every processor.
 
-    python tests/mesh_hashes.py            # print the hashes as JSON
-    python tests/mesh_hashes.py --write    # store them beside this file: after a change made on purpose
+    python tests/helpers/mesh_hashes.py            # print the hashes as JSON
+    python tests/helpers/mesh_hashes.py --write    # store them beside it: after a change made on purpose
 
 A hash covers the bytes of the coordinates and of the simplices. Points are drawn by numpy's generator, whose
 uniform numbers are integers scaled; regions have straight sides, arcs, splines, Bezier curves, airfoils and

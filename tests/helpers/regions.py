@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from unstruct.base.errors import UnstructError
 from unstruct.connect.insertion.delaunay import delaunay
 from unstruct.domain.arguments import around
 from unstruct.domain.domain import Domain
@@ -26,6 +27,35 @@ def random_region(rng: Rng | int, kind: str | None = None) -> Domain:
     if kind is None:
         kind = list(KINDS)[rng.integers(len(KINDS))]
     return KINDS[kind](rng)
+
+
+def wide(rng: Rng) -> Domain:
+    """Three to eight corners whose coordinates span very many exponents; sometimes a loose vertex."""
+
+    def coordinate() -> float:
+        choice = rng.integers(4)
+        if choice == 0:
+            return float(rng.integers(-2, 3))
+        sign = rng.choice([-1.0, 1.0])
+        if choice == 1:
+            return float(rng.choice([0.0, sign * 10.0 ** -rng.uniform(0, 200)]))
+        exponent = rng.uniform(0, 30 if choice == 2 else 6)
+        return float(rng.integers(-2, 3)) + float(sign * 10.0**-exponent)
+
+    while True:
+        ring = [[coordinate(), coordinate()] for _ in range(int(rng.integers(3, 9)))]
+        try:
+            domain = Domain.polygon(ring)
+        except UnstructError:
+            continue
+        scale = 2.0 ** float(rng.choice([0, 0, 40, -300]))
+        if rng.random() < 0.2:
+            points = np.concatenate([domain.points, [[coordinate(), coordinate()]]])
+            try:
+                domain = Domain(points, domain.facets)
+            except UnstructError:
+                continue
+        return Domain(domain.points * scale, domain.facets)
 
 
 def _between(cells: np.ndarray, neighbors: np.ndarray, take: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -256,4 +286,5 @@ KINDS: dict[str, Callable[[Rng], Domain]] = {
     "thin": thin,
     "curves": curves,
     "cracks": cracks,
+    "wide exponents": wide,
 }

@@ -62,3 +62,24 @@ def test_rows_of_equal_length() -> None:
 def test_words() -> None:
     assert counted(2, "hexahedron") == "2 hexahedra" and counted(1, "tetra") == "1 tetrahedron"
     assert counted(3, "wedge") == "3 wedges" and counted(3, "simplex4") == "3 4-simplices"
+
+
+def test_arrays_of_the_caller_stay_writable() -> None:
+    rows = np.array([[0, 1, 2, 3]], dtype=np.int32)
+    for kind in ("quad", "polygon"):
+        mesh = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells={kind: rows})
+        assert rows.flags.writeable and not mesh.cells[kind][0].flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ([("quad", [[0, 1, 2, 3]])], "cells must be a dictionary"),
+        ({"polygon": 5}, "list of rows, not 5"),
+        ({"polygon": [np.ma.array([0, 1, 2, 3], mask=[0, 0, 0, 1])]}, "polygon 0 has masked entries"),
+        ({"quad": np.ma.array([[0, 1, 2, 3]], mask=[[0, 0, 0, 1]])}, "masked entries"),
+    ],
+)
+def test_what_cells_cannot_be(cells: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells=cells)  # type: ignore[arg-type]

@@ -141,3 +141,77 @@ def test_hexahedra_in_scikit_fem() -> None:
     for other in (spatial(2), planar(3, seed=1)):
         with pytest.raises(MeshError, match="scikit-fem has no mesh for cells of kind"):
             other.to_skfem()
+
+
+def one_of_each(kinds: list[str]) -> Mesh:
+    """One good cell of each kind, apart from each other, at coordinates that need all digits."""
+    points, cells, n = [], {}, 0
+    dimension = max(np.shape(GOOD[kind])[1] for kind in kinds)
+    for i, kind in enumerate(kinds):
+        corners = np.array(GOOD[kind]) / 7
+        points.append(np.pad(corners, ((0, 0), (0, dimension - corners.shape[1]))) + 2 * i)
+        cells[kind] = [range(n, n + len(corners))]
+        n += len(corners)
+    return Mesh(np.vstack(points), cells=cells)
+
+
+def suffixes() -> list[str]:
+    meshio = pytest.importorskip("meshio")
+    known = {suffix for suffix in meshio._helpers.extension_to_filetypes if ".gz" not in suffix}
+    return sorted(known - {".svg"} | {".lb8.ugrid"})  # .svg is a picture
+
+
+@pytest.mark.parametrize("suffix", suffixes())
+def test_no_format_loses_or_changes_cells(tmp_path: Path, suffix: str) -> None:
+    """Each kind alone, and mixtures, come back in every format that meshio knows, or are refused."""
+    mixtures = [["quad", "triangle"], ["triangle", "polygon"], ["tetra", "hexahedron", "wedge", "pyramid"]]
+    for i, kinds in enumerate([[kind] for kind in GOOD] + mixtures):
+        mesh, path = one_of_each(kinds), tmp_path / f"mesh{i}{suffix}"
+        try:
+            mesh.write(path)
+        except (InputError, MeshError):
+            assert not path.exists()
+            continue
+        again = Mesh.read(path)
+        assert set(again.cells) == set(mesh.cells), kinds
+        for kind, block in mesh.cells.items():
+            assert [row.tolist() for row in again.cells[kind]] == [row.tolist() for row in block], kinds
+        assert again.points == pytest.approx(mesh.points, abs=1e-6), kinds
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "vtk", "msh", "inp"])
+def test_kinds_without_cells_are_left_out(tmp_path: Path, suffix: str) -> None:
+    corners = np.array(GOOD["hexahedron"])
+    none = np.empty((0, 6), dtype=int)
+    mesh = Mesh(corners, cells={"wedge": none, "hexahedron": [range(8)], "tetra": []})
+    assert mesh.size == 1 and mesh.cells["tetra"].shape == (0, 4)
+    mesh.write(tmp_path / f"mesh.{suffix}")
+    again = Mesh.read(tmp_path / f"mesh.{suffix}")
+    assert list(again.cells) == ["hexahedron"] and again.cells["hexahedron"].tolist() == [list(range(8))]
+
+
+def test_a_mesh_without_cells(tmp_path: Path) -> None:
+    """meshio writes files that it cannot read; Triangle's format has a count, which may be zero."""
+    for points in (np.array([[0.0, 0.0], [1.0, 1.0]]), np.empty((0, 2))):
+        mesh = Mesh(points, np.empty((0, 3), dtype=int))
+        for suffix in ("vtu", "msh", "off", "xdmf"):
+            with pytest.raises(InputError, match="a mesh without cells cannot be written"):
+                mesh.write(tmp_path / f"mesh.{suffix}")
+        mesh.write(tmp_path / "mesh.node")
+        again = Mesh.read(tmp_path / "mesh.node")
+        assert np.array_equal(again.points, points) and again.simplices.shape == (0, 3)
+
+
+def test_attributes_of_triangles_in_space_are_no_corners(tmp_path: Path) -> None:
+    (tmp_path / "mesh.node").write_text("3 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n")
+    (tmp_path / "mesh.ele").write_text("1 3 1\n1 1 2 3 7\n")
+    mesh = Mesh.read(tmp_path / "mesh.ele")
+    assert mesh.simplices.tolist() == [[0, 1, 2]] and mesh.markers["attribute"].tolist() == [7]
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "vtk"])
+def test_real_values_that_are_whole_stay_real(tmp_path: Path, suffix: str) -> None:
+    mesh = Mesh(GOOD["triangle"], [[0, 1, 2]], markers={"value": [2.0], "number": [2], "flag": [True]})
+    mesh.write(tmp_path / f"mesh.{suffix}")
+    again = Mesh.read(tmp_path / f"mesh.{suffix}").markers
+    assert [again[name].dtype.kind for name in ("value", "number", "flag")] == ["f", "i", "b"]

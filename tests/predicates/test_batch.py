@@ -14,7 +14,7 @@ from predicate_oracle import KINDS, STAGES, coordinates, oracle_in_sphere, oracl
 
 from unstruct.base.errors import InputError
 from unstruct.predicates import exact, filters
-from unstruct.predicates.batch import in_sphere, in_sphere_at, orient, orient_at, power_of_two, scaled
+from unstruct.predicates.batch import in_sphere, orient, orient_at, power_of_two, scaled
 
 DIMENSIONS = (1, 2, 3, 4, 5)
 EXAMPLES = 500
@@ -76,10 +76,8 @@ def test_indexed_forms_agree(d):
     points = scaled(coordinates(np.random.default_rng(7), "decimal", (12, d)))[0]
     rng = np.random.default_rng(8)
     for _ in range(30):
-        *v, q = rng.permutation(12)[: d + 2]
+        v = rng.permutation(12)[: d + 1]
         assert orient_at(points, v) == oracle_orient(points[v])
-        if orient_at(points, v):
-            assert in_sphere_at(points, v, points[q]) == oracle_in_sphere(points[v], points[q])
 
 
 def test_limb_arithmetic_against_python_integers():

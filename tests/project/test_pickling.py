@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from regions import KINDS, random_region
 
-from unstruct import Arc, Domain, Mesh, check, delaunay, refine, sizing
+from unstruct import Arc, Domain, Mesh, check, delaunay, refine, sizing, voronoi
 from unstruct.examples import regions as example_regions
 
 PLACES = np.random.default_rng(7).random((30, 2))
@@ -123,3 +123,11 @@ def test_another_process() -> None:
 def test_arcs() -> None:
     arc = Arc.through([0, 0], [1, 1], [2, 0])
     assert np.array_equal(again(arc).point(np.array([0.3])), arc.point(np.array([0.3])))
+
+
+def test_a_diagram_keeps_the_points_of_its_mesh() -> None:
+    diagram = voronoi(np.random.default_rng(0).random((20, 2)))
+    for found in (again(diagram), copy.deepcopy(diagram)):
+        assert found.points is found.mesh.points and found.duplicates is found.mesh.duplicates
+        assert not found.points.flags.writeable and np.array_equal(found.points, diagram.points)
+        assert np.array_equal(found.areas(), diagram.areas())

@@ -52,7 +52,7 @@ def test_the_hashes_are_those_of_the_methods() -> None:
 def test_meshes_are_equal_bit_for_bit(setting: str) -> None:
     found = processors.hashes(named(setting))
     differ = [name for name in STORED if found[name] != STORED[name]]
-    assert not differ, f"{differ} differ; if that is meant: python tests/mesh_hashes.py --write"
+    assert not differ, f"{differ} differ; if that is meant: python tests/helpers/mesh_hashes.py --write"
 
 
 @pytest.mark.parametrize("setting", ["another", "oldest"])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.arrays import distinct
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain, as_domain
@@ -274,7 +275,7 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
         report.note(f"no two {'' if everything else 'boundary '}facets cross", wrong)
     elif d > 3:
         report.skipped.append("whether boundary facets cross (decided up to dimension 3 only)")
-    vertices = np.unique(mesh.simplices if everything or d > 3 else mesh.boundary)
+    vertices = distinct(mesh.simplices if everything or d > 3 else mesh.boundary)
     query, cells = mesh.holding(mesh.points[vertices])
     foreign = (mesh.simplices[cells] != vertices[query][:, None]).all(axis=1)
     text = "cells that contain a vertex of others"

@@ -107,6 +107,12 @@ def _keys(rows: np.ndarray, n: int) -> np.ndarray:
     return low * n + high
 
 
+def _among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Whether each key is among the others. (`numpy.isin` hashes integers, which takes far longer.)"""
+    table = np.append(np.sort(others), np.iinfo(np.int64).max)
+    return table[np.searchsorted(table, keys)] == keys
+
+
 def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
     """Test that marked edges are edges marked once, facets are the boundary, and inner edges are inside."""
     n = len(mesh.points)
@@ -114,10 +120,10 @@ def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
     facets, inner = _keys(marked["facets"], n), _keys(marked["inner"], n)
     both = np.concatenate([facets, inner])
     values, times = np.unique(both, return_counts=True)
-    twice = np.concatenate([marked["facets"], marked["inner"]])[np.isin(both, values[times > 1])]
-    missing = marked["facets"][~np.isin(facets, border)]
-    extra = np.asarray(mesh.boundary)[~np.isin(border, facets)]
-    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~np.isin(inner, border)
+    twice = np.concatenate([marked["facets"], marked["inner"]])[_among(both, values[times > 1])]
+    missing = marked["facets"][~_among(facets, border)]
+    extra = np.asarray(mesh.boundary)[~_among(border, facets)]
+    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~_among(inner, border)
     astray = marked["inner"][~within]
     return report.note(
         "the mesh ends exactly at its facets; inner edges lie within",
@@ -170,23 +176,23 @@ def _chains(mesh: Mesh, place: np.ndarray, edges: np.ndarray, report: Report) ->
 
 def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray, report: Report) -> bool:
     """Find the piece of each chain: by its ends and kind, and by distance where several fit."""
-    kind = set(_keys(facets, len(mesh.points)).tolist())
+    first = np.array([chain.vertices[:2] for chain in chains], dtype=np.int64).reshape(-1, 2)
+    outer = _among(_keys(first, len(mesh.points)), _keys(facets, len(mesh.points))).tolist()
     by_ends: dict[tuple[int, int, bool], list[int]] = {}
     for i, (a, b) in enumerate(domain.pieces.tolist()):
         by_ends.setdefault((min(a, b), max(a, b), i < len(domain.facets)), []).append(i)
     stray: list[int] = []
-    origin = np.asarray(mesh.origin)
-    for chain in chains:
-        a, b = (int(origin[v]) for v in (chain.vertices[0], chain.vertices[-1]))
-        edge = int(_keys(np.array([chain.vertices[:2]]), len(mesh.points))[0])
-        fits = by_ends.get((min(a, b), max(a, b), edge in kind), [])
+    origin, begins = np.asarray(mesh.origin).tolist(), domain.pieces[:, 0].tolist()
+    for chain, is_facet in zip(chains, outer):
+        a, b = origin[chain.vertices[0]], origin[chain.vertices[-1]]
+        fits = by_ends.get((min(a, b), max(a, b), is_facet), [])
         if not fits:
             stray += chain.vertices
             continue
         best = min(fits, key=lambda i: _away(mesh, domain, chain, i)) if len(fits) > 1 else fits[0]
         fits.remove(best)
         chain.piece = best
-        if int(origin[chain.vertices[0]]) != domain.pieces[best, 0]:
+        if a != begins[best]:
             chain.vertices.reverse()
     lost = sorted(i for rest in by_ends.values() for i in rest)
     missing = np.array(lost, dtype=int)[_meshed(domain)[lost]].tolist() if lost else []
@@ -257,13 +263,14 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
         report.skipped.append("area and loose vertices of a domain without facets")
         return
     left = left_parity(mesh.points, facets)
-    wanted = enclosed_area(mesh.points, np.where(left[:, None], facets, facets[:, ::-1]))
+    turned = np.where(left[:, None], facets, facets[:, ::-1])
+    wanted = enclosed_area(mesh.points, turned)
     area = cells_area(mesh.points, mesh.simplices)
     wrong = abs(area - wanted) > 2.0**-50 * abs(wanted)
     text = f"the cells cover {area:.17g}, the chains enclose {wanted:.17g} (even-odd)"
-    border = {(int(a), int(b)) for a, b in mesh.boundary}
-    turned = [(a, b) if side else (b, a) for (a, b), side in zip(facets.tolist(), left.tolist())]
-    turned_out = [v for edge in turned if edge not in border for v in edge]
+    n = len(mesh.points)
+    border = np.asarray(mesh.boundary, dtype=np.int64)
+    turned_out = turned[~_among(turned[:, 0] * n + turned[:, 1], border[:, 0] * n + border[:, 1])].ravel()
     report.note(
         "the mesh covers what the chains enclose by the even-odd rule (exact)",
         Problem("area", text) if wrong else None,
@@ -287,9 +294,10 @@ def _names(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> N
     """Test that each marker of the domain contains the edges of its pieces, and no others."""
     n = len(mesh.points)
     wrong: list[Problem | None] = []
-    rows_of = {c.piece: np.column_stack([c.vertices[:-1], c.vertices[1:]]) for c in chains}
+    chain_of = {c.piece: c.vertices for c in chains}
     for name, pieces in domain.markers.items():
-        rows = [rows_of[i] for i in pieces.tolist() if i in rows_of]
+        known = [chain_of[i] for i in pieces.tolist() if i in chain_of]
+        rows = [np.column_stack([vertices[:-1], vertices[1:]]) for vertices in known]
         wanted = _keys(np.concatenate([np.empty((0, 2), dtype=np.int64), *rows]), n)
         if name not in mesh.markers:
             wrong.append(Problem("marker", f"the mesh has no marker {name!r}"))

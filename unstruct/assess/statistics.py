@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import distinct
 from ..base.errors import InputError, MeshError
 from ..geometry.simplex import angles
+from ..geometry.triangle_shapes import planar_angles
 from ..mesh.cells import cell_rows, counted
 from ..mesh.mesh import Mesh
 from ..sizing.field import as_size
@@ -145,7 +145,7 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         raise MeshError(
             f"these statistics are for meshes of triangles or cells with more corners; this is {mesh!r}"
         )
-    smallest = mesh.quality("min_angle")
+    smallest, largest = _extreme_angles(mesh)
     nothing = np.full(1, np.nan)
     rounds = mesh.quality("2r/R") if mesh.is_simplicial else nothing
     scaled = nothing if list(mesh.cells) == ["triangle"] else mesh.quality("scaled_jacobian")
@@ -154,12 +154,14 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         ends = mesh.points[mesh.edges]
         quotients = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / as_size(size)(ends.mean(axis=1))
     close = np.abs(np.log2(quotients)) <= 0.5
+    used = np.zeros(len(mesh.points), dtype=bool)
+    used[cell_rows(mesh.cells)[1]] = True
     return Statistics(
-        vertices=len(distinct(cell_rows(mesh.cells)[1])),
+        vertices=int(np.count_nonzero(used)),
         cells=mesh.size,
         min_angle=float(smallest.min()),
         low_angle=float(np.quantile(smallest, 0.01)),
-        max_angle=float(mesh.quality("max_angle").max()),
+        max_angle=float(largest.max()),
         least_round=float(rounds.min()),
         mean_round=float(rounds.mean()),
         conforming=float(close.mean()) if size is not None else float("nan"),
@@ -170,6 +172,12 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         mean_scaled=float(scaled.mean()),
         kinds={kind: len(block) for kind, block in mesh.cells.items()},
     )
+
+
+def _extreme_angles(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest and the largest angle of each cell; for triangles in the plane in one pass."""
+    both = planar_angles(mesh.points, mesh.simplices) if list(mesh.cells) == ["triangle"] else None
+    return both or (mesh.quality("min_angle"), mesh.quality("max_angle"))
 
 
 def angle_histogram(mesh: Mesh, bins: int = 36) -> tuple[np.ndarray, np.ndarray]:

@@ -1,32 +1,34 @@
 """How kernels are compiled: by numba, at the first call, cached on disk; without numba they are plain Python.
 
-numba's own cache checks one file only. After an edit of ``predicates.py``, a kernel in another file would
-silently run old machine code. Here the stamp of a kernel covers its own file, the files of all the kernels
-that it can call, and the numbers from other files that any of these uses by name.
+Two things make the first call cheap. First, numba copies the code of a kernel into each kernel that calls
+it, with that of its own callees: what is deep below, such as the exact stage of the predicates, would be
+optimized dozens of times. A `kernel` is compiled only once; its callers jump to its address. (A `lean`
+kernel is copied, as numba does it, because this is faster where it is called once per point.) Second, for
+each kernel numba also compiles code that takes Python's objects apart, which is most of the work if a
+record has forty arrays. Kernels that are called by kernels do without.
 """
 
 from __future__ import annotations
 
-import os
+import hashlib
+import sys
 from collections.abc import Callable
-from functools import partial
-from pickle import UnpicklingError
-from typing import Any
+from copy import copy
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from .kernel_cache import KernelCache, stamp
 
 try:
     import numba
-    from numba.core.dispatcher import Dispatcher
-    from numba.core.registry import cpu_target
+    from llvmlite import binding
 except ImportError:  # the kernels then run as plain Python
     numba = None  # type: ignore[assignment]
 
 __all__ = ["inline", "kernel", "lean"]
 
-if numba is not None and not getattr(numba.config, "DISABLE_JIT", False):
-    # numba registers its own functions before the first compiled call. Doing it here keeps that time out of
-    # the caller's first call.
-    cpu_target.typing_context.refresh()
-    cpu_target.target_context.refresh()
+NARROW_TYPES = () if numba is None else (numba.types.int8, numba.types.int16, numba.types.int32)
+BARE = {"nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def kernel(function: Callable) -> Any:
@@ -34,7 +36,7 @@ def kernel(function: Callable) -> Any:
     # Both options are set explicitly because numba lets an option that is not set be inherited from the first
     # caller. The whole exact stage would then be copied to every place where a predicate is inlined, and it
     # could not create arrays if a `lean` function called it first.
-    return _compiled(function, forceinline=False, _nrt=True)
+    return _compiled(function, True, forceinline=False, _nrt=True)
 
 
 def lean(function: Callable) -> Any:
@@ -43,15 +45,15 @@ def lean(function: Callable) -> Any:
     numba counts the references to each array at each call, atomically, unless its optimizer sees that this is
     not needed. In kernels that call each other once per point, the counting took two thirds of the time.
     """
-    return _compiled(function, forceinline=False, _nrt=False)
+    return _compiled(function, False, forceinline=False, _nrt=False)
 
 
 def inline(function: Callable) -> Any:
     """Compile a small helper, inlined by LLVM into every kernel that calls it."""
-    return _compiled(function, forceinline=True)
+    return _compiled(function, False, forceinline=True)
 
 
-def _compiled(function: Callable, **options: Any) -> Any:
+def _compiled(function: Callable, apart: bool, **options: Any) -> Any:
     """The kernel under these options; the function itself where there is no numba.
 
     Kernels touch the arrays that they are given and nothing else. So Python's lock is let go while one runs,
@@ -59,44 +61,97 @@ def _compiled(function: Callable, **options: Any) -> Any:
     """
     if numba is None:
         return function
-    return _stamped(numba.njit(cache=True, nogil=True, **options)(function))
+    outer = numba.njit(nogil=True, **options)(function)
+    if not hasattr(outer, "_cache"):  # with NUMBA_DISABLE_JIT
+        return outer
+    outer._cache = KernelCache(outer)
+    inner = _Inner(outer, apart, options)
+    outer.get_call_template = inner.get_call_template
+    outer.get_overload = inner.get_overload
+    outer.inner = inner
+    return outer
 
 
-def _stamped(dispatcher: Any) -> Any:
-    """Make the cache of ``dispatcher`` depend on the files of all kernels reachable from it."""
-    index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if index is not None:  # None with NUMBA_DISABLE_JIT
-        reachable: dict[int, Any] = {}
-        _reach(dispatcher, reachable)
-        files = {d.py_func.__code__.co_filename for d in reachable.values()}
-        numbers = set().union(*(_numbers(d.py_func) for d in reachable.values()))
-        index._source_stamp = (*sorted(_file_stamp(f) for f in files), *sorted(numbers))
-        index._load_index = partial(_entries, index._load_index)
-    return dispatcher
+class _Inner:
+    """The form of a kernel that other kernels call; its compiler is made when the first of them needs it."""
+
+    def __init__(self, outer: Any, apart: bool, options: dict[str, Any]):
+        self.outer, self.apart, self.options = outer, apart, options
+        self._compiler: Any = None
+
+    def compiler(self) -> Any:
+        if self._compiler is None:
+            options: Any = BARE | self.options
+            found = numba.njit(**options)(self.outer.py_func)
+            found._cache = KernelCache(self.outer, "-inner")
+            self._insert, found.add_overload = found.add_overload, self.add_overload
+            self._compiler = found
+        return self._compiler
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """What numba asks when it compiles a call: the types of the result."""
+        kws = {name: _plain(kind) for name, kind in kws.items()}
+        return self.compiler().get_call_template(tuple(map(_plain, args)), kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """What numba asks next: the compiled function."""
+        return self.compiler().get_overload(sig)
+
+    def add_overload(self, result: Any) -> None:
+        """Take a compiled form, from the compiler or from the disk; give it an address if it stays apart."""
+        # numba forgets the references of what it has read from the disk, but these are needed if it is copied
+        result.library._reload_init.update(result.reload_init)
+        if self.apart and self._can_be_found():
+            args = result.signature.args
+            name = self._symbol(args)
+            address = result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+            binding.add_symbol(name, address)
+            context, alias = self._compiler.targetctx, copy(result.fndesc)
+            alias.mangled_name = name
+            function = self.outer.py_func
+            reference = _Reference(function.__module__, function.__name__, args)
+            context.remove_user_function(result.entry_point)
+            context.insert_user_function(result.entry_point, alias, [_Library(reference)])
+        self._insert(result)
+
+    def _can_be_found(self) -> bool:
+        """Whether another process can find the kernel by its name."""
+        function = self.outer.py_func
+        module = sys.modules.get(function.__module__)
+        return (
+            getattr(module, function.__qualname__, None) is self.outer and function.__module__ != "__main__"
+        )
+
+    def _symbol(self, args: Any) -> str:
+        """The name of the machine code for these types of arguments: the same in each process."""
+        return "unstruct." + hashlib.sha256(f"{stamp(self.outer)} {args}".encode()).hexdigest()
 
 
-def _entries(load: Callable[[], dict]) -> dict:
-    """The entries of a cache on disk; none if it names a class that this version no longer has."""
-    try:
-        return load()
-    except (AttributeError, ImportError, UnpicklingError):
-        return {}
+def _plain(kind: Any) -> Any:
+    """One type for all integers, where numba would compile a kernel again for 0, 1, and 32 bits."""
+    kind = numba.types.unliteral(kind)
+    return numba.types.int64 if kind in NARROW_TYPES else kind
 
 
-def _reach(dispatcher: Any, reachable: dict[int, Any]) -> None:
-    """Add the kernel and all those that it can call."""
-    reachable[id(dispatcher)] = dispatcher
-    for value in list(dispatcher.py_func.__globals__.values()):
-        if isinstance(value, Dispatcher) and id(value) not in reachable:
-            _reach(value, reachable)
+class _Reference(NamedTuple):
+    """A kernel that must have an address before the machine code of its caller is read from the disk."""
+
+    module: str
+    name: str
+    args: tuple
+
+    def __call__(self) -> None:
+        getattr(import_module(self.module), self.name).inner.compiler().compile(self.args)
 
 
-def _numbers(function: Any) -> set[tuple[str, str]]:
-    """The constants that a function reads, with their values: they may come from files without kernels."""
-    read = ((name, function.__globals__.get(name)) for name in function.__code__.co_names)
-    return {(name, repr(value)) for name, value in read if isinstance(value, (int, float))}
+class _Library:
+    """What numba links into the caller of a kernel that stays apart: no code, only the reference."""
 
+    def __init__(self, reference: _Reference):
+        self._reload_init = {reference}
 
-def _file_stamp(path: str) -> tuple[str, int, int]:
-    status = os.stat(path)
-    return path, status.st_mtime_ns, status.st_size
+    def _ensure_finalized(self) -> None:
+        pass
+
+    def _get_module_for_linking(self) -> Any:
+        return binding.parse_assembly("")

@@ -12,10 +12,12 @@ position of each of the ``2**d`` subcells along the curve, and the state in whic
 from __future__ import annotations
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arrays import fill
 from ..base.jit import inline, kernel
 
 __all__ = ["brio", "draws", "hilbert_order"]
@@ -25,6 +27,14 @@ KEY_BITS = 60  # keys are signed 64-bit integers, which leaves room for the numb
 DRAWN_ONCE = 1 << 14  # how many random numbers are drawn only once
 FEW_KEYS = 64  # up to so many keys are sorted by insertion, without counting
 DIGIT = 11  # bits per pass of the radix sort; a histogram of 2048 counters stays in the first-level cache
+
+
+class Automaton(NamedTuple):
+    """A Hilbert curve: how many levels its finest grid has, and the tables of `_tables`."""
+
+    levels: int
+    ranks: NDArray[np.int64]
+    turns: NDArray[np.int64]
 
 
 def hilbert_order(points: ArrayLike) -> NDArray[np.int64]:
@@ -205,7 +215,7 @@ def along_curve(points, d, rounds, levels, ranks, turns):
     shrink = 2.0**600 if 0.0 < extent < 1e-280 else 1.0  # the factor must not overflow
     factor = 0.0 if extent == 0.0 else (2.0**levels - 1e-3) / (extent * shrink)
     keys = np.empty(points.shape[0], dtype=np.int64)
-    hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys)
+    hilbert_keys(points, low, shrink, factor, Automaton(levels, ranks, turns), rounds, keys)
     bits, most = d * levels, 0
     for i in range(rounds.shape[0]):
         most = max(most, rounds[i])
@@ -215,8 +225,10 @@ def along_curve(points, d, rounds, levels, ranks, turns):
 
 
 @kernel
-def hilbert_keys(points, d, low, shrink, factor, levels, ranks, turns, rounds, keys):
+def hilbert_keys(points, low, shrink, factor, automaton, rounds, keys):
     """Write the key of every point: the number of its round, followed by its place on the curve."""
+    levels, ranks, turns = automaton
+    d = low.shape[0]
     cell = np.empty(d, dtype=np.int64)
     for i in range(points.shape[0]):
         state = 0
@@ -247,7 +259,9 @@ def radix_argsort(keys, bits):
     The array ``keys`` is overwritten.
     """
     n = keys.shape[0]
-    order = np.arange(n)
+    order = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        order[i] = i
     if n <= FEW_KEYS:  # by insertion
         for i in range(1, n):
             key, j = keys[i], i
@@ -256,11 +270,11 @@ def radix_argsort(keys, bits):
                 j -= 1
             keys[j], order[j] = key, i
         return order
-    spare_keys = np.empty_like(keys)
-    spare_order = np.empty_like(order)
+    spare_keys, spare_order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     size = 1 << DIGIT
+    start = np.empty(size + 1, dtype=np.int64)
     for shift in range(0, bits, DIGIT):
-        start = np.zeros(size + 1, dtype=np.int64)
+        fill(start, 0)
         for i in range(n):
             start[((keys[i] >> shift) & (size - 1)) + 1] += 1
         for j in range(size):

@@ -6,6 +6,7 @@ from math import fsum
 
 import numpy as np
 
+from ..base.arrays import fill
 from ..base.jit import kernel
 from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
@@ -125,7 +126,7 @@ def _mates(segments: np.ndarray) -> np.ndarray:
 @kernel
 def _chains(mates, chain, against):
     """The chain of each segment, and whether the segment runs against the first segment of its chain."""
-    chain[:] = -1
+    fill(chain, -1)
     count = 0
     for start in range(len(chain)):
         if chain[start] >= 0:

@@ -5,11 +5,16 @@ Used to validate regions; see the book, chapter 2.6d.
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.arrays import fill
 from ..base.jit import inline, kernel
 from ..predicates.batch import orient_rows
 from .boxes import BoxTree
+from .segment_filter import SLACK, may_hold, may_meet
 from .sweep import any_meeting
 
 __all__ = ["CROSSING", "OVERLAPPING", "TOUCHING", "meetings", "none_meet", "vertices_on_segments"]
@@ -21,62 +26,6 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
 TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
 FEW_SEGMENTS = 48  # up to so many segments each is compared with each
-SLACK = 1e-15  # a relative bound above the rounding errors of the few operations below
-
-
-@inline
-def _beside(ax, ay, bx, by, ux, uy, vx, vy):
-    """Whether u and v certainly lie strictly on one side of the line ab; False in doubtful cases."""
-    dx, dy = bx - ax, by - ay
-    ux, uy, vx, vy = ux - bx, uy - by, vx - bx, vy - by
-    u, v = dx * uy - dy * ux, dx * vy - dy * vx
-    bound = SLACK * (abs(dx) * (abs(uy) + abs(vy)) + abs(dy) * (abs(ux) + abs(vx))) + 1e-290
-    return (u > bound and v > bound) or (u < -bound and v < -bound)
-
-
-@inline
-def _turns(ax, ay, bx, by, ux, uy):
-    """Whether the segments from a to b and from a to u certainly have only a in common.
-
-    They overlap only if b, a, u are on a line with b and u on the same side of a.
-    """
-    dx, dy, ux, uy = bx - ax, by - ay, ux - ax, uy - ay
-    if dx * ux + dy * uy < -SLACK * (abs(dx * ux) + abs(dy * uy)) - 1e-290:
-        return True
-    return abs(dx * uy - dy * ux) > SLACK * (abs(dx * uy) + abs(dy * ux)) + 1e-290
-
-
-@inline
-def _may_meet(ends, segments, s, t):
-    """False only if floating point proves that the two segments meet at most in a common end."""
-    px, py, qx, qy = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
-    ax, ay, bx, by = ends[t, 0], ends[t, 1], ends[t, 2], ends[t, 3]
-    if max(px, qx) < min(ax, bx) or max(ax, bx) < min(px, qx):
-        return False
-    if max(py, qy) < min(ay, by) or max(ay, by) < min(py, qy):
-        return False
-    if px == ax and py == ay:  # the same vertex, or two vertices at the same place
-        return (
-            segments[s, 0] != segments[t, 0] or (qx == bx and qy == by) or not _turns(px, py, qx, qy, bx, by)
-        )
-    if qx == ax and qy == ay:
-        return (
-            segments[s, 1] != segments[t, 0] or (px == bx and py == by) or not _turns(qx, qy, px, py, bx, by)
-        )
-    if px == bx and py == by:
-        return segments[s, 0] != segments[t, 1] or not _turns(px, py, qx, qy, ax, ay)
-    if qx == bx and qy == by:
-        return segments[s, 1] != segments[t, 1] or not _turns(qx, qy, px, py, ax, ay)
-    return not (_beside(px, py, qx, qy, ax, ay, bx, by) or _beside(ax, ay, bx, by, px, py, qx, qy))
-
-
-@inline
-def _may_hold(ends, s, x, y):
-    """False only where floating point proves that a point does not lie on a segment."""
-    ax, ay, bx, by = ends[s, 0], ends[s, 1], ends[s, 2], ends[s, 3]
-    if x < min(ax, bx) or x > max(ax, bx) or y < min(ay, by) or y > max(ay, by):
-        return False
-    return not _beside(ax, ay, bx, by, x, y, x, y)
 
 
 # ---------------------------------------------------------------------- a table of cells
@@ -117,14 +66,29 @@ def _gather(points, segments, ends):
     return x0, y0, x1, y1, total
 
 
+class Table(NamedTuple):
+    """A grid of square cells, and a hash table of the cells that segments touch.
+
+    The grid has its lowest corner at (x0, y0), ``scale`` cells per unit of length, and ``ny`` rows.
+    """
+
+    x0: float
+    y0: float
+    scale: float
+    ny: int
+    head: NDArray[np.int32]  # the last entry in each slot
+    entries: NDArray[np.int32]  # row and column of a cell, a segment, the previous entry in the same slot
+    seen: NDArray[np.int32]  # seen[t]: the last segment that t was compared with
+
+
 @kernel
-def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, pairs):
-    """Candidates that share a cell of a grid; a hash table contains the cells that segments touch.
+def _cell_pairs(ends, segments, table, looks, pairs):
+    """Candidates that share a cell of a grid.
 
     Returns the number of pairs, of which as many as fit are written; or -1 if there are too many entries or
-    more than ``looks`` comparisons. An entry has the row and the column of its cell, a segment, and the
-    previous entry in the same slot. ``seen[t]`` is the last segment that t was compared with.
+    more than ``looks`` comparisons. The table must be empty.
     """
+    x0, y0, scale, ny, head, entries, seen = table
     used, count = 0, 0
     mask = head.shape[0] - 1
     for s in range(ends.shape[0]):
@@ -140,7 +104,7 @@ def _cell_pairs(ends, segments, x0, y0, scale, ny, head, entries, seen, looks, p
                     looks -= 1
                     if seen[t] != s and entries[e, 0] == row and entries[e, 1] == column:
                         seen[t] = s
-                        if _may_meet(ends, segments, t, s):
+                        if may_meet(ends, segments, t, s):
                             if count < pairs.shape[0]:
                                 pairs[count, 0], pairs[count, 1] = t, s
                             count += 1
@@ -167,10 +131,10 @@ def none_meet(points, segments, alone):
     if s <= FEW_SEGMENTS:
         for t in range(s):
             for u in range(t):
-                if _may_meet(ends, segments, u, t):
+                if may_meet(ends, segments, u, t):
                     return False
             for v in alone:
-                if _may_hold(ends, t, points[v, 0], points[v, 1]):
+                if may_hold(ends, t, points[v, 0], points[v, 1]):
                     return False
         return True
     cells, looks, most = TABLES[0]
@@ -183,10 +147,12 @@ def none_meet(points, segments, alone):
     room = 2
     while room < 4 * cells * s:
         room *= 2
-    head, entries = np.full(room, -1, dtype=np.int32), np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
-    seen, none = np.full(s, -1, dtype=np.int32), np.empty((0, 2), dtype=np.int64)
+    head = fill(np.empty(room, dtype=np.int32), -1)
+    entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
+    seen, none = fill(np.empty(s, dtype=np.int32), -1), np.empty((0, 2), dtype=np.int64)
     tall = int((y1 - y0) * scale) + 1
-    if _cell_pairs(ends, segments, x0, y0, scale, tall, head, entries, seen, looks * s, none) != 0:
+    table = Table(x0, y0, scale, tall, head, entries, seen)
+    if _cell_pairs(ends, segments, table, looks * s, none) != 0:
         return False
     for v in alone:  # cells of segments overlap by more than rounding may move a point
         px, py = points[v, 0], points[v, 1]
@@ -195,7 +161,7 @@ def none_meet(points, segments, alone):
         row, column = min(int((py - y0) * scale), tall - 1), int((px - x0) * scale)
         e = head[_slot(row, column, room - 1)]
         while e >= 0:
-            if entries[e, 0] == row and entries[e, 1] == column and _may_hold(ends, entries[e, 2], px, py):
+            if entries[e, 0] == row and entries[e, 1] == column and may_hold(ends, entries[e, 2], px, py):
                 return False
             e = entries[e, 3]
     return True
@@ -241,7 +207,7 @@ def _tree_pairs(ends, segments, low, high, order, pairs):
             first = (node - leaves) * 4
             for i in range(first, min(first + 4, order.shape[0])):
                 t = order[i]
-                if t > s and _may_meet(ends, segments, s, t):
+                if t > s and may_meet(ends, segments, s, t):
                     if count < pairs.shape[0]:
                         pairs[count, 0], pairs[count, 1] = s, t
                     count += 1
@@ -296,11 +262,9 @@ class _Grid:
         head = np.full(2 ** int(np.ceil(np.log2(max(2, 4 * cells) * s))), -1, dtype=np.int32)
         entries = np.empty((int((4 + 2 * cells) * s), 4), dtype=np.int32)
         seen, pairs = np.full(s, -1, dtype=np.int32), np.empty((2 * s + 16, 2), dtype=np.int64)
+        table = Table(*self.low, scale, int(self.tall * scale) + 1, head, entries, seen)
         while True:
-            count = _cell_pairs(
-                self.ends, self.segments, *self.low, scale, int(self.tall * scale) + 1, head, entries, seen,
-                looks * s, pairs,
-            )  # fmt: skip
+            count = _cell_pairs(self.ends, self.segments, table, looks * s, pairs)
             if count < 0:
                 return None
             if count <= len(pairs):

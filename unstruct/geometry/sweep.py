@@ -6,7 +6,10 @@ exact signs, and several segments may share a vertex. Used to validate regions; 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.jit import kernel
 from ..predicates.batch import scaled
@@ -15,6 +18,17 @@ from ..predicates.kernels import orientation
 __all__ = ["any_meeting", "lexicographic"]
 
 BLOCK = 128  # segments in a block of the ordered list
+
+
+class Line(NamedTuple):
+    """The segments that the sweep line cuts, from the lowest to the highest, in blocks.
+
+    How many blocks are in use is handed along beside the record.
+    """
+
+    blocks: NDArray[np.int64]  # (., BLOCK) numbers of segments
+    held: NDArray[np.int64]  # how many segments each block holds
+    directory: NDArray[np.int64]  # the blocks in their order; the free ones follow
 
 
 def lexicographic(points: np.ndarray) -> np.ndarray:
@@ -44,8 +58,9 @@ def _meet(xy, left, right, s, t):
 
 
 @kernel
-def _find(xy, left, right, blocks, count, directory, many, v):
+def _find(xy, left, right, line, many, v):
     """The place (block, offset) of the lowest segment that is not below vertex v; (many, 0) if none is."""
+    blocks, count, directory = line
     low, high = 0, many  # the last block whose first segment is below v
     while low < high:
         middle = (low + high) // 2
@@ -71,8 +86,9 @@ def _find(xy, left, right, blocks, count, directory, many, v):
 
 
 @kernel
-def _remove(blocks, count, directory, many, i, j):
+def _remove(line, many, i, j):
     """Remove the segment at place (i, j); return the number of remaining blocks."""
+    blocks, count, directory = line
     block = directory[i]
     count[block] -= 1
     for k in range(j, count[block]):
@@ -86,8 +102,9 @@ def _remove(blocks, count, directory, many, i, j):
 
 
 @kernel
-def _insert(blocks, count, directory, many, i, j, s):
+def _insert(line, many, i, j, s):
     """Insert segment s before place (i, j); return its place and the number of blocks."""
+    blocks, count, directory = line
     if j == 0 and i > 0:  # append it to the previous block
         i -= 1
         j = count[directory[i]]
@@ -115,11 +132,12 @@ def _insert(blocks, count, directory, many, i, j, s):
 
 
 @kernel
-def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chosen):
+def _sweep(xy, order, left, right, start, begin, line, chosen):
     """Whether any two segments meet in more than a common end; ``start`` lists them by left ends."""
+    blocks, count, directory = line
     many = 0
     for v in order:
-        i, j = _find(xy, left, right, blocks, count, directory, many, v)
+        i, j = _find(xy, left, right, line, many, v)
         while i < many:  # remove the segments through v; if one of them does not end there, segments meet
             s = blocks[directory[i], j]
             if orientation(xy, left[s], right[s], v) != 0:
@@ -128,7 +146,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
                 return True
             last = j == count[directory[i]] - 1
             before = many
-            many = _remove(blocks, count, directory, many, i, j)
+            many = _remove(line, many, i, j)
             if last and many == before:
                 i, j = i + 1, 0
         below, above = -1, -1
@@ -160,7 +178,7 @@ def _sweep(xy, order, left, right, start, begin, blocks, count, directory, chose
         if above >= 0 and _meet(xy, left, right, chosen[fresh - 1], above):
             return True
         for k in range(fresh):
-            i, j, many = _insert(blocks, count, directory, many, i, j, chosen[k])
+            i, j, many = _insert(line, many, i, j, chosen[k])
             j += 1
             if j == count[directory[i]]:
                 i, j = i + 1, 0
@@ -201,10 +219,6 @@ def any_meeting(points: np.ndarray, segments: np.ndarray) -> bool | None:
     begin = np.concatenate([[0], np.cumsum(starts)])
     room = 2 * s // BLOCK + 3  # every block but the first was half full when it was made
     blocks = np.empty((max(room, 3) * 2, BLOCK), dtype=np.int64)
-    directory = np.arange(len(blocks))
-    return bool(
-        _sweep(
-            xy, order, left, right, np.argsort(left, kind="stable"), begin, blocks,
-            np.zeros(len(blocks), dtype=np.int64), directory, np.empty(starts.max(initial=1), dtype=np.int64),
-        )
-    )  # fmt: skip
+    line = Line(blocks, np.zeros(len(blocks), dtype=np.int64), np.arange(len(blocks)))
+    start, chosen = np.argsort(left, kind="stable"), np.empty(starts.max(initial=1), dtype=np.int64)
+    return bool(_sweep(xy, order, left, right, start, begin, line, chosen))

@@ -5,11 +5,12 @@ A mesh of one kind of simplex needs none of this: see `unstruct.topology`. See t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from ..base.arrays import frozen
 from ..base.errors import InputError
 from .grouping import group_rows
 from .topology import as_simplices
@@ -98,24 +99,29 @@ def cell_dimension(name: str) -> int:
 
 def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
     """Validate a dictionary kind -> rows of vertex numbers; "polygon" may be ragged (a list of arrays)."""
+    if not isinstance(cells, Mapping):
+        raise InputError(
+            f"cells must be a dictionary, for example {{'triangle': array}}, not {type(cells).__name__}"
+        )
     if not cells:
         raise InputError("cells is empty: give at least one kind, for example {'triangle': array}")
     result: dict[str, Any] = {}
     for name, block in cells.items():
         cell_dimension(name)
+        simplex = simplex_dimension(name)
         try:
             if name == "polygon":
                 result[name] = _polygons(block, vertices)
                 continue
-            rows = as_simplices(np.asarray(block), vertices=vertices)
+            corners = CELL_TYPES[name][1] if simplex is None else simplex + 1
+            rows = np.asanyarray(block)
+            rows = rows.reshape(0, corners) if rows.shape == (0,) else rows  # an empty list
+            rows = as_simplices(rows, vertices=vertices)
         except InputError as error:
             raise InputError(f"cells[{name!r}]: {error}") from None
-        simplex = simplex_dimension(name)
-        corners = CELL_TYPES[name][1] if simplex is None else simplex + 1
         if rows.shape[1] != corners:
             raise InputError(f"cells[{name!r}] must have {corners} vertices per row, not {rows.shape[1]}")
-        rows.flags.writeable = False
-        result[name] = rows
+        result[name] = frozen(rows)
     dimensions = {name: cell_dimension(name) for name in result}
     if len(set(dimensions.values())) > 1:
         raise InputError(f"cells of different dimensions, {dimensions}: keep lower ones as markers")
@@ -124,7 +130,12 @@ def as_cells(cells: Mapping[str, Any], vertices: int) -> dict[str, Any]:
 
 def _polygons(block: Any, vertices: int) -> tuple[np.ndarray, ...]:
     """Read-only rows of int32. All are tested together, and one by one only if something is wrong."""
+    if not isinstance(block, Iterable):
+        raise InputError(f"polygons must be a list of rows, not {block!r}")
     rows = [np.asarray(row) for row in block]
+    for i, row in enumerate(block):
+        if np.ma.isMaskedArray(row) and np.ma.getmaskarray(row).any():
+            raise InputError(f"polygon {i} has masked entries; fill or drop it")
     if any(row.ndim != 1 or len(row) < 3 or row.dtype.kind not in "iu" for row in rows):
         return tuple(_polygon(row, i, vertices) for i, row in enumerate(rows))
     ends = np.cumsum(np.array([len(row) for row in rows], dtype=np.int64))

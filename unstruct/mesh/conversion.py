@@ -18,7 +18,7 @@ from .complex import CellComplex
 from .exchange import Block, Exchange
 from .gmsh import FACE_NAMES, decoded, face_blocks, from_groups, is_ours, stacked
 from .naming import WITH_NAMES, found_names
-from .second_order import CORNERS, without_middles
+from .second_order import FIRST_ORDER, without_middles
 
 __all__ = ["FACES_HEADER", "arguments_of", "exchange_of", "named_faces"]
 
@@ -93,10 +93,10 @@ def _first_order(other: Exchange) -> None:
     """Replace cells of higher order by their corners."""
     middles = [] if other.middles is None else [other.middles]
     for i, block in enumerate(other.cells):
-        if block.type in CORNERS:
-            corners = CELL_TYPES[CORNERS[block.type]][1]
+        if block.type in FIRST_ORDER:
+            corners = CELL_TYPES[FIRST_ORDER[block.type]][1]
             middles.append(block.data[:, corners:].ravel())
-            other.cells[i] = Block(CORNERS[block.type], block.data[:, :corners])
+            other.cells[i] = Block(FIRST_ORDER[block.type], block.data[:, :corners])
     other.middles = np.concatenate(middles) if middles else np.empty(0, dtype=np.int64)
 
 

@@ -25,9 +25,9 @@ from .mesh import Mesh, is_planar
 __all__ = ["CurvedMesh", "bernstein", "second_order"]
 
 ROUNDING = 2.0**-46  # relative to the squared extent of a triangle: more than the rounding of a coefficient
-HALVINGS = 60  # of a parameter interval, until its ends are neighbors
-DEPTH = 3  # how often a triangle is cut into four before its Jacobian counts as not positive
-SIDES = ((0, 1), (1, 2), (2, 0))  # in the order of VTK and Gmsh: node 3 + k is on side k
+BISECTIONS = 60  # of a parameter interval, until its ends are neighbors
+CUTS_IN_FOUR = 3  # how often a triangle is cut into four before its Jacobian counts as not positive
+EDGES_OF_SIX = ((0, 1), (1, 2), (2, 0))  # in the order of VTK and Gmsh: node 3 + k is on side k
 
 
 class CurvedMesh:
@@ -179,7 +179,7 @@ def second_order(mesh: Mesh, domain: Outline | None = None) -> CurvedMesh:
     straight = nodes[place].copy()
     nodes[place] = wanted
     corner = mesh.simplices.astype(np.int64)
-    sides = np.stack([_keys(corner[:, list(side)], n) for side in SIDES], axis=1)
+    sides = np.stack([_keys(corner[:, list(side)], n) for side in EDGES_OF_SIX], axis=1)
     side = order[np.searchsorted(keys, sides, sorter=order)]
     bent = np.zeros(len(ends), dtype=bool)
     bent[place] = (wanted != straight).any(axis=1)
@@ -235,7 +235,7 @@ def _on_curves(
         name = domain.name(int(piece[np.argmax(off)]))
         raise InputError(f"an edge of the mesh is not on {name}, as it should be: is this the meshed domain?")
     low, high = span.T.copy()
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         t = (low + high) / 2
         x = domain.points_at(piece, t)
         nearer = ((x - ends[:, 0]) ** 2).sum(axis=1) < ((x - ends[:, 1]) ** 2).sum(axis=1)
@@ -266,12 +266,14 @@ def _coefficients(six: Any, two: Any) -> np.ndarray:
     """The coefficients, with numbers of any kind; ``two`` is 2 as such a number."""
     six = np.asarray(six)
     c = [six[:, k] for k in range(3)]
-    control = {pair: two * six[:, 3 + k] - (c[pair[0]] + c[pair[1]]) / two for k, pair in enumerate(SIDES)}
-    c01, c12, c20 = (control[pair] for pair in SIDES)
+    control = {
+        pair: two * six[:, 3 + k] - (c[pair[0]] + c[pair[1]]) / two for k, pair in enumerate(EDGES_OF_SIX)
+    }
+    c01, c12, c20 = (control[pair] for pair in EDGES_OF_SIX)
     a = (c01 - c[0], c[1] - c01, c12 - c20)  # half of the derivative along the edge 01, at the corners
     b = (c20 - c[0], c12 - c01, c[2] - c20)  # along the edge 02
     found = [two * two * _cross(a[k], b[k]) for k in range(3)]
-    found += [two * (_cross(a[i], b[j]) + _cross(a[j], b[i])) for i, j in SIDES]
+    found += [two * (_cross(a[i], b[j]) + _cross(a[j], b[i])) for i, j in EDGES_OF_SIX]
     return np.stack(found, axis=1)
 
 
@@ -286,7 +288,7 @@ def _positive_everywhere(six: np.ndarray) -> np.ndarray:
     sure = (found > bound[:, None]).all(axis=1)
     for row in np.nonzero(~sure)[0]:
         exact = np.array([[Fraction(x) for x in place] for place in six[row].tolist()], dtype=object)
-        sure[row] = _proved(_coefficients(exact[None], Fraction(2))[0].tolist(), DEPTH)
+        sure[row] = _proved(_coefficients(exact[None], Fraction(2))[0].tolist(), CUTS_IN_FOUR)
     return sure
 
 

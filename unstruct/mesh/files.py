@@ -97,7 +97,7 @@ def write(
         with replacing(path) as beside:
             write_node_ele(mesh, beside)
         return
-    fits([kind for kind, block in mesh.cells.items() if len(block)], suffix)
+    fits([kind for kind, block in mesh.cells.items() if len(block)], path)
     if suffix == ".su2":
         with replacing(path) as beside:
             lost = write_su2(mesh, beside)

@@ -1,14 +1,17 @@
 """Which kinds of cells and which options file formats have.
 
-meshio converts other kinds, or leaves them out, with at most a message on the screen; here it is an error.
+meshio converts other kinds, or leaves them out, with at most a message on the screen, or writes what it
+cannot read; here it is an error. A test writes and reads each kind in every format that meshio knows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from ..base.errors import InputError
+from ..base.files import suffix_of
 
 __all__ = ["MAY_BE_DOMAINS", "NEED_H5PY", "NOT_MESHES", "fits", "meshio_options", "refuse_options"]
 
@@ -20,10 +23,17 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     ".obj": (*FLAT, "polygon"),
     ".ply": (*FLAT, "polygon"),
     ".xml": ("triangle", "tetra"),
-    ".f3grid": SOLID,
-    **dict.fromkeys([".mesh", ".meshb", ".su2", ".tec", ".dat", ".bdf"], ("line", *FLAT, *SOLID)),
-    **dict.fromkeys([".msh", ".avs"], ("line", *FLAT, *SOLID)),
-    ".inp": ("line", *FLAT, "tetra", "wedge", "hexahedron"),
+    ".wkt": ("triangle",),
+    ".h5m": ("line", "triangle", "tetra"),
+    ".cgns": ("tetra",),
+    ".f3grid": ("tetra", "pyramid", "hexahedron"),  # meshio turns wedges inside out
+    ".su2": SOLID,
+    ".ugrid": (*FLAT, *SOLID),
+    **dict.fromkeys([".tec", ".dat"], ("line", *FLAT, "tetra", "hexahedron")),
+    **dict.fromkeys([".inp", ".mdpa"], ("line", *FLAT, "tetra", "wedge", "hexahedron")),
+    **dict.fromkeys([".msh", ".avs", ".mesh", ".meshb", ".bdf", ".fem", ".nas"], ("line", *FLAT, *SOLID)),
+    **dict.fromkeys([".post", ".dato", ".vol", ".exo", ".e", ".ex2"], ("line", *FLAT, *SOLID)),
+    **dict.fromkeys([".med", ".xdmf", ".xmf", ".hmf"], ("line", *FLAT, *SOLID)),
 }
 NEED_H5PY = (".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf")
 DOMAIN = "read it with Domain.read, and mesh the domain"
@@ -44,14 +54,21 @@ BINARY_OPTIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 ALONE = (".xml", ".tec", ".dat")  # these formats store cells of one kind only
 
 
-def fits(kinds: Sequence[str], suffix: str) -> None:
-    """Check that a format can store cells of these kinds unchanged.
+def fits(kinds: Sequence[str], path: Path) -> None:
+    """Check that a format can store cells of these kinds (those that have cells) unchanged.
 
     Raises
     ------
     InputError
         If it cannot; the message names the kinds.
     """
+    suffix = suffix_of(path)
+    if not kinds:
+        raise InputError(
+            f"a mesh without cells cannot be written as {suffix!r}; .node and .ele store one of simplices"
+        )
+    if suffix == ".ugrid" and len(path.suffixes) < 2:
+        raise InputError(f"meshio cannot read .ugrid as text: call the file {path.stem}.lb8.ugrid")
     known = WRITABLE_KINDS.get(suffix, tuple(kinds))
     lost = [name for name in kinds if name not in known]
     why = ""

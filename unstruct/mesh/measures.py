@@ -8,15 +8,20 @@ import numpy as np
 
 from ..base.errors import MeshError
 from ..geometry import simplex
+from ..geometry.edge_vectors import exponents, quiet
 from .cells import CELL_TYPES, equal_rows, simplex_dimension
 from .complex import CellComplex
 from .shapes import COMMON, cell_quality
 
-__all__ = ["Summary", "cell_volumes", "summarize"]
+__all__ = ["Summary", "cell_volumes", "summarize", "total"]
 
 
+@quiet
 def cell_volumes(mesh: CellComplex) -> np.ndarray:
-    """Length, area or volume of each cell, in the order of ``mesh.cells``; signed where k = d."""
+    """Length, area or volume of each cell, in the order of ``mesh.cells``; signed where k = d.
+
+    Cells of all kinds are scaled by powers of two, so that nothing overflows or underflows but results.
+    """
     parts = []
     for name, block in mesh.cells.items():
         if simplex_dimension(name) is not None:
@@ -28,6 +33,23 @@ def cell_volumes(mesh: CellComplex) -> np.ndarray:
     return np.concatenate(parts)
 
 
+def total(volumes: np.ndarray) -> float:
+    """The correctly rounded sum of lengths, areas or volumes; inf where it is too large."""
+    try:
+        return fsum(volumes)
+    except (OverflowError, ValueError):  # of finite terms, of inf - inf
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.sum(volumes))
+
+
+def _local(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (m, c, d) about the first one of each cell, scaled to at most 1, and the exponents of that."""
+    half = np.ldexp(corners, -1)  # because differences of the largest doubles would overflow
+    rows = half - half[:, :1]
+    exponent = exponents(rows)
+    return np.ldexp(rows, -exponent[:, None, None]), exponent + 1
+
+
 def _ring_areas(mesh: CellComplex, kind: str) -> np.ndarray:
     """Signed areas in the plane (shoelace formula about the first corner), unsigned ones in space."""
     d = mesh.points.shape[1]
@@ -35,26 +57,28 @@ def _ring_areas(mesh: CellComplex, kind: str) -> np.ndarray:
     if d > 3 and len(areas):
         raise MeshError(f"polygons have areas in the plane and in space, not in {d} dimensions")
     for which, block in equal_rows(mesh.cells[kind]):
-        corners = mesh.points[block]
-        rows = corners[:, 1:] - corners[:, :1]
-        a, b = rows[:, :-1], rows[:, 1:]
+        rows, exponent = _local(mesh.points[block])
+        a, b = rows[:, 1:-1], rows[:, 2:]
         if d == 2:
-            areas[which] = (a[..., 0] * b[..., 1] - b[..., 0] * a[..., 1]).sum(axis=1) / 2
+            found = (a[..., 0] * b[..., 1] - b[..., 0] * a[..., 1]).sum(axis=1)
         else:
-            areas[which] = np.linalg.norm(np.cross(a, b).sum(axis=1), axis=1) / 2
+            found = np.linalg.norm(np.cross(a, b).sum(axis=1), axis=1)
+        areas[which] = np.ldexp(found / 2, 2 * exponent)
     return areas
 
 
 def _polyhedron_volumes(corners: np.ndarray, facets: list[list[int]]) -> np.ndarray:
     """Signed volumes by the divergence theorem; a facet that is not plane is a fan around its mean corner."""
-    corners = corners - corners[:, :1]
-    total = np.zeros(len(corners))
+    if not len(corners):
+        return np.empty(0)
+    corners, exponent = _local(corners)
+    result = np.zeros(len(corners))
     for facet in facets:
         ring = corners[:, facet]
         middle = ring.mean(axis=1)
         following = np.roll(ring, -1, axis=1)
-        total += np.einsum("mi,mji->m", middle, np.cross(ring, following)) / 6
-    return total
+        result += np.einsum("mi,mji->m", middle, np.cross(ring, following)) / 6
+    return np.ldexp(result, 3 * exponent)
 
 
 class Summary(dict):
@@ -96,7 +120,7 @@ def summarize(mesh: CellComplex) -> Summary:
         edges=len(mesh.edges),
         boundary=len(mesh.boundary),
         euler=mesh.euler_characteristic,
-        volume=fsum(cell_volumes(mesh)),
+        volume=total(cell_volumes(mesh)),
     )
     if not mesh.size:
         return result

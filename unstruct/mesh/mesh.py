@@ -6,7 +6,6 @@ See the book, chapter 1.
 from __future__ import annotations
 
 from functools import cached_property
-from math import fsum
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,7 +19,7 @@ from .complex import CellComplex
 from .embedding import boundary_is_convex
 from .locate import Locator
 from .marked import selected
-from .measures import cell_volumes, summarize
+from .measures import cell_volumes, summarize, total
 from .orientation import jacobian_signs, turned_cells
 from .shapes import cell_quality
 
@@ -95,7 +94,7 @@ class Mesh(CellComplex):
     @property
     def volume(self) -> float:
         """Total length, area or volume (the sum of `volumes`, correctly rounded)."""
-        return fsum(self.volumes)
+        return total(self.volumes)
 
     def quality(self, name: str) -> np.ndarray:
         """One number for the shape of each cell, in the order of the cells.
@@ -305,6 +304,9 @@ class Mesh(CellComplex):
         field data, "region:<name>", with the number of the region. A face in several markers is in the group
         of the first one other than "facets" and "inner", which follow from where the mesh ends. .msh and .su2
         have no polygons; .vtu and .vtk store all kinds, and polygons in their order.
+
+        Kinds without cells are left out, as in `select`; .node and .ele alone store a mesh without any cell.
+        Formats of meshio may group the kinds in another order, and store as many digits as they have.
         """
         files.write(self, path, version=version, binary=binary, thickness=thickness)
 

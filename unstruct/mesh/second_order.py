@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["CORNERS", "without_middles"]
+__all__ = ["FIRST_ORDER", "without_middles"]
 
 # Kinds of higher order, by meshio's names: the kind of their corners, which come first.
-CORNERS = {
+FIRST_ORDER = {
     **dict.fromkeys(["line3", "line4", "line5", "line6"], "line"),
     **dict.fromkeys(["triangle6", "triangle7", "triangle10", "triangle15", "triangle21"], "triangle"),
     **dict.fromkeys(["quad8", "quad9", "quad16", "quad25", "quad36"], "quad"),

@@ -13,6 +13,7 @@ import numpy as np
 from ..base.errors import InputError
 from ..geometry import simplex
 from ..geometry.scaled_jacobian import frame_jacobians, ring_angles, ring_jacobian, unit_scaled
+from ..geometry.triangle_shapes import planar_shapes
 from .cells import CELL_TYPES, cell_dimension, equal_rows, simplex_dimension
 from .complex import CellComplex
 
@@ -45,6 +46,10 @@ def cell_quality(mesh: CellComplex, name: str) -> np.ndarray:
         For a name that is unknown, or that some kind of cell in the mesh does not have.
     """
     others = [kind for kind in mesh.cells if simplex_dimension(kind) is None]
+    if list(mesh.cells) == ["triangle"]:
+        found = planar_shapes(name, mesh.points, mesh.cells["triangle"])
+        if found is not None:
+            return found
     if name not in simplex.QUALITIES or not others:
         return simplex.quality(name, mesh.corners)
     if name not in COMMON:

@@ -37,21 +37,44 @@ __all__ = ["in_sphere", "orient"]
 
 
 @kernel
+def _repeated(p):
+    """Whether two corners are equal. (Vertices of a mesh are often tested against their own cells.)"""
+    for k in range(p.shape[0]):
+        for m in range(k):
+            same = True
+            for j in range(p.shape[1]):
+                same = same and p[k, j] == p[m, j]
+            if same:
+                return True
+    return False
+
+
+@kernel
 def _batch_orient(simplices, factors, signs):
     """Signs of many simplices: the filter takes them scaled, the exact stage takes them unscaled."""
+    d = simplices.shape[2]
+    s = np.empty((d + 1, d))  # one for all: an array for each simplex took most of the time
     for i in range(len(simplices)):
-        p, s = simplices[i], simplices[i] * factors[i]
-        if p.shape[1] == 2:
+        p = simplices[i]
+        for k in range(d + 1):
+            for j in range(d):
+                s[k, j] = p[k, j] * factors[i]
+        if d == 2:
             sign = filter_orient2(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1])
+            if sign == UNDECIDED and _repeated(p):
+                sign = 0
             if sign == UNDECIDED:
                 sign = exact_orient2(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1])
-        elif p.shape[1] == 3:
-            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+        elif d == 3:
             sign = filter_orient3(
-                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2]
-            )
+                s[0, 0], s[0, 1], s[0, 2], s[1, 0], s[1, 1], s[1, 2], s[2, 0], s[2, 1], s[2, 2],
+                s[3, 0], s[3, 1], s[3, 2],
+            )  # fmt: skip
             if sign == UNDECIDED:
-                sign = -exact_orient3(p.copy().reshape(-1))
+                x = np.empty(12)
+                for k in range(12):
+                    x[k] = p[k // 3, k % 3]
+                sign = -exact_orient3(x)
         else:
             sign = filter_orient(s)
         signs[i] = sign
@@ -60,23 +83,29 @@ def _batch_orient(simplices, factors, signs):
 @kernel
 def _batch_in_sphere(simplices, q, factors, signs):
     """Like `_batch_orient`; if d is neither 2 nor 3, the caller decides the signs left UNDECIDED."""
+    d = simplices.shape[2]
+    s, t = np.empty((d + 1, d)), np.empty(d)
     for i in range(len(simplices)):
         p, c = simplices[i], q[i]
-        s, t = p * factors[i], c * factors[i]
-        if p.shape[1] == 2:
+        for j in range(d):
+            t[j] = c[j] * factors[i]
+            for k in range(d + 1):
+                s[k, j] = p[k, j] * factors[i]
+        if d == 2:
             sign = filter_incircle(s[0, 0], s[0, 1], s[1, 0], s[1, 1], s[2, 0], s[2, 1], t[0], t[1])
             if sign == UNDECIDED:
                 sign = exact_incircle(p[0, 0], p[0, 1], p[1, 0], p[1, 1], p[2, 0], p[2, 1], c[0], c[1])
-        elif p.shape[1] == 3:
-            s0, s1, s2, s3 = s[0], s[1], s[2], s[3]
+        elif d == 3:
             sign = filter_insphere(
-                s0[0], s0[1], s0[2], s1[0], s1[1], s1[2], s2[0], s2[1], s2[2], s3[0], s3[1], s3[2],
-                t[0], t[1], t[2],
+                s[0, 0], s[0, 1], s[0, 2], s[1, 0], s[1, 1], s[1, 2], s[2, 0], s[2, 1], s[2, 2],
+                s[3, 0], s[3, 1], s[3, 2], t[0], t[1], t[2],
             )  # fmt: skip
             if sign == UNDECIDED:
                 x = np.empty(15)
-                x[:12] = p.copy().reshape(-1)
-                x[12:] = c
+                for k in range(12):
+                    x[k] = p[k // 3, k % 3]
+                for k in range(3):
+                    x[12 + k] = c[k]
                 sign = -exact_insphere(x)
         else:
             sign = filter_in_sphere(s, t)
@@ -123,13 +152,6 @@ def orient_at(points: NDArray[np.float64], vertices: NDArray) -> int:
     simplex = points[vertices]
     sign = filter_orient(simplex)
     return exact_orient(simplex) if sign == UNDECIDED else int(sign)
-
-
-def in_sphere_at(points: NDArray[np.float64], vertices: NDArray, q: NDArray[np.float64]) -> int:
-    """In-sphere sign of ``q`` and the simplex on rows of scaled ``points``, any dimension."""
-    simplex = points[vertices]
-    sign = filter_in_sphere(simplex, q)
-    return exact_in_sphere(simplex, q) if sign == UNDECIDED else int(sign)
 
 
 def orient(simplex: ArrayLike) -> NDArray[np.int8] | int:

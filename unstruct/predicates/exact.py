@@ -147,7 +147,7 @@ def differences(x, dimension, degree, slots):
     exponent = np.empty(len(x), np.int64)
     least, greatest = decompose(x, mantissa, exponent)
     span = greatest - least
-    small = np.zeros(len(x) - dimension, np.int64)
+    small = np.empty(len(x) - dimension, np.int64)
     if span <= 61:
         largest = 0
         for i in range(len(small)):
@@ -159,10 +159,12 @@ def differences(x, dimension, degree, slots):
         _, bits = math.frexp(float(largest))
         limit = (0, 30, 29, 20, 14, 11)[degree]  # see the sums that the callers form
         if bits <= limit:
-            return True, small, np.zeros((0, 0), np.int64), np.zeros(0, np.int64)
+            return True, small, np.empty((0, 0), np.int64), np.empty(0, np.int64)
     width = (span // BITS + 4) * degree + 4
     w = np.empty((slots, width), np.int64)
-    n = np.zeros(slots, np.int64)
+    n = np.empty(slots, np.int64)
+    for i in range(slots):
+        n[i] = 0
     for i in range((count - 1) * dimension):
         load(w, n, i, mantissa, exponent, least, i, (count - 1) * dimension + i % dimension)
     return False, small, w, n

@@ -117,8 +117,9 @@ def filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
 @kernel
 def _determinant_and_permanent(a, size):
     """A determinant by minors over subsets of columns, and the same sum with absolute values."""
-    det = np.zeros(1 << size)
-    permanent = np.zeros(1 << size)
+    det, permanent = np.empty(1 << size), np.empty(1 << size)
+    for subset in range(1 << size):
+        det[subset] = permanent[subset] = 0.0
     det[0] = permanent[0] = 1.0
     for subset in range(1, 1 << size):
         row = -1
@@ -139,7 +140,11 @@ def _determinant_and_permanent(a, size):
 def filter_orient(simplex):
     """Sign of the determinant of rows p_i - p_0, or UNDECIDED, for any d; |coordinates| <= 1."""
     d = simplex.shape[1]
-    det, permanent = _determinant_and_permanent(simplex[1:] - simplex[0], d)
+    rows = np.empty((d, d))
+    for i in range(d):
+        for j in range(d):
+            rows[i, j] = simplex[i + 1, j] - simplex[0, j]
+    det, permanent = _determinant_and_permanent(rows, d)
     # Each product of the expansion has the errors of d differences, of d multiplications, and of at most
     # d(d-1)/2 additions.
     bound = (d * (d + 3) + 8) * EPS * permanent + TINY

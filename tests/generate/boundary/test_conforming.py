@@ -370,3 +370,17 @@ def test_delaunay_of_the_vertices_shows_the_boundary():
     assert {frozenset(e) for e in mesh.segments.tolist()} <= edges
     before = {frozenset(e) for e in delaunay(domain.points).edges.tolist()}
     assert not {frozenset(e) for e in domain.facets.tolist()} <= before
+
+
+@pytest.mark.parametrize("degrees", [60, 90, 150])
+def test_many_small_angles_get_shells_by_default(degrees):
+    """Forty spokes of unequal lengths within 90 degrees took 4,871 vertices with midpoints."""
+    rng = np.random.default_rng(0)
+    turn, length = np.radians(np.linspace(0, degrees, 40)), 1 - 0.6 * rng.random(40)
+    tips = length[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    points = np.concatenate([[[-2, -2], [2, -2], [2, 2], [-2, 2], [0, 0]], tips])
+    domain = Domain(points, [[0, 1], [1, 2], [2, 3], [3, 0]], inner=[[4, 5 + i] for i in range(40)])
+    mesh = conforming_delaunay(domain)
+    conforms(mesh, domain)
+    assert len(mesh.points) == len(conforming_delaunay(domain, shells=True).points)
+    assert len(mesh.points) <= {60: 900, 90: 600, 150: 400}[degrees]

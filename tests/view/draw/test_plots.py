@@ -233,6 +233,17 @@ def test_plot_draws_every_cell_of_every_type():
     assert [t.get_text() for t in ax.texts] == [c for c in "01234" for _ in (0, 1)], "a halo and a text each"
 
 
+def test_a_mesh_without_points_is_an_empty_picture():
+    for d, kind in ((1, "line"), (2, "quad"), (3, "hexahedron")):
+        ax = Mesh(np.empty((0, d)), cells={kind: []}).plot()
+        assert not collections(ax, PolyCollection)
+
+
+def test_huge_solids_are_shaded():
+    with np.errstate(all="raise", under="ignore"):
+        mixed_cells.cloud("pyramid", np.array([mixed_cells.GOOD["pyramid"]]) * 1e150).plot()
+
+
 def test_plot_of_values_has_a_color_bar_and_counts_them(planar):
     ax = view.plot(planar, values=np.arange(len(planar.simplices)), label="number")
     assert len(ax.figure.axes) == 2 and ax.figure.axes[1].get_ylabel() == "number"

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import fill
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.ordering import along_curve, curve, draws, random_rounds
@@ -52,7 +53,7 @@ def _triangulate(xy, draw, levels, ranks, turns, vertex, twin):
         rows[i, 0], rows[i, 1] = xy[order[i], 0], xy[order[i], 1]
     if orient2(rows[0, 0], rows[0, 1], rows[1, 0], rows[1, 1], rows[2, 0], rows[2, 1]) == 0:
         return False
-    state, copy_of = np.zeros(8, dtype=np.int64), np.empty(n, dtype=np.int32)
+    state, copy_of = fill(np.empty(8, dtype=np.int64), 0), np.empty(n, dtype=np.int32)
     stack, spare = np.empty(2 * n + 4, dtype=np.int32), np.empty(2 * n + 4, dtype=np.int32)
     start2(rows, vertex, twin, state)
     state[REACHED] = 3

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arrays import as_points
+from ...base.arrays import as_points, fill
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
@@ -28,7 +28,7 @@ __all__ = ["PlanarComplex"]
 @kernel
 def number_kept(vertex, region, count, number, place):
     """Number the triangles of the domain and their vertices, the others -1; return how many there are."""
-    place[:] = -1
+    fill(place, -1)
     cells = 0
     for t in range(count):
         if region[t] < 0:
@@ -90,14 +90,34 @@ def extract(plane, facets, number, place, cells, subsegments):
             j += 1
 
 
+# Loops, because numba takes seconds to compile assignments of slices.
+
+
+@kernel
+def _copy(old, new):
+    for i in range(old.shape[0]):
+        new[i] = old[i]
+
+
+@kernel
+def _copy_rows(old, new):
+    for i in range(old.shape[0]):
+        for k in range(old.shape[1]):
+            new[i, k] = old[i, k]
+
+
 @kernel
 def copy_all(old, new):
     """Copy the arrays of a `Plane` to the beginnings of larger ones."""
-    new.xy[: len(old.xy)], new.vertex[: len(old.vertex)] = old.xy, old.vertex
-    new.twin[: len(old.twin)], new.mark[: len(old.mark)] = old.twin, old.mark
-    new.region[: len(old.region)], new.where[: len(old.where)] = old.region, old.where
-    new.ends[: len(old.ends)], new.piece[: len(old.piece)] = old.ends, old.piece
-    new.span[: len(old.span)] = old.span
+    _copy(old.vertex, new.vertex)
+    _copy(old.twin, new.twin)
+    _copy(old.mark, new.mark)
+    _copy(old.region, new.region)
+    _copy(old.where, new.where)
+    _copy(old.piece, new.piece)
+    _copy_rows(old.ends, new.ends)
+    _copy_rows(old.xy, new.xy)
+    _copy_rows(old.span, new.span)
 
 
 @kernel

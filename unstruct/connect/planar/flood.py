@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import fill
 from ...base.errors import InputError
 from ...base.jit import inline, kernel
 from ...geometry.boxes import BoxTree
@@ -24,7 +25,7 @@ def _parity(vertex, twin, mark, piece, facets, part, stack):
 
     Returns -1, or a facet where this fails.
     """
-    part[:] = -3
+    fill(part, -3)
     for t in range(len(part)):
         if vertex[3 * t] < 0 or vertex[3 * t + 1] < 0 or vertex[3 * t + 2] < 0:
             part[t] = -1
@@ -48,9 +49,17 @@ def _parity(vertex, twin, mark, piece, facets, part, stack):
 
 
 @kernel
+def _most(vertex):
+    most = vertex[0]
+    for e in range(len(vertex)):
+        most = max(most, vertex[e])
+    return most
+
+
+@kernel
 def _odd_facet(vertex, mark, piece, facets):
     """A facet whose end belongs to an odd number of facets."""
-    degree = np.zeros(vertex.max() + 1, dtype=np.int64)
+    degree = fill(np.empty(_most(vertex) + 1, dtype=np.int64), 0)
     for e in range(len(mark)):
         if mark[e] >= 0 and piece[mark[e]] < facets:
             degree[vertex[next_edge(e)]] += 1  # each subsegment is met twice, once from each side
@@ -106,7 +115,9 @@ def flood(plane, facets, hull, part, stack, least):
             else:
                 part[t] = part[stack[t]]
     if parts > 1:
-        least[:parts] = vertex.max()
+        most = _most(vertex)
+        for k in range(parts):
+            least[k] = most
         for t in range(len(part)):
             p = part[t]
             if p >= 0:
@@ -133,7 +144,7 @@ def hold_seeds(xy, vertex, mark, count, seeds):
 
     All triangles are tested: a walk may run in circles if the triangulation is not Delaunay.
     """
-    found = np.full(len(seeds), -1, dtype=np.int64)
+    found = fill(np.empty(len(seeds), dtype=np.int64), -1)
     for t in range(count):
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         if a < 0 or b < 0 or c < 0:
@@ -188,8 +199,10 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
 @kernel
 def _rank(least, number):
     """Number the parts in the order of their lowest vertices, not of their slots."""
-    keys = least[: len(number)].astype(np.int64)
-    order = radix_argsort(keys, 31) if len(number) > 1 else np.zeros(1, dtype=np.int64)
+    keys = np.empty(len(number), dtype=np.int64)
+    for i in range(len(number)):
+        keys[i] = least[i]
+    order = radix_argsort(keys, 31) if len(number) > 1 else fill(np.empty(1, dtype=np.int64), 0)
     for i in range(len(order)):
         number[order[i]] = i
 

@@ -70,7 +70,8 @@ class Stars(NamedTuple):
 @lean
 def opposite_half_edges(vertex, region, count, at):
     """For each vertex of a triangle that has a region a half-edge opposite it; -1 for the others."""
-    at[:] = -1
+    for v in range(at.shape[0]):
+        at[v] = -1
     for t in range(count):
         if region[t] >= 0:
             for e in range(3 * t, 3 * t + 3):
@@ -188,11 +189,12 @@ def measures(ax, ay, bx, by, cx, cy):
     ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
     double = ux * (cy - ay) - uy * (cx - ax)
     u, v, w = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
-    if double <= 0.0 or u == 0.0 or v == 0.0 or w == 0.0:
+    below = u * v * w
+    if double <= 0.0 or below == 0.0:  # also where the squares of the edges are below all doubles
         return 0.0, 0.0
     a, b, c = sqrt(u), sqrt(v), sqrt(w)
     square = double * double
-    return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / (u * v * w)
+    return 4.0 * square / ((a + b + c) * a * b * c), square * min(u, v, w) / below
 
 
 @inline

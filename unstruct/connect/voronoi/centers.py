@@ -19,6 +19,7 @@ __all__ = ["determinants", "local_circumcenters", "outward_normals", "volumes"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+AT_ONCE = 1 << 15  # how many centers are computed at a time, to bound the memory
 NEARLY_FLAT = 1e-3  # integers are used if the determinant over the product of edge lengths is at most this
 
 
@@ -37,7 +38,16 @@ def local_circumcenters(
     m, width = simplices.shape
     scaled = points * scale
     base, offset = simplices[:, 0].copy(), np.empty((m, width - 1))
-    todo = np.arange(m)
+    for low in range(0, m, AT_ONCE):
+        part = slice(low, low + AT_ONCE)
+        _some_centers((points, scaled, weights), simplices[part], scale, base[part], offset[part])
+    return base, offset
+
+
+def _some_centers(given: tuple, simplices: Ints, scale: float, base: Ints, offset: Floats) -> None:
+    """`local_circumcenters` of some simplices, written into ``base`` and ``offset``."""
+    points, scaled, weights = given
+    todo, width = np.arange(len(simplices)), simplices.shape[1]
     for k in range(width):
         corner = simplices[todo, k]
         rows = scaled[np.delete(simplices[todo], k, axis=1)] - scaled[corner][:, None]
@@ -57,7 +67,6 @@ def local_circumcenters(
     for t in todo.tolist():
         heavy = [0.0] * width if weights is None else weights[simplices[t]].tolist()
         offset[t] = _exact_offset(points[simplices[t]].tolist(), heavy, scale)
-    return base, offset
 
 
 def volumes(points: Floats, simplices: Ints, scale: float) -> Floats:

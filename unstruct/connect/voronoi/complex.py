@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,13 @@ Ints = NDArray[np.int32]
 class VoronoiComplex:
     """The dual of a Delaunay mesh, without measures; see `Voronoi`."""
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.points, self.duplicates = (
+            self.mesh.points,
+            self.mesh.duplicates,
+        )  # read-only, which pickle forgets
+
     def __init__(self, mesh: Mesh, *, _trusted: bool = False):
         points, simplices = mesh.points, mesh.simplices
         n, d = points.shape
@@ -46,11 +54,13 @@ class VoronoiComplex:
         self.point_region = np.full(n, -1, dtype=np.int32)
         self.point_region[self._sites] = np.arange(len(self._sites))
         self.point_region[self.duplicates[:, 0]] = self.point_region[self.duplicates[:, 1]]
-        self._cells = self.point_region[simplices]  # the simplices, with numbers of regions as corners
+        every = len(self._sites) == n  # then regions have the numbers of sites, and no array is copied
+        # the simplices, with numbers of regions as corners
+        self._cells = simplices if every else self.point_region[simplices]
         self._scale = power_of_two(points)
         if self.weights is not None:
             self._scale = min(self._scale, power_factor(points, self.weights))
-        own = points[self._sites]
+        own = points if every else points[self._sites]
         self._weights = np.zeros(len(own)) if mesh.weights is None else mesh.weights[self._sites]
         self.simplex_vertex, wrong = cospherical_groups(
             points, simplices, mesh.neighbors, weights=mesh.weights
@@ -61,10 +71,13 @@ class VoronoiComplex:
             self._ridges = find_ridges(own, self._cells, mesh.neighbors, self.simplex_vertex)
         else:
             self._ridges = ridges_of_chain(self._chain)
-        self.ridge_points = self._sites[self._ridges.points].astype(np.int32)
+        pairs = self._ridges.points
+        self.ridge_points = pairs if every else self._sites[pairs].astype(np.int32)
         self._base, self._offset = self._centers(own)
         with np.errstate(over="ignore"):
-            self.vertices = (own * self._scale)[self._base] / self._scale + self._offset / self._scale
+            self.vertices = (own * self._scale)[self._base]
+            self.vertices /= self._scale
+            self.vertices += self._offset / self._scale
         facets = self._ridges.ray_facets
         self.ray_vertices = self.simplex_vertex[facets // (d + 1)]
         self.ray_directions = outward_normals(own, self._cells, facets, self._scale) + 0.0  # no -0.0

@@ -30,7 +30,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-FACETS_AT_ONCE = 1 << 18  # how many facets are tested at a time, to bound the memory
+CELLS_AT_ONCE = 1 << 15  # the facets of so many cells are tested at a time, to bound the memory
 
 
 class Ridges(NamedTuple):
@@ -55,11 +55,14 @@ def cospherical_groups(
     Delaunay, if there are any.
     """
     m = len(simplices)
-    cell, corner = np.nonzero(neighbors > np.arange(m)[:, None])
-    other = neighbors[cell, corner]
-    tied = np.zeros(len(cell), dtype=bool)
-    for low in range(0, len(cell), FACETS_AT_ONCE):
-        t, u = cell[low : low + FACETS_AT_ONCE], other[low : low + FACETS_AT_ONCE]
+    tied = [np.empty((0, 2), dtype=np.int64)]
+    for low in range(0, m, CELLS_AT_ONCE):
+        across = neighbors[low : low + CELLS_AT_ONCE]
+        t, corner = np.nonzero(across > np.arange(low, low + len(across))[:, None])
+        u = across[t, corner]
+        t += low
+        if not len(t):
+            continue
         beyond = simplices[u, np.argmax(neighbors[u] == t[:, None], axis=1)]
         if weights is None:
             inside = np.atleast_1d(in_sphere(points[simplices[t]], points[beyond]))
@@ -68,10 +71,9 @@ def cospherical_groups(
         if (inside > 0).any():
             k = int(np.argmax(inside > 0))
             return np.arange(m, dtype=np.int32), (int(t[k]), int(u[k]))
-        tied[low : low + FACETS_AT_ONCE] = inside == 0
-    if not tied.any():
-        return np.arange(m, dtype=np.int32), None
-    return _linked(m, np.stack([cell[tied], other[tied]], axis=1)), None
+        tied.append(np.stack([t[inside == 0], u[inside == 0]], axis=1))
+    links = np.concatenate(tied)
+    return (_linked(m, links) if len(links) else np.arange(m, dtype=np.int32)), None
 
 
 def _linked(size: int, links: NDArray[np.int64]) -> Ints:

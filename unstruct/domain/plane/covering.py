@@ -199,7 +199,7 @@ def _columns(keys: np.ndarray, width: int) -> np.ndarray:
 
 
 def _vanished(rings: Rings, left: np.ndarray, named: Namer) -> list[Repair]:
-    """What to say of rings whose corners are all equal; ``left`` are the rings of all segments of some length."""
+    """What to say of rings whose corners are all equal; ``left``: the rings of segments of some length."""
     rows = np.flatnonzero(rings.ring >= 0)
     every, first = np.unique(rings.ring[rows], return_index=True)
     gone = ~np.isin(every, left)

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from ...base.arrays import fill
 from ...base.errors import DomainError, InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
@@ -56,7 +57,7 @@ def _any_equal(points):
     size = 4
     while size < 2 * points.shape[0]:
         size *= 2
-    table = np.full(size, -1, dtype=np.int32)
+    table = fill(np.empty(size, dtype=np.int32), -1)
     for i in range(points.shape[0]):
         x, y = bits[i, 0], bits[i, 1]
         key = ((x & HALF_WORD) * MIX[0]) ^ (((x >> 32) & HALF_WORD) * MIX[1])
@@ -98,7 +99,7 @@ def _sound(points, pieces, facets, straight):
     ``straight`` contains the straight pieces.
     """
     n = points.shape[0]
-    odd = np.zeros(n, dtype=np.bool_)
+    odd = fill(np.empty(n, dtype=np.bool_), False)
     for i in range(pieces.shape[0]):
         a, b = pieces[i, 0], pieces[i, 1]
         if a < 0 or b < 0 or a >= n or b >= n or a == b:

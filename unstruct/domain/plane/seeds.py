@@ -24,7 +24,7 @@ from .sample import HALVINGS, Sampled, halve, safe
 __all__ = ["check_seeds", "check_seeds_off_pieces", "coarse", "first_on_piece", "sized"]
 
 ON_CURVE = 2.0**-40  # a seed nearer to a curve than this lies on it; unit: the largest coordinate
-STRETCHES = 64  # parts of a curve that are searched for the point nearest to a seed
+NEAREST_PARTS = 64  # parts of a curve that are searched for the point nearest to a seed
 SAMPLES_OF_STRETCH = 9  # where the distance is computed
 NARROWINGS = 21  # each time to a quarter, until the distance between samples is far below `ON_CURVE`
 
@@ -57,17 +57,17 @@ def _on_curves(outline: Outline, x: np.ndarray) -> list[tuple[int, int]]:
     Each curve is cut into stretches. The nearest point of those that are near enough is found by narrowing
     the interval of its parameter down.
     """
-    piece = np.repeat(np.array(list(outline.curves)), STRETCHES)
-    start = np.tile(np.arange(STRETCHES) / STRETCHES, len(outline.curves))
+    piece = np.repeat(np.array(list(outline.curves)), NEAREST_PARTS)
+    start = np.tile(np.arange(NEAREST_PARTS) / NEAREST_PARTS, len(outline.curves))
     first = outline.points_at(piece, start)
-    last = outline.points_at(piece, start + 1.0 / STRETCHES)
+    last = outline.points_at(piece, start + 1.0 / NEAREST_PARTS)
     reach = np.abs(last - first).max(axis=1, keepdims=True)
     slack = ON_CURVE * max(np.abs(outline.points).max(), np.abs(first).max(), np.abs(x).max())
     low, high = np.minimum(first, last) - reach - slack, np.maximum(first, last) + reach + slack
     row, stretch = BoxTree(low, high).pairs(x, x)
     if len(row) == 0:
         return []
-    middle, half, owner = start[stretch] + 0.5 / STRETCHES, 0.5 / STRETCHES, piece[stretch]
+    middle, half, owner = start[stretch] + 0.5 / NEAREST_PARTS, 0.5 / NEAREST_PARTS, piece[stretch]
     steps = np.linspace(-1.0, 1.0, SAMPLES_OF_STRETCH)
     for _ in range(NARROWINGS):
         t = np.clip(middle[:, None] + half * steps, 0.0, 1.0)

@@ -28,15 +28,15 @@ WKT_KINDS = {  # name -> (type of GeoJSON, brackets within its own)
     "POLYHEDRALSURFACE": ("MultiPolygon", 2),
 }
 CURVED = "CIRCULARSTRING|COMPOUNDCURVE|CURVEPOLYGON|MULTICURVE|MULTISURFACE|CURVE|SURFACE"
-START = re.compile(
+WKT_START = re.compile(
     rf"\s*(SRID\s*=\s*\d+\s*;\s*)?({'|'.join(WKT_KINDS)}|GEOMETRYCOLLECTION|{CURVED})(ZM|Z|M)?\b", re.I
 )
-NEXT = re.compile(r"\s*(SRID\s*=\s*\d+\s*;\s*)?([A-Za-z]+)(?:\s*(ZM|Z|M)\b)?\s*(EMPTY\b|\()?", re.I)
+WKT_NEXT = re.compile(r"\s*(SRID\s*=\s*\d+\s*;\s*)?([A-Za-z]+)(?:\s*(ZM|Z|M)\b)?\s*(EMPTY\b|\()?", re.I)
 
 
 def is_wkt(text: str) -> bool:
     """Whether a text begins as WKT does: with the name of a geometry, and what may follow it."""
-    match = START.match(text)
+    match = WKT_START.match(text)
     return (
         match is not None
         and re.match(r"\s*((ZM|Z|M)\b)?\s*(EMPTY\b|\()", text[match.end() :], re.I) is not None
@@ -78,7 +78,7 @@ class _Reader:
         return InputError(f"{self.source}, line {line}, at {here!r}: {what}")
 
     def geometry(self) -> dict[str, Any]:
-        match = NEXT.match(self.text, self.at)
+        match = WKT_NEXT.match(self.text, self.at)
         if match is None:
             raise self.error("the name of a geometry is expected, such as POLYGON")
         name = match[2].upper()

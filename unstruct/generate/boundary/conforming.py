@@ -38,7 +38,8 @@ __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
 SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, as rounding would bend them
 JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
-DEEP = 12  # shells="auto" turns to shells at an apex after this many halvings next to it
+DEEP = 12  # shells="auto" turns to shells where two pieces meet after this many halvings next to the vertex
+FAN = 3  # with shells="auto" at least so many pieces that meet at a sharp angle get shells at once
 SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
 SHORT, SPENT, REFUSED, PRESCRIBED = 1, 2, 3, 4  # why a subsegment is not split
 TOO_SHORT = "it is shorter than 2^-40 of the extent"
@@ -114,8 +115,9 @@ def conforming_delaunay(
         whatever points are added later outside of their diametral circles.
     shells : bool or "auto"
         Whether pieces that meet at less than 60 degrees are split on concentric shells about their vertex
-        instead of in the middle. "auto" does so where midpoints provably never end, or have not ended after
-        12 halvings.
+        instead of in the middle. "auto" does so where three or more pieces meet, since in a fan each midpoint
+        makes others necessary (40 spokes within 90 degrees: 535 vertices with shells, 4791 with midpoints).
+        Where two pieces meet midpoints need fewer vertices, and shells follow after 12 halvings.
     budget : int, optional
         The largest number of new points; by default 10,000 and 5 more for each subsegment.
     progress : bool
@@ -193,7 +195,11 @@ class ConformingRun:
         self.sharp = np.zeros(len(domain.points), dtype=bool)
         self.sharp[sharp] = True
         self.apex = np.zeros(len(domain.points), dtype=bool)  # where shells are in use
-        self.apex[sharp if shells is True else endless if shells == "auto" else []] = True
+        if shells is True:
+            self.apex |= self.sharp
+        elif shells == "auto":
+            self.apex |= self.sharp & (self._degree() >= FAN)
+            self.apex[endless] = True
         self.auto = shells == "auto"
         self.depth = np.zeros(len(domain.points), dtype=np.int64)
         self.used = np.zeros(len(domain.points), dtype=bool)

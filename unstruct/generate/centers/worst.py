@@ -100,7 +100,7 @@ def measures(ax, ay, bx, by, cx, cy):
     """R, r, the shortest and the longest edge, the area, and the circumcenter of a counterclockwise triangle.
 
     They are computed in doubles, relative to a. They decide where points are put, never what is connected. R
-    is infinite if rounding leaves no area.
+    is infinite if rounding leaves no area, or if the product of the edges is below all doubles.
     """
     ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
     wx, wy = vx - ux, vy - uy
@@ -108,11 +108,12 @@ def measures(ax, ay, bx, by, cx, cy):
     twice = ux * vy - uy * vx
     u, v, w = math.sqrt(u2), math.sqrt(v2), math.sqrt(w2)
     short, long = min(u, v, w), max(u, v, w)
-    if twice <= 0.0:
+    product = u * v * w
+    if twice <= 0.0 or product == 0.0:
         return np.inf, 0.0, short, long, 0.0, np.inf, np.inf
     qx = ax + (vy * u2 - uy * v2) / (2.0 * twice)
     qy = ay + (ux * v2 - vx * u2) / (2.0 * twice)
-    return u * v * w / (2.0 * twice), twice / (u + v + w), short, long, 0.5 * twice, qx, qy
+    return product / (2.0 * twice), twice / (u + v + w), short, long, 0.5 * twice, qx, qy
 
 
 @lean
@@ -133,7 +134,7 @@ def judge(rule, ax, ay, bx, by, cx, cy):
     elif kind == 3:
         value = -math.degrees(arcsine(min(1.0, 0.5 * short / big)))
     elif kind == 4:
-        value = big / small
+        value = big / small if small > 0.0 else np.inf
     else:
         value = area
     if rule.test[HAS_LIMIT] > 0.0 and value > rule.test[LIMIT_ENTRY]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from ...base.jit import lean
 from ...connect.insertion.halfedges import start_of
 from ...connect.planar.stars import (
-    FAIRNESS,
     better,
     floor_for,
     measures,
@@ -26,36 +25,36 @@ OVER = 0.2  # a step goes beyond the mean by this share of its length: three rou
 
 
 @lean
-def improve(stars, todo, moved, threshold, patterns, start, stop):
+def improve(stars, todo, moved, threshold, patterns, judge, start, stop):
     """Look at the vertices ``start <= v < stop`` on the list ``todo``, and move those that gain by it.
 
     A vertex is moved to the mean of its neighbors, and a little farther, if its star is `better` there (a
     *smart* Laplace step). Otherwise, with ``patterns``, it is moved to the best place that a pattern search
-    finds. A star whose triangles all have at least the fairness ``threshold`` is left alone. The vertex that
-    was moved and those around it are put on the list again. With ``patterns`` diagonals are swapped at once;
-    otherwise the caller does this with `legalize_moved`, as of 10^5 Laplace steps in a good mesh only about a
-    hundred need it. ``counts``: moves, swaps.
+    finds. A star whose triangles all have at least the quality ``threshold`` (fairness or 2 r / R: ``judge``)
+    is left alone. The vertex that was moved and those around it are put on the list again. With ``patterns``
+    diagonals are swapped at once; otherwise the caller does this with `legalize_moved`, as of 10^5 Laplace
+    steps in a good mesh only about a hundred need it. ``counts``: moves, swaps.
     """
     xy, places, ring = stars.xy, stars.places, stars.ring
     moves = 0
     for v in range(start, stop):
-        if stars.still[v] or not todo[v]:
+        if not todo[v] or stars.still[v]:
             continue
         todo[v] = False
         k = star_of(xy, stars.vertex, stars.twin, stars.at[v], ring, places)
         x0, y0 = xy[v, 0], xy[v, 1]
-        old = star_measures(places, k, x0, y0, -1.0, FAIRNESS)
+        old = star_measures(places, k, x0, y0, -1.0, judge)
         if old[0] >= threshold:
             continue
         sx = sy = 0.0
         for i in range(k):
             sx, sy = sx + places[i, 0], sy + places[i, 1]
         x, y = sx / k + OVER * (sx / k - x0), sy / k + OVER * (sy / k - y0)
-        new = star_measures(places, k, x, y, floor_for(old[0], FAIRNESS), FAIRNESS)
-        if not better(new, old, FAIRNESS):
+        new = star_measures(places, k, x, y, floor_for(old[0], judge), judge)
+        if not better(new, old, judge):
             x, y = x0, y0
             if patterns:
-                x, y = search(places, k, x, y, old, FAIRNESS)
+                x, y = search(places, k, x, y, old, judge)
             if x == x0 and y == y0:
                 continue
         xy[v, 0], xy[v, 1] = x, y

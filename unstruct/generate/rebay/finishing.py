@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
+from ...connect.planar.stars import FAIRNESS, ROUNDNESS, Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
 from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
@@ -27,9 +27,14 @@ STARS_A_CALL = 100_000  # vertices looked at in one kernel call
 # Laplace steps are tried on stars with a triangle below the fairness `NEARLY`, and afterwards a pattern
 # search on stars with a triangle below the fairness `POOR`. Each of the two takes at most so many rounds.
 NEARLY, LAPLACE_ROUNDS = 0.995, 3
-POOR, SEARCH_ROUNDS = 0.9, 6
+POOR, SEARCH_ROUNDS = 0.93, 6
+# In the end the smallest 2 r / R of stars is raised where it is below this bound; most triangles are above.
+IMPROVED_BELOW, SHARP_ROUNDS = 0.91, 24
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
 WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
+# Before that, inner points are tried where an angle is below the first number, for the second one. The
+# boundary is not split for it, so that edges there keep their lengths.
+HOPED_ANGLE, TRIED_ANGLE = 29.5, 30.0
 PASSES = 3  # of smoothing and refinement, at most
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
 
@@ -66,7 +71,8 @@ def smooth_poor(
     stars = Stars(c.xy, c.vertex, c.twin, c.mark, c.where, at, still, ring, places, stack, counts)
     before: dict[str, float] = {}
     if since:
-        look_for(c.xy, c.vertex, c.region, count, np.inf, np.arange(n) >= since, todo)
+        seen = np.arange(n) >= since
+        look_for(c.xy, c.vertex, c.region, count, np.inf, seen, todo)
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
@@ -77,20 +83,31 @@ def smooth_poor(
         look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
     corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
     _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
+    todo[:] = False
+    look_for(c.xy, c.vertex, c.region, count, IMPROVED_BELOW, seen | moved, todo)
+    _rounds(stars, todo, moved, IMPROVED_BELOW, True, SHARP_ROUNDS, ROUNDNESS)
     swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
     moved[corners.reshape(-1, 3)[swapped]] = True
     return int(counts[0]), int(counts[1]), moved, before
 
 
 def _rounds(
-    stars: Stars, todo: NDArray, moved: NDArray, threshold: float, patterns: bool, rounds: int
+    stars: Stars,
+    todo: NDArray,
+    moved: NDArray,
+    threshold: float,
+    patterns: bool,
+    rounds: int,
+    judge: int = FAIRNESS,
 ) -> int:
     """Repeat `improve` until nothing moves, for at most ``rounds`` rounds, and return the number of moves."""
     n, moves = len(todo), 0
     for _ in range(rounds):
         before = moves
         for start in range(0, n, STARS_A_CALL):
-            moves += improve(stars, todo, moved, threshold, patterns, start, min(start + STARS_A_CALL, n))
+            moves += improve(
+                stars, todo, moved, threshold, patterns, judge, start, min(start + STARS_A_CALL, n)
+            )
         if moves == before:
             break
     return moves
@@ -117,7 +134,13 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
 
 
 def refine_angles(
-    domain: Domain, complex_: PlanarComplex, given: int, most: int, kept: NDArray[np.uint8]
+    domain: Domain,
+    complex_: PlanarComplex,
+    given: int,
+    most: int | None,
+    kept: NDArray[np.uint8],
+    allowed: NDArray[np.int64],
+    wanted: float = WANTED_ANGLE,
 ) -> tuple[dict[str, int], list[int], list[str]]:
     """Refine the complex by Chew's second algorithm, with the minimum angle as the only goal.
 
@@ -129,20 +152,25 @@ def refine_angles(
     given : int
         Vertices from this number on may be removed.
     most : int
-        Refinement stops at this number of vertices.
+        Refinement stops at this number of vertices. None: at 10^7, and where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
+    allowed : ndarray of int64, shape (pieces, 2)
+        What the angle may still cost each piece (see `refinement.narrow`), with which the next call goes on;
+        -1 at first.
+    wanted : float
+        The minimum angle, in degrees.
 
     Returns
     -------
     counts : dict of str to int
         "circumcenters", "splits" and "removed" among others.
     slots, reasons : list
-        Triangles that still have an angle below 26 degrees, and why.
+        Triangles that still have a smaller angle, and why.
     """
     names = [""] * (int(complex_.region[: complex_.triangles].max(initial=-1)) + 1)
     limits = make_limits(
-        names, lambda: np.concatenate(list(domain.bounds)), complex_.factor, min_angle=WANTED_ANGLE,
+        names, lambda: np.concatenate(list(domain.bounds)), complex_.factor, min_angle=wanted,
         max_area=None, size=None, lens=LENS,
     )  # fmt: skip
     cuts = domain.cuts()
@@ -152,10 +180,13 @@ def refine_angles(
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
     run.keep(kept)
+    if (allowed >= 0).all():
+        run.allowed[:] = allowed
     free = run.kind[given : complex_.size]
     free[free == INPUT_VERTEX] = FREE_VERTEX
     code = run.advance()
     while code == MORE:
         code = run.advance()
-    slots, reasons, _ = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
+    allowed[:] = run.allowed
+    slots, reasons, _ = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     return run.counts(), slots.tolist(), reasons.tolist()

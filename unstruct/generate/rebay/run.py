@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import DEFAULT_BUDGET
 from ...base.codes import DONE, ROOM, SPLIT
 from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
@@ -14,8 +15,9 @@ from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
+from ..refinement.state import FINEST_SPAN
 from . import steps as k
-from .finishing import PASSES, PROMISED_ANGLE, figures, refine_angles, smooth_poor
+from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 COUNT_NAMES = (
@@ -23,7 +25,6 @@ COUNT_NAMES = (
     "wide", "outside", "encroaching", "collisions", "rounded", "given up", "refused splits",
 )  # fmt: skip
 FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
-NO_LIMIT = 2**30
 FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
 TOLERANCE = 0.04  # the relative tolerance of the size table
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
@@ -142,6 +143,8 @@ class VoronoiSegmentRun:
         x, y = self.domain.points_at(c.piece[s : s + 1], np.array([t]))[0] * c.factor
         plane, scratch = c.plane(), self.scratch
         m, n, h = find_split(plane, scratch, e, x, y)
+        if min(t - c.span[s, 0], c.span[s, 1] - t) < FINEST_SPAN:
+            m = 0
         if m <= 0 or n < 0 or blocked_by(c.xy, c.vertex, scratch.rim, n, x, y) >= 0:
             self.counts[k.SPLIT_REFUSED] += 1
             return False
@@ -176,9 +179,10 @@ class VoronoiSegmentRun:
 
     def finish(self, budget: int | None) -> dict[str, Any]:
         """Run the finishing pass; return what `result` reports about it."""
-        c, most = self.complex, NO_LIMIT if budget is None else self.first + budget
+        c, most = self.complex, None if budget in (None, DEFAULT_BUDGET) else self.first + budget
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
+        allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
@@ -197,20 +201,31 @@ class VoronoiSegmentRun:
             refined = False
             slots: list[int] = []
             reasons: list[str] = []
+            if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
+                every = np.ones_like(self.kept)
+                found, _, _ = refine_angles(self.domain, c, self.first, most, every, allowed, TRIED_ANGLE)
+                refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
-                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept)
-                done["angle points"] += found["circumcenters"]
-                done["angle splits"] += found["splits"]
-                done["removed"] += found["removed"]
-                if found["circumcenters"] + found["splits"] > 0:
-                    refined, after = True, figures(c)
-                self.restart()
+                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept, allowed)
+                more, after = self._refined(found, done, after)
+                refined = refined or more
             if not refined and (c.size == size or number > 0):
                 break
             since = 0 if refined else size
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
+
+    def _refined(
+        self, found: dict[str, int], done: dict[str, int], before: dict[str, float]
+    ) -> tuple[bool, dict[str, float]]:
+        """Add up what `refine_angles` did; whether there are new points, and the figures afterwards."""
+        done["angle points"] += found["circumcenters"]
+        done["angle splits"] += found["splits"]
+        done["removed"] += found["removed"]
+        new = found["circumcenters"] + found["splits"] > 0
+        self.restart()
+        return new, figures(self.complex) if new else before
 
     # ------------------------------------------------------------------ the account
 

@@ -176,6 +176,8 @@ def point_for(plane, front, e, counts):
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     mx, my = xy[a, 0] + ux / 2.0, xy[a, 1] + uy / 2.0
     length = sqrt(ux * ux + uy * uy)
+    if length == 0.0:  # the square is below all doubles: a point here is too near
+        return mx, my, wanted(front, mx, my), 0.0, 0.0, 0.0
     nx, ny, p = -uy / length, ux / length, length / 2.0
     wx, wy = xy[c, 0] - mx, xy[c, 1] - my
     high = wx * nx + wy * ny

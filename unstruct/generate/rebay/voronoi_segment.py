@@ -121,10 +121,10 @@ def voronoi_segment(
     delta <= sqrt(2), and 28 for the source chapter's 3/2. The proof fails at the boundary and where f varies:
     there angles just below 30 degrees occur. Narrow places and small input angles need the finishing pass.
 
-    *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then a pattern search),
-    swaps diagonals so that the mesh stays constrained Delaunay, and refines by Chew's second algorithm where
-    an angle is below 25 degrees. At its end all angles are at least 25 degrees, except in the triangles that
-    it lists.
+    *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then pattern searches,
+    the last one for the smallest 2 r / R), swaps diagonals so that the mesh stays constrained Delaunay, tries
+    inner points where an angle is below 29.5 degrees, and refines by Chew's second algorithm where an angle
+    is below 25 degrees. At its end all angles are at least 25 degrees, except in the triangles that it lists.
 
     All signs that decide the topology are exact. Triangles are taken by R / f from buckets of half an octave
     of its square, first in, first out. It takes O(n) after the boundary is triangulated. No point is inserted

@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from ...base.elementary import turns
 from ...base.jit import lean
 from ...connect.insertion.engine import COUNT
-from .encroachment import across_small_angle
-from .limits import ANGLE, Limits, misses
+from .encroachment import STRAIGHT, across_small_angle
+from .limits import ANGLE, PLAUSIBLE, Limits, misses
+from .run import Planned
 from .state import (
     CIRCUMCENTERS,
     CURVE,
     FLOOR,
     KEPT,
     LARGE,
+    NARROW,
     PRECISION,
     REJECTED,
     REMOVED,
@@ -30,11 +32,14 @@ __all__ = ["account", "history_of"]
 TEXTS = {
     KEPT: "kept: only a vertex on a piece that must not be split would help",
     FLOOR: "too near: the angle would need edges shorter than a thousandth of the input's, or near rounding",
+    NARROW: "narrow: a gap or wedge this long and thin would take very many triangles; a budget allows them",
     PRECISION: "precision: the needed point cannot be told from its neighbors in doubles",
     CURVE: "curve: a split of a curve would meet another piece or vertex",
 }
+STEEP = f"too near: an angle above {PLAUSIBLE:g}° would need edges shorter than half of those nearby"
+TANGENT_STEP = 2.0**-13  # of the parameter of a curve, for its tangent at an end
 MISSES = ("angle", "area", "size")
-NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 5), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
+NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 7), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
@@ -42,8 +47,8 @@ EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "reject
 def _survey(w, limits, found):
     """Write rows on the triangles that miss a limit into ``found``; return their number.
 
-    A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, and the ends
-    of the shortest edge.
+    A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, the ends of
+    the shortest edge, and the pieces that make the angle.
     """
     count = 0
     for t in range(w.state[COUNT]):
@@ -59,19 +64,21 @@ def _survey(w, limits, found):
             found[count, 3], found[count, 4] = a, b
             if bits == ANGLE:
                 apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
+                found[count, 5], found[count, 6] = w.kind[a], w.kind[b]
                 e = 3 * t
                 while w.vertex[e] != c:
                     e += 1
                 n, p = (e - 2 if e % 3 == 2 else e + 1), (e + 2 if e % 3 == 0 else e - 1)
                 if apex < 0 and w.mark[n] >= 0 and w.mark[p] >= 0:
                     apex = c  # the minimum angle of the triangle lies between two subsegments
+                    found[count, 5], found[count, 6] = w.piece[w.mark[p]], w.piece[w.mark[n]]
                 found[count, 2] = apex
         count += 1
     return count
 
 
 def account(
-    w: Work, limits: Limits, finished: bool, given_up: bool
+    w: Work, limits: Limits, planned: Planned, finished: bool, given_up: bool
 ) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
     """Slots of triangles that miss a limit, the reason for each, and the number that miss each limit.
 
@@ -79,6 +86,8 @@ def account(
     ----------
     w, limits : Work, Limits
         As the kernels use them.
+    planned : Planned
+        The pieces, for the angles between them.
     finished : bool
         Whether the run came to its end. If not, the budget is the reason where no other is known.
     given_up : bool
@@ -94,22 +103,46 @@ def account(
     count = 0 if finished and not given_up else _survey(w, limits, NOTHING)
     if count == 0:
         return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
-    found = np.empty((count, 5), dtype=np.int64)
+    found = np.empty((count, 7), dtype=np.int64)
     _survey(w, limits, found)
-    slot, bits, apex, a, b = found.T
+    slot, bits, apex, a, b, p, q = found.T
     why = w.status[slot].astype(np.int64) & 255
     why[apex >= 0] = SMALL_ANGLE
     reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
     for code, text in TEXTS.items():
         reasons[why == code] = text
+    if limits.growth > 0.0:
+        reasons[why == FLOOR] = STEEP
     if not finished:
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
-    u, v = w.xy[a[rows]] - w.xy[apex[rows]], w.xy[b[rows]] - w.xy[apex[rows]]
+    u = _directions(w, planned, p[rows], apex[rows], a[rows])
+    v = _directions(w, planned, q[rows], apex[rows], b[rows])
     turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
     missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(MISSES)}
     return slot.astype(np.int32), reasons.astype(str), missed
+
+
+def _directions(
+    w: Work, planned: Planned, piece: NDArray[np.int64], apex: NDArray[np.int64], far: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """The directions of pieces at their end ``apex``: the true tangents of curves.
+
+    Elsewhere, and on straight pieces, it is the direction to the vertex ``far``.
+    """
+    u = w.xy[far] - w.xy[apex]
+    first, last = planned.joints[piece].T == apex
+    rows = np.flatnonzero((first != last) & (planned.curve[piece] != STRAIGHT))
+    if len(rows):  # the derivative by three points
+        k, begin, step = (
+            piece[rows],
+            np.where(first[rows], 0.0, 1.0),
+            np.where(first[rows], TANGENT_STEP, -TANGENT_STEP),
+        )
+        x0, x1, x2 = (planned.at(k, begin + i * step) for i in range(3))
+        u[rows] = 4.0 * (x1 - x0) - (x2 - x0)
+    return u
 
 
 def history_of(w: Work, count: int) -> dict[str, NDArray]:

@@ -13,9 +13,11 @@ __all__ = ["apexes"]
 
 ANGLE_MARGIN = 1 - 1e-9  # so that the angles of an equilateral triangle are not small in spite of rounding
 SMALL = ANGLE_MARGIN * np.pi / 3  # below this angle two straight pieces can split each other for ever
-# While a curve is split, its chord at the apex turns: by up to 30 degrees for an arc of 60 degrees. So the
-# limit is larger if a curve is involved.
-SMALL_CURVED = ANGLE_MARGIN * np.pi / 2
+# While a curve is split, its chord at the apex turns toward its tangent there. A stretch of a curve turns by
+# at most 60 degrees, so the chord of an arc turns by at most 30. Each curved side adds this to the limit,
+# which is 90 degrees for one and 120 for two. A curve that turns most of all near the apex may turn its chord
+# by more; if it then comes too close to its neighbor, the floors of `state.set_floors` end the splits.
+CHORD_TURN = np.pi / 6
 
 
 @lean
@@ -33,7 +35,8 @@ def apexes(plane, curve, result):
     """
     xy, vertex, twin, mark = plane.xy, plane.vertex, plane.twin, plane.mark
     region, ends, piece, where = plane.region, plane.ends, plane.piece, plane.where
-    result[:] = 0
+    for s in range(result.shape[0]):
+        result[s] = 0
     for s in range(result.shape[0]):
         for side in range(2):
             e = np.int64(where[s]) if side == 0 else np.int64(twin[where[s]])
@@ -50,7 +53,7 @@ def apexes(plane, curve, result):
             ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
             vx, vy = xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
             wedge = angle_of(ux * vy - uy * vx, ux * vx + uy * vy)
-            bent = curve[piece[r]] != STRAIGHT or curve[piece[s]] != STRAIGHT
-            if 0.0 <= wedge < (SMALL_CURVED if bent else SMALL):
+            curved = (curve[piece[r]] != STRAIGHT) + (curve[piece[s]] != STRAIGHT)
+            if 0.0 <= wedge < SMALL + curved * CHORD_TURN:
                 result[s] |= FIRST if ends[s, 0] == a else SECOND
                 result[r] |= FIRST if ends[r, 0] == a else SECOND

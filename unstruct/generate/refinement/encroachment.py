@@ -9,7 +9,8 @@ common end is called an *apex*. A subsegment that ends there is split at a dista
 two (Ruppert's concentric shells). Then both pieces are cut at equal distances, and points at equal distances
 do not encroach on each other. What is left is a short edge across the wedge, between two points of one shell.
 If this is the shortest edge of a triangle, a better angle would need a shorter edge, and so on for ever;
-such a triangle is left alone.
+such a triangle is left alone, unless it is sharper than the angle of the input. Then it may be refined, as
+long as this makes no edge shorter than the one across the wedge.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry
 (1993) 274-280; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller, S. E. Pav, N. J.
@@ -25,6 +26,7 @@ from ...base.jit import inline
 
 STRAIGHT, ARC, OTHER = 0, 1, 2  # kinds of pieces
 FIRST, SECOND = 1, 2  # bits: which end of a subsegment is the apex of a small angle
+SAME_ANGLE = 0.998  # the quotient of squared sines of two angles that differ by a thousandth
 # Kinds of vertices. The kind of another vertex is the number of the piece that it lies on.
 FREE_VERTEX, INPUT_VERTEX, REMOVED_VERTEX = -1, -2, -3
 
@@ -66,7 +68,7 @@ def split_straight(xy, a, b, t0, t1, apexes):
     dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     if apexes == FIRST or apexes == SECOND:
         length = math.sqrt(dx * dx + dy * dy)
-        ratio = split_distance(length, apexes) / length
+        ratio = split_distance(length, apexes) / length if length > 0.0 else 0.5
     else:
         ratio = 0.5
     return xy[a, 0] + ratio * dx, xy[a, 1] + ratio * dy, t0 + ratio * (t1 - t0)
@@ -109,3 +111,21 @@ def across_small_angle(xy, kind, joints, u, v):
                 if 0.999 * e < d < 1.001 * e and 2.0 * (ux * vx + uy * vy) > 0.999 * d:
                     return w
     return -1
+
+
+@inline
+def _sine_square(xy, w, a, b):
+    """The squared sine of the angle a-w-b; 1 where the squares of lengths are below all doubles."""
+    ux, uy, vx, vy = xy[a, 0] - xy[w, 0], xy[a, 1] - xy[w, 1], xy[b, 0] - xy[w, 0], xy[b, 1] - xy[w, 1]
+    cross, product = ux * vy - uy * vx, (ux * ux + uy * uy) * (vx * vx + vy * vy)
+    return cross * cross / product if product > 0.0 else 1.0
+
+
+@inline
+def sharper_than_input(xy, apex, a, b, c):
+    """Whether c sees the edge a-b across a small angle under an angle that is smaller still.
+
+    On equal shells this is so for the triangles beyond those at the apex, since c is farther away. A
+    thousandth is no difference: below two degrees all of them would be split for nothing.
+    """
+    return _sine_square(xy, c, a, b) < SAME_ANGLE * _sine_square(xy, apex, a, b)

@@ -26,6 +26,12 @@ __all__ = ["Limits"]
 
 NO_TABLE = np.empty(0, dtype=np.int32), np.empty((0, 4)), np.zeros(4)  # child, values, box
 ANGLE, AREA, SIZE = 1, 2, 4  # bits: the limits that a triangle misses
+# A point put in for the angle's sake keeps this share (squared) of the length of the input's edges nearby: a
+# thousandth, or half for angles above `PLAUSIBLE` degrees, where neither theorems nor experience promise an
+# end. There the distance that is kept also grows by this share of the distance from the input.
+FRACTION, STEEP_FRACTION, STEEP_GROWTH = 2.0**-20, 0.25, 0.125
+PLAUSIBLE = 33.5
+UNDERFLOW = 1e-290  # changes no product of doubles that is exact enough to be compared; 0 < 0 would be false
 BY_ANGLE, BY_SIZE = 1, 2  # why a triangle or subsegment is refined: only for the angle, or for area or size
 
 
@@ -34,6 +40,8 @@ class Limits(NamedTuple):
 
     sine2: float  # squared sine of the minimum angle, 0 for none
     lens: float  # squared cosine of the angle under which an encroaching vertex sees a subsegment
+    fraction: float  # see FRACTION
+    growth: float
     twice_area: NDArray[np.float64]  # (regions,) twice the largest area, inf for none
     radius2: NDArray[np.float64]  # (regions,) largest circumradius, squared, if the size is constant
     first: NDArray[np.int64]  # (regions,) first row of the region's size table, -1 if the size is constant
@@ -60,10 +68,10 @@ def misses_of(twice, p, q, s, x, y, r, limits):
 
     R = abc / (2 twice), and the sine of the minimum angle is twice over the product of the two longer edges.
     There are no branches: the outcome cannot be predicted, and wrong predictions of the processor would cost
-    more time than everything else here.
+    more time than everything else here. If the product is below all doubles, the angle is missed.
     """
     square, product = twice * twice, p * q * s
-    angle = square * min(min(p, q), s) < limits.sine2 * product
+    angle = square * min(min(p, q), s) < limits.sine2 * (product + UNDERFLOW)
     area = twice > limits.twice_area[r]
     size = product > 4.0 * square * largest_radius2(limits, r, x, y)
     return ANGLE * angle + AREA * area + SIZE * size
@@ -93,11 +101,13 @@ def make_limits(
     """
     smallest = sine(math.radians(min_angle))
     sine2 = smallest * smallest
+    steep = min_angle > PLAUSIBLE
+    fraction, growth = (STEEP_FRACTION, STEEP_GROWTH) if steep else (FRACTION, 0.0)
     if max_area is None and size is None:
         far, none = np.empty(len(names)), np.empty(len(names), dtype=np.int64)
         far.fill(np.inf)
         none.fill(-1)
-        return Limits(sine2, lens, far, far, none, none, *NO_TABLE)
+        return Limits(sine2, lens, fraction, growth, far, far, none, none, *NO_TABLE)
     areas = [
         _positive(a, "max_area") * factor * factor * 2.0 for a in per_region(max_area, names, "max_area")
     ]
@@ -121,8 +131,8 @@ def make_limits(
             rows += len(nodes.child)
         first[r], last[r] = made[id(one)]
     return Limits(
-        sine2, lens, np.array(areas), radius2, first, last, np.concatenate(child), np.concatenate(values),
-        box * factor,
+        sine2, lens, fraction, growth, np.array(areas), radius2, first, last, np.concatenate(child),
+        np.concatenate(values), box * factor,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_number
+from ...base.arguments import MOST_VERTICES, as_number
 from ...base.arrays import counted_off
 from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
@@ -86,8 +86,9 @@ def refine(
         True, False, or "inner", for inner pieces only. Triangles that need such a vertex stay; the reason
         says so.
     budget : int, optional
-        The number of vertices at which to stop; 10^7 by default. The boundary, cut to the wanted size, and
-        its triangulation are made in any case.
+        The number of vertices at which to stop. The boundary, cut to the wanted size, and its triangulation
+        are made in any case. Without a budget (then it is 10^7), a piece is not split any longer for the
+        angle's sake after 8192 splits, or 256 within a wedge: long narrow gaps and needles stay as they are.
     history : bool
         Keep a record in ``steps`` of the result.
     progress : bool
@@ -97,9 +98,10 @@ def refine(
     -------
     DomainMesh
         It is ``complete`` if all limits are met. Otherwise ``unrefined`` lists the cells that miss one, and
-        ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "precision:
-        ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With ``history`` the arrays of
-        ``steps`` have one row for each event: "kind" ("split", "circumcenter", "rejected", "removed"),
+        ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "narrow:
+        ...", "precision: ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With
+        ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split", "circumcenter",
+        "rejected", "removed"),
         "vertex" (-1 for a rejected one), "cause" (the ends of the subsegment and its number, or the
         triangle), "place". If no vertex was removed (always so for Ruppert's method on straight segments),
         each state is the constrained Delaunay triangulation of the first points, ``points[:k]``.
@@ -123,7 +125,8 @@ def refine(
     input without small angles where, in exact arithmetic, Ruppert's method never ends for more than about
     29.5°, and other input where Chew's does not for more than about 30.7° (Rand). Beyond the
     theorems a run ends because a point put in for the angle's sake must keep a distance of a thousandth of
-    the input's edges nearby, and one for the sake of size or area keeps its distance by itself.
+    the input's edges nearby (of half of them above 33.5°, where few runs would end by themselves), and one
+    for the sake of size or area keeps its distance by itself. A piece is cut into parts of at least 2^-50.
 
     O(n log n) in practice: no point is located, as each starts at its bad triangle. Sources: J. Ruppert,
     Journal of Algorithms 18 (1995) 548-585; L. P. Chew, Symposium on Computational Geometry (1993) 274-280;
@@ -147,7 +150,7 @@ def refine(
     run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held))
     asked = None if refine_if is None else Predicate(refine_if, run, _numbers(planned))
     code = _loop(run, asked, progress)
-    slots, reasons, missed = account(run.work(), limits, code == DONE, run.tally[REFUSALS] > 0)
+    slots, reasons, missed = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
     if asked is not None:
         slots, reasons, missed["refine_if"] = asked.left(slots, reasons, code == DONE)
     steps = None
@@ -185,9 +188,9 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
     return angle, lens, offset
 
 
-def _budget(budget: int | None) -> int:
+def _budget(budget: int | None) -> int | None:
     if budget is None:
-        return DEFAULT_BUDGET
+        return None
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 3:
         raise InputError(f"budget = {budget!r} must be a whole number of vertices, at least 3")
     return min(int(budget), MOST_VERTICES)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import DEFAULT_BUDGET
 from ...base.codes import MORE, ROOM
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
@@ -61,10 +62,11 @@ class Planned:
 class RefineRun:
     """The arrays of a run besides those of its `PlanarComplex`, and the calls of the kernel."""
 
-    def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int, history: bool):
+    def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int | None, history: bool):
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
         self.tally = np.zeros(BY_FUNCTION + 1, dtype=np.int64)
+        thrifty, budget = budget is None, DEFAULT_BUDGET if budget is None else budget
         self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
         self.polygon = np.empty((MOST_CORNERS, 7), dtype=np.int64)
@@ -72,12 +74,13 @@ class RefineRun:
         self.place = np.empty((len(self.event), 2))
         # These are copies, because read-only arrays have another type and would need a second compilation.
         self.arc, self.curve, self.joints = planned.arc.copy(), planned.curve.copy(), planned.joints.copy()
+        self.allowed = np.empty((len(self.joints), 2), dtype=np.int64)
         if c.factor != 1.0:
             self.arc[:, :3] *= c.factor
         wanted = min(expected(c.plane(), limits), 2.0**25)
         c.reserve(min(int(wanted), budget) + 2 * n + 64, 2 * s + 64)
         self._allocate(len(c.xy), len(c.where), len(c.region) + 1)
-        begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32))
+        begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32), limits.fraction, thrifty)
 
     def keep(self, kept: NDArray[np.uint8]) -> None:
         """Split no subsegment of the pieces with a 1; before the first step."""
@@ -119,7 +122,7 @@ class RefineRun:
         if self._work is None:
             arrays: list[NDArray] = [
                 *self.complex.plane(),
-                *OWN_OF(self), self.curve, self.arc, self.joints, *self.scratch,
+                *OWN_OF(self), self.curve, self.arc, self.joints, self.allowed, *self.scratch,
                 self.polygon, self.event, self.place,
             ]  # fmt: skip
             self._work = Work(*arrays)

@@ -27,7 +27,7 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 # between these is the bucket in which it waits because of its angle.
 OPEN, LARGE = 0, 249
 # Otherwise the status is the reason why the triangle was given up. Subsegments have the same reasons.
-KEPT, SMALL_ANGLE, FLOOR, PRECISION, CURVE = 250, 251, 252, 253, 254
+KEPT, SMALL_ANGLE, FLOOR, PRECISION, CURVE, NARROW = 250, 251, 252, 253, 254, 255
 STACKED = 256  # a bit besides: the slot has an entry on the stack of triangles that are too large
 CURVES, BUDGET = 8, 9  # results of `advance`, besides DONE, MORE and ROOM
 # Entries of the tally: first the state of stacks and queue (heights, numbers of waiting ones, the highest
@@ -37,10 +37,15 @@ REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS, BEGUN = 8, 9
 BY_FUNCTION = 16  # 1 if a function asks for refinement, so that no limit says how near splits may come
 UNKNOWN = -9  # not a kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
-# Refinement for the angle makes no edges shorter than a thousandth of the input's edges nearby, nor shorter
-# than about eight units of rounding of the coordinates, which would bend all angles. Both are squared.
-FRACTION = 2.0**-20  # of the edges of the input
-ROUNDING_SQUARE = 4.0**-50  # of the coordinates
+# Refinement for the angle makes no edges shorter than a part of the input's edges nearby (`FRACTION`), nor
+# shorter than about eight units of rounding of the coordinates (here squared), which would bend all angles.
+ROUNDING_SQUARE = 4.0**-50
+# How many splits the angle may cost a piece if no budget is given: within wedges and in all; so many, and so
+# many more for each subsegment that the input or the size makes.
+MOST_IN_WEDGES, WEDGE_EACH = 256, 4
+MOST_SPLITS, SPLITS_EACH = 8192, 64
+UNLIMITED = 2**40
+FINEST_SPAN = 2.0**-50  # of the parameter of a piece: halves that have less could not be told apart
 
 
 class Work(NamedTuple):
@@ -77,6 +82,7 @@ class Work(NamedTuple):
     curve: NDArray[np.int8]
     arc: NDArray[np.float64]
     joints: NDArray[np.int32]
+    allowed: NDArray[np.int64]  # (., 2) splits for the angle that are still allowed: in wedges, in all
     # scratch
     stack: NDArray[np.int32]
     cells: NDArray[np.int32]
@@ -299,7 +305,8 @@ def record(w, tally, what, p, corners, px, py):
 @lean
 def set_kinds(inputs, ends, piece, kind):
     """Set the kind of each vertex: the piece that it cuts, or INPUT_VERTEX for the input and all others."""
-    kind[:] = UNKNOWN
+    for v in range(kind.shape[0]):
+        kind[v] = UNKNOWN
     for v in inputs:
         kind[v] = INPUT_VERTEX
     for s in range(ends.shape[0]):
@@ -331,13 +338,14 @@ def expected(plane, limits):
 
 
 @lean
-def set_floors(xy, vertex, mark, region, count, floor):
-    """Set the floors: ``floor[v]`` is FRACTION times a squared distance.
+def set_floors(xy, vertex, mark, region, count, fraction, floor):
+    """Set the floors: ``floor[v]`` is the fraction of a squared distance.
 
     This is the length of the shortest edge at v within the domain or, if that is less, the distance from v to
     a subsegment opposite it.
     """
-    floor[:] = np.inf
+    for v in range(floor.shape[0]):
+        floor[v] = np.inf
     for t in range(count):
         if region[t] < 0:
             continue
@@ -352,16 +360,22 @@ def set_floors(xy, vertex, mark, region, count, floor):
                 height = (ux * vy - uy * vx) ** 2 / (wx * wx + wy * wy)
                 floor[a] = min(floor[a], height)
     for v in range(floor.shape[0]):
-        floor[v] *= FRACTION
+        floor[v] *= fraction
 
 
 @lean
-def begin(w, inputs):
-    """Set the initial values of a run."""
+def begin(w, inputs, fraction, thrifty):
+    """Set the initial values of a run; a ``thrifty`` one limits what the angle may cost a piece."""
     n, s = w.state[VERTICES], w.state[SEGMENTS]
     set_kinds(inputs, w.ends[:s], w.piece, w.kind[:n])
-    set_floors(w.xy, w.vertex, w.mark, w.region, w.state[COUNT], w.floor[:n])
+    set_floors(w.xy, w.vertex, w.mark, w.region, w.state[COUNT], fraction, w.floor[:n])
     apexes(w, w.curve, w.apexes[:s])
     for i in range(s):  # no split has been asked for yet
         w.lock[i], w.asked[i], w.need[i] = 0, 0, np.inf
         w.given[i, 0] = w.given[i, 1] = w.given[i, 2] = np.nan
+    for k in range(w.allowed.shape[0]):
+        w.allowed[k, 0] = MOST_IN_WEDGES if thrifty else UNLIMITED
+        w.allowed[k, 1] = MOST_SPLITS if thrifty else UNLIMITED
+    for i in range(s):
+        w.allowed[w.piece[i], 0] += WEDGE_EACH
+        w.allowed[w.piece[i], 1] += SPLITS_EACH

@@ -37,11 +37,13 @@ from .encroachment import (
     STRAIGHT,
     across_small_angle,
     encroaches,
+    sharper_than_input,
     split_arc,
     split_straight,
 )
 from .free_vertices import MOST_CORNERS, clear_disc
-from .limits import ANGLE, BY_ANGLE, BY_SIZE, SIZE, largest_radius2
+from .limits import ANGLE, BY_ANGLE, BY_SIZE, FRACTION, SIZE, largest_radius2
+from .narrow import charge, grown_floor
 from .state import (
     BEGUN,
     BUDGET,
@@ -50,12 +52,13 @@ from .state import (
     CURVE,
     CURVES,
     EVENTS,
+    FINEST_SPAN,
     FLOOR,
-    FRACTION,
     KEPT,
     LARGE_ONES,
     LINKED,
     LOCKED,
+    NARROW,
     OPEN,
     PRECISION,
     REJECTED,
@@ -136,18 +139,27 @@ def split_next(w, tally, limits):
         return
     by, w.asked[s] = w.asked[s], 0
     w.given[s, 0] = np.nan
-    a, b = w.ends[s, 0], w.ends[s, 1]
+    a, b, piece = w.ends[s, 0], w.ends[s, 1], w.piece[s]
     square = min(
         (px - w.xy[a, 0]) ** 2 + (py - w.xy[a, 1]) ** 2, (px - w.xy[b, 0]) ** 2 + (py - w.xy[b, 1]) ** 2
     )
+    # where a subsegment is short, size asks for a split only because the triangle beside it is very flat
+    wanted = _wanted(w, limits, s, px, py)
+    if by & BY_SIZE and tally[BY_FUNCTION] > 0:  # no limit says what is short
+        wanted = 0.0
+    thin = square < 0.25 * wanted
+    if thin and min(w.allowed[piece, 0], w.allowed[piece, 1]) <= 0:
+        _lock(w, tally, s, NARROW)
+        return
     rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.need[s]), rounding)
     w.need[s] = np.inf
     smallest = floor
     if by & BY_SIZE:
-        smallest = rounding if tally[BY_FUNCTION] > 0 else FRACTION * _wanted(w, limits, s, px, py)
-        floor = min(floor, max(FRACTION * square, rounding))
-    if square < smallest:
+        smallest = max(FRACTION * wanted, rounding * (tally[BY_FUNCTION] > 0))
+        floor = min(floor, max(limits.fraction * square, rounding))
+    step = min(t - w.span[s, 0], w.span[s, 1] - t)
+    if square < smallest or step < FINEST_SPAN:
         _lock(w, tally, s, FLOOR)
         return
     if limits.lens > 0.0 and w.apexes[s] == 0:
@@ -156,11 +168,12 @@ def split_next(w, tally, limits):
     if k < 0 and clear_disc(w, tally, limits, s) > 0:
         m, k, h = _find(w, s, px, py)
     if k < 0:
-        _lock(w, tally, s, PRECISION if w.curve[w.piece[s]] == STRAIGHT else CURVE)
+        _lock(w, tally, s, PRECISION if w.curve[piece] == STRAIGHT else CURVE)
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
-    w.kind[p], w.floor[p] = w.piece[s], floor
+    charge(w, limits, s, thin)
+    w.kind[p], w.floor[p] = piece, grown_floor(limits, floor, square)
     record(w, tally, SPLITS, p, (a, b, s), px, py)
     new = commit_split(plane_of(w), scratch_of(w), np.int64(w.where[s]), m, k, h, p, t)
     tally[SPLITS] += 1
@@ -215,12 +228,21 @@ def shortest_first(xy, vertex, t):
 
 
 @inline
-def _in_the_way(w, tally, limits, k, px, py, by, floor):
+def _too_short(w, a, b, across):
+    """Whether half of a-b is much shorter than an edge whose square is ``across``, 0 for no such edge."""
+    return (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2 < 3.2 * across
+
+
+@inline
+def _in_the_way(w, tally, limits, k, center, by, floor):
     """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
+
+    Those that are not twice as long as the edge across a small angle, if it is about one, are left alone.
 
     Returned are the number of subsegments, how many of them are encroached, how many of these are on the
     stack, and why one is not.
     """
+    px, py, _, across = center
     marked = found = asked = 0
     why = OPEN
     for i in range(k):
@@ -233,7 +255,9 @@ def _in_the_way(w, tally, limits, k, px, py, by, floor):
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
-                if ask(w, tally, s, by, floor):
+                if _too_short(w, a, b, across):
+                    why = SMALL_ANGLE
+                elif ask(w, tally, s, by, floor):
                     asked += 1
                 else:
                     why = w.lock[s]
@@ -268,15 +292,17 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
     triangulation a point in the circle of the seed sees each edge of the boundary that is not marked; this
     need not be tested.
     """
-    px, py, sure = center
-    marked, found, asked, why = _in_the_way(w, tally, limits, k, px, py, by, floor)
+    px, py, sure, across = center
+    marked, found, asked, why = _in_the_way(w, tally, limits, k, center, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
         s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
-            if ask(w, tally, s, by, floor):
+            if _too_short(w, w.ends[s, 0], w.ends[s, 1], across):
+                why = SMALL_ANGLE
+            elif ask(w, tally, s, by, floor):
                 asked = 1
             else:
                 why = w.lock[s]
@@ -307,10 +333,14 @@ def improve_next(w, tally, limits, offset):
     px, py, square, sure = _center(w.xy, a, b, c, offset)
     rounding = ROUNDING_SQUARE * max(px * px, py * py)
     floor = max(min(w.floor[a], w.floor[b], w.floor[c]), rounding)
+    across = 0.0
     if by == BY_ANGLE:
-        if across_small_angle(w.xy, w.kind, w.joints, a, b) >= 0:
-            give_up(w, tally, t, SMALL_ANGLE)
-            return
+        apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
+        if apex >= 0:
+            if not sharper_than_input(w.xy, apex, a, b, c):
+                give_up(w, tally, t, SMALL_ANGLE)
+                return
+            across = (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2
         if square < floor:
             give_up(w, tally, t, FLOOR)
             return
@@ -318,7 +348,7 @@ def improve_next(w, tally, limits, offset):
         if square < rounding:
             give_up(w, tally, t, PRECISION)
             return
-        floor = min(floor, max(FRACTION * square, rounding))
+        floor = min(floor, max(limits.fraction * square, rounding))
     if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)
         return
@@ -329,11 +359,11 @@ def improve_next(w, tally, limits, offset):
     if k < 0:
         give_up(w, tally, t, PRECISION)
         return
-    if not _step_aside(w, tally, limits, t, k, (px, py, sure), by, floor):
+    if not _step_aside(w, tally, limits, t, k, (px, py, sure, across), by, floor):
         return
     p = w.state[VERTICES]
     w.xy[p, 0], w.xy[p, 1] = px, py
-    w.kind[p], w.floor[p] = FREE_VERTEX, floor
+    w.kind[p], w.floor[p] = FREE_VERTEX, grown_floor(limits, floor, square)
     record(w, tally, CIRCUMCENTERS, p, (a, b, c), px, py)
     commit_here(w, w, m, k, p)
     tally[CIRCUMCENTERS] += 1

@@ -26,7 +26,7 @@ from ...base.errors import InputError
 from ...mesh.cells import incident_facets
 from .colors import line_style, styles
 from .colors import role as style_of
-from .stills import PIXELS, picture_of, with_still
+from .stills import STILL_DPI, picture_of, with_still
 from .strips import fit, flat_axes, marks
 from .strips import label as write_label
 
@@ -59,9 +59,9 @@ class Space(anywidget.AnyWidget):
 
     def still(self) -> bytes:
         """The scene as it is turned now, as the bytes of a PNG file."""
-        ax = plt.subplots(figsize=(self.size / PIXELS, self.size / PIXELS), dpi=PIXELS)[1]
-        turned = {"azimuth": self.azimuth, "elevation": self.elevation, "explode": self.explode}
-        picture(self.scene["items"], ax, **turned)
+        ax = plt.subplots(figsize=(self.size / STILL_DPI, self.size / STILL_DPI), dpi=STILL_DPI)[1]
+        items = self.scene["items"]
+        picture(items, ax, azimuth=self.azimuth, elevation=self.elevation, explode=self.explode)
         ax.set_title(self.caption, wrap=True)
         return picture_of(ax)
 
@@ -366,7 +366,9 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
 
 def _shade(style: Any, color: str | None, corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """The fill color; faces toward the light, which is above the reader's left shoulder, are brighter."""
-    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    first, second = corners[1] - corners[0], corners[2] - corners[0]
+    longest = max(np.abs(first).max(), np.abs(second).max()) or 1.0  # so that squares do not overflow
+    normal = np.cross(first / longest, second / longest)
     light = np.array([-0.35, 0.5, 1.0]) @ turn
     facing = abs(normal @ light) / (np.linalg.norm(normal) * np.linalg.norm(light) or 1)
     base = (

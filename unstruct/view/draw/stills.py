@@ -10,15 +10,16 @@ from matplotlib.axes import Axes
 
 from .colors import png
 
-__all__ = ["PIXELS", "picture_of", "with_still"]
+__all__ = ["STILL_DPI", "picture_of", "with_still"]
 
-PIXELS = 90  # of a still picture, per inch
+STILL_DPI = 90  # of a still picture, per inch
 
 
 def picture_of(ax: Axes) -> bytes:
     """The figure of ``ax`` as the bytes of a PNG file; the figure is closed."""
-    data = png(ax.figure)
-    plt.close(ax.figure)
+    figure: Any = ax.figure  # never a part of one
+    data = png(figure)
+    plt.close(figure)
     return data
 
 

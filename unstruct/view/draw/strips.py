@@ -198,6 +198,8 @@ def flat_axes(ax: Axes | None) -> Axes:
 
 def fit(ax: Axes, points: np.ndarray, margin: float = 0.05) -> None:
     """Make the axes show all points, with a margin relative to the larger side."""
+    if len(points) == 0:
+        return
     low, high = points.min(axis=0), points.max(axis=0)
     pad = margin * max(float((high - low).max()), 1e-300)
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - pad, high[1] + pad))

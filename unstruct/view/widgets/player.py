@@ -14,7 +14,7 @@ import traitlets
 from ...base.errors import InputError
 from ..draw import frames as fr
 from ..draw.colors import styles
-from ..draw.stills import PIXELS, picture_of, with_still
+from ..draw.stills import STILL_DPI, picture_of, with_still
 from ..draw.strips import draw
 
 __all__ = ["Player", "player"]
@@ -68,7 +68,7 @@ class Player(anywidget.AnyWidget):
     def still(self) -> bytes:
         """The frame that is shown, with its caption, as the bytes of a PNG file."""
         one = self.frames[self.index]
-        ax = plt.subplots(figsize=(self.width / PIXELS, self.height / PIXELS), dpi=PIXELS)[1]
+        ax = plt.subplots(figsize=(self.width / STILL_DPI, self.height / STILL_DPI), dpi=STILL_DPI)[1]
         draw(one, ax, view=self.view)
         ax.set_title(one["caption"], wrap=True)
         return picture_of(ax)
