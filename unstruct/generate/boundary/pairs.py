@@ -12,10 +12,10 @@ from ...mesh.domain_mesh import DomainMesh
 
 __all__ = ["paired"]
 
-M = TypeVar("M", bound=DomainMesh)
+P = TypeVar("P", bound=DomainMesh)
 
 
-def paired(domain: Domain, mesh: M) -> M:
+def paired(domain: Domain, mesh: P) -> P:
     """The mesh itself, with the pairs of vertices on matched pieces in ``mesh.pairs``.
 
     Such pieces got no vertices but those of `Domain.sampled`, so that both have equally many.
