@@ -18,6 +18,7 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
+NO_MATCHES = frozen(np.empty((0, 2), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -61,6 +62,8 @@ class DomainMesh(Mesh):
 
     Attributes
     ----------
+    pairs : (k, 2) int32
+        Vertices on sides that match (`Domain.matched`), and their images.
     complete : bool
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
@@ -155,6 +158,7 @@ class DomainMesh(Mesh):
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
+        self.pairs: np.ndarray = NO_MATCHES
 
 
 def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:

@@ -19,6 +19,7 @@ from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
+    BY_FUNCTION,
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
@@ -65,7 +66,7 @@ class RefineRun:
     def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int | None, history: bool):
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
-        self.tally = np.zeros(16, dtype=np.int64)
+        self.tally = np.zeros(BY_FUNCTION + 1, dtype=np.int64)
         thrifty, budget = budget is None, DEFAULT_BUDGET if budget is None else budget
         self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
