@@ -9,9 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..base.doors import door
 from ..base.arguments import as_mapping, finite
 from ..base.arrays import counted_off
+from ..base.doors import door
 from ..base.errors import InputError
 from ..geometry.outline import Outline
 from . import card

@@ -149,7 +149,8 @@ def refine(
     held = domain.held() if isinstance(domain, Domain) else None
     kept = kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held)
     most = _budget(budget)
-    if isinstance(domain, Domain) and not history and not progress and refine_if is None and held is None:
+    plain = not history and not progress and refine_if is None
+    if plain and isinstance(domain, Domain) and not domain.matches:
         at_once = refined_at_once(planned, limits, offset, most, kept, bool(domain.curves))
         if at_once is not None:
             return noticed(at_once)

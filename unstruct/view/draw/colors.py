@@ -8,6 +8,7 @@ differ, too, so that a print in gray can be read.
 from __future__ import annotations
 
 import io
+import warnings
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,6 +16,8 @@ import matplotlib
 from cycler import cycler
 from matplotlib.figure import Figure
 from PIL import Image
+
+from ...base.errors import IncompleteWarning
 
 __all__ = ["PAPER", "ROLES", "Style", "line_style", "png", "role", "setup", "styles"]
 
@@ -104,8 +107,10 @@ def setup() -> None:
 
     Pictures are PNG files on opaque white at 90 dots per inch, with at most 256 colors and without a version
     or date, so that a notebook that is run twice stores the same bytes. Outside IPython only the style is
-    set.
+    set. The pages stop many methods early, to show what they have done so far, and say so; hence
+    `unstruct.IncompleteWarning` is turned off.
     """
+    warnings.simplefilter("ignore", IncompleteWarning)
     try:
         from IPython import get_ipython
     except ImportError:  # without IPython only the style is set

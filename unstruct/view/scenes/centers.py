@@ -5,11 +5,13 @@ The first points of a run determine the state, so every frame is computed from p
 
 from __future__ import annotations
 
+import warnings
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ...base.errors import IncompleteWarning
 from ...connect.insertion.delaunay import delaunay
 from ...generate.centers.circumcenters import circumcenter_insertion
 from ...generate.centers.periodic import periodic_delaunay
@@ -49,7 +51,9 @@ def _run(preset: str) -> tuple[np.ndarray, int]:
     points = np.array(given["points"], dtype=float)
     if "torus" in given:
         return np.array(periodic_circumcenters(points, budget=given["steps"]).points), len(points)
-    mesh = circumcenter_insertion(points, budget=given["steps"], split_boundary=given["split"])
+    with warnings.catch_warnings():  # the run is stopped early on purpose
+        warnings.simplefilter("ignore", IncompleteWarning)
+        mesh = circumcenter_insertion(points, budget=given["steps"], split_boundary=given["split"])
     return np.array(mesh.points), len(points)
 
 
