@@ -3,8 +3,8 @@
 Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`, `swap_diagonals`,
 `interpolate`.
 
-Regions: `Domain` with `Arc`, `Bezier`, `Curve`; `constrained_delaunay`, `conforming_delaunay`, `refine`,
-`circumcenter_insertion`, `voronoi_segment`, `smooth`.
+Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `smooth`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -41,6 +41,7 @@ from .connect.voronoi.diagram import Voronoi as Voronoi
 from .connect.voronoi.diagram import voronoi as voronoi
 from .connect.wrapping.gift_wrapping import gift_wrap as gift_wrap
 from .domain.domain import Domain as Domain
+from .domain.plane.prescribed import Spacing as Spacing
 from .generate.boundary.conforming import conforming_delaunay as conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
@@ -71,6 +72,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "Report",
+    "Spacing",
     "Triangulation",
     "UnstructError",
     "Voronoi",

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from copy import copy
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
 from ..base.doors import door
+from ..base.arguments import as_mapping, finite
+from ..base.arrays import counted_off
+from ..base.errors import InputError
 from ..geometry.outline import Outline
 from . import card
 from .arguments import composed
 from .plane.account import Repair
+from .plane.matching import matching, pieces_of
+from .plane.prescribed import Match, Spacing, parameters
 from .plane.sample import Sampled
 from .sides import SIDES, Side
 
 __all__ = ["Derived"]
 
 _plot = door("unstruct.view:plot_domain")
+SAME_SPACING = 1e-9  # parameters of matched pieces that differ by less are equal
 
 
 class Derived(Outline):
@@ -27,6 +35,7 @@ class Derived(Outline):
     piece_origin: np.ndarray
     repairs: list[Repair]
     max_areas: dict[str, float]
+    hole_seeds: np.ndarray
 
     @property
     def dimension(self) -> int:
@@ -72,9 +81,100 @@ class Derived(Outline):
         A vertex is dropped if the closed triangle with its neighbors is empty (after M. Visvalingam, J. D.
         Whyatt, *Line generalisation by repeated elimination of points*, 1993). Book: 2.6d.
         """
+        self.must_be_free("simplified")
         found = self._side.simplified(self, self._coarse, tolerance, size)
         make: Any = type(self)
         return self.followed(make(**found.parts), found.origin, found.piece_origin, found.repairs)
+
+    def spaced(self, spacing: Mapping[Any, Any]) -> Self:
+        """The domain with given points along some pieces: a number of edges, or a grading.
+
+        Parameters
+        ----------
+        spacing : mapping
+            Name of a marker or number of a piece -> a number of edges of equal length, or a `Spacing`. Each
+            piece of a marker is spaced by itself, from its first vertex to its second.
+
+        Returns
+        -------
+        Domain
+            Every method puts exactly these points on the pieces, whatever size is asked for, and no others;
+            triangles for which that is the reason to miss a limit say so. Only if chords would touch another
+            piece is a curve cut further: ``mesh.piece`` tells how many edges each piece has.
+
+        Raises
+        ------
+        InputError
+            For unknown names, spacings that no number of edges fits, and different ones of pieces that match.
+        """
+        found = dict(self.spacings)
+        for key, value in as_mapping(spacing, "spacing").items():
+            one = value if isinstance(value, Spacing) else Spacing(count=value)
+            found |= {int(p): parameters(self, int(p), one) for p in pieces_of(self, key, "spacing")}
+        return self._held_by(found, self.matches)
+
+    def matched(self, first: Any, second: Any, *, shift: Any = None, tolerance: float | None = None) -> Self:
+        """The domain with two sides that match, for periodic problems: one is the other moved.
+
+        Parameters
+        ----------
+        first, second : str, int or list of int
+            The names of markers, or pieces: the second ones are the first ones moved by a translation.
+        shift : (2,) array_like, optional
+            The translation; found from the vertices by default.
+        tolerance : float, optional
+            How far vertices and curves may be from where they match; 2^-36 of the extent by default.
+
+        Returns
+        -------
+        Domain
+            Vertices of the second pieces are moved to match exactly, with an account in `repairs`. Every
+            method puts points on the second pieces that are those on the first plus the shift, rounded, bit
+            for bit, and no others: both are cut by the finer size. ``mesh.pairs`` has the pairs of vertices.
+            Triangles that miss a limit because these pieces are not split further say so.
+
+        Raises
+        ------
+        InputError
+            If the pieces do not match, with the place; or if one has an image already.
+        """
+        slack = None if tolerance is None else finite(tolerance, "tolerance")
+        found = matching(self, first, second, shift, slack)
+        new = self
+        if len(found.moved):
+            make: Any = type(self)
+            far = float(np.hypot(*(found.points - self.points)[found.moved].T).max())
+            text = f"moved {len(found.moved)} vertices of {second!r} by up to {far:.3g} to match {first!r}"
+            moved = tuple(found.moved.tolist())
+            told = Repair("moved to match", text, tuple(found.points[moved[0]].tolist()), (), moved)
+            made = make(
+                found.points, self.facets, inner=self.inner, curves=self.curves, markers=self.markers,
+                regions=self.regions,
+            )  # fmt: skip
+            every = counted_off(len(self.points)), counted_off(len(self.pieces))
+            new = self.followed(made, *every, [told])
+        return new._held_by(self.spacings, [*self.matches, *found.matches])
+
+    def _held_by(self, spacings: dict[int, np.ndarray], matches: list[Match]) -> Self:
+        for match in matches:
+            one, two = (spacings.get(piece) for piece in match[:2])
+            if one is not None and two is not None:
+                two = 1.0 - two[::-1] if match.turned else two
+                if len(one) != len(two) or np.abs(one - two).max() > SAME_SPACING:
+                    raise InputError(
+                        f"{self.name(match.first)} and {self.name(match.second)} match, but have different "
+                        "spacings: give one of them"
+                    )
+        new = copy(self)
+        for name in ("_coarse", "area", "bounds"):  # they depend on the points
+            new.__dict__.pop(name, None)
+        new.spacings, new.matches = dict(spacings), list(matches)
+        return new
+
+    def must_be_free(self, what: str) -> None:
+        """Raise if pieces have given points or images, which another domain would not have."""
+        if self.spacings or self.matches:
+            raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
 
     def followed(self, new: Any, origin: Any, pieces: Any, repairs: Any = ()) -> Any:
         """A new domain made of parts of this one, with what this one knows about its input.
@@ -88,6 +188,7 @@ class Derived(Outline):
             What was done.
         """
         new.origin, new.piece_origin = composed(self.origin, origin), composed(self.piece_origin, pieces)
+        new.hole_seeds = self.hole_seeds
         new.repairs, new.max_areas = [*self.repairs, *repairs], dict(self.max_areas)
         return new
 

@@ -23,6 +23,7 @@ from .making import Makers
 from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
+from .plane.prescribed import carried
 from .plane.repair import Repair
 from .plane.sample import Sampled
 from .plane.sources import read_domain
@@ -31,6 +32,7 @@ from .sides import SIDES
 __all__ = ["Domain", "as_domain"]
 
 
+NO_SEEDS = frozen(np.empty((0, 2)))
 NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
@@ -78,6 +80,9 @@ class Domain(Makers):
         What ``resolve`` has changed; empty without it, and if nothing was wrong.
     max_areas : dict of str to float
         Area bounds of regions by name, as found by `Domain.read`; `refine` accepts them.
+    hole_seeds : (h, 2) float64
+        Points in holes, as found by `Domain.read`. Facets follow from them; they matter only for
+        ``constrained_delaunay(domain, hull="holes")``.
     origin : (n,) int32
         For each point its number in the input, -1 for a crossing. Without ``resolve`` these are 0 to n - 1.
     piece_origin : (f + g,) int32
@@ -115,6 +120,7 @@ class Domain(Makers):
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
+        self.hole_seeds: np.ndarray = NO_SEEDS
         self.origin: np.ndarray = counted_off(len(self.points))
         self.piece_origin: np.ndarray = counted_off(many)
         if resolve:
@@ -134,10 +140,11 @@ class Domain(Makers):
 
         Parameters
         ----------
-        size : number, function (k, 2) -> (k,), or size field, optional
-            The wanted edge length. Without it straight pieces stay whole, and curves are cut as coarsely as
-            is safe: the curve turns by at most 60 degrees over each chord, no chord meets another, and no
-            vertex lies between a chord and its curve.
+        size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
+            The wanted edge length; by regions, a piece takes the smaller size of its two sides, and the key
+            None stands for regions that are not named. Without it straight pieces stay whole, and curves are
+            cut as coarsely as is safe: the curve turns by at most 60 degrees over each chord, no chord meets
+            another, and no vertex lies between a chord and its curve.
         step : float, optional
             The wanted length of subsegments, in units of the size.
 
@@ -229,7 +236,7 @@ class Domain(Makers):
         Markers and regions are numbers in this format. A name that is not a number is replaced by a free
         number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
-        poly.write_poly(self, self._coarse, self.max_areas, as_path(path))
+        poly.write_poly(self, self._coarse, self.max_areas, self.hole_seeds, as_path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """This domain minus others, which lie inside of it and apart from each other.
@@ -242,6 +249,8 @@ class Domain(Makers):
             As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
         domains: list[Domain] = [self, *map(as_domain, others)]
+        for domain in domains:
+            domain.must_be_free("combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
         return subtracted(self._of, joined(domains), group, names, resolve=resolve)
@@ -267,7 +276,9 @@ class Domain(Makers):
 def as_domain(value: Any) -> Domain:
     """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place."""
     if isinstance(value, Sampled):
-        return as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
+        new = as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
+        carried(value, new)
+        return new
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
     return value

@@ -68,6 +68,8 @@ class Outline:
     ):
         self.points, self.facets, self.inner = points, facets, inner
         self.curves, self.markers, self.regions = curves, markers, regions
+        self.spacings: dict[int, np.ndarray] = {}  # piece -> parameters of the points that it must have
+        self.matches: list[Any] = []  # pairs of pieces of which one is the other, moved
 
     @property
     def pieces(self) -> np.ndarray:
@@ -84,6 +86,12 @@ class Outline:
         used = np.zeros(len(self.points), dtype=bool)
         used[self.pieces.ravel()] = True
         return frozen(np.nonzero(~used)[0].astype(np.int32))
+
+    def held(self) -> np.ndarray:
+        """For each piece whether it has the points that it must have, and gets no others: (p,) bool."""
+        found = np.zeros(len(self.pieces), dtype=bool)
+        found[[*self.spacings, *[piece for match in self.matches for piece in match[:2]]]] = True
+        return found
 
     def name(self, piece: int) -> str:
         """The name of a piece in messages: "facet 3", "inner segment 0"."""

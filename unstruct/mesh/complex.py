@@ -26,7 +26,7 @@ from .cells import (
 )
 from .naming import as_region_names
 
-__all__ = ["CellComplex"]
+__all__ = ["NO_PAIRS", "CellComplex"]
 
 NO_PAIRS, NO_VERTICES = frozen(np.empty((0, 2), dtype=np.int32)), frozen(np.empty(0, dtype=np.int32))
 
@@ -50,12 +50,7 @@ class CellComplex:
         weights: Any = None,
         hidden: Any = None,
         regions: Mapping[str, int] | None = None,
-        _ready: bool = False,
     ):
-        if _ready:  # arrays of our own kernels have the right types and ranges, and nothing else uses them
-            self._hold(points, simplices, neighbors, origin, markers or {})
-            self.regions: dict[str, int] = dict(regions or {})
-            return
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
         if (simplices is None) == (cells is None):
@@ -87,21 +82,7 @@ class CellComplex:
         if markers:
             size = self.size
             self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
-        self.regions = as_region_names(regions, self.markers) if regions else {}
-
-    def _hold(
-        self,
-        points: np.ndarray,
-        simplices: np.ndarray,
-        neighbors: np.ndarray,
-        origin: np.ndarray,
-        markers: Mapping[str, np.ndarray],
-    ) -> None:
-        self.points, self.dimension = frozen(points), simplices.shape[1] - 1
-        self.cells = {simplex_type(self.dimension): frozen(simplices)}
-        self.__dict__["neighbors"] = frozen(neighbors)
-        self.origin, self.duplicates = frozen(origin), NO_PAIRS
-        self.markers = {name: frozen(values) for name, values in markers.items()}
+        self.regions: dict[str, int] = as_region_names(regions, self.markers) if regions else {}
 
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:

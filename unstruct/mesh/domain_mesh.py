@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Any, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import frozen
 from ..base.errors import IncompleteWarning, InputError
 from ..base.options import named
+from .complex import NO_PAIRS
 from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
+NO_MATCHES = frozen(np.empty((0, 2), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -60,6 +62,8 @@ class DomainMesh(Mesh):
 
     Attributes
     ----------
+    pairs : (k, 2) int32
+        Vertices on sides that match (`Domain.matched`), and their images.
     complete : bool
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
@@ -81,6 +85,64 @@ class DomainMesh(Mesh):
         **rest: Unpack[MeshOptions],
     ):
         super().__init__(points, simplices, **rest)
+        self._take_account(unrefined, reasons, counts, figures, steps)
+        self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
+        self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
+        self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
+        if not len(self.segments) == len(self.piece) == len(self.span):
+            raise InputError("segments, piece and span must have one row per subsegment")
+
+    @classmethod
+    def of_triangles(
+        cls,
+        points: NDArray[np.float64],
+        origin: NDArray[np.int32],
+        cells: tuple[NDArray[np.int32], NDArray[np.int32]],
+        markers: dict[str, NDArray],
+        subsegments: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]],
+        *,
+        regions: Mapping[str, int] | None = None,
+        unrefined: ArrayLike | None = None,
+        reasons: ArrayLike | None = None,
+        counts: Mapping[str, int] | None = None,
+        figures: Mapping[str, float] | None = None,
+        steps: Mapping[str, NDArray] | None = None,
+    ) -> Self:
+        """A mesh of triangles whose arrays our own kernels have just made: nothing is checked.
+
+        Parameters
+        ----------
+        points, origin : ndarray
+            Views of them become read-only.
+        cells : tuple of ndarray
+            ``simplices`` and ``neighbors``. These become read-only themselves, as do the following arrays.
+        markers : dict of str to ndarray
+        subsegments : tuple of ndarray
+            ``segments``, ``piece`` and ``span``.
+        regions : dict of str to int, optional
+            The numbers of regions that have a name; nothing is checked.
+        unrefined, reasons, counts, figures, steps
+            As for `DomainMesh`.
+        """
+        mesh = cls.__new__(cls)
+        for array in (*cells, *markers.values(), *subsegments):
+            array.setflags(write=False)
+        mesh.points, mesh.origin, mesh.duplicates = frozen(points), frozen(origin), NO_PAIRS
+        mesh.dimension, mesh.markers, mesh.regions = 2, markers, dict(regions or {})
+        mesh.cells = {"triangle": cells[0]}
+        mesh.__dict__["neighbors"] = cells[1]
+        mesh.segments, mesh.piece, mesh.span = subsegments
+        mesh._take_account(unrefined, reasons, counts, figures, steps)
+        return mesh
+
+    def _take_account(
+        self,
+        unrefined: ArrayLike | None,
+        reasons: ArrayLike | None,
+        counts: Mapping[str, int] | None,
+        figures: Mapping[str, float] | None,
+        steps: Mapping[str, NDArray] | None,
+    ) -> None:
         self.unrefined: np.ndarray = NO_CELLS
         if unrefined is not None:
             self.unrefined = frozen(np.asarray(unrefined, np.int32))
@@ -96,11 +158,7 @@ class DomainMesh(Mesh):
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
-        self.segments: np.ndarray = _pairs(() if segments is None else segments, np.int32)
-        self.piece: np.ndarray = NO_CELLS if piece is None else frozen(np.asarray(piece, np.int32))
-        self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
-        if not len(self.segments) == len(self.piece) == len(self.span):
-            raise InputError("segments, piece and span must have one row per subsegment")
+        self.pairs: np.ndarray = NO_MATCHES
 
 
 def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:

@@ -1,10 +1,12 @@
 """Close cases: signs that the filter leaves open, decided in floating point where this is provably exact.
 
-There are two stages before `unstruct.predicates.exact`. Coordinates are scaled, at most 1 in magnitude.
+There are up to three stages before `unstruct.predicates.exact`. Coordinates are at most 1 in magnitude.
 
 * *Short* differences. On lattices and other rounded data the coordinate differences are exact, and they are
   multiples, by integers of few bits, of one power of two. Then plain floating point makes no error at
   all, and the sign is exact, ties included.
+* In the plane, *whole* differences: integers below 2^57 times one power of two, as mirrored points and
+  lattices with steps such as 0.1 have them. The sign is exact, ties included (`unstruct.predicates.fixed`).
 * Double-double arithmetic: numbers are sums of two doubles, and differences are exact. With u = 2^-53, a
   product errs by at most 7 u^2 and a sum by 3 u^2 (M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous
   error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44, 2017). This adds up to
@@ -14,9 +16,12 @@ There are two stages before `unstruct.predicates.exact`. Coordinates are scaled,
 
 from __future__ import annotations
 
+import math
+
 from ..base.jit import inline, kernel
 from .exact import exact_incircle, exact_insphere, exact_orient2, exact_orient3
 from .filters import TINY
+from .fixed import WHOLE_BITS, fixed_incircle, fixed_orient2, whole
 
 SPLITTER = 2.0**27 + 1.0
 INCIRCLE_CLOSE = 2.0**-100
@@ -100,15 +105,17 @@ def close_orient2(ax, ay, bx, by, cx, cy):
     qx, t2 = _two_difference(bx, cx)
     qy, t3 = _two_difference(by, cy)
     most = max(max(abs(px), abs(py)), max(abs(qx), abs(qy)))
-    s = SHORT_ORIENT2 * most
-    if (
-        most > LEAST_SAFE
-        and _short(px, t0, s)
-        and _short(py, t1, s)
-        and _short(qx, t2, s)
-        and _short(qy, t3, s)
-    ):
-        return _sign(px * qy - py * qx)
+    if most > LEAST_SAFE:
+        s = SHORT_ORIENT2 * most
+        if _short(px, t0, s) and _short(py, t1, s) and _short(qx, t2, s) and _short(qy, t3, s):
+            return _sign(px * qy - py * qx)
+        s = math.ldexp(1.0, WHOLE_BITS - math.frexp(most)[1])
+        w0, r0 = whole(px, t0, s)
+        w1, r1 = whole(py, t1, s)
+        w2, r2 = whole(qx, t2, s)
+        w3, r3 = whole(qy, t3, s)
+        if r0 + r1 + r2 + r3 == 0.0:
+            return fixed_orient2(w0, w1, w2, w3)
     return exact_orient2(ax, ay, bx, by, cx, cy)
 
 
@@ -134,6 +141,16 @@ def close_incircle(ax, ay, bx, by, cx, cy, px, py):
             + blift * (cx_ * ay_ - ax_ * cy_)
             + clift * (ax_ * by_ - bx_ * ay_)
         )
+    if most > LEAST_SAFE:
+        s = math.ldexp(1.0, WHOLE_BITS - math.frexp(most)[1])
+        w0, r0 = whole(ax_, axt, s)
+        w1, r1 = whole(ay_, ayt, s)
+        w2, r2 = whole(bx_, bxt, s)
+        w3, r3 = whole(by_, byt, s)
+        w4, r4 = whole(cx_, cxt, s)
+        w5, r5 = whole(cy_, cyt, s)
+        if r0 + r1 + r2 + r3 + r4 + r5 == 0.0:
+            return fixed_incircle(w0, w1, w2, w3, w4, w5)
     permanent = (
         alift * (abs(bx_ * cy_) + abs(cx_ * by_))
         + blift * (abs(cx_ * ay_) + abs(ax_ * cy_))

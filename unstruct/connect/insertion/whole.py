@@ -24,46 +24,51 @@ ROUNDS = 3  # the number of rounds, as in `brio`
 
 
 @kernel
-def _scaled(rows, xy):
-    """Write ``xy = rows * factor``, by the factor of `power_of_two`; return it, and whether this is exact."""
+def _scale(xy):
+    """Multiply by the factor of `power_of_two`; return it, and whether this is exact."""
     largest = 0.0
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            largest = max(largest, abs(rows[i, k]))
+    for i in range(xy.shape[0]):
+        for k in range(xy.shape[1]):
+            largest = max(largest, abs(xy[i, k]))
     factor = 1.0 if largest == 0.0 else math.ldexp(1.0, min(-math.frexp(largest)[1], 1023))
     exact = True
-    for i in range(rows.shape[0]):
-        for k in range(rows.shape[1]):
-            y = rows[i, k] * factor
-            xy[i, k] = y
-            exact = exact and y / factor == rows[i, k]
+    for i in range(xy.shape[0]):
+        for k in range(xy.shape[1]):
+            x = xy[i, k]
+            xy[i, k] = x * factor
+            exact = exact and xy[i, k] / factor == x
     return factor, exact
 
 
 @kernel
-def _triangulate(xy, draw, levels, ranks, turns, vertex, twin):
-    """Order the points, insert them, and number the vertices as the points are numbered.
+def _triangulate(xy, draw, levels, tables, half):
+    """Scale the points, order them, insert them, and number the vertices as the points are numbered.
 
-    Returns False if some points are equal, or if the first three are on a line.
+    Returns the factor; 0 if it is not exact, if some points are equal, or if the first three are on a line.
     """
+    factor, exact = _scale(xy)
+    if not exact:
+        return 0.0
+    vertex, twin = half
+    ranks, turns = tables
     n = xy.shape[0]
     order = along_curve(xy, 2, random_rounds(draw, RATIO, ROUNDS), levels, ranks, turns)
     rows = np.empty((n, 2))
     for i in range(n):
         rows[i, 0], rows[i, 1] = xy[order[i], 0], xy[order[i], 1]
     if orient2(rows[0, 0], rows[0, 1], rows[1, 0], rows[1, 1], rows[2, 0], rows[2, 1]) == 0:
-        return False
+        return 0.0
     state, copy_of = fill(np.empty(8, dtype=np.int64), 0), np.empty(n, dtype=np.int32)
     stack, spare = np.empty(2 * n + 4, dtype=np.int32), np.empty(2 * n + 4, dtype=np.int32)
     start2(rows, vertex, twin, state)
     state[REACHED] = 3
     insert2(rows, vertex, twin, state, stack, spare, copy_of, n)
     if 3 * state[COUNT] < vertex.shape[0]:
-        return False
+        return 0.0
     for e in range(vertex.shape[0]):
         if vertex[e] >= 0:
             vertex[e] = order[vertex[e]]
-    return True
+    return factor
 
 
 def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdges:
@@ -90,11 +95,11 @@ def half_edges(rows: NDArray[np.float64], *, progress: bool = False) -> HalfEdge
     """
     n = len(rows)
     if 3 <= n <= Planar.chunk and not progress:  # this is so short that Ctrl-C may wait
-        xy = np.empty((n, 2))
-        factor, exact = _scaled(rows, xy)
+        xy = rows.copy()
         vertex, twin = np.empty(6 * n - 6, dtype=np.int32), np.empty(6 * n - 6, dtype=np.int32)
-        draw = draws(n, RATIO ** (ROUNDS - 1))
-        if exact and _triangulate(xy, draw, *curve(n, 2), vertex, twin):
+        levels, *tables = curve(n, 2)
+        factor = _triangulate(xy, draws(n, RATIO ** (ROUNDS - 1)), levels, tuple(tables), (vertex, twin))
+        if factor > 0.0:
             return HalfEdges(xy, vertex, twin, factor)
     return _step_by_step(rows, progress)
 

@@ -13,81 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arrays import as_points, fill
+from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
-from ..insertion.engine import BUSY, COUNT, FREE, extract_cells, grown
+from ..insertion.engine import BUSY, COUNT, FREE, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.whole import half_edges
+from .extraction import extract, named_sets, survey
 from .records import Plane, Scratch
 
-__all__ = ["PlanarComplex"]
-
-
-@kernel
-def number_kept(vertex, region, count, number, place):
-    """Number the triangles of the domain and their vertices, the others -1; return how many there are."""
-    fill(place, -1)
-    cells = 0
-    for t in range(count):
-        if region[t] < 0:
-            number[t] = -1
-            continue
-        number[t] = cells
-        cells += 1
-        for k in range(3):
-            place[vertex[3 * t + k]] = 0
-    vertices = 0
-    for v in range(len(place)):
-        if place[v] == 0:
-            place[v] = vertices
-            vertices += 1
-    return cells, vertices
-
-
-@kernel
-def survey(plane, facets, number, place):
-    """`number_kept`, and how many subsegments bound a triangle with a number, and how many of facets do."""
-    cells, vertices = number_kept(plane.vertex, plane.region, plane.state[COUNT], number, place)
-    kept = outer = 0
-    for s in range(plane.state[SEGMENTS]):
-        e = np.int64(plane.where[s])
-        if number[e // 3] >= 0 or number[plane.twin[e] // 3] >= 0:
-            kept += 1
-            outer += plane.piece[s] < facets
-    return cells, vertices, kept, outer
-
-
-@kernel
-def extract(plane, facets, number, place, cells, subsegments):
-    """Write what `survey` counted: cells with their neighbors and regions, and subsegments.
-
-    ``cells`` gets the vertices, neighbors and regions of the cells. ``subsegments`` gets ends, pieces and
-    spans of all subsegments, then again the ends of those of facets, and the ends of the others.
-    """
-    simplices, neighbors, regions = cells
-    rows, pieces, spans, one, two = subsegments
-    count, twin, ends = plane.state[COUNT], plane.twin, plane.ends
-    extract_cells(plane.vertex, twin, 3, count, place, number, simplices, neighbors)
-    for t in range(count):
-        if number[t] >= 0:
-            regions[number[t]] = plane.region[t]
-    i = j = 0
-    for s in range(plane.state[SEGMENTS]):
-        e = np.int64(plane.where[s])
-        if number[e // 3] < 0 and number[twin[e] // 3] < 0:
-            continue
-        a, b = place[ends[s, 0]], place[ends[s, 1]]
-        k = i + j
-        rows[k, 0], rows[k, 1], pieces[k] = a, b, plane.piece[s]
-        spans[k, 0], spans[k, 1] = plane.span[s, 0], plane.span[s, 1]
-        if plane.piece[s] < facets:
-            one[i, 0], one[i, 1] = a, b
-            i += 1
-        else:
-            two[j, 0], two[j, 1] = a, b
-            j += 1
+__all__ = ["PlanarComplex", "copy_all"]
 
 
 # Loops, because numba takes seconds to compile assignments of slices.
@@ -198,6 +134,14 @@ class PlanarComplex:
         self.regions: dict[str, int] = {}
         self.state: NDArray[np.int64] = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[FREE], self.state[VERTICES] = count, -1, len(rows)
+
+    def take_subsegments(
+        self, ends: NDArray[np.int32], piece: NDArray[np.int32], span: NDArray[np.float64],
+        where: NDArray[np.int32],
+    ) -> None:  # fmt: skip
+        """Store these arrays, with one row per subsegment."""
+        self.ends, self.piece, self.span, self.where = ends, piece, span, where
+        self.state[SEGMENTS] = len(ends)
 
     # ------------------------------------------------------------------ counters
 
@@ -324,49 +268,41 @@ class PlanarComplex:
             Vertices that no triangle of the domain uses are left out. Markers "facets" and "inner" contain
             the subsegments of each kind that bound a triangle.
         """
-        count, n = self.triangles, self.size
-        number, place = np.empty(count, dtype=np.int32), np.empty(n, dtype=np.int32)
-        plane = self.plane()
-        cells, vertices, kept, outer = survey(plane, facets, number, place)
+        number, place = np.empty(self.triangles, dtype=np.int32), np.empty(self.size, dtype=np.int32)
+        triangles = self.vertex, self.twin, self.region
+        subsegments = self.where, self.ends, self.piece, self.span
+        cells, vertices, kept, outer = survey(triangles, subsegments, self.state, facets, number, place)
         simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
-        ends, piece = np.empty((kept, 2), dtype=np.int32), np.empty(kept, dtype=np.int32)
-        span, region = np.empty((kept, 2)), np.empty(cells, dtype=np.int32)
-        named: dict[str, NDArray] = {
-            "facets": np.empty((outer, 2), dtype=np.int32),
-            "inner": np.empty((kept - outer, 2), dtype=np.int32),
-        }
-        subsegments = (ends, piece, span, named["facets"], named["inner"])
-        extract(plane, facets, number, place, (simplices, neighbors, region), subsegments)
-        rows = self._unscaled(points)
-        if origin is not None and len(origin) == n and origin.dtype == np.int32:
-            source = origin
-        else:
-            source = np.empty(n, dtype=np.int32)
-            source.fill(-1)
-            if origin is not None:
-                source[: len(origin)] = origin
-        if vertices < n:
+        region, ends = np.empty(cells, dtype=np.int32), np.empty((kept, 2), dtype=np.int32)
+        piece, span = np.empty(kept, dtype=np.int32), np.empty((kept, 2))
+        extract(
+            triangles, subsegments, self.state, number, place,
+            (simplices, neighbors, region), (ends, piece, span),
+        )  # fmt: skip
+        named = named_sets(ends, piece, outer, facets, markers)
+        rows, source = self._unscaled(points), self._origin(origin)
+        if vertices < len(rows):
             used = place >= 0
             rows, source = rows[used], source[used]
-        for name, pieces in (markers or {}).items():
-            named[name] = ends[np.isin(piece, np.asarray(pieces))]
         if regions:
             named["region"] = region
         if rest.get("unrefined") is not None and len(rest["unrefined"]):
             rest["unrefined"] = number[np.asarray(rest["unrefined"], dtype=np.int64)]
-        return DomainMesh(
-            rows,
-            simplices,
-            neighbors=neighbors,
-            origin=source,
-            markers=named,
-            segments=ends,
-            piece=piece,
-            span=span,
-            regions=self.regions if regions else None,
-            _ready=True,
-            **rest,
-        )
+        return DomainMesh.of_triangles(
+            rows, source, (simplices, neighbors), named, (ends, piece, span),
+            regions=self.regions if regions else None, **rest,
+        )  # fmt: skip
+
+    def _origin(self, known: NDArray[np.int32] | None) -> NDArray[np.int32]:
+        """``known`` for the first vertices, -1 for the others."""
+        n = self.size
+        if known is not None and len(known) == n and known.dtype == np.int32:
+            return known
+        origin = np.empty(n, dtype=np.int32)
+        origin.fill(-1)
+        if known is not None:
+            origin[: len(known)] = known
+        return origin
 
     def _unscaled(self, known: NDArray[np.float64] | None) -> NDArray[np.float64]:
         """The coordinates of all vertices in the units of the domain; the first of them are ``known``."""

@@ -14,7 +14,7 @@ from ...predicates.kernels import orient2
 from ..insertion.halfedges import next_edge, prev_edge
 from .complex import PlanarComplex
 
-__all__ = ["flood", "hold_seeds", "mark_regions"]
+__all__ = ["flood", "hold_seeds", "mark_regions", "number_parts"]
 
 FEW_SEEDS = 16  # so many are compared with all triangles, which takes less than a tree of their boxes
 
@@ -188,11 +188,19 @@ def mark_regions(complex_: PlanarComplex, facets: int, regions: dict[str, NDArra
         )
     if parts == 0:
         raise InputError("the facets bound no area, so nothing is inside: check the domain")
+    number_parts(complex_, regions, int(parts), least)
+
+
+def number_parts(
+    complex_: PlanarComplex, regions: dict[str, NDArray], parts: int, least: NDArray[np.int32]
+) -> None:
+    """Number the parts that `flood` has found by their lowest vertices; those with a named seed first."""
     complex_.regions = {name: k for k, name in enumerate(regions)}
     if parts == 1 and not regions:
         return
     number = np.empty(parts, dtype=np.int32)
     _rank(least, number)
+    part = complex_.region[: complex_.triangles]
     _relabel(part, _named(complex_, regions, part, number) if regions else number)
 
 

@@ -14,7 +14,7 @@ from .complex import SEGMENTS, PlanarComplex
 from .filling import Filling
 from .segments import CROSSES, LEAVES, LOST, carriers, fill_corners, insert_segments, mark_present
 
-__all__ = ["insert_all"]
+__all__ = ["insert_all", "ordered"]
 
 
 PATIENCE = 32  # circle tests per corner of a polygon beside a segment, before its ears are cut instead
@@ -54,6 +54,7 @@ def insert_all(
         For segments that cross or overlap; both are named. The complex is then no longer valid.
     """
     count, n = complex_.triangles, complex_.size
+    ends = ends.copy()  # kernels are compiled once more for read-only arrays, as those of a `Domain` are
     corner = np.empty(n, dtype=np.int32)
     fill_corners(complex_.vertex, 3 * count, corner)
     missing = np.empty(len(ends), dtype=bool)
@@ -67,7 +68,7 @@ def insert_all(
     if i == 0 and not progress:  # no segment is missing
         _enter(complex_, ends, piece, span, where, known=True)
         return crossed
-    order = _order(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
+    order = ordered(missing, i, ends, corner, draws(i, 2**32), int(count).bit_length() + 2)
     left, right = np.empty(count + 2, dtype=np.int64), np.empty(count + 2, dtype=np.int64)
     cells, pending = np.empty(count + 2, dtype=np.int64), np.empty(8 * count + 8, dtype=np.int32)
     sides, stack = np.empty((8, count + 3), dtype=np.int64), np.empty((count + 3, 3), dtype=np.int64)
@@ -89,7 +90,7 @@ def insert_all(
 
 
 @kernel
-def _order(missing, left, ends, corner, draw, bits):
+def ordered(missing, left, ends, corner, draw, bits):
     """An order in random rounds, each eight times as large as the one before; within a round, by corners.
 
     If many long segments cross many triangles, an order without rounds can cost a hundred times more.
@@ -137,14 +138,8 @@ def _enter(
     With ``known`` each segment is one edge, and ``where`` has its half-edge.
     """
     slots = 3 * complex_.triangles
-    complex_.state[SEGMENTS] = len(ends)
     if known or carriers(complex_.vertex, complex_.mark, slots, ends, where) == 2 * len(ends):
-        complex_.ends, complex_.piece, complex_.span, complex_.where = (
-            ends.copy(),
-            piece.copy(),
-            span.copy(),
-            where,
-        )
+        complex_.take_subsegments(ends, piece.copy(), span.copy(), where)
         return
     half = np.flatnonzero(complex_.mark[:slots] >= 0)
     vertex, of = complex_.vertex, complex_.mark[half]

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.files import replacing, suffix_of, text_of
 from ...base.tables import Rows
@@ -68,12 +69,15 @@ class Poly(NamedTuple):
         All segments as inner segments; repaired if this was asked for.
     piece_origin : (s,) int32
         The segment of the file of which each piece is a part.
+    holes : (h, 2) float64
+        The seeds of holes.
     """
 
     parts: dict[str, Any]
     areas: dict[str, float]
     walls: Any
     piece_origin: np.ndarray
+    holes: np.ndarray
 
 
 def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
@@ -116,7 +120,7 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
         "markers": {name: place[pieces] for name, pieces in walls.markers.items()},
         "regions": regions,
     }
-    return Poly(parts, areas, walls, walls.piece_origin[order])
+    return Poly(parts, areas, walls, walls.piece_origin[order], seeds)
 
 
 def _region_name(value: float) -> str:
@@ -167,6 +171,7 @@ def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray
 def account(domain: Any, found: Poly) -> None:
     """Let a domain made of what was found account for the vertices and segments of the file."""
     domain.max_areas.update(found.areas)
+    domain.hole_seeds = frozen(found.holes)
     domain.repairs[:0] = found.walls.repairs
     domain.origin = composed(found.walls.origin, domain.origin)
     domain.piece_origin = composed(found.piece_origin, domain.piece_origin)
@@ -175,7 +180,9 @@ def account(domain: Any, found: Poly) -> None:
 # ---------------------------------------------------------------------- writing
 
 
-def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], path: Path) -> None:
+def write_poly(
+    domain: Outline, sampled: Sampled, areas: Mapping[str, float], seeds_of_holes: np.ndarray, path: Path
+) -> None:
     """Write vertices, segments, a seed for each hole, and regions; every number has full precision."""
     if suffix_of(path) != ".poly":
         raise InputError(f"a region is written as .poly, not as {path.suffix!r}: change the file's name")
@@ -198,7 +205,7 @@ def write_poly(domain: Outline, sampled: Sampled, areas: Mapping[str, float], pa
     largest = order[np.unique(part[order], return_index=True)[1]]  # the triangle of each part
     middle = mesh.points[mesh.simplices[largest[~np.isin(part[largest], beyond)]]].mean(axis=1)
     inside = even_odd(sampled.points, sampled.ends[sampled.piece < len(domain.facets)], middle)[0]
-    holes = middle[~inside].tolist()
+    holes = middle[~inside].tolist() if len(domain.facets) else seeds_of_holes.tolist()
     lines += [str(len(holes))] + [f"{i} {x!r} {y!r}" for i, (x, y) in enumerate(holes)]
     seeds = [(name, x) for name in domain.regions for x in domain.regions[name].tolist()]
     lines += [str(len(seeds))]

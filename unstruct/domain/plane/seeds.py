@@ -14,10 +14,11 @@ from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import vertices_on_segments
-from . import sample
+from . import by_size, sample
 from .faults import first_copies
 from .inside import contains
 from .lunes import in_lunes
+from .prescribed import mirrored, spaced
 from .sample import HALVINGS, Sampled, halve, safe
 
 __all__ = ["check_seeds", "check_seeds_off_pieces", "coarse", "first_on_piece", "sized"]
@@ -127,11 +128,26 @@ def _apart_from_seeds(outline: Outline, sampled: Sampled) -> Sampled:
     _refuse(outline, int(query[inside][0]), f"on {outline.name(int(sampled.piece[rows[row[inside][0]]]))}")
 
 
+def _prescribed(outline: Outline, sampled: Sampled) -> Sampled:
+    """The subsegments with the points that spaced and matched pieces must have, still apart from seeds."""
+    if not outline.spacings and not outline.matches:
+        return sampled
+    sampled = spaced(outline, sampled)
+    for _ in range(HALVINGS):
+        sampled = mirrored(outline, sampled)
+        apart = _apart_from_seeds(outline, sampled)
+        if apart is sampled:
+            break
+        sampled = apart
+    return sampled
+
+
 def coarse(outline: Outline) -> Sampled:
     """`sample.coarse`, apart from seeds."""
-    return _apart_from_seeds(outline, sample.coarse(outline))
+    return _prescribed(outline, _apart_from_seeds(outline, sample.coarse(outline)))
 
 
 def sized(outline: Outline, size: Any, step: float) -> Sampled:
-    """`sample.sized`, apart from seeds."""
-    return _apart_from_seeds(outline, sample.sized(outline, size, step))
+    """`by_size.sized`, apart from seeds."""
+    found = by_size.sized(outline, size, step, lambda: coarse(outline))
+    return _prescribed(outline, _apart_from_seeds(outline, found))

@@ -32,6 +32,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from .constrained import complex_of
 from .fans import never_ends
 from .midpoints import GABRIEL, MISSING, pick, split_all
+from .pairs import paired
 
 __all__ = ["Conforming", "conform", "conforming_delaunay"]
 
@@ -40,8 +41,9 @@ JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # shells="auto" turns to shells where two pieces meet after this many halvings next to the vertex
 FAN = 3  # with shells="auto" at least so many pieces that meet at a sharp angle get shells at once
 SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
-SHORT, SPENT, REFUSED = 1, 2, 3  # why a subsegment is not split
+SHORT, SPENT, REFUSED, PRESCRIBED = 1, 2, 3, 4  # why a subsegment is not split
 TOO_SHORT = "it is shorter than 2^-40 of the extent"
+HELD_PIECE = "its piece has given points and gets no others"
 TOO_CLOSE = "a split would touch or cross another piece"
 # The cosine of 60 degrees, rounded up: pieces that meet at 60 degrees or more cannot cut each other for ever.
 SHARP = 0.5000000000000001
@@ -105,7 +107,7 @@ def conforming_delaunay(
     Parameters
     ----------
     domain : Domain
-    size : number, function or size field, optional
+    size : number, function, size field, or dict of region name to one of these, optional
         Cut the pieces by a size first; see `Domain.sampled`.
     test : {"missing", "gabriel"}
         Split subsegments that are in no Delaunay triangulation of the vertices; or, more cautiously, those
@@ -150,7 +152,7 @@ def conforming_delaunay(
     sampled = domain.sampled(size)
     complex_ = complex_of(domain, sampled)
     run = conform(domain, complex_, test=test, shells=shells, budget=budget, progress=progress)
-    return noticed(run.mesh(sampled))
+    return noticed(paired(domain, run.mesh(sampled)))
 
 
 def conform(
@@ -181,7 +183,7 @@ class ConformingRun:
         self.budget = 10_000 + 5 * complex_.segments if budget is None else budget
         self.curved = np.zeros(len(domain.pieces), dtype=bool)
         self.curved[list(domain.curves)] = True
-        self.start = complex_.size
+        self.start, self.held = complex_.size, domain.held()
         self.queue = np.arange(complex_.segments, dtype=np.int32)
         self.why = np.zeros(complex_.segments, dtype=np.int8)  # why a failing subsegment was not split
         self.made: list[int] = []
@@ -209,11 +211,12 @@ class ConformingRun:
         rows = chosen[: pick(c.xy, c.vertex, c.twin, c.where, self.queue, self.test, chosen)]
         rows = np.sort(rows)
         length = np.linalg.norm(c.xy[c.ends[rows, 0]] - c.xy[c.ends[rows, 1]], axis=1)
-        left = self.budget - (c.size - self.start)
+        left, held = self.budget - (c.size - self.start), self.held[c.piece[rows]]
         self.why = np.append(self.why, np.zeros(c.segments - len(self.why), dtype=np.int8))
         self.why[rows] = 0
         self.why[rows[length < self.floor]] = SHORT
-        rows = rows[length >= self.floor]
+        self.why[rows[held]] = PRESCRIBED
+        rows = rows[(length >= self.floor) & ~held]
         self.why[rows[left:]] = SPENT
         self.queue = rows[:0]
         rows = rows[:left]
@@ -296,8 +299,13 @@ class ConformingRun:
         """The result, with its account."""
         c = self.complex
         failing = self.failing()
-        text = {SHORT: TOO_SHORT, SPENT: f"the budget of {self.budget} points is spent", REFUSED: TOO_CLOSE}
-        why = np.array([text.get(code, "") for code in range(4)])[self.why[failing]]
+        text = {
+            SHORT: TOO_SHORT,
+            SPENT: f"the budget of {self.budget} points is spent",
+            REFUSED: TOO_CLOSE,
+            PRESCRIBED: HELD_PIECE,
+        }
+        why = np.array([text.get(code, "") for code in range(PRESCRIBED + 1)])[self.why[failing]]
         half = c.where[failing].astype(np.int64)
         slots = np.concatenate([half // 3, c.twin[half] // 3])
         reasons = np.tile(np.char.add("a subsegment beside it was not split: ", why), 2)

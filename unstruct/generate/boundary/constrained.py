@@ -10,28 +10,35 @@ book, 2.5.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from ...base.arguments import as_flag
 from ...base.errors import InputError
+from ...connect.planar.bounded import SEGMENTS_AT_ONCE, bound_at_once
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
+from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh
+from .pairs import paired
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 
 
-def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool = False) -> DomainMesh:
+def constrained_delaunay(
+    domain: Domain, hull: bool | Literal["holes"] = False, *, progress: bool = False
+) -> DomainMesh:
     """The constrained Delaunay triangulation of a planar domain: no point is added to straight segments.
 
     Parameters
     ----------
     domain : Domain
         Vertices, facets and inner segments. Curves are replaced by chords, as coarsely as is safe.
-    hull : bool
-        Whether to mesh the whole convex hull and ignore holes; then ``domain.facets`` may be empty.
+    hull : bool or "holes"
+        Whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores holes.
+        "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
+        `Domain.read` finds them in a file, and those that are outside and enclosed by pieces.
     progress : bool
         Show a bar while segments are inserted.
 
@@ -62,10 +69,16 @@ def constrained_delaunay(domain: Domain, hull: bool = False, *, progress: bool =
     """
     domain = as_domain(domain)
     sampled = domain.sampled()
-    complex_ = complex_of(domain, sampled, hull=as_flag(hull, "hull"), progress=progress)
-    return complex_.mesh(
+    holes = isinstance(hull, str) and hull == "holes"
+    if isinstance(hull, str) and not holes:
+        raise InputError(f"hull must be True, False or 'holes', not {hull!r}")
+    complex_ = complex_of(domain, sampled, hull=holes or as_flag(hull, "hull"), progress=progress)
+    if holes:
+        eat_holes(complex_, len(domain.facets), domain.hole_seeds, list(domain.regions))
+    mesh = complex_.mesh(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points
     )
+    return paired(domain, mesh)
 
 
 def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) -> PlanarComplex:
@@ -108,11 +121,17 @@ def complex_of(
     """
     facets = len(domain.facets)
     if not facets and not hull:
+        how = "'holes'" if len(domain.hole_seeds) else "True"
         raise InputError(
             "the domain has no facets, so nothing is inside: give facets; without any, mesh the convex hull "
-            "by constrained_delaunay(domain, hull=True), and refine that mesh if need be"
+            f"by constrained_delaunay(domain, hull={how}), and refine that mesh if need be"
         )
     complex_ = PlanarComplex(sampled.points, progress=progress)
-    insert_all(complex_, sampled.ends, sampled.piece, sampled.span, facets=facets, progress=progress)
+    subsegments = sampled.ends, sampled.piece, sampled.span
+    if len(sampled.ends) <= SEGMENTS_AT_ONCE and not progress:
+        if bound_at_once(complex_, subsegments, facets, domain.regions, hull):
+            return complex_
+        complex_ = PlanarComplex(sampled.points)
+    insert_all(complex_, *subsegments, facets=facets, progress=progress)
     mark_regions(complex_, facets, domain.regions, hull)
     return complex_

@@ -14,7 +14,9 @@ __all__ = ["SplitBoundary", "kept_pieces"]
 SplitBoundary = bool | Literal["inner"]
 
 
-def kept_pieces(split_boundary: SplitBoundary, facets: int, pieces: int) -> NDArray[np.uint8]:
+def kept_pieces(
+    split_boundary: SplitBoundary, facets: int, pieces: int, held: NDArray[np.bool_] | None = None
+) -> NDArray[np.uint8]:
     """For each piece, facets first, whether it must stay as it is: 1 or 0.
 
     Parameters
@@ -23,6 +25,8 @@ def kept_pieces(split_boundary: SplitBoundary, facets: int, pieces: int) -> NDAr
         Whether all pieces may be split, or none, or only the inner ones.
     facets, pieces : int
         The number of facets, and that of all pieces.
+    held : ndarray of bool, shape (pieces,), optional
+        Pieces that must stay as they are in any case: those with a spacing or an image.
 
     Raises
     ------
@@ -36,4 +40,6 @@ def kept_pieces(split_boundary: SplitBoundary, facets: int, pieces: int) -> NDAr
         kept[:facets] = 1
     elif not split_boundary:
         kept[:] = 1
+    if held is not None:
+        kept[held] = 1
     return kept

@@ -7,6 +7,7 @@ in the way; here the caller chooses. See the book, 2.6a and 2.6b. For guaranteed
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,12 @@ from ...connect.insertion.delaunay import delaunay
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, Sampled, as_domain
+from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
@@ -53,10 +56,11 @@ def circumcenter_insertion(
     ----------
     domain_or_points : Domain, or array_like of shape (n, 2)
         What to mesh. The boundary of a set of points is its convex hull.
-    size : float, function or SizeField, optional
-        The wanted edge length h. A triangle is bad if alpha = R / f(Q) >= 1, where f = h / sqrt(3), R is its
-        circumradius, and Q its circumcenter. Beyond the bounding box of the domain f has the value at the
-        nearest point of the box. Pieces of a Domain are first cut into subsegments of ``step`` sizes.
+    size : float, function, SizeField, or dict of region name to one of these, optional
+        The wanted edge length h; in a dict the key None stands for all regions that are not named. A triangle
+        is bad if alpha = R / f(Q) >= 1, where f = h / sqrt(3), R is its circumradius, and Q its circumcenter.
+        Beyond the bounding box of the domain f has the value at the nearest point of the box. Pieces of a
+        Domain are first cut into subsegments of ``step`` sizes.
     priority : str, float, function or SizeField, optional
         Which bad triangle is the worst: the one with the largest "circumradius" (the default without a size),
         "alpha" (the default with one), "radius_edge", "radius_ratio" or "area", or with the smallest
@@ -110,14 +114,16 @@ def circumcenter_insertion(
     """
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
-    field = None if size is None else as_size(size)
+    if not isinstance(size, Mapping):
+        size = None if size is None else as_size(size)
     domain, origin, dropped = _as_domain(domain_or_points)
-    sampled = domain.sampled(field if origin is None else None, step=step)
+    sampled = domain.sampled(size if origin is None else None, step=step)
     complex_ = complex_of(domain, sampled)
+    field = size_by_region(complex_, size, domain.regions)
     rule = make_rule(field, priority, limit, tuple(domain.bounds), complex_.factor)
     most = MOST_CENTERS if limit is not None else int(np.iinfo(np.int32).max)
     most = most if budget is None else as_count(budget, "budget")
-    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     run = CircumcenterRun(complex_, domain, rule, kept, history)
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
@@ -130,7 +136,7 @@ def circumcenter_insertion(
         steps=run.steps() if history else None,
         **run.unrefined(),
     )
-    return noticed(result)
+    return noticed(paired(domain, result))
 
 
 def _as_domain(given: Any) -> tuple[Domain, NDArray[np.int32] | None, int]:

@@ -18,7 +18,7 @@ from ..improve.relocation import improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
-from ..refinement.run import Planned, RefineRun
+from ..refinement.run import Planned, RefineRun, counts_of
 from ..refinement.state import REFUSALS
 
 __all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
@@ -189,4 +189,4 @@ def refine_angles(
         code = run.advance()
     allowed[:] = run.allowed
     slots, reasons, _ = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
-    return run.counts(), slots.tolist(), reasons.tolist()
+    return counts_of(run.tally, {}), slots.tolist(), reasons.tolist()

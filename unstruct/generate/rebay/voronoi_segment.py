@@ -11,9 +11,11 @@ from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
+from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
@@ -41,10 +43,11 @@ def voronoi_segment(
     Parameters
     ----------
     domain : Domain
-    size : number, function (k, 2) -> (k,), or SizeField
-        The wanted edge length h. The threshold of the source chapter, which this book follows, is f = h /
-        sqrt(3): the circumradius of an equilateral triangle with edges h. Each piece of the boundary is cut
-        into a whole number of edges of about the length h = sqrt(3) f.
+    size : number, function (k, 2) -> (k,), SizeField, or dict of region name to one of these
+        The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
+        between two regions takes the smaller size. The threshold of the source chapter, which this book
+        follows, is f = h / sqrt(3): the circumradius of an equilateral triangle with edges h. Each piece of
+        the boundary is cut into a whole number of edges of about the length h = sqrt(3) f.
     priority : "alpha", "circumradius", or anything that is a size, optional
         Which waiting triangle at the front is next. "alpha", the default, takes the one with the largest
         R / f, "circumradius" the one with the largest R, and a size g the one with the largest alpha(S) =
@@ -133,11 +136,13 @@ def voronoi_segment(
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
     complex_ = planar_complex(domain, size, progress=progress)
-    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
+    size = size_by_region(complex_, size, domain.regions)
     run = VoronoiSegmentRun(domain, complex_, size, priority if rule.general else None, rule, kept, history)
     with progress_bar(progress, " points") as bar:
         run.insert(budget, bar)
-    return noticed(run.result(run.finish(budget) if finish and not run.spent else None))
+    mesh = run.result(run.finish(budget) if finish and not run.spent else None)
+    return noticed(paired(domain, mesh))
 
 
 def epsilon_chains(mesh: DomainMesh) -> list[NDArray[np.float64]]:

@@ -27,7 +27,7 @@ from .state import (
 )
 from .steps import shortest_first
 
-__all__ = ["account", "history_of"]
+__all__ = ["account", "history_of", "survey_missed", "told"]
 
 TEXTS = {
     KEPT: "kept: only a vertex on a piece that must not be split would help",
@@ -39,16 +39,16 @@ TEXTS = {
 STEEP = f"too near: an angle above {PLAUSIBLE:g}° would need edges shorter than half of those nearby"
 TANGENT_STEP = 2.0**-13  # of the parameter of a curve, for its tangent at an end
 MISSES = ("angle", "area", "size")
-NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 7), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
+NOTHING, NO_SLOTS, NO_WORDS = np.empty((0, 8), dtype=np.int64), np.empty(0, dtype=np.int32), np.full(0, "")
 EVENT_NAMES = {CIRCUMCENTERS: "circumcenter", SPLITS: "split", REJECTED: "rejected", REMOVED: "removed"}
 
 
 @lean
-def _survey(w, limits, found):
+def survey_missed(w, limits, found):
     """Write rows on the triangles that miss a limit into ``found``; return their number.
 
     A row has the slot, the limits that are missed (bits), the apex of a small input angle or -1, the ends of
-    the shortest edge, and the pieces that make the angle.
+    the shortest edge, why the triangle was given up, and the pieces that make the angle.
     """
     count = 0
     for t in range(w.state[COUNT]):
@@ -61,17 +61,17 @@ def _survey(w, limits, found):
             continue
         if count < len(found):
             found[count, 0], found[count, 1], found[count, 2] = t, bits, -1
-            found[count, 3], found[count, 4] = a, b
+            found[count, 3], found[count, 4], found[count, 5] = a, b, w.status[t] & 255
             if bits == ANGLE:
                 apex = across_small_angle(w.xy, w.kind, w.joints, a, b)
-                found[count, 5], found[count, 6] = w.kind[a], w.kind[b]
+                found[count, 6], found[count, 7] = w.kind[a], w.kind[b]
                 e = 3 * t
                 while w.vertex[e] != c:
                     e += 1
                 n, p = (e - 2 if e % 3 == 2 else e + 1), (e + 2 if e % 3 == 0 else e - 1)
                 if apex < 0 and w.mark[n] >= 0 and w.mark[p] >= 0:
                     apex = c  # the minimum angle of the triangle lies between two subsegments
-                    found[count, 5], found[count, 6] = w.piece[w.mark[p]], w.piece[w.mark[n]]
+                    found[count, 6], found[count, 7] = w.piece[w.mark[p]], w.piece[w.mark[n]]
                 found[count, 2] = apex
         count += 1
     return count
@@ -100,13 +100,21 @@ def account(
     reasons : ndarray of str, shape (k,)
     missed : dict of str to int
     """
-    count = 0 if finished and not given_up else _survey(w, limits, NOTHING)
+    count = 0 if finished and not given_up else survey_missed(w, limits, NOTHING)
     if count == 0:
         return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
-    found = np.empty((count, 7), dtype=np.int64)
-    _survey(w, limits, found)
-    slot, bits, apex, a, b, p, q = found.T
-    why = w.status[slot].astype(np.int64) & 255
+    found = np.empty((count, 8), dtype=np.int64)
+    survey_missed(w, limits, found)
+    return told(found, w.xy, limits, planned, finished)
+
+
+def told(
+    found: NDArray[np.int64], xy: NDArray[np.float64], limits: Limits, planned: Planned, finished: bool
+) -> tuple[NDArray[np.int32], NDArray[np.str_], dict[str, int]]:
+    """`account` for the rows that `survey_missed` has found; the slots are as in the rows."""
+    if len(found) == 0:
+        return NO_SLOTS, NO_WORDS, dict.fromkeys(MISSES, 0)
+    slot, bits, apex, a, b, why, p, q = found.T
     why[apex >= 0] = SMALL_ANGLE
     reasons = np.full(len(slot), TEXTS[PRECISION], dtype=object)
     for code, text in TEXTS.items():
@@ -116,8 +124,8 @@ def account(
     if not finished:
         reasons[why <= LARGE] = "budget"
     rows = np.flatnonzero(apex >= 0)
-    u = _directions(w, planned, p[rows], apex[rows], a[rows])
-    v = _directions(w, planned, q[rows], apex[rows], b[rows])
+    u = _directions(xy, planned, p[rows], apex[rows], a[rows])
+    v = _directions(xy, planned, q[rows], apex[rows], b[rows])
     turn = np.abs(turns(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)))
     reasons[rows] = [f"input angle {x:.3g}°" for x in np.degrees(turn)]
     missed = {name: int(((bits & (1 << k)) > 0).sum()) for k, name in enumerate(MISSES)}
@@ -125,13 +133,14 @@ def account(
 
 
 def _directions(
-    w: Work, planned: Planned, piece: NDArray[np.int64], apex: NDArray[np.int64], far: NDArray[np.int64]
-) -> NDArray[np.float64]:
+    xy: NDArray[np.float64], planned: Planned, piece: NDArray[np.int64], apex: NDArray[np.int64],
+    far: NDArray[np.int64],
+) -> NDArray[np.float64]:  # fmt: skip
     """The directions of pieces at their end ``apex``: the true tangents of curves.
 
     Elsewhere, and on straight pieces, it is the direction to the vertex ``far``.
     """
-    u = w.xy[far] - w.xy[apex]
+    u = xy[far] - xy[apex]
     first, last = planned.joints[piece].T == apex
     rows = np.flatnonzero((first != last) & (planned.curve[piece] != STRAIGHT))
     if len(rows):  # the derivative by three points

@@ -8,7 +8,7 @@ sqrt(2) h. So the edge lengths lie between h / sqrt(2) and sqrt(2) h, symmetrica
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from ...base.arguments import as_number
 from ...base.elementary import sine
 from ...base.errors import InputError
 from ...base.jit import inline
+from ...domain.plane.by_region import per_region
 from ...sizing import as_size
 from ...sizing.table import size_at
 
@@ -133,20 +134,6 @@ def make_limits(
         sine2, lens, fraction, growth, np.array(areas), radius2, first, last, np.concatenate(child),
         np.concatenate(values), box * factor,
     )  # fmt: skip
-
-
-def per_region(value: Any, names: list[str], what: str) -> list[Any]:
-    """One value for each region: the same for all, or that of its name (None if the name is not given)."""
-    if not isinstance(value, Mapping):
-        return [value] * len(names)
-    known = set(names)
-    unknown = [name for name in value if name not in known]
-    if unknown:
-        raise InputError(
-            f"{what} names region {unknown[0]!r}, but the regions of the domain are "
-            f"{sorted(known - {''}, key=str)}"
-        )
-    return [value.get(name) for name in names]
 
 
 def _positive(value: Any, what: str) -> float:

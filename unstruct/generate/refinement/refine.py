@@ -6,10 +6,11 @@ The kernels are in `steps`. The loop around them is in `run`; it makes room and 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arguments import MOST_VERTICES, as_number
 from ...base.arrays import counted_off
@@ -23,16 +24,20 @@ from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
 from .account import account, history_of
 from .limits import make_limits
+from .predicate import Predicate
 from .remeshing import by_name, carry, plan_mesh
-from .run import Planned, RefineRun
+from .run import Planned, RefineRun, counts_of
 from .state import BUDGET, EVENTS, REFUSALS
+from .whole import refined_at_once
 
 __all__ = ["refine"]
 
 MIN_ANGLE_OF_LENS = 15.0  # degrees: below this, the part of a curve over a chord might leave the chord's lens
 LARGEST_MIN_ANGLE = 59.0  # degrees: what may be asked for
+RefineIf = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]], Any]
 
 
 def refine(
@@ -42,6 +47,7 @@ def refine(
     min_angle: float | None = None,
     max_area: Any = None,
     method: Literal["ruppert", "chew", "off-centers"] = "off-centers",
+    refine_if: RefineIf | None = None,
     split_boundary: SplitBoundary = True,
     budget: int | None = None,
     history: bool = False,
@@ -58,17 +64,24 @@ def refine(
         came from; ``piece`` of the result numbers straight chains of the edges that were kept.
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
-        vertices keep a distance of at least 1 / sqrt(2) times the wanted length.
+        vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
+        stands for all regions that are not named; without it these have no limit.
     min_angle : float, optional
         The wanted minimum angle, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
-        The largest area wanted. In a mesh, a region is named as in ``mesh.regions`` or by its number.
+        The largest area wanted, the key None as for the size. In a mesh, a region is named as in
+        ``mesh.regions`` or by its number.
     method : "off-centers", "chew" or "ruppert"
         "ruppert": circumcenters and diametral discs. "chew", Chew's second algorithm: subsegments are split
         if a vertex sees them under more than 180° - 2 ``min_angle``, and free vertices in their discs are
         removed first. "off-centers" (Üngör), with Chew's rule: points are no farther from the shortest edge
         than the angle needs. This gives by far the fewest triangles if the angle is the reason for
         refinement, and about as many if size or area is.
+    refine_if : function, optional
+        Which triangles to refine further: it takes the arrays corners (k, 3, 2), areas (k,) and regions (k,),
+        numbers as in ``mesh.regions``, and returns k bools. It is asked when all other limits are met, about
+        all triangles at once, and then about those that are new, until it answers False for all. Its own
+        errors are raised unchanged. If it never answers False, the run ends at the budget.
     split_boundary : bool or "inner"
         Whether vertices are put on pieces (in a mesh: on edges that are kept), once they are cut by the size:
         True, False, or "inner", for inner pieces only. Triangles that need such a vertex stay; the reason
@@ -133,20 +146,32 @@ def refine(
     limits = make_limits(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
-    run = RefineRun(planned, limits, offset, _budget(budget), history)
-    run.keep(kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints)))
-    code = _loop(run, progress)
+    held = domain.held() if isinstance(domain, Domain) else None
+    kept = kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held)
+    most = _budget(budget)
+    if isinstance(domain, Domain) and not history and not progress and refine_if is None and held is None:
+        at_once = refined_at_once(planned, limits, offset, most, kept, bool(domain.curves))
+        if at_once is not None:
+            return noticed(at_once)
+    run = RefineRun(planned, limits, offset, most, history)
+    run.keep(kept)
+    asked = None if refine_if is None else Predicate(refine_if, run, _numbers(planned))
+    code = _loop(run, asked, progress)
     slots, reasons, missed = account(run.work(), limits, planned, code == DONE, run.tally[REFUSALS] > 0)
+    if asked is not None:
+        slots, reasons, missed["refine_if"] = asked.left(slots, reasons, code == DONE)
     steps = None
     if history:
         steps = history_of(run.work(), int(run.tally[EVENTS]))
         steps["place"] /= c.factor
     result = c.mesh(
-        unrefined=slots, reasons=reasons, counts=run.counts() | {f"missed {k}": v for k, v in missed.items()},
-        steps=steps, **planned.rest["mesh"],
+        unrefined=slots, reasons=reasons, counts=counts_of(run.tally, missed), steps=steps,
+        **planned.rest["mesh"],
     )  # fmt: skip
     if isinstance(domain, Mesh):
         carry(domain, planned, result)
+    else:
+        paired(domain, result)
     return noticed(result)
 
 
@@ -194,12 +219,22 @@ def _plan(domain: Domain, size: Any, progress: bool) -> Planned:
     )  # fmt: skip
 
 
-def _loop(run: RefineRun, progress: bool) -> int:
+def _numbers(planned: Planned) -> NDArray[Any]:
+    """The numbers of regions as the result has them; in a mesh the values of its marker "region"."""
+    values = planned.rest.get("values")
+    if values is None or "region" not in values[0]:
+        return np.arange(len(planned.names))
+    return np.array([row["region"] for row in values])
+
+
+def _loop(run: RefineRun, asked: Predicate | None, progress: bool) -> int:
     code = MORE
     with progress_bar(progress, " vertices", desc="refine") as bar:
         while code == MORE:
             before = run.vertices
             code = run.advance()
+            if code == DONE and asked is not None and asked.queue():
+                code = MORE
             bar.update(run.vertices - before)
     assert code in (DONE, BUDGET)
     return code

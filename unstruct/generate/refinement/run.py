@@ -19,6 +19,7 @@ from .encroachment import FIRST, SECOND, shell
 from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .state import (
+    BY_FUNCTION,
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
@@ -34,7 +35,7 @@ from .state import (
 )
 from .steps import advance
 
-__all__ = ["Planned", "RefineRun"]
+__all__ = ["Planned", "RefineRun", "counts_of"]
 
 REFINE_STEPS_A_CALL = 20_000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
 PER_VERTEX = ("kind", "floor")
@@ -42,6 +43,7 @@ PER_SEGMENT = ("apexes", "lock", "asked", "need", "given", "segments", "wanted")
 PER_SLOT = ("large", "ahead", "behind")
 OWN = (*PER_VERTEX, *PER_SEGMENT, "status", *PER_SLOT, "gates")  # in the order of `Work`
 OWN_OF = attrgetter(*OWN)
+RUN_COUNTS = ("circumcenters", "splits", "shell splits", "rejected", "locked", "refused")
 At = Callable[[NDArray[Any], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -64,7 +66,7 @@ class RefineRun:
     def __init__(self, planned: Planned, limits: Limits, offset: float, budget: int | None, history: bool):
         c = planned.complex_
         self.planned, self.complex, self.limits, self.offset = planned, c, limits, offset
-        self.tally = np.zeros(16, dtype=np.int64)
+        self.tally = np.zeros(BY_FUNCTION + 1, dtype=np.int64)
         thrifty, budget = budget is None, DEFAULT_BUDGET if budget is None else budget
         self.tally[VERTEX_LIMIT] = budget
         n, s = c.size, c.segments
@@ -180,8 +182,11 @@ class RefineRun:
                 near, far = (t[i], far) if np.hypot(*(x - apex)) < radius else (near, t[i])
         return t
 
-    def counts(self) -> dict[str, int]:
-        """What happened, by name."""
-        names = ["circumcenters", "splits", "shell splits", "rejected", "locked", "refused"]
-        tally = self.tally.tolist()
-        return {"removed": tally[REMOVED], **dict(zip(names, tally[CIRCUMCENTERS:]))}
+
+def counts_of(tally: NDArray[np.int64], missed: dict[str, int]) -> dict[str, int]:
+    """What happened in a run, and how many triangles miss each limit, by name."""
+    numbers = tally.tolist()
+    counts = {"removed": numbers[REMOVED], **dict(zip(RUN_COUNTS, numbers[CIRCUMCENTERS:]))}
+    for name, number in missed.items():
+        counts[f"missed {name}"] = number
+    return counts

@@ -34,6 +34,7 @@ CURVES, BUDGET = 8, 9  # results of `advance`, besides DONE, MORE and ROOM
 # bucket), the limit of vertices and the number of events; then the numbers of what happened.
 SEGMENT_TOP, WANTED, STACK_TOP, LARGE_ONES, LINKED, BUCKET, VERTEX_LIMIT, EVENTS = 0, 1, 2, 3, 4, 5, 6, 7
 REMOVED, CIRCUMCENTERS, SPLITS, SHELLS, REJECTED, LOCKED, REFUSALS, BEGUN = 8, 9, 10, 11, 12, 13, 14, 15
+BY_FUNCTION = 16  # 1 if a function asks for refinement, so that no limit says how near splits may come
 UNKNOWN = -9  # not a kind of vertex
 HALF_OCTAVE = math.sqrt(0.5)
 # Refinement for the angle makes no edges shorter than a part of the input's edges nearby (`FRACTION`), nor
@@ -306,10 +307,11 @@ def set_kinds(inputs, ends, piece, kind):
     """Set the kind of each vertex: the piece that it cuts, or INPUT_VERTEX for the input and all others."""
     for v in range(kind.shape[0]):
         kind[v] = UNKNOWN
-    for v in inputs:
-        kind[v] = INPUT_VERTEX
+    for i in range(inputs.shape[0]):
+        kind[inputs[i]] = INPUT_VERTEX
     for s in range(ends.shape[0]):
-        for v in ends[s]:
+        for k in range(2):
+            v = ends[s, k]
             if kind[v] != INPUT_VERTEX:
                 kind[v] = piece[s]
     for v in range(kind.shape[0]):

@@ -47,6 +47,7 @@ from .narrow import charge, grown_floor
 from .state import (
     BEGUN,
     BUDGET,
+    BY_FUNCTION,
     CIRCUMCENTERS,
     CURVE,
     CURVES,
@@ -144,6 +145,8 @@ def split_next(w, tally, limits):
     )
     # where a subsegment is short, size asks for a split only because the triangle beside it is very flat
     wanted = _wanted(w, limits, s, px, py)
+    if by & BY_SIZE and tally[BY_FUNCTION] > 0:  # no limit says what is short
+        wanted = 0.0
     thin = square < 0.25 * wanted
     if thin and min(w.allowed[piece, 0], w.allowed[piece, 1]) <= 0:
         _lock(w, tally, s, NARROW)
@@ -153,7 +156,7 @@ def split_next(w, tally, limits):
     w.need[s] = np.inf
     smallest = floor
     if by & BY_SIZE:
-        smallest = FRACTION * wanted
+        smallest = max(FRACTION * wanted, rounding * (tally[BY_FUNCTION] > 0))
         floor = min(floor, max(limits.fraction * square, rounding))
     step = min(t - w.span[s, 0], w.span[s, 1] - t)
     if square < smallest or step < FINEST_SPAN:
@@ -342,6 +345,9 @@ def improve_next(w, tally, limits, offset):
             give_up(w, tally, t, FLOOR)
             return
     else:
+        if square < rounding:
+            give_up(w, tally, t, PRECISION)
+            return
         floor = min(floor, max(limits.fraction * square, rounding))
     if not (abs(px) < FAR_FROM_ALL and abs(py) < FAR_FROM_ALL):
         give_up(w, tally, t, PRECISION)

@@ -1,0 +1,181 @@
+"""Sizes by region: which region lies on each side of a piece, and which size each piece takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...connect.planar.complex import PlanarComplex
+from ...connect.planar.flood import mark_regions
+from ...connect.planar.inserting import insert_all
+from ...geometry.outline import Outline
+from ...geometry.segment_tree import SegmentTree
+from ...mesh.locate import Locator
+from ...mesh.mesh import Mesh
+from ...sizing.field import SizeField, as_size, minimum
+from .sample import Sampled
+
+__all__ = ["PieceSizes", "per_region", "piece_sizes", "size_by_region"]
+
+
+class PieceSizes(NamedTuple):
+    """The size along each piece.
+
+    Attributes
+    ----------
+    fields : list of SizeField or None
+        None asks for no more subsegments than are safe.
+    group : (p,) int
+        The field of each piece.
+    """
+
+    fields: list[SizeField | None]
+    group: np.ndarray
+
+    def at(self, piece: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """The sizes at points x (k, 2) of pieces (k,); infinite without one."""
+        if len(self.fields) == 1 and self.fields[0] is not None:
+            return self.fields[0](x)
+        sizes, group = np.full(len(x), np.inf), self.group[piece]
+        for g, one in enumerate(self.fields):
+            rows = np.flatnonzero(group == g)
+            if one is not None and len(rows):
+                sizes[rows] = one(x[rows])
+        return sizes
+
+    def even(self) -> np.ndarray:
+        """For which pieces the size is constant."""
+        constant = [one is None or one.constant is not None for one in self.fields]
+        return np.array(constant)[self.group]
+
+
+def per_region(value: Any, names: list[str], what: str) -> list[Any]:
+    """One value for each region: the same for all, or that of its name, or that of the key None.
+
+    Without that key regions that are not named have the value None. Parts without a name are called "".
+    """
+    if not isinstance(value, Mapping):
+        return [value] * len(names)
+    known = set(names)
+    unknown = [name for name in value if name is not None and name not in known]
+    if unknown:
+        raise InputError(
+            f"{what} names region {unknown[0]!r}, but the regions of the domain are "
+            f"{sorted(known - {''}, key=str)}; the key None stands for all that are not named"
+        )
+    rest = value.get(None)
+    return [value.get(name, rest) for name in names]
+
+
+def region_names(regions: Mapping[str, Any], c: PlanarComplex) -> list[str]:
+    """The names of all regions of a complex, by number; "" for those without."""
+    return [*regions, *[""] * (c.parts() - len(regions))]
+
+
+def piece_sizes(outline: Outline, sampled: Sampled, size: Mapping[Any, Any]) -> PieceSizes:
+    """The size of each piece by regions: the smaller one of those on its two sides.
+
+    Parameters
+    ----------
+    outline : Outline
+    sampled : Sampled
+        Its pieces, cut coarsely.
+    size : mapping of name to size
+    """
+    c = PlanarComplex(sampled.points)
+    facets = len(outline.facets)
+    insert_all(c, sampled.ends, sampled.piece, sampled.span, facets=facets)
+    mark_regions(c, facets, outline.regions, not facets)
+    given = per_region(size, region_names(outline.regions, c), "size")
+    fields = [None if one is None else as_size(one) for one in given]
+    half = c.where[: c.segments].astype(np.int64)
+    sides = np.sort(np.stack([c.region[half // 3], c.region[c.twin[half] // 3]], axis=1), axis=1)
+    low = np.full((len(outline.pieces), 2), -1, dtype=np.int64)
+    low[c.piece[: c.segments]] = sides
+    both, group = np.unique(low, axis=0, return_inverse=True)
+    found = []
+    for pair in both.tolist():
+        own = [fields[r] for r in sorted(set(pair)) if r >= 0]
+        wanted = [one for one in own if one is not None]
+        found.append(minimum(*wanted) if len(wanted) > 1 else wanted[0] if wanted else None)
+    return PieceSizes(found, group.reshape(-1))
+
+
+def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any:
+    """A size given by region as one field over a triangulated domain; any other size as it is.
+
+    Parameters
+    ----------
+    c : PlanarComplex
+        The triangulation that is to be refined, with its regions marked.
+    size : size, or mapping of names to sizes
+    names : mapping or sequence of str
+        The named regions, in the order of their numbers.
+
+    Returns
+    -------
+    SizeField
+        At a point that lies in several regions the smallest of their sizes; outside the size of the region
+        beside the nearest subsegment.
+
+    Raises
+    ------
+    InputError
+        For a region without a size.
+
+    Notes
+    -----
+    O(log n) for each point.
+    """
+    if not isinstance(size, Mapping):
+        return size
+    called = region_names(dict.fromkeys(names), c)
+    given = per_region(size, called, "size")
+    number = c.region[: c.triangles]
+    cells = c.vertex[: 3 * c.triangles].reshape(-1, 3)[number >= 0]
+    number, xy = number[number >= 0], c.xy[: c.size] / c.factor
+    for r, one in enumerate(given):
+        if one is None:
+            x, y = xy[cells[int(np.argmax(number == r))]].mean(axis=0)
+            where = f"region {called[r]!r}" if called[r] else "a region without a name"
+            raise InputError(
+                f"size has no entry for {where} (near ({x:.6g}, {y:.6g})): give one, or a default by the key "
+                "None"
+            )
+    fields = [as_size(one) for one in given]
+    if len({field.constant for field in fields} - {None}) == 1 and all(field.constant for field in fields):
+        return fields[0]
+    half = c.where[: c.segments].astype(np.int64)
+    beside = np.maximum(c.region[half // 3], c.region[c.twin[half] // 3])
+    rows = np.flatnonzero(beside >= 0)
+    tree = SegmentTree(xy[c.ends[rows]])
+    locator = Locator(Mesh(xy, cells, neighbors=None))
+    marks = [xy[cells].mean(axis=1), *[field.landmarks for field in fields if len(field.landmarks)]]
+    function = partial(_by_region, fields, locator, number.copy(), tree, beside[rows])
+    return SizeField(function, landmarks=np.concatenate(marks), name=f"{len(set(size))} sizes by region")
+
+
+def _by_region(
+    fields: list[SizeField],
+    locator: Locator,
+    number: NDArray[np.int32],
+    tree: SegmentTree,
+    beside: NDArray[np.int32],
+    x: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    query, cell = locator.holding(np.ascontiguousarray(x))
+    region = number[cell]
+    out = np.setdiff1d(np.arange(len(x)), query)
+    if len(out):
+        _, nearest = tree.least(x[out], 1.0)
+        query, region = np.concatenate([query, out]), np.concatenate([region, beside[nearest]])
+    sizes = np.full(len(x), np.inf)
+    for r in np.unique(region).tolist():
+        rows = np.unique(query[region == r])
+        sizes[rows] = np.minimum(sizes[rows], fields[r](x[rows]))
+    return sizes
