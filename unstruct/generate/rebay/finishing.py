@@ -19,7 +19,7 @@ from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
 from ..refinement.run import Planned, RefineRun, counts_of
-from ..refinement.state import REFUSALS
+from ..refinement.state import REFUSALS, VERTEX_LIMIT
 
 __all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
 
@@ -30,6 +30,7 @@ NEARLY, LAPLACE_ROUNDS = 0.995, 3
 POOR, SEARCH_ROUNDS = 0.93, 6
 # In the end the smallest 2 r / R of stars is raised where it is below this bound; most triangles are above.
 IMPROVED_BELOW, SHARP_ROUNDS = 0.91, 24
+MOST_GROWTH, SPARE_POINTS = 4, 1000  # of vertices, by points for the angle alone
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
 WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
 # Before that, inner points are tried where an angle is below the first number, for the second one. The
@@ -152,7 +153,8 @@ def refine_angles(
     given : int
         Vertices from this number on may be removed.
     most : int
-        Refinement stops at this number of vertices. None: at 10^7, and where a piece costs too many.
+        Refinement stops at this number of vertices. None: at some times those that there are, at 10^7, and
+        where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
     allowed : ndarray of int64, shape (pieces, 2)
@@ -179,6 +181,9 @@ def refine_angles(
         {"inputs": np.arange(len(domain.points))},
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
+    if most is None:  # edges of wide exponents could otherwise be refined without end that anybody sees
+        grown = MOST_GROWTH * complex_.size + SPARE_POINTS
+        run.tally[VERTEX_LIMIT] = min(run.tally[VERTEX_LIMIT], grown)
     run.keep(kept)
     if (allowed >= 0).all():
         run.allowed[:] = allowed
