@@ -30,7 +30,6 @@ NEARLY, LAPLACE_ROUNDS = 0.995, 3
 POOR, SEARCH_ROUNDS = 0.93, 6
 # In the end the smallest 2 r / R of stars is raised where it is below this bound; most triangles are above.
 IMPROVED_BELOW, SHARP_ROUNDS = 0.91, 24
-MOST_GROWTH, SPARE_POINTS = 4, 1000  # of vertices, by points for the angle alone
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
 WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
 # Before that, inner points are tried where an angle is below the first number, for the second one. The
@@ -140,6 +139,7 @@ def refine_angles(
     given: int,
     most: int | None,
     kept: NDArray[np.uint8],
+    ceiling: int,
     allowed: NDArray[np.int64],
     wanted: float = WANTED_ANGLE,
 ) -> tuple[dict[str, int], list[int], list[str]]:
@@ -153,10 +153,11 @@ def refine_angles(
     given : int
         Vertices from this number on may be removed.
     most : int
-        Refinement stops at this number of vertices. None: at some times those that there are, at 10^7, and
-        where a piece costs too many.
+        Refinement stops at this number of vertices. None: at ``ceiling``, and where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
+    ceiling : int
+        Some times the vertices that the size asked for: refinement of wide exponents would not end for long.
     allowed : ndarray of int64, shape (pieces, 2)
         What the angle may still cost each piece (see `refinement.narrow`), with which the next call goes on;
         -1 at first.
@@ -181,9 +182,8 @@ def refine_angles(
         {"inputs": np.arange(len(domain.points))},
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
-    if most is None:  # edges of wide exponents could otherwise be refined without end that anybody sees
-        grown = MOST_GROWTH * complex_.size + SPARE_POINTS
-        run.tally[VERTEX_LIMIT] = min(run.tally[VERTEX_LIMIT], grown)
+    if most is None:
+        run.tally[VERTEX_LIMIT] = min(run.tally[VERTEX_LIMIT], ceiling)
     run.keep(kept)
     if (allowed >= 0).all():
         run.allowed[:] = allowed
