@@ -6,7 +6,7 @@ from collections.abc import Callable
 from inspect import Parameter, signature
 from typing import Any, TypeVar
 
-__all__ = ["named"]
+__all__ = ["like", "named"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,6 +36,17 @@ def named(options: type, **defaults: Any) -> Callable[[F], F]:
             if key[0] != "_"
         ]
         function.__signature__ = found.replace(parameters=kept)  # type: ignore[attr-defined]
+        return function
+
+    return shown
+
+
+def like(model: Callable[..., Any]) -> Callable[[F], F]:
+    """A decorator: a method that passes everything on has the docstring and the signature of ``model``."""
+
+    def shown(function: F) -> F:
+        function.__doc__ = model.__doc__
+        function.__signature__ = signature(model)  # type: ignore[attr-defined]
         return function
 
     return shown

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from functools import cached_property
-from typing import Any, Self
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,218 +12,199 @@ from ..base.arguments import as_mapping, finite
 from ..base.arrays import counted_off
 from ..base.doors import door
 from ..base.errors import InputError
-from ..geometry.outline import Outline
-from . import card
 from .arguments import composed
 from .plane.account import Repair
 from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
-from .plane.sample import Sampled
-from .sides import SIDES, Side
+from .sides import SIDES
 
-__all__ = ["Derived"]
+__all__ = ["followed", "matched", "must_be_free", "plot", "simplified", "spaced"]
+
+D = TypeVar("D")  # `Domain`, or a class that is derived from it
 
 _plot = door("unstruct.view:plot_domain")
 SAME_SPACING = 1e-9  # parameters of matched pieces that differ by less are equal
 
 
-class Derived(Outline):
-    """What a `Domain` knows about its input, its pictures, and the domains that follow from it."""
+def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -> D:
+    """The region with fewer vertices on its straight pieces; it stays valid, and there is an account.
 
-    origin: np.ndarray
-    piece_origin: np.ndarray
-    repairs: list[Repair]
-    max_areas: dict[str, float]
-    hole_seeds: np.ndarray
+    Parameters
+    ----------
+    tolerance : float, optional
+        How far old and new pieces may be from each other (Hausdorff distance). As many vertices as
+        possible are dropped, those with the least deviation first.
+    size : number, function (k, 2) -> (k,), or size field, optional
+        The wanted edge length: only vertices at pieces shorter than 3/4 of it are dropped. Without a
+        tolerance they may be half of it away from the new pieces.
 
-    @property
-    def dimension(self) -> int:
-        """The number of coordinates: 2."""
-        return self.points.shape[1]
+    Returns
+    -------
+    Domain
+        Nothing crosses, and rings keep their nesting; loose vertices and seeds stay on their side, by
+        exact signs. Curves, and vertices where pieces branch or change their names, stay. Only rings
+        smaller than the tolerance are dropped, unless they enclose anything that stays or are the last
+        of a name. `repairs` lists all that was dropped; `origin` and `piece_origin` refer to the input
+        of this domain, and a new piece to the first of those that it replaces.
 
-    @property
-    def _side(self) -> Side:
-        return SIDES[self.dimension]
+    Raises
+    ------
+    InputError
+        Without a tolerance or a size, and if the whole region is smaller than the tolerance.
 
-    @cached_property
-    def _coarse(self) -> Sampled:
-        return self._side.coarse(self)
+    Notes
+    -----
+    A vertex is dropped if the closed triangle with its neighbors is empty (after M. Visvalingam, J. D.
+    Whyatt, *Line generalisation by repeated elimination of points*, 1993). Book: 2.6d.
+    """
+    old: Any = domain
+    must_be_free(old, "simplified")
+    found = SIDES[old.dimension].simplified(old, old.sampled(), tolerance, size)
+    make: Any = type(domain)
+    return followed(old, make(**found.parts), found.origin, found.piece_origin, found.repairs)
 
-    def simplified(self, tolerance: float | None = None, *, size: Any = None) -> Self:
-        """The region with fewer vertices on its straight pieces; it stays valid, and there is an account.
 
-        Parameters
-        ----------
-        tolerance : float, optional
-            How far old and new pieces may be from each other (Hausdorff distance). As many vertices as
-            possible are dropped, those with the least deviation first.
-        size : number, function (k, 2) -> (k,), or size field, optional
-            The wanted edge length: only vertices at pieces shorter than 3/4 of it are dropped. Without a
-            tolerance they may be half of it away from the new pieces.
+def spaced(domain: D, spacing: Mapping[Any, Any]) -> D:
+    """The domain with given points along some pieces: a number of edges, or a grading.
 
-        Returns
-        -------
-        Domain
-            Nothing crosses, and rings keep their nesting; loose vertices and seeds stay on their side, by
-            exact signs. Curves, and vertices where pieces branch or change their names, stay. Only rings
-            smaller than the tolerance are dropped, unless they enclose anything that stays or are the last
-            of a name. `repairs` lists all that was dropped; `origin` and `piece_origin` refer to the input
-            of this domain, and a new piece to the first of those that it replaces.
+    Parameters
+    ----------
+    spacing : mapping
+        Name of a marker or number of a piece -> a number of edges of equal length, or a `Spacing`. Each
+        piece of a marker is spaced by itself, from its first vertex to its second.
 
-        Raises
-        ------
-        InputError
-            Without a tolerance or a size, and if the whole region is smaller than the tolerance.
+    Returns
+    -------
+    Domain
+        Every method puts exactly these points on the pieces, whatever size is asked for, and no others;
+        triangles for which that is the reason to miss a limit say so. Only if chords would touch another
+        piece is a curve cut further: ``mesh.piece`` tells how many edges each piece has.
 
-        Notes
-        -----
-        A vertex is dropped if the closed triangle with its neighbors is empty (after M. Visvalingam, J. D.
-        Whyatt, *Line generalisation by repeated elimination of points*, 1993). Book: 2.6d.
-        """
-        self.must_be_free("simplified")
-        found = self._side.simplified(self, self._coarse, tolerance, size)
-        make: Any = type(self)
-        return self.followed(make(**found.parts), found.origin, found.piece_origin, found.repairs)
+    Raises
+    ------
+    InputError
+        For unknown names, spacings that no number of edges fits, and different ones of pieces that match.
+    """
+    old: Any = domain
+    found = dict(old.spacings)
+    for key, value in as_mapping(spacing, "spacing").items():
+        one = value if isinstance(value, Spacing) else Spacing(count=value)
+        found |= {int(p): parameters(old, int(p), one) for p in pieces_of(old, key, "spacing")}
+    return _held_by(old, found, old.matches)
 
-    def spaced(self, spacing: Mapping[Any, Any]) -> Self:
-        """The domain with given points along some pieces: a number of edges, or a grading.
 
-        Parameters
-        ----------
-        spacing : mapping
-            Name of a marker or number of a piece -> a number of edges of equal length, or a `Spacing`. Each
-            piece of a marker is spaced by itself, from its first vertex to its second.
+def matched(domain: D, first: Any, second: Any, *, shift: Any = None, tolerance: float | None = None) -> D:
+    """The domain with two sides that match, for periodic problems: one is the other moved.
 
-        Returns
-        -------
-        Domain
-            Every method puts exactly these points on the pieces, whatever size is asked for, and no others;
-            triangles for which that is the reason to miss a limit say so. Only if chords would touch another
-            piece is a curve cut further: ``mesh.piece`` tells how many edges each piece has.
+    Parameters
+    ----------
+    first, second : str, int or list of int
+        The names of markers, or pieces: the second ones are the first ones moved by a translation.
+    shift : (2,) array_like, optional
+        The translation; found from the vertices by default.
+    tolerance : float, optional
+        How far vertices and curves may be from where they match; 2^-36 of the extent by default.
 
-        Raises
-        ------
-        InputError
-            For unknown names, spacings that no number of edges fits, and different ones of pieces that match.
-        """
-        found = dict(self.spacings)
-        for key, value in as_mapping(spacing, "spacing").items():
-            one = value if isinstance(value, Spacing) else Spacing(count=value)
-            found |= {int(p): parameters(self, int(p), one) for p in pieces_of(self, key, "spacing")}
-        return self._held_by(found, self.matches)
+    Returns
+    -------
+    Domain
+        Vertices of the second pieces are moved to match exactly, with an account in `repairs`. Every
+        method puts points on the second pieces that are those on the first plus the shift, rounded, bit
+        for bit, and no others: both are cut by the finer size. ``mesh.pairs`` has the pairs of vertices.
+        Triangles that miss a limit because these pieces are not split further say so.
 
-    def matched(self, first: Any, second: Any, *, shift: Any = None, tolerance: float | None = None) -> Self:
-        """The domain with two sides that match, for periodic problems: one is the other moved.
+    Raises
+    ------
+    InputError
+        If the pieces do not match, with the place; or if one has an image already.
+    """
+    old: Any = domain
+    slack = None if tolerance is None else finite(tolerance, "tolerance")
+    found = matching(old, first, second, shift, slack)
+    new = old
+    if len(found.moved):
+        make: Any = type(domain)
+        far = float(np.hypot(*(found.points - old.points)[found.moved].T).max())
+        text = f"moved {len(found.moved)} vertices of {second!r} by up to {far:.3g} to match {first!r}"
+        moved = tuple(found.moved.tolist())
+        told = Repair("moved to match", text, tuple(found.points[moved[0]].tolist()), (), moved)
+        made = make(
+            found.points, old.facets, inner=old.inner, curves=old.curves, markers=old.markers,
+            regions=old.regions,
+        )  # fmt: skip
+        every = counted_off(len(old.points)), counted_off(len(old.pieces))
+        new = followed(old, made, *every, [told])
+    return _held_by(new, old.spacings, [*old.matches, *found.matches])
 
-        Parameters
-        ----------
-        first, second : str, int or list of int
-            The names of markers, or pieces: the second ones are the first ones moved by a translation.
-        shift : (2,) array_like, optional
-            The translation; found from the vertices by default.
-        tolerance : float, optional
-            How far vertices and curves may be from where they match; 2^-36 of the extent by default.
 
-        Returns
-        -------
-        Domain
-            Vertices of the second pieces are moved to match exactly, with an account in `repairs`. Every
-            method puts points on the second pieces that are those on the first plus the shift, rounded, bit
-            for bit, and no others: both are cut by the finer size. ``mesh.pairs`` has the pairs of vertices.
-            Triangles that miss a limit because these pieces are not split further say so.
+def _held_by(domain: Any, spacings: dict[int, np.ndarray], matches: list[Match]) -> Any:
+    for match in matches:
+        one, two = (spacings.get(piece) for piece in match[:2])
+        if one is not None and two is not None:
+            two = 1.0 - two[::-1] if match.turned else two
+            if len(one) != len(two) or np.abs(one - two).max() > SAME_SPACING:
+                raise InputError(
+                    f"{domain.name(match.first)} and {domain.name(match.second)} match, but have different "
+                    "spacings: give one of them"
+                )
+    new = copy(domain)
+    for name in ("_coarse", "area", "bounds"):  # they depend on the points
+        new.__dict__.pop(name, None)
+    new.spacings, new.matches = dict(spacings), list(matches)
+    return new
 
-        Raises
-        ------
-        InputError
-            If the pieces do not match, with the place; or if one has an image already.
-        """
-        slack = None if tolerance is None else finite(tolerance, "tolerance")
-        found = matching(self, first, second, shift, slack)
-        new = self
-        if len(found.moved):
-            make: Any = type(self)
-            far = float(np.hypot(*(found.points - self.points)[found.moved].T).max())
-            text = f"moved {len(found.moved)} vertices of {second!r} by up to {far:.3g} to match {first!r}"
-            moved = tuple(found.moved.tolist())
-            told = Repair("moved to match", text, tuple(found.points[moved[0]].tolist()), (), moved)
-            made = make(
-                found.points, self.facets, inner=self.inner, curves=self.curves, markers=self.markers,
-                regions=self.regions,
-            )  # fmt: skip
-            every = counted_off(len(self.points)), counted_off(len(self.pieces))
-            new = self.followed(made, *every, [told])
-        return new._held_by(self.spacings, [*self.matches, *found.matches])
 
-    def _held_by(self, spacings: dict[int, np.ndarray], matches: list[Match]) -> Self:
-        for match in matches:
-            one, two = (spacings.get(piece) for piece in match[:2])
-            if one is not None and two is not None:
-                two = 1.0 - two[::-1] if match.turned else two
-                if len(one) != len(two) or np.abs(one - two).max() > SAME_SPACING:
-                    raise InputError(
-                        f"{self.name(match.first)} and {self.name(match.second)} match, but have different "
-                        "spacings: give one of them"
-                    )
-        new = copy(self)
-        for name in ("_coarse", "area", "bounds"):  # they depend on the points
-            new.__dict__.pop(name, None)
-        new.spacings, new.matches = dict(spacings), list(matches)
-        return new
+def must_be_free(domain: Any, what: str) -> None:
+    """Raise if pieces have given points or images, which another domain would not have."""
+    if domain.spacings or domain.matches:
+        raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
 
-    def must_be_free(self, what: str) -> None:
-        """Raise if pieces have given points or images, which another domain would not have."""
-        if self.spacings or self.matches:
-            raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
 
-    def followed(self, new: Any, origin: Any, pieces: Any, repairs: Any = ()) -> Any:
-        """A new domain made of parts of this one, with what this one knows about its input.
+def followed(domain: Any, new: Any, origin: Any, pieces: Any, repairs: Any = ()) -> Any:
+    """A new domain made of parts of this one, with what this one knows about its input.
 
-        Parameters
-        ----------
-        new : Domain
-        origin, pieces : array_like of int
-            The vertex and the piece of this domain that each vertex and piece of the new one comes from.
-        repairs : sequence of Repair
-            What was done.
-        """
-        new.origin, new.piece_origin = composed(self.origin, origin), composed(self.piece_origin, pieces)
-        new.hole_seeds = self.hole_seeds
-        new.repairs, new.max_areas = [*self.repairs, *repairs], dict(self.max_areas)
-        return new
+    Parameters
+    ----------
+    new : Domain
+    origin, pieces : array_like of int
+        The vertex and the piece of this domain that each vertex and piece of the new one comes from.
+    repairs : sequence of Repair
+        What was done.
+    """
+    new.origin, new.piece_origin = composed(domain.origin, origin), composed(domain.piece_origin, pieces)
+    new.hole_seeds = domain.hole_seeds
+    new.repairs, new.max_areas = [*domain.repairs, *repairs], dict(domain.max_areas)
+    return new
 
-    # ------------------------------------------------------------------ pictures
 
-    def plot(
-        self,
-        ax: Any = None,
-        *,
-        numbers: bool | None = None,
-        names: bool = True,
-        vertices: bool | None = None,
-        faults: Any = (),
-    ) -> Any:
-        """Draw with matplotlib what bounds the region, with the names of markers and regions.
+def plot(
+    domain: Any,
+    ax: Any = None,
+    *,
+    numbers: bool | None = None,
+    names: bool = True,
+    vertices: bool | None = None,
+    faults: Any = (),
+) -> Any:
+    """Draw with matplotlib what bounds the region, with the names of markers and regions.
 
-        Parameters
-        ----------
-        ax : matplotlib axes, optional
-            Where to draw; by default in a new figure.
-        numbers : bool, optional
-            Whether to write the numbers of vertices and pieces, as error messages use them ("f3" is facet 3,
-            "i0" inner segment 0). By default where there are at most 40 of them.
-        names : bool
-            Whether to write the names of regions at their seeds, and of markers at their longest piece.
-        vertices : bool, optional
-            Whether to mark the vertices; by default where there are at most 400. Loose ones are always
-            marked.
-        faults : sequence of Fault
-            Are marked and described at their places; `DomainError.plot` marks those that it reports.
+    Parameters
+    ----------
+    ax : matplotlib axes, optional
+        Where to draw; by default in a new figure.
+    numbers : bool, optional
+        Whether to write the numbers of vertices and pieces, as error messages use them ("f3" is facet 3,
+        "i0" inner segment 0). By default where there are at most 40 of them.
+    names : bool
+        Whether to write the names of regions at their seeds, and of markers at their longest piece.
+    vertices : bool, optional
+        Whether to mark the vertices; by default where there are at most 400. Loose ones are always
+        marked.
+    faults : sequence of Fault
+        Are marked and described at their places; `DomainError.plot` marks those that it reports.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
-        return _plot(self, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
-
-    def _repr_html_(self) -> str:
-        return card.html(self, len(self.repairs))
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)

@@ -5,8 +5,8 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Self, Unpack
 
@@ -16,10 +16,11 @@ from ..base.arguments import positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..base.files import as_path
-from ..base.options import named
+from ..base.options import like, named
 from ..geometry.curves import CurveLike
+from ..geometry.outline import Outline
+from . import card, derived, making
 from .arguments import DomainOptions, as_curves, as_markers, as_seeds, as_segments, joined
-from .making import Makers
 from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
@@ -27,7 +28,7 @@ from .plane.prescribed import carried
 from .plane.repair import Repair
 from .plane.sample import Sampled
 from .plane.sources import read_domain
-from .sides import SIDES
+from .sides import SIDES, Side
 
 __all__ = ["Domain", "as_domain"]
 
@@ -36,7 +37,7 @@ NO_SEEDS = frozen(np.empty((0, 2)))
 NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
-class Domain(Makers):
+class Domain(Outline):
     """A planar region that is to be meshed.
 
     *Facets* and *inner segments* are called *pieces* and numbered together: facets 0 to f - 1, then inner
@@ -133,6 +134,88 @@ class Domain(Makers):
         if self.curves or self.regions:  # the chords show where curves meet
             self._side.check_seeds(self, self._coarse)
 
+    @property
+    def dimension(self) -> int:
+        """The number of coordinates: 2."""
+        return self.points.shape[1]
+
+    @property
+    def _side(self) -> Side:
+        return SIDES[self.dimension]
+
+    @cached_property
+    def _coarse(self) -> Sampled:
+        return self._side.coarse(self)
+
+    # ------------------------------------------------------------------ domains of something else than arrays
+
+    @classmethod
+    @like(making.polygon)
+    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Unpack[DomainOptions]) -> Self:
+        return making.polygon(cls, outer, holes, **options)
+
+    @classmethod
+    @like(making.smooth)
+    def smooth(
+        cls,
+        outer: Any,
+        holes: Sequence[Any] = (),
+        *,
+        corners: Any = None,
+        corner_angle: float | None = None,
+        **options: Unpack[DomainOptions],
+    ) -> Self:
+        return making.smooth(cls, outer, holes, corners=corners, corner_angle=corner_angle, **options)
+
+    @classmethod
+    @like(making.rectangle)
+    def rectangle(
+        cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Unpack[DomainOptions]
+    ) -> Self:
+        return making.rectangle(cls, lower, upper, **options)
+
+    @classmethod
+    @like(making.disc)
+    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Unpack[DomainOptions]) -> Self:
+        return making.disc(cls, center, radius, **options)
+
+    @classmethod
+    @like(making.naca)
+    def naca(
+        cls,
+        digits: str,
+        *,
+        chord: float = 1.0,
+        nose: Any = (0.0, 0.0),
+        attack: float = 0.0,
+        closed: bool = True,
+        **options: Unpack[DomainOptions],
+    ) -> Self:
+        return making.naca(cls, digits, chord=chord, nose=nose, attack=attack, closed=closed, **options)
+
+    @classmethod
+    @like(making.letters)
+    def letters(
+        cls, text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Unpack[DomainOptions]
+    ) -> Self:
+        return making.letters(cls, text, size=size, font=font, **options)
+
+    @classmethod
+    @like(making.from_geojson)
+    def from_geojson(
+        cls, geometry: Any, *, name: str | None = None, **options: Unpack[DomainOptions]
+    ) -> Self:
+        return making.from_geojson(cls, geometry, name=name, **options)
+
+    # ------------------------------------------------------------------ domains and pictures of this one
+
+    simplified = derived.simplified
+    spaced = derived.spaced
+    matched = derived.matched
+    followed = derived.followed
+    must_be_free = derived.must_be_free
+    plot = derived.plot
+
     # ------------------------------------------------------------------ subsegments
 
     def sampled(self, size: Any = None, *, step: float = 1.0) -> Sampled:
@@ -228,7 +311,7 @@ class Domain(Makers):
             markers, regional attributes regions, by their number; `max_areas` has their bounds. `origin`,
             `piece_origin`, `repairs` refer to the file, counted from 0. .node is a set of loose points.
         """
-        return read_domain(cls, cls._of, source, shape=shape, name=name, options=options)
+        return read_domain(cls, partial(making.of, cls), source, shape=shape, name=name, options=options)
 
     def write(self, path: str | Path) -> None:
         """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.
@@ -253,7 +336,7 @@ class Domain(Makers):
             domain.must_be_free("combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
-        return subtracted(self._of, joined(domains), group, names, resolve=resolve)
+        return subtracted(partial(making.of, type(self)), joined(domains), group, names, resolve=resolve)
 
     # ------------------------------------------------------------------ validation
 
@@ -265,6 +348,9 @@ class Domain(Makers):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(refrozen(state))
+
+    def _repr_html_(self) -> str:
+        return card.html(self, len(self.repairs))
 
     def __repr__(self) -> str:
         curves = f", {len(self.curves)} curved" if self.curves else ""

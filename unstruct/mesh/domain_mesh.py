@@ -33,7 +33,6 @@ class MeshOptions(TypedDict, total=False):
     weights: Any
     hidden: Any
     regions: Mapping[str, int] | None
-    _ready: bool
 
 
 class DomainMesh(Mesh):

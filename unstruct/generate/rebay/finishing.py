@@ -19,7 +19,7 @@ from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
 from ..refinement.run import Planned, RefineRun, counts_of
-from ..refinement.state import REFUSALS
+from ..refinement.state import REFUSALS, VERTEX_LIMIT
 
 __all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
 
@@ -139,6 +139,7 @@ def refine_angles(
     given: int,
     most: int | None,
     kept: NDArray[np.uint8],
+    ceiling: int,
     allowed: NDArray[np.int64],
     wanted: float = WANTED_ANGLE,
 ) -> tuple[dict[str, int], list[int], list[str]]:
@@ -152,9 +153,11 @@ def refine_angles(
     given : int
         Vertices from this number on may be removed.
     most : int
-        Refinement stops at this number of vertices. None: at 10^7, and where a piece costs too many.
+        Refinement stops at this number of vertices. None: at ``ceiling``, and where a piece costs too many.
     kept : ndarray of uint8
         1 for pieces that must not be split.
+    ceiling : int
+        Some times the vertices that the size asked for: refinement of wide exponents would not end for long.
     allowed : ndarray of int64, shape (pieces, 2)
         What the angle may still cost each piece (see `refinement.narrow`), with which the next call goes on;
         -1 at first.
@@ -179,6 +182,8 @@ def refine_angles(
         {"inputs": np.arange(len(domain.points))},
     )  # fmt: skip
     run = RefineRun(planned, limits, 0.0, most, False)
+    if most is None:
+        run.tally[VERTEX_LIMIT] = min(run.tally[VERTEX_LIMIT], ceiling)
     run.keep(kept)
     if (allowed >= 0).all():
         run.allowed[:] = allowed

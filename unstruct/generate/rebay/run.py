@@ -31,6 +31,9 @@ BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one tak
 ORDER_BUCKETS = 96  # for any other measure
 
 
+MOST_GROWTH, SPARE_POINTS = 4, 1000  # of vertices, by points that finishing adds for the angle
+
+
 class VoronoiSegmentRun:
     """The state of one run.
 
@@ -180,6 +183,7 @@ class VoronoiSegmentRun:
     def finish(self, budget: int | None) -> dict[str, Any]:
         """Run the finishing pass; return what `result` reports about it."""
         c, most = self.complex, None if budget in (None, DEFAULT_BUDGET) else self.first + budget
+        ceiling = MOST_GROWTH * c.size + SPARE_POINTS
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
         allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
@@ -203,10 +207,14 @@ class VoronoiSegmentRun:
             reasons: list[str] = []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
                 every = np.ones_like(self.kept)
-                found, _, _ = refine_angles(self.domain, c, self.first, most, every, allowed, TRIED_ANGLE)
+                found, _, _ = refine_angles(
+                    self.domain, c, self.first, most, every, ceiling, allowed, TRIED_ANGLE
+                )
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
-                found, slots, reasons = refine_angles(self.domain, c, self.first, most, self.kept, allowed)
+                found, slots, reasons = refine_angles(
+                    self.domain, c, self.first, most, self.kept, ceiling, allowed
+                )
                 more, after = self._refined(found, done, after)
                 refined = refined or more
             if not refined and (c.size == size or number > 0):
