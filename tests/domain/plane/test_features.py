@@ -139,7 +139,7 @@ FAULTS = {
     ),
     "one corner": (
         [polygon(SQUARE), polygon([[9, 9], [9, 9], [9, 9]])],
-        "are equal",
+        "has 2 corners; a ring needs three",
     ),
     "line": (
         [polygon(LEFT), {"type": "LineString", "coordinates": [[-1, 0.5], [2, 0.5]]}],

@@ -198,7 +198,7 @@ def test_poly_eats_from_beyond_through_gaps(tmp_path: Path) -> None:
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 9\n", "outside 0..2"),
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 1.5\n", "'1.5' among segments is no whole number"),
         ("-3 2 0 0\n", "the number of vertices is -3"),
-        ("nan 2 0 0\n", "'nan' among the number of vertices is no whole number"),
+        ("nan 2 0 0\n", "'nan' among the number of vertices is not finite"),
     ],
 )
 def test_bad_poly_files(tmp_path: Path, text: str, message: str) -> None:

@@ -31,7 +31,7 @@ BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one tak
 ORDER_BUCKETS = 96  # for any other measure
 
 
-MOST_GROWTH, SPARE_POINTS = 4, 1000  # of vertices, by points that finishing adds for the angle
+MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
 
 
 class VoronoiSegmentRun:

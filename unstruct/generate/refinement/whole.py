@@ -20,7 +20,7 @@ from .encroachment import OTHER
 from .free_vertices import MOST_CORNERS
 from .limits import Limits
 from .run import Planned, counts_of
-from .state import KEPT, LARGE, REFUSALS, VERTEX_LIMIT, Work, begin, expected
+from .state import BY_FUNCTION, KEPT, LARGE, REFUSALS, VERTEX_LIMIT, Work, begin, expected
 from .steps import advance
 
 __all__ = ["refined_at_once"]
@@ -141,7 +141,7 @@ def refined_at_once(
             return None
         arc = arc.copy()
         arc[:, :3] *= c.factor
-    tally = np.zeros(16, dtype=np.int64)
+    tally = np.zeros(BY_FUNCTION + 1, dtype=np.int64)
     tally[VERTEX_LIMIT] = DEFAULT_BUDGET if budget is None else budget
     facets = mesh["facets"]
     code, points, origin, triangles, subsegments, outer, found, xy = _refined(
