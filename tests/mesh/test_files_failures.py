@@ -16,7 +16,9 @@ from unstruct.mesh import files
 
 SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
 OWN = ["msh", "su2", "node", "ele", "polyMesh"]
-THEIRS = "avs bdf f3grid h5m inp med mdpa mesh meshb nas obj off ply stl tec ugrid vtk vtu xdmf xml".split()
+THEIRS = (
+    "avs bdf f3grid h5m inp med mdpa mesh meshb nas obj off ply stl tec lb8.ugrid vtk vtu xdmf xml".split()
+)
 
 
 def place(folder: Path, suffix: str) -> Path:

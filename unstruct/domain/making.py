@@ -22,10 +22,10 @@ from .plane.splines import smooth_rings
 
 __all__ = ["disc", "from_geojson", "letters", "naca", "of", "polygon", "rectangle", "smooth"]
 
-D = TypeVar("D")  # `Domain`, or a class that is derived from it
+Made = TypeVar("Made")  # `Domain`, or a class that is derived from it
 
 
-def of(cls: type[D], parts: shapes.Parts, options: Mapping[str, Any]) -> D:
+def of(cls: type[Made], parts: shapes.Parts, options: Mapping[str, Any]) -> Made:
     """A domain of ready-made parts and options; curves, markers, regions and inner pieces are joined."""
     options = dict(options)
     for name in {"curves", "markers", "regions"} & set(parts):
@@ -38,7 +38,7 @@ def of(cls: type[D], parts: shapes.Parts, options: Mapping[str, Any]) -> D:
 
 
 @named(DomainOptions, resolve=False)
-def polygon(cls: type[D], outer: Any, holes: Sequence[Any] = (), **options: Unpack[DomainOptions]) -> D:
+def polygon(cls: type[Made], outer: Any, holes: Sequence[Any] = (), **options: Unpack[DomainOptions]) -> Made:
     """A polygon with holes.
 
     Parameters
@@ -57,14 +57,14 @@ def polygon(cls: type[D], outer: Any, holes: Sequence[Any] = (), **options: Unpa
 
 @named(DomainOptions, resolve=False)
 def smooth(
-    cls: type[D],
+    cls: type[Made],
     outer: Any,
     holes: Sequence[Any] = (),
     *,
     corners: Any = None,
     corner_angle: float | None = None,
     **options: Unpack[DomainOptions],
-) -> D:
+) -> Made:
     """As `polygon`, with smooth closed curves through the vertices: cubic splines by chord length.
 
     Parameters
@@ -87,8 +87,8 @@ def smooth(
 
 @named(DomainOptions, resolve=False)
 def rectangle(
-    cls: type[D], lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Unpack[DomainOptions]
-) -> D:
+    cls: type[Made], lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Unpack[DomainOptions]
+) -> Made:
     """A rectangle by two corners; its pieces and markers are "bottom", "right", "top" and "left".
 
     Parameters
@@ -101,7 +101,9 @@ def rectangle(
 
 
 @named(DomainOptions, resolve=False)
-def disc(cls: type[D], center: Any = (0.0, 0.0), radius: float = 1.0, **options: Unpack[DomainOptions]) -> D:
+def disc(
+    cls: type[Made], center: Any = (0.0, 0.0), radius: float = 1.0, **options: Unpack[DomainOptions]
+) -> Made:
     """A disc, bounded by four arcs.
 
     Parameters
@@ -116,7 +118,7 @@ def disc(cls: type[D], center: Any = (0.0, 0.0), radius: float = 1.0, **options:
 
 @named(DomainOptions, resolve=False)
 def naca(
-    cls: type[D],
+    cls: type[Made],
     digits: str,
     *,
     chord: float = 1.0,
@@ -124,7 +126,7 @@ def naca(
     attack: float = 0.0,
     closed: bool = True,
     **options: Unpack[DomainOptions],
-) -> D:
+) -> Made:
     """A NACA four-digit airfoil section, as true curves.
 
     Parameters
@@ -151,8 +153,13 @@ def naca(
 
 @named(DomainOptions, resolve=False)
 def letters(
-    cls: type[D], text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Unpack[DomainOptions]
-) -> D:
+    cls: type[Made],
+    text: str,
+    *,
+    size: float = 1.0,
+    font: str = "DejaVu Sans",
+    **options: Unpack[DomainOptions],
+) -> Made:
     """The outlines of a text as matplotlib sets it, with the font's own Bezier curves; needs matplotlib.
 
     Parameters
@@ -170,8 +177,8 @@ def letters(
 
 @named(DomainOptions, resolve=False)
 def from_geojson(
-    cls: type[D], geometry: Any, *, name: str | None = None, **options: Unpack[DomainOptions]
-) -> D:
+    cls: type[Made], geometry: Any, *, name: str | None = None, **options: Unpack[DomainOptions]
+) -> Made:
     """What GeoJSON mappings cover, or anything with ``__geo_interface__`` such as shapely's geometry.
 
     Parameters
