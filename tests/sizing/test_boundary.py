@@ -180,9 +180,9 @@ def test_many_rough_pieces_are_no_fault_of_the_size(monkeypatch: pytest.MonkeyPa
     t = 2 * np.pi * np.arange(n) / n
     radius = 1 + 0.005 * np.random.default_rng(5).random(n)
     domain = Domain.polygon(radius[:, None] * np.column_stack([np.cos(t), np.sin(t)]))
-    monkeypatch.setattr("unstruct.domain.plane.sample.STRETCH", 1000)  # as if a thousand times as many
+    monkeypatch.setattr("unstruct.domain.plane.by_size.STRETCH", 1000)  # as if a thousand times as many
     sampled = domain.sampled(from_features(domain, 0.5))
     assert 2 * n < len(sampled.ends) < 10 * n
-    monkeypatch.setattr("unstruct.domain.plane.sample.SHARE", 1)
+    monkeypatch.setattr("unstruct.domain.plane.by_size.STRETCH_SHARE", 1)
     with pytest.raises(InputError, match="too small or too rough"):
         domain.sampled(from_features(domain, 0.5))
