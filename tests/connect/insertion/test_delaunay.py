@@ -186,6 +186,7 @@ from unstruct.connect.insertion.triangulation import Triangulation
 from unstruct import check
 n, d, line = map(int, sys.argv[1:])
 points = np.random.default_rng(0).random((n, d))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # who starts the tests may have turned it off
 t = Triangulation(points[:100])
 kind, steps, left = type(t._engine), [], [line]
 advance = kind.advance
