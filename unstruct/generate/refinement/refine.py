@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -146,7 +147,9 @@ def refine(
     limits = make_limits(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
-    held = domain.held() if isinstance(domain, Domain) else None
+    held = None
+    if isinstance(domain, Domain) and (domain.spacings or domain.matches):
+        held = domain.held()
     kept = kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held)
     most = _budget(budget)
     plain = not history and not progress and refine_if is None
@@ -186,6 +189,12 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
         raise InputError(f"min_angle = {min_angle} must be between 0 and {LARGEST_MIN_ANGLE:g} degrees")
     if method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
+    return _shape(method, angle)
+
+
+@lru_cache
+def _shape(method: str, angle: float) -> tuple[float, float, float]:
+    """The numbers that follow from a method and an angle; most programs ask for few of these."""
     seen = cosine(math.radians(2.0 * min(max(angle, MIN_ANGLE_OF_LENS), 45.0)))
     lens = 0.0 if method == "ruppert" else seen * seen
     offset = 0.0
