@@ -51,6 +51,7 @@ def test_the_kernel_writes_what_python_writes() -> None:
     )
     assert len(reals) > decimals.FEW_ROWS
     assert rows_as_text(integers, reals) == plain(integers, reals)
+    assert rows_as_text(integers) == plain(integers, reals[:, :0])
     few = slice(0, 7)
     assert rows_as_text(integers[few], reals[few]) == plain(integers[few], reals[few])
 

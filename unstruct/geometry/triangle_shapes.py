@@ -31,18 +31,26 @@ def _between(ax, ay, bx, by):
     return 2 * math.atan2(math.sqrt(x * x + y * y), math.sqrt(u * u + v * v))
 
 
+@inline
+def _edges(points, cells, t):
+    """Half of the edges from the first corner of a triangle: differences of halves cannot overflow."""
+    p, q, r = cells[t, 0], cells[t, 1], cells[t, 2]
+    px, py = points[p, 0] * 0.5, points[p, 1] * 0.5
+    return (
+        points[q, 0] * 0.5 - px, points[q, 1] * 0.5 - py, points[r, 0] * 0.5 - px, points[r, 1] * 0.5 - py,
+    )  # fmt: skip
+
+
 @kernel
 def _angles(points, cells, least, most):
     """Write the smallest and the largest angle of each triangle; False if one is beyond the range."""
     for t in range(cells.shape[0]):
-        p, q, r = cells[t, 0], cells[t, 1], cells[t, 2]
-        px, py = points[p, 0] * 0.5, points[p, 1] * 0.5
-        ax, ay = points[q, 0] * 0.5 - px, points[q, 1] * 0.5 - py
-        bx, by = points[r, 0] * 0.5 - px, points[r, 1] * 0.5 - py
+        ax, ay, bx, by = _edges(points, cells, t)
         size = max(max(abs(ax), abs(ay)), max(abs(bx), abs(by)))
         if not size < np.inf:
             return False
         exponent = math.frexp(size)[1]
+        q, r = cells[t, 1], cells[t, 2]
         cx, cy = points[r, 0] * 0.5 - points[q, 0] * 0.5, points[r, 1] * 0.5 - points[q, 1] * 0.5
         if (ax == 0.0 and ay == 0.0) or (bx == 0.0 and by == 0.0) or (cx == 0.0 and cy == 0.0):
             least[t] = most[t] = np.nan
@@ -63,10 +71,7 @@ def _angles(points, cells, least, most):
 def _roundness(points, cells, found):
     """Write 2r/R of each triangle; False if one is beyond the range."""
     for t in range(cells.shape[0]):
-        p, q, r = cells[t, 0], cells[t, 1], cells[t, 2]
-        px, py = points[p, 0] * 0.5, points[p, 1] * 0.5
-        ax, ay = points[q, 0] * 0.5 - px, points[q, 1] * 0.5 - py
-        bx, by = points[r, 0] * 0.5 - px, points[r, 1] * 0.5 - py
+        ax, ay, bx, by = _edges(points, cells, t)
         size = max(max(abs(ax), abs(ay)), max(abs(bx), abs(by)))
         if not size < np.inf:
             return False
