@@ -212,8 +212,6 @@ class Domain(Outline):
     simplified = derived.simplified
     spaced = derived.spaced
     matched = derived.matched
-    followed = derived.followed
-    must_be_free = derived.must_be_free
     plot = derived.plot
 
     # ------------------------------------------------------------------ subsegments
@@ -333,7 +331,7 @@ class Domain(Outline):
         """
         domains: list[Domain] = [self, *map(as_domain, others)]
         for domain in domains:
-            domain.must_be_free("combined")
+            derived.must_be_free(domain, "combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
         return subtracted(partial(making.of, type(self)), joined(domains), group, names, resolve=resolve)
@@ -362,7 +360,8 @@ class Domain(Outline):
 def as_domain(value: Any) -> Domain:
     """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place."""
     if isinstance(value, Sampled):
-        new = as_domain(value.outline).followed(Domain(**value.parts()), value.origin, value.piece)
+        old = as_domain(value.outline)
+        new = derived.followed(old, Domain(**value.parts()), value.origin, value.piece)
         carried(value, new)
         return new
     if not isinstance(value, Domain):
