@@ -112,11 +112,11 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import meshers, planar, small
+    from . import front, meshers, planar, small
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    suite: Any = small if case.get("suite") == "small" else planar
+    suite: Any = {"small": small, "front": front}.get(case.get("suite", ""), planar)
     found = meshers.find(work, getattr(suite, "MESHERS", meshers.MESHERS))
     rows, given = _rows(case, found, suite.warm_up(work)), suite.task(work, case["kind"], n)
     for row, mesh in _in_turn(case, rows, given):
