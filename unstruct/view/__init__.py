@@ -36,6 +36,7 @@ from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
 from .scenes.fronts import front_frames as front_frames
 from .scenes.fronts import front_length as front_length
+from .scenes.fronts import fronts_of as fronts_of
 from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
