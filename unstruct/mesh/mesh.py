@@ -181,18 +181,23 @@ class Mesh(CellComplex):
         """
         return self._locator.find(x)
 
-    def holding(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def holding(
+        self, points: np.ndarray, vertices: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """All pairs (row of ``points``, closed cell that contains it), sorted by rows, without flat cells.
 
         Parameters
         ----------
         points : ndarray, shape (k, d)
+        vertices : ndarray of int, shape (k,), optional
+            Vertices of a mesh of simplices that are these points: cells of which they are corners do not
+            count.
 
         Returns
         -------
         rows, cells : ndarray of int64, shape (p,)
         """
-        return self._locator.holding(points)
+        return self._locator.holding(points, vertices)
 
     def summary(self) -> dict[str, Any]:
         """Counts and quality statistics: a dictionary, which prints as a short text."""
