@@ -26,7 +26,7 @@ def is_periodic(mesh, domain):
     for match in domain.matches:
         one, two = (np.unique(mesh.segments[mesh.piece == k]) for k in match[:2])
         image = {tuple(x): v for v, x in zip(two.tolist(), mesh.points[two].tolist())}
-        moved = mesh.points[one] + match.shift
+        moved = match.motion(mesh.points[one])
         expected |= {(v, image[tuple(x)]) for v, x in zip(one.tolist(), moved.tolist())}
     return sorted(expected) == [tuple(row) for row in mesh.pairs.tolist()]
 
