@@ -164,7 +164,9 @@ def _motion(shift: Any, rotation: float | None, center: Any) -> Motion | None:
     if rotation is None:
         return None if shift is None else Motion.translation(shift)
     if shift is not None:
-        raise InputError("give a shift or a rotation, not both: a motion of both is a rotation about some point")
+        raise InputError(
+            "give a shift or a rotation, not both: a motion of both is a rotation about some point"
+        )
     angle = finite(rotation, "rotation")
     if angle % 360.0 == 0.0:
         raise InputError(f"rotation = {rotation} degrees moves nothing: give the angle between the sides")

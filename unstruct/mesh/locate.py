@@ -60,7 +60,9 @@ class Locator:
         """All pairs (row, closed cell that contains it), without flat cells; see `Mesh.holding`."""
         query, cells = self.tree.pairs(rows, rows)
         if vertices is not None:
-            foreign = self.parts[0].foreign(vertices[query], cells)
+            part = self.parts[0]
+            assert isinstance(part, SimplexCells)
+            foreign = part.foreign(vertices[query], cells)
             query, cells = query[foreign], cells[foreign]
         keep = np.zeros(len(cells), dtype=bool)
         for part, end in zip(self.parts, self.ends.tolist()):

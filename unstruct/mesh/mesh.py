@@ -308,7 +308,7 @@ class Mesh(CellComplex):
         Notes
         -----
         The table shows what `Mesh.read` finds again; a warning names the rest, such as weights. Only .msh
-        stores `periodic`, with its motions, as Gmsh does:
+        stores `periodic`, with its motions, as Gmsh does (which itself reads them in version 4.1 alone):
 
         ============ ============== ================= ==================== ===================
         format       points, cells  origin, copies    markers of faces     markers of cells
@@ -355,7 +355,7 @@ class Mesh(CellComplex):
         return cls(**files.read(path))
 
     def to_meshio(self) -> Any:
-        """The mesh as a `meshio.Mesh`."""
+        """The mesh as a `meshio.Mesh`, without weights and sides that match."""
         return files.to_meshio(self)
 
     def to_skfem(self) -> Any:

@@ -32,7 +32,9 @@ def paired(domain: Domain, mesh: P) -> P:
         if len(one) == len(two) > 0:  # pieces outside of the domain are not in the mesh
             one, two = (np.append(chain[:1, 0], chain[:, 1]) for chain in (one, two))
             rows = np.column_stack([one, two[::-1] if match.turned else two])
-            found.setdefault(match.motion, []).append(rows[one != rows[:, 1]])  # no vertex about which is turned
+            found.setdefault(match.motion, []).append(
+                rows[one != rows[:, 1]]
+            )  # no vertex about which is turned
     every = [(motion, np.unique(np.concatenate(rows), axis=0)) for motion, rows in found.items()]
     mesh.periodic = tuple(Periodic(motion, frozen(rows.astype(np.int32))) for motion, rows in every)
     return mesh

@@ -1,8 +1,9 @@
 """Edges of a mesh that match: cut in the same way before a refinement, which then keeps them.
 
 A split during the refinement would have to succeed on both sides or on none. So the edges are cut before it,
-as far as the wanted size or area asks for on either side, and the points on the second side are computed from those on the first by the motion of the mesh. What the angle alone would ask for
-is refused: the triangles concerned say "kept".
+as far as the wanted size or area asks for on either side, and the points on the second side are computed from
+those on the first by the motion of the mesh. What the angle alone would ask for is refused: the triangles
+concerned say "kept".
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from ...base.arguments import as_number
 from ...base.arrays import frozen
 from ...domain.plane.by_region import per_region
 from ...mesh.mesh import Mesh
-from ...mesh.periodic import Periodic, facet_images, renumbered
+from ...mesh.periodic import Periodic, facet_images
 from ...sizing import as_size
 
-__all__ = ["Longest", "Matched", "longest_edges", "matched_edges"]
+__all__ = ["NO_PARTS", "Cut", "Longest", "Matched", "Parts", "cut", "longest_edges", "matched_edges"]
 
 SQUARE_OF_AREA = 1.5  # squared edges of so many areas: few triangles beside them are larger then
 LONG_EDGES = 4.0  # edges that are more times as long as the size at their middle are halved
@@ -37,6 +38,9 @@ class Parts(NamedTuple):
     ends: NDArray[np.int64]
     span: NDArray[np.float64]
     edge: NDArray[np.int64]
+
+
+NO_PARTS = Parts(np.empty((0, 2), dtype=np.int64), np.empty((0, 2)), np.empty(0, dtype=np.int64))
 
 
 class Matched(NamedTuple):
@@ -117,6 +121,11 @@ class _Twins(NamedTuple):
         return _Twins(*(column[rows] for column in self))
 
 
+def _joined(parts: list[_Twins]) -> _Twins:
+    columns: Any = [np.concatenate(column) for column in zip(*parts)]
+    return _Twins(*columns)
+
+
 class _Sides:
     """The sizes on the four sides of edges that match, and the points on them while they are cut."""
 
@@ -155,7 +164,7 @@ class _Sides:
 def cut(
     mesh: Mesh, ends: NDArray[np.int32], sides: NDArray[np.int64], links: Matched, longest: Longest, most: int
 ) -> Cut:
-    """Cut edges that match, both in the same way, into parts as long as the smallest size on their four sides.
+    """Cut edges that match, both in the same way, by the smallest size on their four sides.
 
     Parameters
     ----------
@@ -200,10 +209,10 @@ def cut(
         x, y = s.put(middle[long], w.link)
         at = 0.5 * (w.low + w.high)
         front = w._replace(v=x, q=y, high=at)
-        w = _Twins(*(np.concatenate(both) for both in zip(front, w._replace(u=x, p=y, low=at))))
+        w = _joined([front, w._replace(u=x, p=y, low=at)])
     else:
         done.append(w)
-    w = _divided(s, _Twins(*(np.concatenate(part) for part in zip(*done))), most - len(s.points) + len(mesh.points))
+    w = _divided(s, _joined(done), most - len(s.points) + len(mesh.points))
     turned = ~same[w.link]
     image, span = np.column_stack([w.p, w.q]), np.column_stack([w.low, w.high])
     image[turned], back = image[turned, ::-1], span.copy()
@@ -237,11 +246,11 @@ def _divided(s: _Sides, w: _Twins, most: int) -> _Twins:
     t = shares[below] + (goal - start) / (stop - start) * (shares[1] - shares[0])
     x, y = s.put(s.place(w.at(row[new]), t), w.link[row[new]])
     at = w.low[row[new]] + t * (w.high - w.low)[row[new]]
-    parts = w.at(row)
-    u, v, p, q, low, high = (np.array(a) for a in (parts.u, parts.v, parts.p, parts.q, parts.low, parts.high))
-    u[new], p[new], low[new] = x, y, at
-    v[new - 1], q[new - 1], high[new - 1] = x, y, at
-    return _Twins(u, v, p, q, parts.link, low, high)
+    columns: Any = [np.array(column) for column in w.at(row)]
+    parts = _Twins(*columns)
+    parts.u[new], parts.p[new], parts.low[new] = x, y, at
+    parts.v[new - 1], parts.q[new - 1], parts.high[new - 1] = x, y, at
+    return parts
 
 
 def _to_be_cut(mesh: Mesh, ends: NDArray, links: Matched) -> tuple[Matched, NDArray[np.bool_]]:

@@ -23,7 +23,7 @@ from ...mesh.periodic import renumbered
 from ...predicates.batch import orient
 from ..boundary.kept import SplitBoundary
 from .encroachment import STRAIGHT
-from .matched import Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
+from .matched import NO_PARTS, Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
 from .run import Planned
 
 __all__ = ["by_name", "carry", "plan_mesh"]
@@ -83,7 +83,7 @@ def plan_mesh(
     pieces = _Pieces(ends, chain, span, left, right)
     some = links.without(outer if split_boundary == "inner" else np.full(len(ends), not split_boundary))
     longest = longest_edges(names, size, max_area) if len(some.first) else None
-    c, cut_, ends = _cut_complex(mesh, used, place, pieces, some, longest, budget)
+    c, cut_ = _cut_complex(mesh, used, place, pieces, some, longest, budget)
     place = np.append(place, len(used) + np.arange(len(cut_.points), dtype=np.int32))
     inputs = np.ones(len(used), dtype=bool)
     inputs[place[pieces.ends]], inputs[place[joints]] = False, True
@@ -129,18 +129,18 @@ class _Pieces(NamedTuple):
 def _cut_complex(
     mesh: Mesh, used: NDArray[np.int64], place: NDArray[np.int32], pieces: _Pieces, links: Matched,
     longest: Longest | None, budget: int | None,
-) -> tuple[PlanarComplex, Cut, NDArray[np.int32]]:  # fmt: skip
-    """The complex with matched edges cut; with whole ones if rounded points on them lie in the way of others."""
-    whole = Cut(np.empty((0, 2)), None, mesh.periodic)
+) -> tuple[PlanarComplex, Cut]:  # fmt: skip
+    """The complex with matched edges cut; or whole, if rounded points on them are in the way of others."""
+    whole = Cut(np.empty((0, 2)), NO_PARTS, mesh.periodic)
     if longest is not None:
         sides = np.column_stack([pieces.left, pieces.right])
         most = max((DEFAULT_BUDGET if budget is None else budget) - len(used), 0)
         found = cut(mesh, pieces.ends, sides, links, longest, most)
         try:
-            return _complex(mesh, used, place, pieces.cut(found.parts), found.points), found, pieces.ends
+            return _complex(mesh, used, place, pieces.cut(found.parts), found.points), found
         except MeshError:
             pass
-    return _complex(mesh, used, place, pieces, whole.points), whole, pieces.ends
+    return _complex(mesh, used, place, pieces, whole.points), whole
 
 
 def _complex(
@@ -333,7 +333,7 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
 
 
 def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
-    """Give the refined mesh the markers of cells and vertices of the given mesh, and the pairs of its sides."""
+    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs."""
     group = result.markers.pop("region")
     values = planned.rest["values"]
     for name in values[0]:
