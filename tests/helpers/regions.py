@@ -16,7 +16,7 @@ from unstruct.domain.arguments import around
 from unstruct.domain.domain import Domain
 from unstruct.geometry.curves import Arc, Curve
 
-__all__ = ["KINDS", "random_region"]
+__all__ = ["KINDS", "random_region", "sector"]
 
 Rng = np.random.Generator
 

@@ -34,6 +34,8 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
         Both are exact. For points on segments (``on``), ``odd`` counts each segment as half-open.
     """
     odd, on = np.zeros(len(x), dtype=bool), np.zeros(len(x), dtype=bool)
+    if len(x) == 0:
+        return odd, on
     ends = points[segments]
     low, high = bounding_boxes(ends)
     far = max(high[:, 0].max(initial=0.0), x[:, 0].max(initial=0.0))
