@@ -23,7 +23,10 @@ from . import classical_steps as k
 from .made_mesh import Made, domain_mesh_of, quality_figures
 from .open_front import ALIVE, MADE, VERTEX_COUNT, OpenFront, enter_edge, enter_vertex, larger_front, new_front
 
-__all__ = ["CLASSICAL_ORDERS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front", "classical_mesh"]
+__all__ = [
+    "CLASSICAL_ORDERS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front", "classical_mesh", "enter_all",
+    "no_apex", "waiting_for",
+]  # fmt: skip
 
 CLASSICAL_ORDERS = ("smallest", "shortest", "oldest")
 # Where the search for candidates is centered, and its radius: in heights of the ideal triangle about the middle
@@ -108,7 +111,7 @@ def classical_front(
         CLASSICAL_ORDERS.index(order), list(SEARCHES).index(search), reach, round_enough, constant, most, table
     )
     front = _boundary_front(c)
-    waiting, journal = _waiting(front, None), _journal(front, None, history)
+    waiting, journal = waiting_for(front, None), _journal(front, None, history)
     counts = np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
     k.start_waiting(front, choices, waiting)
     with progress_bar(progress, " triangles") as bar:
@@ -119,10 +122,10 @@ def classical_front(
             if code == DONE:
                 break
             if code == k.STUCK:
-                raise MeshError(_stuck(front, c.factor))
+                raise MeshError(no_apex(front, c.factor))
             if code == ROOM:
                 front = larger_front(front)
-                waiting, journal = _waiting(front, waiting), _journal(front, journal, history, counts)
+                waiting, journal = waiting_for(front, waiting), _journal(front, journal, history, counts)
     return _account(c, front, journal, counts, most, history)
 
 
@@ -155,7 +158,7 @@ def enter_all(front, edges, loose):
         enter_vertex(front, loose[i])
 
 
-def _waiting(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
+def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
     """The queue with room for the front; ``old`` is what was in it before."""
     rows, vertices = 2 * len(front.ends) + 64, len(front.xy) + 16
     count = np.zeros(1, dtype=np.int64) if old is None else old.count
@@ -180,8 +183,10 @@ def _journal(
     return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
 
 
-def _stuck(front: OpenFront, factor: float) -> str:
-    row = int(np.flatnonzero(front.ends[:, 0] >= 0)[0])
+def no_apex(front: OpenFront, factor: float) -> str:
+    """What to say if no vertex can be joined to the oldest edge of the front."""
+    rows = np.flatnonzero(front.ends[:, 0] >= 0)
+    row = int(rows[np.argmin(front.stamp[rows])])
     a, b = (front.xy[front.ends[row]] / factor).tolist()
     return f"no vertex can be joined to the front edge from {a} to {b}: the boundary crosses or touches itself there"
 

@@ -102,6 +102,13 @@ def length_wanted(choices, x, y):
 
 
 @inline
+def level_of(measure):
+    """The part of an octave that a positive number is in; it grows with the number."""
+    part, exponent = frexp(measure)
+    return OCTAVE * exponent + int(2 * OCTAVE * part)
+
+
+@inline
 def rank(front, choices, row):
     """The key of an edge in the queue: what the order measures, in steps of about a percent, then its age."""
     if choices.order == ORDER_OLDEST:
@@ -112,9 +119,7 @@ def rank(front, choices, row):
         measure = sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     else:
         measure = length_wanted(choices, 0.5 * (ax + bx), 0.5 * (ay + by))
-    part, exponent = frexp(measure)
-    level = OCTAVE * exponent + int(2 * OCTAVE * part)
-    return (level + 2048.0 * OCTAVE) * LATER + front.stamp[row]
+    return (level_of(measure) + 2048.0 * OCTAVE) * LATER + front.stamp[row]
 
 
 @inline
@@ -136,9 +141,9 @@ def start_waiting(front, choices, waiting):
 
 @inline
 def next_waiting(front, waiting):
-    """The row of the next edge that is still at the front, -1 if there is none."""
+    """The row of the next edge that is still at the front, -1 if there is none; its key to ``measures[0]``."""
     while waiting.count[0] > 0:
-        value = waiting.edges[0]
+        value, waiting.measures[0] = waiting.edges[0], waiting.keys[0]
         waiting.count[0] = pop(waiting.keys, waiting.edges, waiting.count[0])
         row = np.int64(value % 4294967296)
         if front.stamp[row] == value // 4294967296:

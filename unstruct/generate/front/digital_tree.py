@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 
-__all__ = ["DigitalTree", "gather", "larger_tree", "new_tree", "plant", "planted", "pull"]
+__all__ = ["LOWER", "UPPER", "DigitalTree", "gather", "larger_tree", "new_tree", "plant", "planted", "pull"]
 
 LOWER, UPPER, ABOVE = range(3)  # columns of the links: the two children, and the parent
+X, Y, HALF, REACH = range(4, 8)  # columns of the places, after the rectangle
 NOT_PLANTED = -2  # instead of a parent
 ROUNDING = 1e-15  # more than the center and the half width of an item can be wrong, as |coordinates| <= 1
 
@@ -31,9 +32,9 @@ ROUNDING = 1e-15  # more than the center and the half width of an item can be wr
 class DigitalTree(NamedTuple):
     """The arrays of a tree; the row of an item is its number."""
 
-    place: NDArray[np.float64]  # (., 4) the rectangle of the node: smallest x and y, largest x and y
-    item: NDArray[np.float64]  # (., 3) its center and its half width
-    reach: NDArray[np.float64]  # the largest half width at the node and below
+    # (., 8) The rectangle of the node (smallest x and y, largest x and y), the center of the item and its half
+    # width, and the largest half width at the node and below: one line of the cache.
+    place: NDArray[np.float64]
     links: NDArray[np.int32]  # (., 3)
     root: NDArray[np.int64]  # (1,) -1 if the tree is empty
     stack: NDArray[np.int32]
@@ -45,14 +46,14 @@ def new_tree(capacity: int) -> DigitalTree:
     links = np.full((capacity, 3), NOT_PLANTED, dtype=np.int32)
     stack, found = np.empty(capacity + 4, dtype=np.int32), np.empty(capacity, dtype=np.int32)
     root = np.full(1, -1, dtype=np.int64)
-    return DigitalTree(np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty(capacity), links, root, stack, found)
+    return DigitalTree(np.empty((capacity, 8)), links, root, stack, found)
 
 
 def larger_tree(tree: DigitalTree, capacity: int) -> DigitalTree:
     """The same tree with more room."""
     fresh = new_tree(capacity)
     n = len(tree.links)
-    fresh.place[:n], fresh.item[:n], fresh.reach[:n], fresh.links[:n] = tree.place, tree.item, tree.reach, tree.links
+    fresh.place[:n], fresh.links[:n] = tree.place, tree.links
     fresh.root[0] = tree.root[0]
     return fresh
 
@@ -81,10 +82,9 @@ def half_of(tree, node, x, y):
 @lean
 def plant(tree, i, x, y, half):
     """Put item i into the tree: its center, with |x|, |y| <= 1, and its half width."""
-    links, place, reach = tree.links, tree.place, tree.reach
-    tree.item[i, 0], tree.item[i, 1], tree.item[i, 2] = x, y, half
+    links, place = tree.links, tree.place
+    place[i, X], place[i, Y], place[i, HALF], place[i, REACH] = x, y, half, half
     links[i, LOWER] = links[i, UPPER] = -1
-    reach[i] = half
     node = tree.root[0]
     if node < 0:
         tree.root[0] = i
@@ -92,7 +92,7 @@ def plant(tree, i, x, y, half):
         place[i, 0], place[i, 1], place[i, 2], place[i, 3] = -1.0, -1.0, 1.0, 1.0
         return
     while True:
-        reach[node] = max(reach[node], half)
+        place[node, REACH] = max(place[node, REACH], half)
         side, x0, y0, x1, y1 = half_of(tree, node, x, y)
         child = links[node, side]
         if child < 0:
@@ -106,7 +106,7 @@ def plant(tree, i, x, y, half):
 @lean
 def pull(tree, i):
     """Take item i out of the tree; a leaf from below takes its place."""
-    links, place, reach, item = tree.links, tree.place, tree.reach, tree.item
+    links, place = tree.links, tree.place
     leaf = np.int64(i)
     while True:
         child = links[leaf, UPPER] if links[leaf, UPPER] >= 0 else links[leaf, LOWER]
@@ -136,15 +136,22 @@ def pull(tree, i):
     links[i, ABOVE] = NOT_PLANTED
     settled = leaf == i  # whether all places that have changed are below
     while up >= 0:
-        widest = item[up, 2]
+        widest = place[up, HALF]
         for k in range(2):
             if links[up, k] >= 0:
-                widest = max(widest, reach[links[up, k]])
+                widest = max(widest, place[links[up, k], REACH])
         settled = settled or up == leaf
-        if settled and up != leaf and widest == reach[up]:
+        if settled and up != leaf and widest == place[up, REACH]:
             break
-        reach[up] = widest
+        place[up, REACH] = widest
         up = np.int64(links[up, ABOVE])
+
+
+@inline
+def misses(place, node, x0, y0, x1, y1):
+    """Whether no item at a node and below meets the window."""
+    r = place[node, REACH] + ROUNDING
+    return place[node, 0] - r > x1 or place[node, 2] + r < x0 or place[node, 1] - r > y1 or place[node, 3] + r < y0
 
 
 @lean
@@ -153,7 +160,7 @@ def gather(tree, x0, y0, x1, y1):
 
     Items next to the window may be among them.
     """
-    links, place, reach, item, stack, found = tree.links, tree.place, tree.reach, tree.item, tree.stack, tree.found
+    links, place, stack, found = tree.links, tree.place, tree.stack, tree.found
     count = depth = 0
     if tree.root[0] >= 0:
         stack[0] = tree.root[0]
@@ -161,15 +168,13 @@ def gather(tree, x0, y0, x1, y1):
     while depth > 0:
         depth -= 1
         node = np.int64(stack[depth])
-        r = reach[node] + ROUNDING
-        if place[node, 0] - r > x1 or place[node, 2] + r < x0 or place[node, 1] - r > y1 or place[node, 3] + r < y0:
-            continue
-        h, x, y = item[node, 2] + ROUNDING, item[node, 0], item[node, 1]
+        h, x, y = place[node, HALF] + ROUNDING, place[node, X], place[node, Y]
         if x - h <= x1 and x + h >= x0 and y - h <= y1 and y + h >= y0:
             found[count] = node
             count += 1
         for k in range(2):
-            if links[node, k] >= 0:
-                stack[depth] = links[node, k]
+            child = np.int64(links[node, k])
+            if child >= 0 and not misses(place, child, x0, y0, x1, y1):
+                stack[depth] = child
                 depth += 1
     return count
