@@ -14,10 +14,12 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
+from .classical import classical_front, classical_mesh
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
 
+METHODS = ("delaunay", "classical")
 FINISHING = 1.35  # the finishing pass inserts points where R is above so many f, as `voronoi_segment` does
 
 
@@ -25,8 +27,9 @@ def advancing_front(
     domain: Domain,
     size: Any,
     *,
-    order: str = "widest",
-    placement: str | Placement = "circle",
+    method: str = "delaunay",
+    order: str | None = None,
+    placement: str | Placement | None = None,
     finish: bool = True,
     split_boundary: SplitBoundary = True,
     budget: int | None = None,
@@ -42,19 +45,26 @@ def advancing_front(
         The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
         between two regions takes the smaller size. Pieces of the boundary are cut into edges of about this
         length: they are the first front.
-    order : "widest", "smallest", "shortest" or "oldest"
+    method : "delaunay" or "classical"
+        How the triangle ahead of an edge is found: over the triangulation of what is not meshed (see the notes),
+        or as the source chapter tells it: by the distance of candidates, with tests for what they would cross or
+        contain (see `unstruct.plain.advancing_front`). The classical front is rougher, slower, and there to be
+        compared.
+    order : "widest", "smallest", "shortest" or "oldest", optional
         Which edge of the front is next: the one with the largest R / f ahead of it, R being the circumradius
         of the triangle ahead and f = h / sqrt(3) (the default); that with the smallest wanted length there,
-        as the source chapter has it; the shortest; or the one that has waited longest. Measures that differ
+        as the source chapter has it (the default of the classical method, which has no "widest"); the shortest;
+        or the one that has waited longest. Measures that differ
         by less than a fifth count as equal; among these the one that has waited longest is next.
-    placement : "equal sides", "angle", "circle", or function
+    placement : "equal sides", "angle", "circle", or function, optional
         The ideal point for a front edge AB. "equal sides": on the line through the middle of AB at right
         angles to it, at the distance h from A and B, with h kept between 0.55 and 2 times |AB|. "angle": the
         smaller of the angles between AB and the edges of the front before and after it is left as it is,
         halved, or divided by three, whichever gives parts nearest to 60 degrees (it changes at 80 and 144
-        degrees; from 206 degrees on as "equal sides"). "circle": such that the circle through A, B and the
-        point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the points before
-        A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead.
+        degrees; from 206 degrees on as "equal sides"). "circle" (the default): such that the circle through
+        A, B and the point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the points before
+        A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead. The classical
+        method has "equal sides" alone.
     finish : bool
         Whether to improve the result afterwards, as `voronoi_segment` does.
     split_boundary : bool or "inner"
@@ -112,6 +122,14 @@ def advancing_front(
     H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256; D. L. Marcum, N. P.
     Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2.
     """
+    if method not in METHODS:
+        raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
+    if method == "classical":
+        return _classical(
+            domain, size, order or "smallest", placement or "equal sides", finish, split_boundary, budget,
+            history, progress,
+        )  # fmt: skip
+    order, placement = order or "widest", placement or "circle"
     if order not in ORDERS:
         raise InputError(f"order = {order!r} must be one of {', '.join(map(repr, ORDERS))}")
     if not (placement in PLACEMENTS if isinstance(placement, str) else callable(placement)):
@@ -129,3 +147,19 @@ def advancing_front(
     with progress_bar(progress, " points") as bar:
         run.march(most, bar)
     return noticed(paired(domain, run.result(most, finish)))
+
+
+def _classical(
+    domain: Domain, size: Any, order: str, placement: Any, finish: bool, split_boundary: SplitBoundary,
+    budget: int | None, history: bool, progress: bool,
+) -> DomainMesh:  # fmt: skip
+    """`advancing_front` by the classical method."""
+    most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
+    domain = as_domain(domain)
+    complex_ = planar_complex(domain, size, progress=progress)
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
+    size = size_by_region(complex_, size, domain.regions)
+    options = {"order": order, "placement": placement, "history": history, "budget": most}
+    run = classical_front(domain, complex_, size, progress=progress, **options)
+    mesh = classical_mesh(domain, complex_, size, run, finish=finish, kept=kept, budget=most)
+    return noticed(paired(domain, mesh))

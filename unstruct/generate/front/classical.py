@@ -1,0 +1,271 @@
+"""The classical advancing front: its arrays, its growth, and what it reports. The steps are in `classical_steps`."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arguments import DEFAULT_BUDGET
+from ...base.codes import DONE, ROOM
+from ...base.errors import InputError, MeshError
+from ...base.jit import kernel
+from ...base.progress import progress_bar
+from ...connect.insertion.engine import grown
+from ...connect.planar.complex import PlanarComplex
+from ...domain.domain import Domain, Sampled
+from ...mesh.domain_mesh import DomainMesh
+from ...sizing import as_size
+from ..boundary.constrained import complex_of
+from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
+from . import classical_steps as k
+from .made_mesh import Made, domain_mesh_of, quality_figures
+from .open_front import ALIVE, MADE, VERTEX_COUNT, OpenFront, enter_edge, enter_vertex, larger_front, new_front
+
+__all__ = [
+    "CLASSICAL_ORDERS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front", "classical_mesh", "enter_all",
+    "no_apex", "waiting_for",
+]  # fmt: skip
+
+CLASSICAL_ORDERS = ("smallest", "shortest", "oldest")
+# Where the search for candidates is centered, and its radius: in heights of the ideal triangle about the middle
+# of the edge, in sides about the ideal point. The last number is the least 2 r / R.
+SEARCHES: dict[str, tuple[float, float]] = {"barycenter": (1.5, 0.3), "ideal": (0.75, 0.0)}
+CLASSICAL_REASONS = ("new point", "near vertex", "wider search", "all vertices")
+VERDICTS = ("valid", "behind", "crosses the front", "holds a vertex", "not round", "too near", "")
+TRIANGLES_A_CALL = 50_000  # a fraction of a second: Ctrl-C works between calls
+
+
+class ClassicalRun(NamedTuple):
+    """What the classical front has made, and its account."""
+
+    made: Made
+    steps: dict[str, NDArray] | None
+    counts: dict[str, int]
+    spent: bool  # whether the budget kept it from making points
+
+
+def classical_front(
+    domain: Domain,
+    complex_: PlanarComplex,
+    size: Any,
+    *,
+    order: str = "smallest",
+    placement: str = "equal sides",
+    search: str = "ideal",
+    history: bool = False,
+    budget: int | None = None,
+    progress: bool = False,
+) -> ClassicalRun:
+    """Make triangles from the boundary inward, as the source chapter tells it, until the front is empty.
+
+    Parameters
+    ----------
+    domain : Domain
+    complex_ : PlanarComplex
+        The domain triangulated with its subsegments, by `planar_complex`. Only its subsegments, the regions on
+        their sides and its loose vertices are read.
+    size : number, function, or size field
+        The wanted edge length.
+    order : "smallest", "shortest" or "oldest"
+        The next edge of the front: where the wanted length is smallest (the rule of the source chapter), the
+        shortest one, or the one that has waited longest. Lengths that differ by less than about a percent are
+        equal, and then the oldest edge is next.
+    placement : "equal sides"
+        The only one for this method.
+    search : "ideal" or "barycenter"
+        Where candidates are searched; see `classical_steps`. "barycenter" is the rule of the source chapter.
+    history : bool
+        Keep a record of each step.
+    budget : int, optional
+        The largest number of new points; 10^7 by default.
+    progress : bool
+        Show a bar.
+
+    Returns
+    -------
+    ClassicalRun
+        ``steps`` has one row for each triangle, in order: "edge" A B, "apex", "reason", "ideal" (the point),
+        "size", "radius" (of the search, about the middle or the ideal point), and "start": the candidates of
+        step i are rows ``start[i]`` to ``start[i + 1] - 1`` of "vertex" (-1: the ideal point) and "verdict".
+
+    Notes
+    -----
+    All signs that decide the topology are exact; the front always has a valid triangle ahead (see
+    `classical_steps`). Expected O(n log n): a step costs some searches in two digital trees. Book: 3.1.
+    """
+    if order not in CLASSICAL_ORDERS:
+        raise InputError(f"order = {order!r} must be one of {CLASSICAL_ORDERS} for the classical method")
+    if placement != "equal sides":
+        raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
+    if search not in SEARCHES:
+        raise InputError(f"search = {search!r} must be one of {tuple(SEARCHES)}")
+    c, field = complex_, as_size(size)
+    lower, upper = domain.bounds
+    table = field.table(lower, upper, factor=c.factor, tolerance=TOLERANCE).nodes
+    constant = 0.0 if field.constant is None else float(table.values[0, 0])
+    reach, round_enough = SEARCHES[search]
+    most = c.size + (DEFAULT_BUDGET if budget is None else budget)
+    choices = k.Choices(
+        CLASSICAL_ORDERS.index(order), list(SEARCHES).index(search), reach, round_enough, constant, most, table
+    )
+    front = _boundary_front(c)
+    waiting, journal = waiting_for(front, None), _journal(front, None, history)
+    counts = np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
+    k.start_waiting(front, choices, waiting)
+    with progress_bar(progress, " triangles") as bar:
+        while True:
+            before = int(front.state[MADE])
+            code = k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL)
+            bar.update(int(front.state[MADE]) - before)
+            if code == DONE:
+                break
+            if code == k.STUCK:
+                raise MeshError(no_apex(front, c.factor))
+            if code == ROOM:
+                front = larger_front(front)
+                waiting, journal = waiting_for(front, waiting), _journal(front, journal, history, counts)
+    return _account(c, front, journal, counts, most, history)
+
+
+def _boundary_front(c: PlanarComplex) -> OpenFront:
+    """The front at the beginning: every side of a subsegment that has a region, and all loose vertices."""
+    half = c.where[: c.segments].astype(np.int64)
+    other = c.twin[half].astype(np.int64)
+    rows = []
+    for e in (half, other):
+        inside = c.region[e // 3] >= 0
+        start = c.vertex[np.where(e % 3 == 2, e - 2, e + 1)]
+        end = c.vertex[np.where(e % 3 == 0, e + 2, e - 1)]
+        rows.append(np.column_stack([np.arange(len(e)), start, end, c.region[e // 3]])[inside])
+    edges = np.concatenate(rows)
+    edges = edges[np.argsort(edges[:, 0], kind="stable"), 1:].astype(np.int64)
+    front = new_front(c.xy[: c.size], 2 * len(edges) + 64, 2 * c.size + 64)
+    loose = np.zeros(c.size, dtype=bool)
+    loose[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+    loose[c.ends[: c.segments].ravel()] = False
+    enter_all(front, edges, np.flatnonzero(loose))
+    return front
+
+
+@kernel
+def enter_all(front, edges, loose):
+    """Put edges (start, end, region) and loose vertices into an empty front."""
+    for i in range(len(edges)):
+        enter_edge(front, edges[i, 0], edges[i, 1], edges[i, 2])
+    for i in range(len(loose)):
+        enter_vertex(front, loose[i])
+
+
+def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
+    """The queue with room for the front; ``old`` is what was in it before."""
+    rows, vertices = 2 * len(front.ends) + 64, len(front.xy) + 16
+    count = np.zeros(1, dtype=np.int64) if old is None else old.count
+    keys = np.empty(0) if old is None else old.keys
+    edges = np.empty(0, dtype=np.int64) if old is None else old.edges
+    rows = max(rows, 2 * int(count[0]) + 64)
+    return k.Waiting(
+        grown(keys, rows), grown(edges, rows), count, np.empty(vertices), np.empty(vertices, dtype=np.int64)
+    )
+
+
+def _journal(
+    front: OpenFront, old: k.Journal | None, history: bool, counts: NDArray[np.int64] | None = None
+) -> k.Journal:
+    """The record with room for as many triangles as the front has, and for the candidates of one more step."""
+    if old is None:
+        old = k.Journal(np.empty((0, 2), dtype=np.int32), np.empty((0, 4)), np.empty((0, 2), dtype=np.int32))
+    if not history:
+        return old
+    rows = len(front.made)
+    tried = (0 if counts is None else 2 * int(counts[k.CANDIDATES])) + 4 * len(front.xy) + 64
+    return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
+
+
+def no_apex(front: OpenFront, factor: float) -> str:
+    """What to say if no vertex can be joined to the oldest edge of the front."""
+    rows = np.flatnonzero(front.ends[:, 0] >= 0)
+    row = int(rows[np.argmin(front.stamp[rows])])
+    a, b = (front.xy[front.ends[row]] / factor).tolist()
+    return f"no vertex can be joined to the front edge from {a} to {b}: the boundary crosses or touches itself there"
+
+
+def _account(
+    c: PlanarComplex, front: OpenFront, journal: k.Journal, counts: NDArray[np.int64], most: int, history: bool
+) -> ClassicalRun:
+    m, n = int(front.state[MADE]), int(front.state[VERTEX_COUNT])
+    points = front.xy[:n] / c.factor
+    made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
+    named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
+    steps = None
+    if history:
+        tried = journal.tried[: int(counts[k.CANDIDATES])]
+        numbers = journal.numbers[:m] / c.factor
+        steps = {
+            "edge": made.triangles[:, :2].copy(),
+            "apex": made.triangles[:, 2].copy(),
+            "reason": np.array(CLASSICAL_REASONS)[journal.log[:m, 0]],
+            "ideal": numbers[:, :2].copy(),
+            "size": numbers[:, 2].copy(),
+            "radius": numbers[:, 3].copy(),
+            "start": np.append(journal.log[:m, 1], len(tried)),
+            "vertex": tried[:, 0].copy(),
+            "verdict": np.array(VERDICTS)[tried[:, 1]],
+        }
+    return ClassicalRun(made, steps, named, n >= most)
+
+
+def classical_mesh(
+    domain: Domain,
+    complex_: PlanarComplex,
+    size: Any,
+    run: ClassicalRun,
+    *,
+    finish: bool = True,
+    kept: NDArray[np.uint8] | None = None,
+    budget: int | None = None,
+) -> DomainMesh:
+    """The result of `classical_front` as a mesh.
+
+    Parameters
+    ----------
+    domain, complex_, size
+        As for `classical_front`; ``size`` without regions.
+    run : ClassicalRun
+    finish : bool
+        False gives the triangles as they were made, in that order: ``simplices[:k]`` is the state after k steps.
+        True makes the constrained Delaunay triangulation of the same points and improves it as
+        `voronoi_segment` does; the order is lost.
+    kept : ndarray of uint8, optional
+        1 for pieces that finishing must not split.
+    budget : int, optional
+        As for `classical_front`.
+
+    Returns
+    -------
+    DomainMesh
+        ``figures`` has "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R", with "before" and "after"
+        if it is finished. ``unrefined`` contains all triangles if the budget was spent, with that reason.
+    """
+    c = complex_
+    subsegments = c.ends[: c.segments], c.piece[: c.segments], c.span[: c.segments]
+    before = quality_figures(run.made.points, run.made.triangles)
+    if not finish or run.spent:
+        everything = np.arange(len(run.made.triangles)) if run.spent else None
+        reasons = np.full(len(run.made.triangles), "budget") if run.spent else None
+        return domain_mesh_of(
+            domain, subsegments, run.made, unrefined=everything, reasons=reasons, counts=run.counts,
+            figures=before, steps=run.steps,
+        )  # fmt: skip
+    origin = np.full(len(run.made.points), -1, dtype=np.int32)
+    origin[: len(domain.points)] = np.arange(len(domain.points))
+    whole = complex_of(domain, Sampled(run.made.points, origin, *subsegments, domain))
+    rule = rule_of(1.35, "center", "first", None, True)
+    kept = np.zeros(len(domain.pieces), dtype=np.uint8) if kept is None else kept
+    base = VoronoiSegmentRun(domain, whole, size, None, rule, kept, False)
+    base.first = c.size
+    result = base.finish(budget)
+    result["counts"] = run.counts | result["counts"]
+    result["figures"] |= {f"{name} before": x for name, x in before.items()}
+    return base.result(result)

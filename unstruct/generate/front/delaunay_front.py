@@ -1,0 +1,298 @@
+"""The advancing-front Delaunay triangulation (12.3.4): cell by cell from the boundary by the empty circle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flag
+from ...base.arrays import as_points
+from ...base.codes import DONE, ROOM
+from ...base.errors import InputError, MeshError
+from ...base.jit import kernel
+from ...base.progress import progress_bar
+from ...connect.planar.complex import PlanarComplex
+from ...connect.planar.flood import number_parts
+from ...domain.domain import Domain, Sampled, as_domain
+from ...domain.plane.by_region import size_by_region
+from ...geometry.parity import even_odd, left_parity, right_parity
+from ...geometry.segment_pairs import vertices_on_segments
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ...predicates.batch import power_of_two, scaled
+from ...sizing import as_size
+from ..boundary.constrained import planar_complex
+from ..boundary.pairs import paired
+from ..rebay.run import TOLERANCE
+from . import delaunay_steps as k
+from .classical import enter_all, no_apex, waiting_for
+from .classical_steps import Choices
+from .empty_circle import new_ahead
+from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
+from .open_front import MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
+
+__all__ = ["front_delaunay"]
+
+CELLS_A_CALL = 50_000  # a fraction of a second: Ctrl-C works between calls
+
+
+def front_delaunay(
+    domain: Domain,
+    points_or_size: Any,
+    *,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> DomainMesh:
+    """Mesh a planar domain cell by cell from its boundary, each by the empty circle.
+
+    Parameters
+    ----------
+    domain : Domain
+    points_or_size : array_like, shape (k, 2); or a size
+        Points to be triangulated, or the wanted edge length: a number, function, SizeField, or dict of region
+        name to one of these. With a size the boundary is cut by it, and points are made ahead of the front.
+    budget : int, optional
+        With a size: the largest number of new points, besides those that cut the boundary; 10^7 by default.
+    history : bool
+        Keep a record of each cell in ``steps``.
+    progress : bool
+        Show a bar.
+
+    Returns
+    -------
+    DomainMesh
+        A constrained Delaunay triangulation of the points and the boundary, with the cells in the order in which
+        they were made: ``simplices[:k]`` is the state after k of them, and in each the first two vertices are
+        the edge of the front, the third is the apex. Vertices are those of the domain, those that cut curves
+        and pieces, then the points, in their order.
+        ``counts``: "cells"; "cocircular" cells, whose circle has another visible vertex on it, so that another
+        choice would have been as good; "hidden" candidates, which were in the circle of a cell but not visible
+        from its edge, and which a test of all points would have taken for obstacles; "outside" points, which
+        were left out. With a size also "points", "circumcenters", "forced" cells and edges "set aside", from
+        making the points.
+        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R".
+        ``steps`` (with ``history``): "edge", "apex" and "cocircular", one row for each cell.
+
+    Raises
+    ------
+    InputError
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the first
+        such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
+
+    Notes
+    -----
+    The apex of a front edge is the visible vertex on its left whose circle with the edge has no other one
+    inside; several on one circle are told apart by their numbers. Without the word *visible* an edge may have no
+    apex. The proof that there always is one, and that the result is constrained Delaunay, is in `empty_circle`.
+    No other triangulation is used. A search goes through digital trees of the vertices and edges of the front,
+    expected O(log n) for even distributions. All signs are exact.
+
+    With a size the points come first, from a front of their own that takes the widest cell first; then they are
+    triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986)
+    201-217, for visibility. Book: 3.4.
+    """
+    budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
+    domain, history = as_domain(domain), as_flag(history, "history")
+    if not len(domain.facets):
+        raise InputError("the domain has no facets, so nothing is inside: give facets")
+    points = _as_given(points_or_size)
+    counts: dict[str, int] = {}
+    spent = False
+    with progress_bar(progress, " cells") as bar:
+        if points is not None:
+            sampled = _with_points(domain, points).sampled()
+            rows = sampled.points
+        else:
+            sampled = domain.sampled(points_or_size)
+            new, counts, spent = _points_ahead(domain, sampled, points_or_size, budget, bar)
+            rows = np.concatenate([sampled.points, new])
+        made, ties, more = _wrapped(_first_front(sampled, rows), power_of_two(rows), bar)
+    if points is not None:
+        loose = np.arange(len(domain.points), len(domain.points) + len(points))
+        more["outside"] = len(points) - int(np.isin(loose, made).sum())
+    result = _labelled(domain, sampled, rows, made)
+    steps = None
+    if history:
+        steps = {"edge": made[:, :2].copy(), "apex": made[:, 2].copy(), "cocircular": ties}
+    everything = np.arange(len(made)) if spent else None
+    mesh = domain_mesh_of(
+        domain, (sampled.ends, sampled.piece, sampled.span), result, steps=steps, counts=more | counts,
+        figures=quality_figures(rows, made), unrefined=everything,
+        reasons=np.full(len(made), "budget") if spent else None,
+    )  # fmt: skip
+    return noticed(paired(domain, mesh))
+
+
+# --- the input ------------------------------------------------------------------------------------
+
+
+def _as_given(value: Any) -> NDArray[np.float64] | None:
+    """The points, or None if the value is a size."""
+    if not isinstance(value, (list, tuple, np.ndarray)) or np.ndim(value) == 0:
+        return None
+    rows = as_points(value) if len(value) else np.empty((0, 2))
+    if rows.ndim != 2 or rows.shape[1] != 2:
+        raise InputError(f"points must have shape (k, 2), not {rows.shape}; a size is a number or a function")
+    return rows
+
+
+def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
+    """The domain with the points as loose vertices, after its own."""
+    n, rows = len(domain.points), np.concatenate([domain.points, points])
+    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    copies = np.flatnonzero(first[group.reshape(-1)] != np.arange(len(rows)))
+    if len(copies):
+        i, j = int(copies[0]), int(first[group.reshape(-1)[copies[0]]])
+        other = f"points[{j - n}]" if j >= n else f"vertex {j} of the domain"
+        raise InputError(f"points[{i - n}] = {rows[i].tolist()} is equal to {other}: drop one of them")
+    straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
+    on = vertices_on_segments(rows, np.arange(n, len(rows)), domain.pieces[straight])
+    if len(on):
+        i, s = on[np.argmin(on[:, 0])].tolist()
+        raise InputError(
+            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or make it "
+            "a vertex of the domain that divides the piece"
+        )
+    return Domain(
+        rows, domain.facets, inner=domain.inner, curves=domain.curves, markers=domain.markers,
+        regions=domain.regions,
+    )  # fmt: skip
+
+
+def _first_front(sampled: Sampled, rows: NDArray[np.float64]) -> OpenFront:
+    """The front of the boundary, with all vertices inside that it does not use; found by exact parity."""
+    xy, exact = scaled(rows)
+    if not exact:
+        raise InputError(
+            "the exponents of the coordinates differ too much for one scale: drop or move points that are "
+            "closer to each other than 1e-300 of the largest coordinate"
+        )
+    facets = sampled.piece < len(sampled.outline.facets)
+    outer, inner = sampled.ends[facets], sampled.ends[~facets]
+    if len(inner):
+        inner = inner[right_parity(rows, outer, inner)]
+    left = left_parity(rows, outer)
+    edges = np.concatenate(
+        [np.where(left[:, None], outer, outer[:, ::-1]), np.stack([inner, inner[:, ::-1]], axis=1).reshape(-1, 2)]
+    )
+    free = np.ones(len(rows), dtype=bool)
+    free[sampled.ends.ravel()] = False
+    loose = np.flatnonzero(free)
+    odd, on = even_odd(rows, outer, rows[loose])
+    front = new_front(xy, 2 * len(edges) + 8 * int(len(rows) ** 0.5) + 64, len(rows) + 64)
+    table = np.column_stack([edges, np.zeros(len(edges), dtype=np.int64)]).astype(np.int64)
+    enter_all(front, table, loose[odd & ~on])
+    return front
+
+
+# --- the work -------------------------------------------------------------------------------------
+
+
+def _wrapped(
+    front: OpenFront, factor: float, bar: Any
+) -> tuple[NDArray[np.int32], NDArray[np.bool_], dict[str, int]]:
+    """Cell by cell until the front is empty: the cells, which of them have a choice, and the counts."""
+    waiting, ahead, counts = waiting_for(front, None), new_ahead(), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    ties = np.zeros(len(front.made), dtype=bool)
+    k.start_in_turn(front, waiting)
+    while True:
+        before = int(front.state[MADE])
+        code = k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL)
+        bar.update(int(front.state[MADE]) - before)
+        if code == DONE:
+            break
+        if code == k.MISSING:
+            raise MeshError(no_apex(front, factor))
+        if code == ROOM:
+            front = larger_front(front)
+            waiting = waiting_for(front, waiting)
+            ties = np.concatenate([ties, np.zeros(len(front.made) - len(ties), dtype=bool)])
+    m = int(front.state[MADE])
+    names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
+    return front.made[:m, :3].copy(), ties[:m].copy(), names
+
+
+def _points_ahead(
+    domain: Domain, sampled: Sampled, size: Any, budget: int, bar: Any
+) -> tuple[NDArray[np.float64], dict[str, int], bool]:
+    """New points ahead of the front, in the order in which they were made; counts; whether the budget is spent."""
+    if isinstance(size, Mapping):
+        size = size_by_region(planar_complex(domain, size), size, domain.regions)
+    field, (lower, upper) = as_size(size), domain.bounds
+    factor, n = power_of_two(sampled.points), len(sampled.points)
+    table = field.table(lower, upper, factor=factor, tolerance=TOLERANCE).nodes
+    constant = 0.0 if field.constant is None else float(table.values[0, 0])
+    choices = Choices(0, 0, 1.0, 0.0, constant, n + budget, table)
+    front, ahead = _first_front(sampled, sampled.points), new_ahead()
+    waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    k.start_widest(front, choices, ahead, waiting)
+    while True:
+        before = int(front.state[MADE])
+        code = k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL)
+        bar.update(int(front.state[MADE]) - before)
+        if code == DONE:
+            break
+        if code == k.MISSING:
+            raise MeshError(no_apex(front, factor))
+        if code == ROOM:
+            front = larger_front(front)
+            waiting = waiting_for(front, waiting)
+    names = {
+        "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.CENTERS]),
+        "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
+    }  # fmt: skip
+    stop = int(front.state[VERTEX_COUNT])
+    return front.xy[n:stop] / factor, names, stop >= n + budget
+
+
+# --- regions --------------------------------------------------------------------------------------
+
+
+@kernel
+def _parts(triangles, neighbors, mark, part, least, stack):
+    """Number the parts that marked sides divide the triangles into, in ``part``; return how many.
+
+    ``least`` gets the lowest vertex of each part.
+    """
+    count = 0
+    for t in range(len(part)):
+        part[t] = -1
+    for t in range(len(part)):
+        if part[t] >= 0:
+            continue
+        part[t], stack[0], depth = count, t, 1
+        least[count] = triangles[t, 0]
+        while depth > 0:
+            depth -= 1
+            s = np.int64(stack[depth])
+            for i in range(3):
+                least[count] = min(least[count], triangles[s, i])
+                o = neighbors[s, i]
+                if o >= 0 and mark[3 * s + i] < 0 and part[o] < 0:
+                    part[o] = count
+                    stack[depth] = o
+                    depth += 1
+        count += 1
+    return count
+
+
+def _labelled(domain: Domain, sampled: Sampled, rows: NDArray[np.float64], made: NDArray[np.int32]) -> Made:
+    """The cells with the numbers of their regions, as `constrained_delaunay` numbers them."""
+    n, m = len(rows), len(made)
+    side = np.stack([made[:, [1, 2, 0]], made[:, [2, 0, 1]]], axis=2).reshape(-1, 2).astype(np.int64)
+    ends = np.sort(sampled.ends.astype(np.int64), axis=1)
+    fixed = np.isin(side.min(axis=1) * n + side.max(axis=1), ends[:, 0] * n + ends[:, 1])
+    mark = np.where(fixed, 0, -1).astype(np.int32)
+    part, least, stack = np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m + 4, np.int32)
+    parts = int(_parts(made, neighbors_of(made, n), mark, part, least, stack)) if m else 0
+    factor = power_of_two(rows)
+    # What the numbering of parts reads of a triangulation.
+    view = SimpleNamespace(
+        xy=rows * factor, vertex=made.ravel(), mark=mark, region=part, triangles=m, factor=factor, regions={}
+    )
+    number_parts(cast(PlanarComplex, view), domain.regions, parts, least)
+    return Made(rows, made, part, view.regions)
