@@ -30,6 +30,7 @@ def advancing_front(
     method: str = "delaunay",
     order: str | None = None,
     placement: str | Placement | None = None,
+    search: str = "barycenter",
     finish: bool = True,
     split_boundary: SplitBoundary = True,
     budget: int | None = None,
@@ -65,6 +66,9 @@ def advancing_front(
         A, B and the point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the points before
         A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead. The classical
         method has "equal sides" alone.
+    search : "barycenter" or "ideal"
+        Where the classical method looks for candidates: about the middle of the edge, as the source chapter has
+        it, or more narrowly about the ideal point.
     finish : bool
         Whether to improve the result afterwards, as `voronoi_segment` does.
     split_boundary : bool or "inner"
@@ -126,8 +130,8 @@ def advancing_front(
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if method == "classical":
         return _classical(
-            domain, size, order or "smallest", placement or "equal sides", finish, split_boundary, budget,
-            history, progress,
+            domain, size, order or "smallest", placement or "equal sides", search, finish, split_boundary,
+            budget, history, progress,
         )  # fmt: skip
     order, placement = order or "widest", placement or "circle"
     if order not in ORDERS:
@@ -150,8 +154,8 @@ def advancing_front(
 
 
 def _classical(
-    domain: Domain, size: Any, order: str, placement: Any, finish: bool, split_boundary: SplitBoundary,
-    budget: int | None, history: bool, progress: bool,
+    domain: Domain, size: Any, order: str, placement: Any, search: str, finish: bool,
+    split_boundary: SplitBoundary, budget: int | None, history: bool, progress: bool,
 ) -> DomainMesh:  # fmt: skip
     """`advancing_front` by the classical method."""
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
@@ -159,7 +163,9 @@ def _classical(
     complex_ = planar_complex(domain, size, progress=progress)
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     size = size_by_region(complex_, size, domain.regions)
-    options = {"order": order, "placement": placement, "history": history, "budget": most}
+    options: dict[str, Any] = {
+        "order": order, "placement": placement, "search": search, "history": history, "budget": most,
+    }  # fmt: skip
     run = classical_front(domain, complex_, size, progress=progress, **options)
     mesh = classical_mesh(domain, complex_, size, run, finish=finish, kept=kept, budget=most)
     return noticed(paired(domain, mesh))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,10 @@ import numpy as np
 from ...base.errors import InputError
 from ...geometry.simplex import circumcenter, circumradius
 from ...mesh.domain_mesh import DomainMesh
+from ...plain.advancing_front import Step
 from ..draw import frames as fr
 
-__all__ = ["front_frames", "front_length", "fronts_of"]
+__all__ = ["candidate_frames", "front_frames", "front_length", "fronts_of"]
 
 WHY = {
     "new point": "the ideal point is far enough from all others: it is inserted",
@@ -36,24 +37,29 @@ def fronts_of(mesh: DomainMesh) -> Iterator[np.ndarray]:
     mesh : DomainMesh
         A result of `unstruct.advancing_front` with ``finish=False``.
     """
-    cells = mesh.simplices.tolist()
-    sides = [[(a, b), (b, c), (c, a)] for a, b, c in cells]
+    for front in _replay(mesh):
+        yield np.array(list(front), dtype=np.int64).reshape(-1, 2)
+
+
+def _replay(mesh: DomainMesh) -> Iterator[dict[tuple[int, int], None]]:
+    """The front before each step and after the last, as one dictionary that changes."""
+    sides = [[(a, b), (b, c), (c, a)] for a, b, c in mesh.simplices.tolist()]
     inside = {side for three in sides for side in three}
     both = [(a, b) for a, b in mesh.segments.tolist()] + [(b, a) for a, b in mesh.segments.tolist()]
     front = dict.fromkeys(edge for edge in both if edge in inside)
     for three in sides:
-        yield np.array(list(front), dtype=np.int64).reshape(-1, 2)
+        yield front
         for a, b in three:
             if (a, b) in front:
                 del front[a, b]
             else:
                 front[b, a] = None
-    yield np.array(list(front), dtype=np.int64).reshape(-1, 2)
+    yield front
 
 
 def front_length(mesh: DomainMesh) -> np.ndarray:
     """The number of edges of the front before each step, and after the last."""
-    return np.array([len(front) for front in fronts_of(mesh)])
+    return np.array([len(front) for front in _replay(mesh)])
 
 
 def front_frames(
@@ -124,3 +130,65 @@ def _step(mesh: DomainMesh, record: dict[str, Any], i: int, front: np.ndarray, n
         items.append(fr.dots("inserted" if reason == "new point" else "bad", [ideal]))
     text = f"edge {edge[0]} {edge[1]}: {WHY[reason]}"
     return fr.frame(text, *items, number=f"{i} triangles, {len(front)} edges of the front")
+
+
+# --- the classical front, from its plain version ----------------------------------------------------
+
+
+def candidate_frames(points: Any, first: Iterable[Sequence[int]], steps: Iterable[Step]) -> list[fr.Frame]:
+    """A frame for each step of the plain classical front: the circle, the candidates, and their verdicts.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        The vertices before the first step.
+    first : pairs of int
+        The edges of the front before the first step.
+    steps : iterable of Step
+        From `unstruct.plain.advancing_front.advancing_front`.
+
+    Returns
+    -------
+    list of dict
+        The numbers at the candidates say in which order they are tried. A crossed one failed a test, which
+        the caption names; the star is the one that is taken, if it is new.
+    """
+    have = [tuple(map(float, p)) for p in points]
+    front = [tuple(map(int, edge)) for edge in first]
+    cells: list[list[int]] = []
+    frames = []
+    for step in steps:
+        frames.append(_tried(have, front, cells, step))
+        if step.chosen == len(have):
+            have.append((float(step.ideal[0]), float(step.ideal[1])))
+        cells.append([*step.edge, step.chosen])
+        front = list(step.front)
+    last = [fr.polygons("accepted", [[have[v] for v in cell] for cell in cells]), *fr.numbered(have)]
+    frames.append(fr.frame("the front is empty", *last, number=f"{len(cells)} triangles"))
+    frames[0]["view"] = fr.bounds([frames[-1]], 0.06)
+    return frames
+
+
+def _tried(have: list[Any], front: list[Any], cells: list[list[int]], step: Step) -> fr.Frame:
+    """One step of the classical front."""
+    x = np.array(have)
+    middle = x[list(step.edge)].mean(axis=0)
+    places = [step.ideal if one.vertex is None else have[one.vertex] for one in step.candidates]
+    failed = [place for place, one in zip(places, step.candidates) if one.verdict]
+    taken = step.ideal if step.chosen == len(have) else have[step.chosen]
+    items = [
+        fr.polygons("accepted", [x[cell] for cell in cells]),
+        fr.segments("front", [x[list(edge)] for edge in front]),
+        fr.polygons("highlight", [[*x[list(step.edge)], taken]]),
+        fr.circles("circumcircle", [middle], [step.radius]),
+        fr.segments("inserted", [x[list(step.edge)]]),
+        *fr.numbered(have),
+        fr.dots("bad", failed),
+    ]
+    if step.chosen == len(have):
+        items.append(fr.dots("inserted", [taken]))
+    why = [
+        f"{'X' if one.vertex is None else one.vertex} {one.verdict or 'is taken'}" for one in step.candidates
+    ]
+    text = f"edge {step.edge[0]} {step.edge[1]}: {', '.join(why)}"
+    return fr.frame(text, *items, number=f"{len(cells)} triangles, {len(front)} edges of the front")
