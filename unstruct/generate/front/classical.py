@@ -132,13 +132,13 @@ def classical_front(
 def _boundary_front(c: PlanarComplex) -> OpenFront:
     """The front at the beginning: every side of a subsegment that has a region, and all loose vertices."""
     half = c.where[: c.segments].astype(np.int64)
+    ends = c.ends[: c.segments]
+    along = c.vertex[np.where(half % 3 == 2, half - 2, half + 1)] == ends[:, 0]
     other = c.twin[half].astype(np.int64)
     rows = []
-    for e in (half, other):
-        inside = c.region[e // 3] >= 0
-        start = c.vertex[np.where(e % 3 == 2, e - 2, e + 1)]
-        end = c.vertex[np.where(e % 3 == 0, e + 2, e - 1)]
-        rows.append(np.column_stack([np.arange(len(e)), start, end, c.region[e // 3]])[inside])
+    for e, pair in ((np.where(along, half, other), ends), (np.where(along, other, half), ends[:, ::-1])):
+        region = c.region[e // 3]
+        rows.append(np.column_stack([np.arange(len(e)), pair, region])[region >= 0])
     edges = np.concatenate(rows)
     edges = edges[np.argsort(edges[:, 0], kind="stable"), 1:].astype(np.int64)
     front = new_front(c.xy[: c.size], 2 * len(edges) + 64, 2 * c.size + 64)

@@ -216,6 +216,39 @@ def fault_of_new(front, row, x, least):
 
 
 @inline
+def put(keys, values, count, key, value):
+    """Put a candidate into the heap; return the new number. Of equal keys the smaller value comes first."""
+    k = count
+    while k > 0:
+        above = (k - 1) // 2
+        if keys[above] < key or (keys[above] == key and values[above] <= value):
+            break
+        keys[k], values[k] = keys[above], values[above]
+        k = above
+    keys[k], values[k] = key, value
+    return count + 1
+
+
+@inline
+def take(keys, values, count):
+    """Remove the first candidate, which the caller has read; return the new number."""
+    count -= 1
+    key, value, k = keys[count], values[count], 0
+    while 2 * k + 1 < count:
+        child = 2 * k + 1
+        if child + 1 < count and (
+            keys[child + 1] < keys[child] or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
+        ):
+            child += 1
+        if key < keys[child] or (key == keys[child] and value <= values[child]):
+            break
+        keys[k], values[k] = keys[child], values[child]
+        k = child
+    keys[k], values[k] = key, value
+    return count
+
+
+@inline
 def note_tried(journal, counts, v, verdict):
     """Record a candidate and what was found about it."""
     if len(journal.tried) > 0:
@@ -234,10 +267,10 @@ def search_near(front, choices, waiting, journal, counts, row, side):
     x, y, count = xy[n, 0], xy[n, 1], 0
     may = n < choices.most
     if choices.search == ABOUT_MIDDLE:
-        radius = choices.reach * 0.5 * ROOT3 * side
+        radius = choices.reach * (0.5 * ROOT3) * side
         cx, cy = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
         if may:
-            count = push(heap, what, count, sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)), n)
+            count = put(heap, what, count, sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)), n)
     else:
         radius, cx, cy = choices.reach * side, x, y
     for i in range(gather(front.vertices, cx - radius, cy - radius, cx + radius, cy + radius)):
@@ -245,10 +278,10 @@ def search_near(front, choices, waiting, journal, counts, row, side):
         dx, dy = xy[v, 0] - cx, xy[v, 1] - cy
         distance = sqrt(dx * dx + dy * dy)
         if v != a and v != b and distance <= radius:
-            count = push(heap, what, count, distance, v)
+            count = put(heap, what, count, distance, v)
     while count > 0:
         v = what[0]
-        count = pop(heap, what, count)
+        count = take(heap, what, count)
         if v == n:
             verdict = fault_of_new(front, row, n, CLEARANCE * side)
         else:
@@ -281,15 +314,15 @@ def search_wide(front, waiting, journal, counts, row, radius):
         count = 0
         for i in range(gather(front.vertices, cx - radius, cy - radius, cx + radius, cy + radius)):
             v = np.int64(found[i])
-            tried = abs(xy[v, 0] - cx) <= before and abs(xy[v, 1] - cy) <= before
-            if tried or turn(xy, a, b, v) <= 0:
+            away = max(abs(xy[v, 0] - cx), abs(xy[v, 1] - cy))
+            if v == a or v == b or away <= before or away > radius or turn(xy, a, b, v) <= 0:
                 continue
             twice = (xy[b, 0] - xy[a, 0]) * (xy[v, 1] - xy[a, 1]) - (xy[b, 1] - xy[a, 1]) * (xy[v, 0] - xy[a, 0])
             measure = between(xy, a, v) * between(xy, v, b)
-            count = push(heap, what, count, measure / twice if twice > 0.0 else inf, v)
+            count = put(heap, what, count, measure / twice if twice > 0.0 else inf, v)
         while count > 0:
             v = what[0]
-            count = pop(heap, what, count)
+            count = take(heap, what, count)
             verdict = first_fault(front, a, b, v)
             note_tried(journal, counts, v, verdict)
             if verdict == NO_FAULT:
@@ -317,7 +350,7 @@ def march(front, choices, waiting, journal, counts, limit):
         a, b, n = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), state[VERTEX_COUNT]
         x, y, side, h = ideal_point(front, choices, a, b)
         front.xy[n, 0], front.xy[n, 1] = x, y
-        radius = choices.reach * side * (0.5 * ROOT3 if choices.search == ABOUT_MIDDLE else 1.0)
+        radius = choices.reach * (0.5 * ROOT3 if choices.search == ABOUT_MIDDLE else 1.0) * side
         c, reason = np.int64(-1), BY_NEAR
         if side > 0.0:
             c = search_near(front, choices, waiting, journal, counts, row, side)

@@ -19,6 +19,7 @@ from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
 from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
+from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
 from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
@@ -86,10 +87,11 @@ def front_delaunay(
     Notes
     -----
     The apex of a front edge is the visible vertex on its left whose circle with the edge has no other one
-    inside; several on one circle are told apart by their numbers. Without the word *visible* an edge may have no
+    inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge may have no
     apex. The proof that there always is one, and that the result is constrained Delaunay, is in `empty_circle`.
     No other triangulation is used. A search goes through digital trees of the vertices and edges of the front,
-    expected O(log n) for even distributions. All signs are exact.
+    expected O(log n) for even distributions; if k vertices are on one circle up to rounding and none inside, each of
+    them costs O(k). All signs are exact.
 
     With a size the points come first, from a front of their own that takes the widest cell first; then they are
     triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986)
@@ -105,12 +107,15 @@ def front_delaunay(
     with progress_bar(progress, " cells") as bar:
         if points is not None:
             sampled = _with_points(domain, points).sampled()
+            _refuse_on_curves(sampled, len(domain.points), points)
             rows = sampled.points
         else:
             sampled = domain.sampled(points_or_size)
             new, counts, spent = _points_ahead(domain, sampled, points_or_size, budget, bar)
             rows = np.concatenate([sampled.points, new])
-        made, ties, more = _wrapped(_first_front(sampled, rows), power_of_two(rows), bar)
+        order = hilbert_order(rows)
+        made, ties, more = _wrapped(_first_front(sampled, rows, order), power_of_two(rows), bar)
+        made = order[made].astype(np.int32)
     if points is not None:
         loose = np.arange(len(domain.points), len(domain.points) + len(points))
         more["outside"] = len(points) - int(np.isin(loose, made).sum())
@@ -163,9 +168,30 @@ def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
     )  # fmt: skip
 
 
-def _first_front(sampled: Sampled, rows: NDArray[np.float64]) -> OpenFront:
-    """The front of the boundary, with all vertices inside that it does not use; found by exact parity."""
-    xy, exact = scaled(rows)
+def _refuse_on_curves(sampled: Sampled, n: int, points: NDArray[np.float64]) -> None:
+    """Refuse points, vertices n and on, that lie on a chord of a curve or are where one ends."""
+    mine, rest = np.arange(n, n + len(points)), sampled.points[n + len(points) :]
+    place = {tuple(x): i for i, x in enumerate(points.tolist())} if len(rest) else {}
+    on = [place[x] for x in map(tuple, rest.tolist()) if x in place]
+    on += (vertices_on_segments(sampled.points, mine, sampled.ends)[:, 0] - n).tolist()
+    if on:
+        raise InputError(
+            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make it a "
+            "vertex of the domain that divides the curve"
+        )
+
+
+def _first_front(
+    sampled: Sampled, rows: NDArray[np.float64], order: NDArray[np.int64] | None = None
+) -> OpenFront:
+    """The front of the boundary, with all vertices inside that it does not use; found by exact parity.
+
+    With ``order``, vertex i of the front is row ``order[i]``: along a curve, so that neighbors are near in memory.
+    """
+    order = np.arange(len(rows)) if order is None else order
+    number = np.empty(len(rows), dtype=np.int64)
+    number[order] = np.arange(len(rows))
+    xy, exact = scaled(rows[order])
     if not exact:
         raise InputError(
             "the exponents of the coordinates differ too much for one scale: drop or move points that are "
@@ -184,8 +210,8 @@ def _first_front(sampled: Sampled, rows: NDArray[np.float64]) -> OpenFront:
     loose = np.flatnonzero(free)
     odd, on = even_odd(rows, outer, rows[loose])
     front = new_front(xy, 2 * len(edges) + 8 * int(len(rows) ** 0.5) + 64, len(rows) + 64)
-    table = np.column_stack([edges, np.zeros(len(edges), dtype=np.int64)]).astype(np.int64)
-    enter_all(front, table, loose[odd & ~on])
+    table = np.column_stack([number[edges], np.zeros(len(edges), dtype=np.int64)])
+    enter_all(front, table, np.sort(number[loose[odd & ~on]]))
     return front
 
 
@@ -201,6 +227,7 @@ def _wrapped(
     k.start_in_turn(front, waiting)
     while True:
         before = int(front.state[MADE])
+        ahead.found[3] = 0
         code = k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL)
         bar.update(int(front.state[MADE]) - before)
         if code == DONE:
@@ -232,6 +259,7 @@ def _points_ahead(
     k.start_widest(front, choices, ahead, waiting)
     while True:
         before = int(front.state[MADE])
+        ahead.found[3] = 0
         code = k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL)
         bar.update(int(front.state[MADE]) - before)
         if code == DONE:

@@ -27,6 +27,7 @@ __all__ = ["CENTERS", "FORCED_CELLS", "HIDDEN_TIMES", "MISSING", "PLACED", "SET_
 
 MISSING = 9  # no apex: the boundary is not valid
 PLACED, CENTERS, FORCED_CELLS, SET_ASIDE, TIES, HIDDEN_TIMES, WRAP_COUNTS = range(7)
+NODES_A_CALL = 10_000_000  # visited nodes, a fraction of a second: Ctrl-C works between calls
 SMALL_ENOUGH = 1.2  # times the wanted circumradius
 APART, OFF_EDGES = 0.8, 0.35  # times the sides
 ASIDE_AFTER = 2.0**46  # edges that were put aside come after all others
@@ -59,11 +60,13 @@ def is_full(front, waiting):
 def wrap(front, ahead, waiting, ties, counts, limit):
     """Make up to ``limit`` cells by the empty circle: DONE, MORE, ROOM, or MISSING for the first edge of the queue.
 
-    ``ties`` gets 1 for cells whose circle has another visible vertex on it.
+    The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another visible vertex on it.
     """
     for _ in range(limit):
         if is_full(front, waiting) or front.state[MADE] >= len(ties):
             return ROOM
+        if ahead.found[3] > NODES_A_CALL:
+            break
         row = next_waiting(front, waiting)
         if row < 0:
             return DONE

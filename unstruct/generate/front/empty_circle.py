@@ -46,19 +46,19 @@ class Ahead(NamedTuple):
     """What the search for an apex needs besides the front."""
 
     shade: NDArray[np.int32]  # (SHADES, 2) edges that hide, with AB on their right
-    found: NDArray[np.int64]  # (3,) the apex; 1 if another vertex is on its circle; how many were hidden
+    found: NDArray[np.int64]  # (4,) the apex; 1 if another is on its circle; how many were hidden; visited nodes
 
 
 def new_ahead() -> Ahead:
     """Scratch for one search at a time."""
-    return Ahead(np.zeros((SHADES, 2), dtype=np.int32), np.zeros(3, dtype=np.int64))
+    return Ahead(np.zeros((SHADES, 2), dtype=np.int32), np.zeros(4, dtype=np.int64))
 
 
 @inline
-def cap_of(xy, a, b, c):
-    """The circle through a, b and c, which is on the left of ab: its center, and its squared radius or more.
+def center_of(xy, a, b, c):
+    """How far the center of the circle abc is on the left of the middle of ab, in |ab|, or more than that.
 
-    It is rounded so that its part on the left of ab is never too small; inf stands for the half-plane.
+    c is on the left of ab. inf stands for distances that are large or lost to rounding.
     """
     mx, my = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
     ux, uy, wx, wy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - mx, xy[c, 1] - my
@@ -66,13 +66,30 @@ def cap_of(xy, a, b, c):
     cross = one - two
     slack = 1e-14 * (abs(one) + abs(two)) + 2e-15 * (abs(ux) + abs(uy))
     if not (cross > 1e3 * slack and cross > 1e-280):
-        return mx, my, inf
+        return inf
     k = (far - 0.25 * square) / (2.0 * cross)
     k += abs(k) * 2.0 * slack / cross + 1e-14 * (far + square) / cross
+    return k if k < FLAT_CAP else inf
+
+
+@inline
+def cap_at(xy, a, b, k):
+    """The circle through a and b whose center is k |ab| to the left of their middle: center and squared radius.
+
+    It is rounded so that its part on the left of ab is never too small; inf stands for the half-plane.
+    """
+    mx, my = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
     if not k < FLAT_CAP:
         return mx, my, inf
-    r = sqrt(0.25 * square + k * k * square) * (1.0 + 1e-12) + 4e-15
+    ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+    r = sqrt((0.25 + k * k) * (ux * ux + uy * uy)) * (1.0 + 1e-12) + 4e-15
     return mx - k * uy, my + k * ux, r * r
+
+
+@inline
+def cap_of(xy, a, b, c):
+    """`cap_at` for the circle through a, b and c."""
+    return cap_at(xy, a, b, center_of(xy, a, b, c))
 
 
 @inline
@@ -143,25 +160,22 @@ def hidden_by(front, a, b, c, shade, shades):
 
 
 @inline
-def cap_at(xy, a, b, k):
-    """As `cap_of`, for the circle whose center is k |ab| to the left of the middle of ab."""
-    mx, my = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
-    ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-    r = sqrt((0.25 + k * k) * (ux * ux + uy * uy)) * (1.0 + 1e-12) + 4e-15
-    return mx - k * uy, my + k * ux, r * r
+def is_before(xy, u, v):
+    """Whether vertex u has the smaller x, or the same x and the smaller y."""
+    return xy[u, 0] < xy[v, 0] or (xy[u, 0] == xy[v, 0] and xy[u, 1] < xy[v, 1])
 
 
 @lean
 def first_in_order(front, a, b, ahead, k, visible):
     """The first candidate in the order of circles, -1 for none; only visible ones if ``visible``.
 
-    Of several on one circle the one with the lowest number is taken. Only the circle with its center k |ab| to
-    the left is searched; `FLAT_CAP` means the half-plane.
+    Of several on one circle the leftmost, lowest one is taken. Only the circle with its center k |ab| to
+    the left is searched (`FLAT_CAP` means the half-plane); -1 also if it is not certain that none is before.
     """
     xy, tree, shade = front.xy, front.vertices, ahead.shade
     place, links, stack = tree.place, tree.links, tree.stack
     best, tied, shades, depth = np.int64(-1), False, np.int64(0), 0
-    cap = cap_at(xy, a, b, k) if k < FLAT_CAP else (0.0, 0.0, inf)
+    cap = cap_at(xy, a, b, k)
     x, y, _ = cap_at(xy, a, b, 0.5)
     if tree.root[0] >= 0:
         stack[0] = tree.root[0]
@@ -169,6 +183,7 @@ def first_in_order(front, a, b, ahead, k, visible):
     while depth > 0:
         depth -= 1
         node = np.int64(stack[depth])
+        ahead.found[3] += 1
         if distance_to(place, node, cap[0], cap[1]) > cap[2]:
             continue
         dx, dy = xy[node, 0] - cap[0], xy[node, 1] - cap[1]
@@ -187,8 +202,8 @@ def first_in_order(front, a, b, ahead, k, visible):
                     tied = sign == 0
                     if sign > 0:
                         best, cap = node, cap_of(xy, a, b, node)
-                    else:
-                        best = min(best, node)
+                    elif is_before(xy, node, best):
+                        best = node
         one, two = np.int64(links[node, LOWER]), np.int64(links[node, UPPER])
         if one >= 0 and two >= 0 and distance_to(place, one, x, y) < distance_to(place, two, x, y):
             one, two = two, one
@@ -199,7 +214,8 @@ def first_in_order(front, a, b, ahead, k, visible):
             stack[depth] = two
             depth += 1
     ahead.found[1] = tied
-    return best
+    # A vertex that is in the circle by rounding only may come after others that are not.
+    return best if best < 0 or not k < FLAT_CAP or center_of(xy, a, b, best) <= k else np.int64(-1)
 
 
 @lean
@@ -208,7 +224,7 @@ def apex_within(front, ahead, row, k):
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     ahead.found[2] = 0
     c = first_in_order(front, a, b, ahead, k, False)
-    if c >= 0 and blocking_edge(front, a, b, c) >= 0:
+    if c >= 0 and (ahead.found[1] > 0 or blocking_edge(front, a, b, c) >= 0):
         c = first_in_order(front, a, b, ahead, k, True)
     ahead.found[0] = c
     return c
