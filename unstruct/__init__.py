@@ -46,6 +46,7 @@ from .generate.boundary.conforming import conforming_delaunay as conforming_dela
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
 from .generate.front.advancing_front import advancing_front as advancing_front
+from .generate.front.delaunay_front import front_delaunay as front_delaunay
 from .generate.improve.smoothing import smooth as smooth
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine

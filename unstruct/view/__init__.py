@@ -35,6 +35,7 @@ from .scenes.constraints import principal_component_state as principal_component
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
 from .scenes.fronts import candidate_frames as candidate_frames
+from .scenes.fronts import empty_circle_frames as empty_circle_frames
 from .scenes.fronts import front_frames as front_frames
 from .scenes.fronts import front_length as front_length
 from .scenes.fronts import fronts_of as fronts_of

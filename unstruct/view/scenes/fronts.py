@@ -11,9 +11,10 @@ from ...base.errors import InputError
 from ...geometry.simplex import circumcenter, circumradius
 from ...mesh.domain_mesh import DomainMesh
 from ...plain.advancing_front import Step
+from ...plain.front_delaunay import Cell
 from ..draw import frames as fr
 
-__all__ = ["candidate_frames", "front_frames", "front_length", "fronts_of"]
+__all__ = ["candidate_frames", "empty_circle_frames", "front_frames", "front_length", "fronts_of"]
 
 WHY = {
     "new point": "the ideal point is far enough from all others: it is inserted",
@@ -192,3 +193,47 @@ def _tried(have: list[Any], front: list[Any], cells: list[list[int]], step: Step
     ]
     text = f"edge {step.edge[0]} {step.edge[1]}: {', '.join(why)}"
     return fr.frame(text, *items, number=f"{len(cells)} triangles, {len(front)} edges of the front")
+
+
+def empty_circle_frames(points: Any, first: Iterable[Sequence[int]], steps: Iterable[Cell]) -> list[fr.Frame]:
+    """A frame for each step of the plain front by empty circles: the edge, its apex, the circle.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+    first : pairs of int
+        The edges of the front before the first step.
+    steps : iterable of Cell
+        From `unstruct.plain.front_delaunay.front_delaunay`.
+
+    Returns
+    -------
+    list of dict
+        Crosses are vertices in the circle that are hidden from the edge.
+    """
+    x = np.array([tuple(map(float, p)) for p in points])
+    front = [tuple(map(int, edge)) for edge in first]
+    cells: list[list[int]] = []
+    frames = []
+    for step in steps:
+        made = [*step.edge, step.apex]
+        items = [
+            fr.polygons("accepted", [x[cell] for cell in cells]),
+            fr.segments("front", [x[list(edge)] for edge in front]),
+            fr.polygons("highlight", [x[made]]),
+            fr.circles("circumcircle", [circumcenter(x[made])], [circumradius(x[made])]),
+            fr.segments("inserted", [x[list(step.edge)]]),
+            *fr.numbered(x),
+            fr.dots("bad", x[list(step.hidden)]),
+        ]
+        text = f"edge {step.edge[0]} {step.edge[1]}: apex {step.apex}"
+        text += f"; {', '.join(map(str, step.hidden))} hidden" if step.hidden else ""
+        text += f"; {', '.join(map(str, step.cocircular))} on the circle, too" if step.cocircular else ""
+        number = f"{len(cells)} triangles, {len(front)} edges of the front"
+        frames.append(fr.frame(text, *items, number=number))
+        cells.append(made)
+        front = list(step.front)
+    last = [fr.polygons("accepted", [x[cell] for cell in cells]), *fr.numbered(x)]
+    frames.append(fr.frame("the front is empty", *last, number=f"{len(cells)} triangles"))
+    frames[0]["view"] = fr.bounds([frames[-1]], 0.06)
+    return frames
