@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 
 from unstruct import Domain, InputError, advancing_front
+from unstruct.plain.advancing_front import advancing_front as plain_front
+from unstruct.plain.advancing_front import boundary_front
+from unstruct.plain.front_delaunay import front_delaunay as plain_delaunay
 from unstruct.view import check_frame
-from unstruct.view.scenes.fronts import front_frames, front_length, fronts_of
+from unstruct.view.scenes.fronts import (
+    candidate_frames,
+    empty_circle_frames,
+    front_frames,
+    front_length,
+    fronts_of,
+)
 
 SQUARE = Domain.polygon([(0, 0), (1, 0), (1, 1), (0, 1)])
 
@@ -39,3 +48,20 @@ def test_a_record_is_needed() -> None:
     for mesh in (advancing_front(SQUARE, 0.2, finish=False), advancing_front(SQUARE, 0.2, history=True)):
         with pytest.raises(InputError, match="history=True"):
             front_frames(mesh)
+
+
+def test_frames_of_the_plain_fronts() -> None:
+    points = [(0, 0), (4, 0), (4, 3), (0, 3), (1.5, 1), (2.5, 1), (2, 2)]
+    sides = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 6), (6, 5), (5, 4)]
+    first = list(boundary_front(points, sides, []).edges)
+    steps = list(plain_front(points, sides, lambda x: 1.0))
+    cells = list(plain_delaunay(points, sides))
+    for frames, made in (
+        (candidate_frames(points, first, steps), steps),
+        (empty_circle_frames(points, first, cells), cells),
+    ):
+        assert len(frames) == len(made) + 1 and frames[-1]["number"] == f"{len(made)} triangles"
+        for one in frames:
+            check_frame(one)
+        assert frames[0]["number"].startswith("0 triangles, 7 edges")
+    assert any("X is taken" in one["caption"] for one in candidate_frames(points, first, steps))
