@@ -14,6 +14,7 @@ WITHOUT_CELL = {"historical", "unverified"}
 # For an extension "correct" says what the book adds to the statement of the source.
 NEEDS_CORRECTION = {"needs-assumption", "false", "extension", "misprint", "vague"}
 
+
 def cells_of_claims() -> dict[str, list[str]]:
     """For each claim id that is a tag somewhere: the places (notebook and cell) that carry it."""
     found = defaultdict(list)

@@ -464,7 +464,7 @@ def test_tests_mirror_the_rooms() -> None:
         path.relative_to(ROOT / "tests").as_posix() for path in (ROOT / "tests").rglob("*") if path.is_dir()
     }
     places = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*") if (p / "__init__.py").is_file()}
-    apart = {"helpers", "project"}
+    apart = {"helpers", "mutations", "project"}
     bare = {p.parent for p in MODULES if not (p.parent / "__init__.py").is_file()}
     assert not bare, f"folders without __init__.py, and so without a sentence and tests: {bare}"
     stray = {room for room in rooms if not room.endswith("__pycache__")} - places - apart
