@@ -10,7 +10,7 @@ import pytest
 import unstruct
 from unstruct import InputError, view
 from unstruct.view import frames as fr
-from unstruct.view.widgets.panels import STATES
+from unstruct.view.widgets.panels import MOST_STATES
 
 POINTS = np.random.default_rng(0).random((40, 2))
 MESH = fr.mesh_items(POINTS, unstruct.delaunay(POINTS).simplices)
@@ -69,7 +69,7 @@ def test_a_state_may_be_a_history():
         ({name: [1, 2] for name in "abcd"}, {}, "one to 3 parameters, not 4"),
         ({"x": [1]}, {}, "x needs at least two values"),
         ({"x": [1, 2, 1]}, {}, "x has a value twice"),
-        ({"x": range(STATES + 1)}, {}, "3001 combinations"),
+        ({"x": range(MOST_STATES + 1)}, {}, "3001 combinations"),
         ({"x": [0, 1]}, {"start": {"y": 1}}, "start names 'y'"),
         ({"x": [0, 1]}, {"labels": {"y": "a"}}, "labels names 'y'"),
         ({"x": [0, 1]}, {"start": {"x": 0.5}}, r"x=0.5, which is not in the grid: \[0, 1\]"),

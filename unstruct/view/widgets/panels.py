@@ -22,7 +22,7 @@ from .player import Player, compact, player
 __all__ = ["panel"]
 
 CONTROLS = 3
-STATES = 3000
+MOST_STATES = 3000
 
 
 def panel(
@@ -124,9 +124,9 @@ def check_grid(names: Sequence[str], values: Sequence[Sequence[Any]]) -> None:
         if len(set(column)) < len(column):
             raise InputError(f"the parameter {name} has a value twice: {column}")
     count = int(np.prod([len(column) for column in values]))
-    if count > STATES:
+    if count > MOST_STATES:
         raise InputError(
-            f"the grid has {count} combinations; take fewer values: at most {STATES} are computed beforehand"
+            f"the grid has {count} combinations; take fewer values: at most {MOST_STATES} are computed beforehand"
         )
 
 
