@@ -126,7 +126,7 @@ def check_grid(names: Sequence[str], values: Sequence[Sequence[Any]]) -> None:
     count = int(np.prod([len(column) for column in values]))
     if count > MOST_STATES:
         raise InputError(
-            f"the grid has {count} combinations; take fewer values: at most {MOST_STATES} are computed beforehand"
+            f"the grid has {count} combinations; take fewer values: at most {MOST_STATES} can be computed"
         )
 
 
