@@ -203,12 +203,14 @@ def lab(tmp_path: Path) -> Iterator[str]:
 
 
 def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
-    """Run the cell of the book's first widget with a slider, move the slider, see the picture change."""
+    """Run the book's first widget with a slider, and a panel; move the sliders, see the pictures change."""
     found = [(path, cell) for path in chapters() for cell in code_cells(path) if answers_to_a_slider(cell)]
     assert found, "no chapter has a widget with a slider"
     path, cell = found[0]
-    setup = [other.source for other in code_cells(path) if sets_up(other.source)]
-    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source]]
+    skeleton = BOOK / "skeleton" / "0.0-skeleton.ipynb"
+    setup = [other.source for p in (path, skeleton) for other in code_cells(p) if sets_up(other.source)]
+    (panel,) = [other.source for other in code_cells(skeleton) if "view.panel(" in other.source]
+    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source, panel]]
     metadata = json.loads((BOOK / path.name).read_text(encoding="utf-8"))["metadata"]
     nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=metadata), tmp_path / "widget.ipynb")
 
@@ -219,7 +221,7 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
     page.click("text=Run >> nth=0")
     page.click("text=Run All Cells")
     trouble = "[data-mime-type='application/vnd.jupyter.stderr']"
-    page.wait_for_selector(f".unstruct-picture, {trouble}")
+    page.wait_for_selector(f".unstruct-grid, {trouble}")
     error = page.locator(trouble)
     assert error.count() == 0, error.first.inner_text()
     picture = page.locator(".unstruct-picture").first
@@ -232,4 +234,6 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
         "before => document.querySelector('.unstruct-picture').innerHTML != before",
         arg=before,
     )
+    page.locator(".unstruct-grid input").first.press("ArrowRight")
+    assert page.locator(".unstruct-grid ~ .unstruct-number").inner_text() == "sides 3.35, 3.35"
     page.close()

@@ -165,6 +165,8 @@ function build(el, id, grid) {
     <div class="unstruct-number" aria-live="polite"></div>
     <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
   </div>`;
+  // JupyterLab looks for this mark only up to the first element that one of its shortcuts is for.
+  for (const own of el.querySelectorAll("input, select, button")) own.dataset.lmSuppressShortcuts = "true";
   return el.querySelector(".unstruct-player");
 }
 
