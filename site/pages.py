@@ -11,6 +11,8 @@ import nbformat
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 FRONT = "index"
+# What has a number and an anchor: <a id="theorem-3-1-2"></a>, <a id="equation-3-1-2"></a>
+NUMBERED = "theorem|lemma|corollary|proposition|definition|equation"
 # after the chapters, in these orders
 HOW_TO = [
     "howto-geojson-to-gmsh",
@@ -38,11 +40,43 @@ def write_pages(book: Path, site: Path) -> None:
                     link_to_cells(output)
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
             else:
-                cell.source = re.sub(r"^(\$\$.+?\$\$)$", r"\n\1\n", cell.source, flags=re.M | re.S)
+                cell.source = for_sphinx(cell.source)
         notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell), cell)]
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
+
+
+def for_sphinx(text: str) -> str:
+    """Markdown as JupyterLab reads it, in the words that Sphinx has for the same: anchors, links to them
+    (which Sphinx then checks), numbered equations, boxes."""
+    text = re.sub(r"^> \*\*Source\.\*\*(?:.*\n?)(?:^>.*\n?)*", boxed, text, flags=re.M)
+    text = re.sub(
+        rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*\n?', r"\1(\2)=\n\1", text, flags=re.M
+    )
+    text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
+    return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
+
+
+def boxed(quote: re.Match[str]) -> str:
+    """A block quote that begins with "**Source.**", as an admonition."""
+    lines = re.sub(r"^> ?", "", quote[0], flags=re.M).removeprefix("**Source.**").strip()
+    return f":::{{admonition}} Source\n:class: note source\n\n{lines}\n:::\n"
+
+
+def displayed(formula: re.Match[str]) -> str:
+    """Displayed mathematics, apart from the lines around it; an environment of its own if it has a number."""
+    lead, body = formula[1], formula[2].strip()
+    if "\\tag{" not in body:
+        return f"{lead}\n{formula[0]}\n{lead}"
+    lines = [
+        "",
+        r"\begin{equation*}",
+        *re.sub(rf"^{lead}", "", body, flags=re.M).splitlines(),
+        r"\end{equation*}",
+        "",
+    ]
+    return "\n".join(lead + line for line in lines)
 
 
 def contents(names: list[str]) -> str:

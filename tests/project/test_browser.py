@@ -133,6 +133,46 @@ def test_every_widget_of_the_site_is_drawn(site: Path, page: Any) -> None:
         page.wait_for_function(f"document.querySelectorAll('[data-state=drawn]').length == {count}")
 
 
+def test_the_form_of_new_chapters_on_a_page(skeleton_site: Path, page: Any) -> None:
+    """Code of 84 columns is not clipped, folded cells are closed, equations have numbers, anchors work."""
+    page.set_viewport_size({"width": 1280, "height": 900})
+    page.goto((skeleton_site / "0.0-skeleton.html").as_uri())
+    page.wait_for_function("!!window.MathJax?.startup?.promise")
+    page.evaluate("window.MathJax.startup.promise.then(() => true)")
+    assert page.locator("[data-mml-node='merror']").count() == 0
+    folded = page.locator("details:not([open])")
+    assert folded.count() == page.locator("details").count() == 9
+    assert page.locator(".admonition.source .admonition-title").inner_text() == "Source"
+    page.evaluate("document.querySelectorAll('details').forEach((folded) => (folded.open = true))")
+    line = page.locator("div.cell_input pre").first
+    line.evaluate("(pre) => (pre.textContent = 'x'.repeat(84))")
+    wide = "(all) => all.filter((pre) => pre.scrollWidth > pre.clientWidth).map((pre) => pre.textContent)"
+    clipped = page.locator("div.cell_input pre").evaluate_all(wide)
+    assert not clipped, clipped
+    page.set_viewport_size({"width": 390, "height": 900})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    equation = page.locator("div.math mjx-container").first
+    assert equation.bounding_box()["x"] >= 0, "the left of a wide formula cannot be reached"
+    page.goto((skeleton_site / "0.1-second.html").as_uri())
+    page.locator("a[href='0.0-skeleton.html#equation-0-0-1']").first.click()
+    page.wait_for_url("**/0.0-skeleton.html#equation-0-0-1")
+
+
+def test_a_panel_moves_on_a_page(skeleton_site: Path, page: Any) -> None:
+    page.goto((skeleton_site / "0.0-skeleton.html").as_uri())
+    panel = page.locator(".unstruct-widget[data-state=drawn] .unstruct-player")
+    panel.wait_for()
+    number = panel.locator(".unstruct-number")
+    seen = [number.inner_text()]
+    panel.locator("input[data-axis='1']").press("ArrowRight")
+    seen.append(number.inner_text())
+    panel.locator("select[data-axis='0']").select_option(label="nasty: upright")
+    seen.append(number.inner_text())
+    panel.locator("[data-do=reset]").click()
+    assert seen == ["sides 3.00, 3.00", "sides 3.35, 3.35", "sides 3.20, 3.20"]
+    assert number.inner_text() == seen[0]
+
+
 @pytest.fixture
 def lab(tmp_path: Path) -> Iterator[str]:
     """The address of a JupyterLab that serves a folder with a copy of one widget of the book."""
@@ -163,12 +203,14 @@ def lab(tmp_path: Path) -> Iterator[str]:
 
 
 def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
-    """Run the cell of the book's first widget with a slider, move the slider, see the picture change."""
+    """Run the book's first widget with a slider, and a panel; move the sliders, see the pictures change."""
     found = [(path, cell) for path in chapters() for cell in code_cells(path) if answers_to_a_slider(cell)]
     assert found, "no chapter has a widget with a slider"
     path, cell = found[0]
-    setup = [other.source for other in code_cells(path) if sets_up(other.source)]
-    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source]]
+    skeleton = BOOK / "skeleton" / "0.0-skeleton.ipynb"
+    setup = [other.source for p in (path, skeleton) for other in code_cells(p) if sets_up(other.source)]
+    (panel,) = [other.source for other in code_cells(skeleton) if "view.panel(" in other.source]
+    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source, panel]]
     metadata = json.loads((BOOK / path.name).read_text(encoding="utf-8"))["metadata"]
     nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=metadata), tmp_path / "widget.ipynb")
 
@@ -179,7 +221,7 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
     page.click("text=Run >> nth=0")
     page.click("text=Run All Cells")
     trouble = "[data-mime-type='application/vnd.jupyter.stderr']"
-    page.wait_for_selector(f".unstruct-picture, {trouble}")
+    page.wait_for_selector(f".unstruct-grid, {trouble}")
     error = page.locator(trouble)
     assert error.count() == 0, error.first.inner_text()
     picture = page.locator(".unstruct-picture").first
@@ -192,4 +234,6 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
         "before => document.querySelector('.unstruct-picture').innerHTML != before",
         arg=before,
     )
+    page.locator(".unstruct-grid input").first.press("ArrowRight")
+    assert page.locator(".unstruct-grid ~ .unstruct-number").inner_text() == "sides 3.35, 3.35"
     page.close()

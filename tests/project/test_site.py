@@ -98,3 +98,18 @@ def test_every_widget_has_its_place(site: Path) -> None:
         states = re.findall(r'class="unstruct-widget"><script type="application/json">(.*?)</script>', text)
         assert len(states) == len(stored), path.name
         assert [json.loads(state) for state in states] == [o.metadata["widget"] for o in stored]
+
+
+def test_statements_boxes_and_solutions_of_new_chapters(skeleton_site: Path) -> None:
+    """Anchors are those of the notebook, and a link to one leads there from another page."""
+    found = pages(skeleton_site)
+    assert {"theorem-0-0-1", "equation-0-0-1"} <= found["0.0-skeleton.html"].ids
+    assert "#equation-0-0-1" in found["0.0-skeleton.html"].links
+    assert "0.0-skeleton.html#equation-0-0-1" in found["0.1-second.html"].links
+    assert "0.0-skeleton.html#theorem-0-0-1" in found["index.html"].links
+    text = (skeleton_site / "0.0-skeleton.html").read_text(encoding="utf-8")
+    assert re.search(
+        r'<div class="[^"]*\bsource\b[^"]*admonition[^"]*">\s*<p class="admonition-title">Source</p>', text
+    )
+    assert re.search(r"<details><summary>Solution</summary>\s*<p>Put", text)
+    assert r"\begin{equation*}" in text and r"\tag{0.0.1}" in text and "**Source" not in text

@@ -2,7 +2,7 @@
 
 `setup` sets the style. `plot` and the other functions ``plot_...`` draw with matplotlib. `strip` and `player`
 show the same frames, side by side or step by step. `view3d` shows objects in space that the reader can turn.
-The widgets have sliders.
+The widgets have sliders; `panel` makes such a widget from a function, for pages without a kernel, too.
 """
 
 from .draw import extras as extras
@@ -62,6 +62,7 @@ from .scenes.swaps import swap_state as swap_state
 from .widgets.center_widgets import circumcenters as circumcenters
 from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
 from .widgets.constraint_widgets import principal_component as principal_component
+from .widgets.panels import panel as panel
 from .widgets.player import Player as Player
 from .widgets.player import player as player
 from .widgets.rebay_widgets import rebay_cobweb as rebay_cobweb

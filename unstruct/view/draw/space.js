@@ -164,6 +164,8 @@ function build(el) {
       <label>explode <input type="range" min="0" max="1.5" step="0.05" aria-label="explode"></label>
     </div>
   </div>`;
+  // JupyterLab looks for this mark only up to the first element that one of its shortcuts is for.
+  for (const own of el.querySelectorAll("input, button")) own.dataset.lmSuppressShortcuts = "true";
   return el.querySelector(".unstruct-space");
 }
 

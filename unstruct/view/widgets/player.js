@@ -132,29 +132,56 @@ const BUTTONS = ["first", "back", "play", "next", "last"];
 const KEYS = { ArrowLeft: "back", ArrowRight: "next", Home: "first", End: "last", " ": "play" };
 const SEEN = ["frames", "index", "view", "alt", "variant", "variants"];
 
-function build(el, id) {
+// All histories of a panel from its compressed text, in which equal items of frames are stored once.
+async function unpack(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const { items, histories } = await new Response(stream).json();
+  return histories.map((frames) => frames.map((frame) => ({ ...frame, items: frame.items.map((k) => items[k]) })));
+}
+
+// The sliders and lists of a panel, one for each parameter, and the button that resets them.
+function controls(grid) {
+  if (!grid.length) return "";
+  const each = grid.map(({ label, values, list }, axis) => {
+    const options = values.map((value) => `<option>${escape(value)}</option>`).join("");
+    const input = list
+      ? `<select data-axis="${axis}">${options}</select>`
+      : `<input type="range" data-axis="${axis}" min="0" max="${values.length - 1}" step="1"><output></output>`;
+    return `<label><span>${escape(label)}</span>${input}</label>`;
+  });
+  return `<div class="unstruct-grid">${each.join("")}<button type="button" data-do="reset">reset</button></div>`;
+}
+
+function build(el, id, grid) {
   const bar = BUTTONS.map(
     (name) => `<button type="button" data-do="${name}" aria-label="${name}" title="${name}">
       <svg viewBox="0 0 12 12"><path d="${ICONS[name]}"/></svg></button>`,
   ).join("");
   el.innerHTML = `<div id="${id}" class="unstruct-player" tabindex="0" role="group" data-lm-suppress-shortcuts="true">
-    <label class="unstruct-choice">preset <select></select></label>
+    ${controls(grid)}<label class="unstruct-choice">preset <select></select></label>
     <div class="unstruct-caption" aria-live="polite"></div>
     <svg class="unstruct-picture" role="img" xmlns="http://www.w3.org/2000/svg"><defs></defs><g></g></svg>
     <div class="unstruct-number" aria-live="polite"></div>
     <div class="unstruct-bar">${bar}<input type="range" min="0" step="1" aria-label="step"><output></output></div>
   </div>`;
+  // JupyterLab looks for this mark only up to the first element that one of its shortcuts is for.
+  for (const own of el.querySelectorAll("input, select, button")) own.dataset.lmSuppressShortcuts = "true";
   return el.querySelector(".unstruct-player");
 }
 
 class Player {
-  constructor(model, el) {
+  constructor(model, el, sets) {
     this.model = model;
+    this.sets = sets; // of a panel: the frames for each combination of its parameters
+    this.grid = sets ? model.get("grid") : [];
     this.id = `unstruct-player-${(players += 1)}-${Math.floor(performance.now())}`;
-    this.root = build(el, this.id);
-    [this.svg, this.slider, this.choice] = [".unstruct-picture", "input", "select"].map((name) => this.part(name));
+    this.root = build(el, this.id, this.grid);
+    const names = [".unstruct-picture", ".unstruct-bar input", ".unstruct-choice select"];
+    [this.svg, this.slider, this.choice] = names.map((name) => this.part(name));
     this.timer = null;
     this.listenToButtons();
+    this.listenToGrid();
     this.listenToKeys();
     this.listenToDrags();
     this.heard = [
@@ -174,7 +201,8 @@ class Player {
   // ---- what is shown
 
   get history() {
-    const { model } = this; // the only history, or one of several
+    const { model, sets } = this; // the only history, or one of several
+    if (sets) return { frames: sets[model.get("variant")], view: model.get("view") };
     return model.get("variants")[model.get("variant")] ?? { frames: model.get("frames"), view: model.get("view") };
   }
   get count() {
@@ -211,8 +239,16 @@ class Player {
     this.choice.selectedIndex = this.model.get("variant");
     this.slider.max = count - 1;
     this.slider.value = index;
-    this.part("output").textContent = `${index + 1}/${count}`;
+    this.part(".unstruct-bar output").textContent = `${index + 1}/${count}`;
     this.part(".unstruct-bar").hidden = count < 2;
+    const places = this.places(this.model.get("variant"));
+    for (const control of this.root.querySelectorAll("[data-axis]")) {
+      const { axis } = control.dataset;
+      const value = this.grid[axis].values[places[axis]];
+      if (control.localName === "select") control.selectedIndex = places[axis];
+      else [control.value, control.nextSibling.textContent] = [places[axis], value];
+      control.setAttribute("aria-valuetext", value);
+    }
     for (const name of ["first", "back"]) this.part(`[data-do=${name}]`).disabled = index === 0;
     for (const name of ["next", "last"]) this.part(`[data-do=${name}]`).disabled = index === count - 1;
   }
@@ -234,7 +270,19 @@ class Player {
   }
   begin() {
     this.stop();
-    this.go(this.history.start ?? 0); // each history has its own first frame
+    this.go(this.sets ? this.index : (this.history.start ?? 0)); // each preset has its own first frame
+  }
+  // Which value each parameter of a panel has in a combination; the last parameter runs fastest.
+  places(variant) {
+    const found = [];
+    for (const { values } of [...this.grid].reverse()) {
+      found.unshift(variant % values.length);
+      variant = Math.floor(variant / values.length);
+    }
+    return found;
+  }
+  combine(places) {
+    this.change("variant", places.reduce((sum, place, axis) => sum * this.grid[axis].values.length + place, 0));
   }
   label(name) {
     const button = this.part("[data-do=play]");
@@ -257,6 +305,10 @@ class Player {
   act(name) {
     if (name === "play") return this.play();
     this.stop();
+    if (name === "reset") {
+      this.combine(this.grid.map(({ start }) => start));
+      return this.go(0);
+    }
     this.go({ first: 0, back: this.index - 1, next: this.index + 1, last: this.count - 1 }[name]);
   }
 
@@ -274,10 +326,19 @@ class Player {
     this.choice.addEventListener("change", () => this.change("variant", this.choice.selectedIndex));
   }
 
+  listenToGrid() {
+    this.root.addEventListener("input", ({ target }) => {
+      if (target.dataset.axis === undefined) return;
+      const places = this.places(this.model.get("variant"));
+      places[target.dataset.axis] = target.localName === "select" ? target.selectedIndex : Number(target.value);
+      this.combine(places);
+    });
+  }
+
   listenToKeys() {
     this.root.addEventListener("keydown", (event) => {
       const name = KEYS[event.key];
-      const own = event.target === this.slider || event.target === this.choice;
+      const own = event.target.matches("input, select");
       if (!name || own || this.count < 2) return; // sliders and lists handle these keys themselves
       if (event.key === " " && event.target.closest("button")) return; // and so do buttons
       event.preventDefault();
@@ -285,7 +346,7 @@ class Player {
     });
   }
 
-  // Points with handles can be dragged; Python answers with new frames.
+  // Points with handles can be dragged; Python answers with new frames, a panel with those that it has.
   listenToDrags() {
     let [grabbed, waiting] = [null, false];
     this.svg.addEventListener("pointerdown", (event) => {
@@ -300,10 +361,34 @@ class Player {
       const place = { handle: grabbed, ...this.place(event) };
       requestAnimationFrame(() => {
         waiting = false;
-        this.change("dragged", place);
+        if (this.sets) this.nearest(place);
+        else this.change("dragged", place);
       });
     });
     for (const end of ["pointerup", "pointercancel"]) this.svg.addEventListener(end, () => (grabbed = null));
+  }
+
+  // Go to the combination whose frame has the handle nearest to the pointer; lists keep their values.
+  nearest({ handle, x, y }) {
+    const now = this.model.get("variant");
+    const [held, { index }] = [this.places(now), this];
+    const lists = this.grid.flatMap(({ list }, axis) => (list ? [axis] : []));
+    const far = (variant) => {
+      const frames = this.sets[variant];
+      for (const { handles, data } of frames[Math.min(index, frames.length - 1)].items) {
+        const k = handles?.indexOf(handle) ?? -1;
+        if (k >= 0) return Math.hypot(data[k][0] - x, data[k][1] - y);
+      }
+      return Infinity;
+    };
+    let [best, least] = [now, far(now)];
+    this.sets.forEach((_, variant) => {
+      const places = this.places(variant);
+      if (lists.some((axis) => places[axis] !== held[axis])) return;
+      const distance = far(variant);
+      if (distance < least) [best, least] = [variant, distance];
+    });
+    if (best !== now) this.change("variant", best);
   }
 
   place(event) {
@@ -321,7 +406,11 @@ class Player {
 
 export default {
   render({ model, el }) {
-    const player = new Player(model, el);
-    return () => player.close();
+    const start = (sets) => {
+      const player = new Player(model, el, sets);
+      return () => player.close();
+    };
+    const text = model.get("packed");
+    return text ? unpack(text).then(start) : start();
   },
 };

@@ -39,6 +39,10 @@ class Player(anywidget.AnyWidget):
         Several histories instead of one, each ``{"name": …, "frames": …, "view": …, "start": …}``.
     variant : int
         The number of the history that is shown.
+    grid : list of dict
+        For a player made by `panel`, each parameter: ``{"label": …, "values": […], "list": …, "start": …}``.
+    packed : str
+        The histories of a panel for all combinations of its parameters, compressed; ``variant`` selects one.
     dragged : dict
         The last drag of a point with a handle: ``{"handle": name, "x": …, "y": …}``.
     """
@@ -54,6 +58,8 @@ class Player(anywidget.AnyWidget):
     interval = traitlets.Int(900).tag(sync=True)
     variants: Any = traitlets.List().tag(sync=True)
     variant = traitlets.Int(0).tag(sync=True)
+    grid: Any = traitlets.List().tag(sync=True)
+    packed = traitlets.Unicode().tag(sync=True)
     styles = traitlets.Dict().tag(sync=True)
     dragged = traitlets.Dict().tag(sync=True)
 
