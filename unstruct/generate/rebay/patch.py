@@ -27,11 +27,25 @@ from ...connect.insertion.halfedges import (
 from ...connect.planar.stars import Stars, flip_edge
 from ...predicates.kernels import orient2, orientation
 
-__all__ = ["MOST_CELLS", "Patch", "drop", "gather", "patch_of", "put_back", "put_inside", "same", "turn"]
+__all__ = [
+    "Patch", "Vertices", "drop", "fan_of", "gather", "outside_holds", "patch_of", "put_back", "put_inside",
+    "same", "turn",
+]  # fmt: skip
 
 MOST_CELLS = 44  # triangles of a patch: those of all vertices around a triangle, and a few more
 CELLS, POINTS, RIM = range(3)  # places in ``counters``: numbers of triangles, vertices, boundary half-edges
 SPARE = 4  # triangles that may be added
+
+
+class Vertices(NamedTuple):
+    """What is known of each vertex of the whole triangulation."""
+
+    still: NDArray[np.bool_]  # it must not move, or only on its piece
+    name: NDArray[np.int32]  # -1
+    row: NDArray[np.int32]  # for a vertex that may slide on its piece the row of its places, else -1
+    spot: NDArray[np.int32]  # the place in that row where it is
+    at: NDArray[np.int32]  # scratch
+    asked: NDArray[np.bool_]  # whether it lies in a patch that could not be improved enough
 
 
 class Patch(NamedTuple):
@@ -44,8 +58,8 @@ class Patch(NamedTuple):
     size: NDArray[np.float64]  # the wanted squared edge length at each vertex
     outer: NDArray[np.int32]  # the half-edge beyond each boundary half-edge
     segment: NDArray[np.int32]  # the subsegment on it, or -1
-    row: NDArray[np.int32]  # for each vertex that may slide along its piece its row of places, else -1
-    spot: NDArray[np.int32]  # the place in that row where it is
+    row: NDArray[np.int32]  # for each vertex, as in `Vertices`
+    spot: NDArray[np.int32]
 
 
 def patch_of() -> tuple[Patch, Stars]:
@@ -76,11 +90,8 @@ def _fits(plane, place, t):
 
 @lean
 def gather(plane, vertices, place, seed, patch, stars):
-    """Copy the triangles around triangle ``seed``. ``place`` and ``name``, -1 everywhere, are left so.
-
-    ``vertices`` are arrays with an entry for each vertex: still, name, row, spot.
-    """
-    still, name, row, spot = vertices
+    """Copy the triangles around triangle ``seed``. ``place`` and ``name``, -1 everywhere, are left so."""
+    still, name, row, spot = vertices.still, vertices.name, vertices.row, vertices.spot
     vertex, twin, slots, names = plane.vertex, plane.twin, patch.slots, patch.names
     rims = stars.ring  # how many marked half-edges end or begin at each vertex; 99 and more: also inner ones
     slots[0], place[seed] = seed, 0
@@ -258,7 +269,7 @@ def drop(patch, stars, v):
 
 
 @lean
-def put_back(plane, patch, stars, still, spot, spots):
+def put_back(plane, patch, stars, vertices, spots):
     """Replace the triangles that were gathered by those of the patch; ``slots`` has the slots of these.
 
     There must be room for a few more triangles and vertices. New vertices get the next numbers.
@@ -271,7 +282,7 @@ def put_back(plane, patch, stars, still, spot, spots):
     for v in range(patch.counters[POINTS]):
         if patch.names[v] < 0:
             patch.names[v] = state[VERTICES]
-            still[patch.names[v]] = False
+            vertices.still[patch.names[v]] = False
             state[VERTICES] += 1
         own = patch.names[v]
         plane.xy[own, 0], plane.xy[own, 1] = stars.xy[v, 0], stars.xy[v, 1]
@@ -300,7 +311,7 @@ def put_back(plane, patch, stars, still, spot, spots):
                     if patch.row[v] >= 0:
                         end = 0 if plane.ends[s, 0] == patch.names[v] else 1
                         plane.span[s, end] = spots[patch.row[v], patch.spot[v], 2]
-                        spot[patch.names[v]] = patch.spot[v]
+                        vertices.spot[patch.names[v]] = patch.spot[v]
 
 
 @lean

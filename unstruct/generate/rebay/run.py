@@ -16,17 +16,16 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
 from ..refinement.state import FINEST_SPAN
-from . import sharpest
 from . import steps as k
-from .patch import patch_of
 from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
+from .sharpening import SPARE_VERTICES, sharpen_worst
 
 COUNT_NAMES = (
     "points", "capped", "clamped", "behind", "deleted", "cocircular", "circumcenters", "splits", "moved",
     "wide", "outside", "encroaching", "collisions", "rounded", "given up", "refused splits",
 )  # fmt: skip
-FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
+FINISH_NAMES = ("moves", "swaps", "points again", "patches", "angle points", "angle splits", "removed")
 FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
 TOLERANCE = 0.04  # the relative tolerance of the size table
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
@@ -205,7 +204,10 @@ class VoronoiSegmentRun:
             done["points again"] += c.size - size
             again = c.size > size
             if not self.spent:
-                self.sharpen(done, most is None)
+                self.reserve(c.size + SPARE_VERTICES)
+                done["patches"] += sharpen_worst(
+                    self.domain, c, self.front(), self.first, self.kept, most is None
+                )
             self.counts, after = counted, figures(c)
             refined = False
             slots: list[int] = []
@@ -228,55 +230,6 @@ class VoronoiSegmentRun:
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
-
-    def sharpen(self, done, grow):
-        c = self.complex
-        self.reserve(c.size + 32)
-        n, slots = len(c.xy), len(c.region)
-        still = np.zeros(n, dtype=bool)
-        still[: self.first] = True
-        still[c.ends[: c.segments].ravel()] = True
-        ints = lambda k: np.full(k, -1, dtype=np.int32)
-        heap, what = np.empty(4096), np.empty(4096, dtype=np.int64)
-        tally = np.zeros(16, dtype=np.int64)
-        tally[3] = grow
-        import os
-        tally[15] = int(os.environ.get("LIM", "100000"))
-        goal = np.sin(np.radians(float(os.environ.get("GOAL", "44"))))**2
-        patches = patch_of(), patch_of(), patch_of()
-        row, spot, asked = ints(n), np.zeros(n, dtype=np.int32), np.zeros(n, dtype=bool)
-        spots = np.zeros((0, 1, 3))
-        rest = (heap, what, ints(slots), np.empty(4096, dtype=np.int32)), patches
-        vertices = (still, ints(n), row, spot, np.empty(n, dtype=np.int32), asked)
-        sharpest.sharpen(c.plane(), self.front(), vertices, *rest, spots, goal, tally)
-        if "SHOW" in os.environ: print("sharpen", tally)
-        goal = np.sin(np.radians(float(os.environ.get("GOAL2", "40"))))**2
-        ends, piece, span = c.ends[: c.segments], c.piece[: c.segments], c.span[: c.segments]
-        e = c.where[: c.segments].astype(np.int64)
-        outer = (c.region[e // 3] < 0) != (c.region[c.twin[e] // 3] < 0)
-        count = np.bincount(ends.ravel(), minlength=n)
-        before, after = ints(n), ints(n)
-        good = outer & (self.kept[piece] == 0)
-        s = np.flatnonzero(good)
-        after[ends[s, 0]] = s
-        before[ends[s, 1]] = s
-        v = np.flatnonzero(asked & (count == 2) & (before >= 0) & (after >= 0))
-        v = v[v >= len(self.domain.points)]
-        v = v[piece[before[v]] == piece[after[v]]]
-        if len(v):
-            t = span[after[v], 0]
-            low, high = 0.45 * (t - span[before[v], 0]), 0.45 * (span[after[v], 1] - t)
-            K = 12
-            k = np.arange(-K, K + 1) / K
-            where = t[:, None] + np.where(k < 0, low[:, None], high[:, None]) * k
-            xy = self.domain.points_at(np.repeat(piece[after[v]], 2 * K + 1), where.ravel()) * c.factor
-            spots = np.concatenate([xy.reshape(len(v), -1, 2), where[..., None]], axis=-1)
-            spots[:, K, :2] = c.xy[v]
-            row[v] = np.arange(len(v))
-            spot[v] = K
-            tally[:3] = 0; tally[4:15] = 0
-            sharpest.sharpen(c.plane(), self.front(), vertices, *rest, spots, goal, tally)
-            if "SHOW" in os.environ: print("slid", tally, len(v))
 
     def _refined(
         self, found: dict[str, int], done: dict[str, int], before: dict[str, float]
