@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
-from ...connect.insertion.engine import LAST
+from ...connect.insertion.engine import BUSY, LAST
 from ...connect.insertion.halfedges import (
     VERTICES,
     end_of,
@@ -32,8 +32,8 @@ __all__ = [
     "same", "turn",
 ]  # fmt: skip
 
-MOST_CELLS = 44  # triangles of a patch: those of all vertices around a triangle, and a few more
-CELLS, POINTS, RIM = range(3)  # places in ``counters``: numbers of triangles, vertices, boundary half-edges
+PATCH_CELLS = 44  # triangles of a patch: those of all vertices around a triangle, and a few more
+CELLS, PLACED, RIM = range(3)  # places in ``counters``: numbers of triangles, vertices, boundary half-edges
 SPARE = 4  # triangles that may be added
 
 
@@ -64,7 +64,7 @@ class Patch(NamedTuple):
 
 def patch_of() -> tuple[Patch, Stars]:
     """Empty arrays that hold any patch."""
-    cells = MOST_CELLS + SPARE
+    cells = PATCH_CELLS + SPARE
     points, half_edges = 3 * cells, 3 * cells
     ints, indices = (lambda k: np.zeros(k, dtype=np.int32)), np.zeros(3, dtype=np.int64)
     patch = Patch(
@@ -96,10 +96,10 @@ def gather(plane, vertices, place, seed, patch, stars):
     rims = stars.ring  # how many marked half-edges end or begin at each vertex; 99 and more: also inner ones
     slots[0], place[seed] = seed, 0
     count, points, rim, i = 1, 0, 0, 0
-    while i < count and count < MOST_CELLS:
+    while i < count and count < PATCH_CELLS:
         for e in range(3 * slots[i], 3 * slots[i] + 3):
             o = np.int64(twin[e] // 3)
-            if plane.mark[e] < 0 and place[o] < 0 and count < MOST_CELLS and _fits(plane, place, o):
+            if plane.mark[e] < 0 and place[o] < 0 and count < PATCH_CELLS and _fits(plane, place, o):
                 slots[count], place[o] = o, count
                 count += 1
         i += 1
@@ -136,14 +136,14 @@ def gather(plane, vertices, place, seed, patch, stars):
         name[names[v]] = -1
         if rims[v] != 2:
             patch.row[v] = -1
-    patch.counters[CELLS], patch.counters[POINTS], patch.counters[RIM] = count, points, rim
+    patch.counters[CELLS], patch.counters[PLACED], patch.counters[RIM] = count, points, rim
 
 
 @lean
 def same(patch, stars, other, target):
     """Make the second patch a copy of the first; what never changes in a patch is copied, too."""
-    cells, points, rim = patch.counters[CELLS], patch.counters[POINTS], patch.counters[RIM]
-    other.counters[CELLS], other.counters[POINTS], other.counters[RIM] = cells, points, rim
+    cells, points, rim = patch.counters[CELLS], patch.counters[PLACED], patch.counters[RIM]
+    other.counters[CELLS], other.counters[PLACED], other.counters[RIM] = cells, points, rim
     for t in range(cells):
         other.live[t], other.slots[t] = patch.live[t], patch.slots[t]
         for e in range(3 * t, 3 * t + 3):
@@ -197,9 +197,9 @@ def put_inside(patch, stars, t):
     """
     xy, vertex, twin, mark = stars.xy, stars.vertex, stars.twin, stars.mark
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-    v, first = patch.counters[POINTS], patch.counters[CELLS]
+    v, first = patch.counters[PLACED], patch.counters[CELLS]
     second = first + 1
-    patch.counters[POINTS], patch.counters[CELLS] = v + 1, first + 2
+    patch.counters[PLACED], patch.counters[CELLS] = v + 1, first + 2
     xy[v, 0] = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0
     xy[v, 1] = (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     patch.row[v] = -1
@@ -270,16 +270,18 @@ def drop(patch, stars, v):
 
 @lean
 def put_back(plane, patch, stars, vertices, spots):
-    """Replace the triangles that were gathered by those of the patch; ``slots`` has the slots of these.
+    """Replace the triangles that were gathered by those of the patch, in the same slots.
 
-    There must be room for a few more triangles and vertices. New vertices get the next numbers.
+    There must be room for a few more triangles and vertices. New vertices get the next numbers. Vertices that
+    have slid take the parameters of their places in ``spots``.
     """
     vertex, twin, mark, state = plane.vertex, plane.twin, plane.mark, plane.state
     cells, slots = patch.counters[CELLS], patch.slots
+    state[BUSY] = 1
     for t in range(cells):
         if slots[t] < 0:
             slots[t] = new_slot(twin, state)
-    for v in range(patch.counters[POINTS]):
+    for v in range(patch.counters[PLACED]):
         if patch.names[v] < 0:
             patch.names[v] = state[VERTICES]
             vertices.still[patch.names[v]] = False
@@ -312,6 +314,7 @@ def put_back(plane, patch, stars, vertices, spots):
                         end = 0 if plane.ends[s, 0] == patch.names[v] else 1
                         plane.span[s, end] = spots[patch.row[v], patch.spot[v], 2]
                         vertices.spot[patch.names[v]] = patch.spot[v]
+    state[BUSY] = 0
 
 
 @lean
@@ -352,7 +355,7 @@ def outside_holds(plane, patch, stars, stack):
             p, q = start_of(vertex, e), end_of(vertex, e)
             if min(p, q) >= 0:
                 px, py, qx, qy = plane.xy[p, 0], plane.xy[p, 1], plane.xy[q, 0], plane.xy[q, 1]
-                for w in range(patch.counters[POINTS]):  # they may have slid, too
+                for w in range(patch.counters[PLACED]):  # they may have slid, too
                     if patch.names[w] == p:
                         px, py = stars.xy[w, 0], stars.xy[w, 1]
                     if patch.names[w] == q:

@@ -195,7 +195,8 @@ class VoronoiSegmentRun:
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-                if since and not self.spent:
+                # what did not change has kept its class; but triangles that were given up are tried again
+                if not self.spent and (since or not self.counts[k.GIVEN_UP]):
                     self.start(moved)
                 else:
                     self.restart()
@@ -244,9 +245,12 @@ class VoronoiSegmentRun:
 
     # ------------------------------------------------------------------ the account
 
-    def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
-        """The record by columns; see `voronoi_segment`. ``place[v]`` is the final number of vertex v."""
+    def steps(self) -> dict[str, NDArray]:
+        """The record by columns, with the final numbers of vertices; see `voronoi_segment`."""
         stop, c = self.complex.size, self.complex
+        used = np.zeros(c.size, dtype=bool)
+        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
         f, p, q, d = numbers[:, 2:].T
@@ -280,9 +284,6 @@ class VoronoiSegmentRun:
     def result(self, finished: dict[str, Any] | None = None) -> DomainMesh:
         """The mesh with its account, which includes that of the finishing pass."""
         c = self.complex
-        used = np.zeros(c.size, dtype=bool)
-        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         waiting = dict(zip(*self.waiting()))
         counts = dict(zip(COUNT_NAMES, self.counts.tolist()))
         if finished is None:
@@ -293,7 +294,7 @@ class VoronoiSegmentRun:
             markers=self.domain.markers,
             origin=np.arange(len(self.domain.points), dtype=np.int32),
             points=self.domain.points,
-            steps=self.steps(place) if self.history else None,
+            steps=self.steps() if self.history else None,
             unrefined=np.array(sorted(missed), dtype=np.int64),
             reasons=np.array([missed[slot] for slot in sorted(missed)], dtype=str),
             counts=counts | finished["counts"],

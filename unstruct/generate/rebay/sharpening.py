@@ -11,20 +11,31 @@ from numpy.typing import NDArray
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from .patch import Vertices, patch_of
-from .sharpest import MAY_GROW, MOST_GRAVE, MOST_TRIALS, REPLACED, WAITING_AT_FIRST, Queue, sharpen, survey_sharp
+from .sharpest import (
+    MAY_GROW,
+    MOST_GRAVE,
+    MOST_TRIALS,
+    REPLACED,
+    WAITING_AT_FIRST,
+    Queue,
+    sharpen,
+    survey_sharp,
+)
 
 __all__ = ["SPARE_VERTICES", "sharpen_worst"]
 
 GOAL = 46.0  # degrees: triangles with a smaller angle are treated, the sharpest first
-SLIDING_GOAL = 43.0  # degrees: where one stays that is sharper, vertices of the boundary slide
+SLIDING_GOAL = 43.0  # degrees: where one stays that is sharper (`ASKED`), vertices of the boundary slide
 SPARE_VERTICES = 64  # there must be room for so many new ones, of which there are few
 QUEUED = 4096  # there is room for so many in the queue
 # How many changes are tried: a change takes about a tenth of a millisecond, as do a hundred triangles at
 # first. In a large mesh the wish for a larger minimum angle must not take longer than a few percent of that.
 FEWEST_TRIALS, TRIAL_CELLS, ALWAYS = 16, 2_000_000, 150
-GRAVE_TRIALS, CELLS_A_TRIAL = 100, 1000  # where angles are really small: so many, and one for so many triangles
-PLACES = 12  # on either side of a vertex that slides, up to the share REACH of the way to the next vertex
-REACH = 0.45  # below a half, so that vertices cannot meet
+GRAVE_TRIALS, CELLS_A_TRIAL = 100, 1000  # for angles below 40 degrees: so many, and one for so many triangles
+PLACES = (
+    12  # on either side of a vertex that slides, up to the share SLIDE_REACH of the way to the next vertex
+)
+SLIDE_REACH = 0.45  # below a half, so that vertices cannot meet
 
 
 def sharpen_worst(
@@ -60,7 +71,7 @@ def sharpen_worst(
     goal, sliding_goal = (sin(radians(degrees)) ** 2 for degrees in (GOAL, SLIDING_GOAL))
     queue = Queue(
         np.empty(QUEUED), np.empty(QUEUED, dtype=np.int64), np.empty(0, dtype=np.int32),
-        np.empty(QUEUED, dtype=np.int32),
+        np.empty(0, dtype=bool), np.empty(QUEUED, dtype=np.int32),
     )  # fmt: skip
     waiting = int(survey_sharp(plane, front, queue, goal))
     if not waiting:
@@ -73,18 +84,22 @@ def sharpen_worst(
         still, _nothing(n), _nothing(n), np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32),
         np.zeros(n, dtype=bool),
     )  # fmt: skip
-    queue = queue._replace(place=_nothing(slots))
+    queue = queue._replace(place=_nothing(slots), stuck=np.zeros(slots, dtype=bool))
     patches = patch_of(), patch_of(), patch_of()
     tally = np.zeros(8, dtype=np.int64)
-    tally[MOST_TRIALS] = min(max(FEWEST_TRIALS, TRIAL_CELLS // c.triangles), ALWAYS)
-    tally[MOST_GRAVE] = GRAVE_TRIALS + c.triangles // CELLS_A_TRIAL
+    most = min(12 + c.triangles // 16, 120)
+    tally[MOST_TRIALS] = min(max(FEWEST_TRIALS, TRIAL_CELLS // c.triangles), most)
+    tally[MOST_GRAVE] = most + 60 + c.triangles // CELLS_A_TRIAL
     tally[MAY_GROW], tally[WAITING_AT_FIRST] = grow, waiting
     sharpen(plane, front, vertices, queue, patches, np.empty((0, 1, 3)), goal, tally)
+    if not vertices.asked.any():
+        return int(tally[REPLACED])
     v, before, after = _sliding(c, len(domain.points), vertices.asked, kept)
     if not len(v):
         return int(tally[REPLACED])
     spots = _spots(domain, c, v, before, after)
     vertices.row[v], vertices.spot[v] = np.arange(len(v)), PLACES
+    queue.stuck[:] = False
     tally[WAITING_AT_FIRST] = survey_sharp(plane, front, queue, sliding_goal)
     tally[MOST_TRIALS] *= 2
     tally[MOST_GRAVE] *= 2
@@ -120,8 +135,8 @@ def _sliding(
 def _spots(
     domain: Domain, c: PlanarComplex, v: NDArray, before: NDArray, after: NDArray
 ) -> NDArray[np.float64]:
-    """For each of these vertices the places to which it may slide: (vertices, places, 3), x, y and parameter."""
-    t, share = c.span[after, :1], np.arange(-PLACES, PLACES + 1) / PLACES * REACH
+    """For each of these vertices the places to which it may slide: x, y and parameter."""
+    t, share = c.span[after, :1], np.arange(-PLACES, PLACES + 1) / PLACES * SLIDE_REACH
     way = np.where(share < 0, t - c.span[before, :1], c.span[after, 1:] - t)
     at = t + way * share
     xy = domain.points_at(np.repeat(c.piece[after], len(share)), at.ravel()) * c.factor
