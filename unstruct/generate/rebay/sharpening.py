@@ -28,13 +28,12 @@ GOAL = 46.0  # degrees: triangles with a smaller angle are treated, the sharpest
 SLIDING_GOAL = 43.0  # degrees: where one stays that is sharper (`ASKED`), vertices of the boundary slide
 SPARE_VERTICES = 64  # there must be room for so many new ones, of which there are few
 QUEUED = 4096  # there is room for so many in the queue
-# How many changes are tried: a change takes about a tenth of a millisecond, as do a hundred triangles at
-# first. In a large mesh the wish for a larger minimum angle must not take longer than a few percent of that.
-FEWEST_TRIALS, TRIAL_CELLS, ALWAYS = 16, 2_000_000, 150
-GRAVE_TRIALS, CELLS_A_TRIAL = 100, 1000  # for angles below 40 degrees: so many, and one for so many triangles
-PLACES = (
-    12  # on either side of a vertex that slides, up to the share SLIDE_REACH of the way to the next vertex
-)
+# How many changes are tried: each takes about a tenth of a millisecond. Small meshes have few, and in a large
+# one the wish for a larger minimum angle must not take longer than a few percent of the rest.
+FIRST_TRIALS, CELLS_A_TRIAL, ALL_TRIALS = 12, 16, 120
+LEAST_TRIALS, LARGE = 16, 2_000_000  # in a large mesh LARGE over the number of cells
+GRAVE_TRIALS, CELLS_A_GRAVE = 60, 1000  # where angles are below 40 degrees: so many more, and one for so many
+PLACES = 12  # on either side of a vertex that slides, up to the share SLIDE_REACH of the way to the next one
 SLIDE_REACH = 0.45  # below a half, so that vertices cannot meet
 
 
@@ -87,9 +86,9 @@ def sharpen_worst(
     queue = queue._replace(place=_nothing(slots), stuck=np.zeros(slots, dtype=bool))
     patches = patch_of(), patch_of(), patch_of()
     tally = np.zeros(8, dtype=np.int64)
-    most = min(12 + c.triangles // 16, 120)
-    tally[MOST_TRIALS] = min(max(FEWEST_TRIALS, TRIAL_CELLS // c.triangles), most)
-    tally[MOST_GRAVE] = most + 60 + c.triangles // CELLS_A_TRIAL
+    most = min(FIRST_TRIALS + c.triangles // CELLS_A_TRIAL, ALL_TRIALS)
+    tally[MOST_TRIALS] = min(max(LEAST_TRIALS, LARGE // c.triangles), most)
+    tally[MOST_GRAVE] = most + GRAVE_TRIALS + c.triangles // CELLS_A_GRAVE
     tally[MAY_GROW], tally[WAITING_AT_FIRST] = grow, waiting
     sharpen(plane, front, vertices, queue, patches, np.empty((0, 1, 3)), goal, tally)
     if not vertices.asked.any():

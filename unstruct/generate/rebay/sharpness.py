@@ -25,7 +25,7 @@ UNFIT = 1.9  # the squared ratio of an edge and the wanted length, or its invers
 FIRST_STEP, SHORTER, SWEEPS = 0.12, 0.6, 9  # moves of vertices, in edge lengths; each sweep has shorter ones
 LESS = 0.995  # a move must decrease the sharpness of a star by this factor
 # Stars stay where they are if they are less sharp than the sharpest by the factor CALM. If no star of a patch
-# has more than the sharpness SHARP_ENOUGH, its angles are above 45 degrees and its edges of the wanted length.
+# is sharper than SHARP_ENOUGH, its angles are above 45 degrees and its edges of the wanted length.
 CALM, SHARP_ENOUGH = 0.02, 0.25
 # A patch is given up after so many sweeps if it is sharper by the factor HOPE than the best trial so far.
 HOPE_ENDS, HOPE = 2, 3.0
