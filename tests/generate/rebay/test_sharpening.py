@@ -87,7 +87,7 @@ def test_every_change_of_a_patch(kind: str, seed: int, number: int) -> None:
     made = 0
     for change in range(sharpest.CHANGES):
         patches.same(first, stars, work, work_stars)
-        if not sharpest._changed(work, work_stars, change, True):
+        if not sharpest.change_patch(work, work_stars, change, True):
             continue
         made += 1
         assert consistent(work, work_stars) == pytest.approx(area)
@@ -100,7 +100,7 @@ def test_every_change_of_a_patch(kind: str, seed: int, number: int) -> None:
         last = change
     assert made
     patches.same(first, stars, work, work_stars)
-    sharpest._changed(work, work_stars, last, True)
+    sharpest.change_patch(work, work_stars, last, True)
     sharpness.make_legal(work, work_stars)
     patches.put_back(c.plane(), work, work_stars, vertices, NO_SPOTS)
     assert check(run.result(), domain=domain)

@@ -210,18 +210,18 @@ class VoronoiSegmentRun:
                     self.domain, c, self.front(), self.first, self.kept, most is None
                 )
             self.counts, after = counted, figures(c)
-            refined = False
+            refined, top = False, ceiling + done["removed"]  # a vertex that was removed is no growth
             slots: list[int] = []
             reasons: list[str] = []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
                 every = np.ones_like(self.kept)
                 found, _, _ = refine_angles(
-                    self.domain, c, self.first, most, every, ceiling, allowed, TRIED_ANGLE
+                    self.domain, c, self.first, most, every, top, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(
-                    self.domain, c, self.first, most, self.kept, ceiling, allowed
+                    self.domain, c, self.first, most, self.kept, top, allowed
                 )
                 more, after = self._refined(found, done, after)
                 refined = refined or more

@@ -38,7 +38,7 @@ from .patch import (
 from .sharpness import UNIT_SHARP, judge_patch, make_legal, settle_patch
 from .steps import classify, wanted
 
-__all__ = ["Queue", "sharpen", "survey_sharp"]
+__all__ = ["CHANGES", "Queue", "change_patch", "sharpen", "survey_sharp"]
 
 GAIN = 1.004  # the least factor by which the squared sine of a minimum angle must grow
 EVEN = 1.5  # a ratio of the squares of edges
@@ -62,7 +62,7 @@ class Queue(NamedTuple):
 
 
 @lean
-def _changed(patch, stars, kind, grow):
+def change_patch(patch, stars, kind, grow):
     """Make change ``kind`` of the first triangle of a patch; whether that is possible."""
     if kind < 4:
         return kind == 0 or turn(stars, np.int64(kind - 1))
@@ -88,7 +88,7 @@ def _try_all(plane, patches, spots, stack, goal, bound, tally):
     found, bar = False, inf
     for kind in range(CHANGES if top < GRAVE else USUAL_CHANGES):
         same(first, first_stars, work, work_stars)
-        if not _changed(work, work_stars, kind, tally[MAY_GROW] > 0):
+        if not change_patch(work, work_stars, kind, tally[MAY_GROW] > 0):
             continue
         tally[TRIALS] += 1
         if 0 < kind < 4:  # otherwise the swap would be undone at once
