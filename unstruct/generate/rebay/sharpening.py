@@ -31,7 +31,7 @@ QUEUED = 4096  # there is room for so many in the queue
 # How many changes are tried: each takes about a tenth of a millisecond. Small meshes have few, and in a large
 # one the wish for a larger minimum angle must not take longer than a few percent of the rest.
 FIRST_TRIALS, CELLS_A_TRIAL, ALL_TRIALS = 12, 16, 120
-LEAST_TRIALS, LARGE = 16, 2_000_000  # in a large mesh LARGE over the number of cells
+LEAST_TRIALS, LARGE_CELLS = 16, 2_000_000  # in a large mesh LARGE_CELLS over the number of cells
 GRAVE_TRIALS, CELLS_A_GRAVE = 60, 1000  # where angles are below 40 degrees: so many more, and one for so many
 PLACES = 12  # on either side of a vertex that slides, up to the share SLIDE_REACH of the way to the next one
 SLIDE_REACH = 0.45  # below a half, so that vertices cannot meet
@@ -87,7 +87,7 @@ def sharpen_worst(
     patches = patch_of(), patch_of(), patch_of()
     tally = np.zeros(8, dtype=np.int64)
     most = min(FIRST_TRIALS + c.triangles // CELLS_A_TRIAL, ALL_TRIALS)
-    tally[MOST_TRIALS] = min(max(LEAST_TRIALS, LARGE // c.triangles), most)
+    tally[MOST_TRIALS] = min(max(LEAST_TRIALS, LARGE_CELLS // c.triangles), most)
     tally[MOST_GRAVE] = most + GRAVE_TRIALS + c.triangles // CELLS_A_GRAVE
     tally[MAY_GROW], tally[WAITING_AT_FIRST] = grow, waiting
     sharpen(plane, front, vertices, queue, patches, np.empty((0, 1, 3)), goal, tally)
