@@ -188,6 +188,7 @@ class VoronoiSegmentRun:
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
         allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
+        queued = False  # whether triangles wait in the queue
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
@@ -195,8 +196,9 @@ class VoronoiSegmentRun:
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-                # what did not change has kept its class; but triangles that were given up are tried again
-                if not self.spent and (since or not self.counts[k.GIVEN_UP]):
+                # what did not change has kept its class; but triangles that were given up are tried again,
+                # and after a refinement the queue is full
+                if not (self.spent or queued) and (since or not self.counts[k.GIVEN_UP]):
                     self.start(moved)
                 else:
                     self.restart()
@@ -210,6 +212,7 @@ class VoronoiSegmentRun:
                     self.domain, c, self.front(), self.first, self.kept, most is None
                 )
             self.counts, after = counted, figures(c)
+            queued = after["minimum angle"] < HOPED_ANGLE
             refined, top = False, ceiling + done["removed"]  # a vertex that was removed is no growth
             slots: list[int] = []
             reasons: list[str] = []
