@@ -122,6 +122,20 @@ OUTLINES = {
 }
 
 
+def random_outlines(count: int, seed: int = 5) -> dict[str, list[Outline]]:
+    """So many outlines of each kind, with random angles, numbers, gaps and edge lengths."""
+    rng = np.random.default_rng(seed)
+    found: dict[str, list[Outline]] = {"comb": [], "rhombus": [], "annulus": [], "gap": []}
+    for _ in range(count):
+        teeth = int(rng.integers(2, 9))
+        found["comb"].append(comb(teeth, float(rng.uniform(0.04, 0.29) / teeth)))
+        found["rhombus"].append(rhombus(float(rng.uniform(20, 88)), float(0.2 * 0.15 ** rng.random())))
+        discs = [(0.0, 0.0, 1.0), (0.0, 0.0, float(rng.uniform(0.2, 0.8)))]
+        found["annulus"].append(Outline([], discs, float(0.15 * 0.27 ** rng.random())))
+        found["gap"].append(two_holes(float(0.06 * 0.1 ** rng.random()), float(0.03 * 0.4 ** rng.random())))
+    return found
+
+
 def in_gap(x: Array) -> NDArray[np.bool_]:
     """Which points lie between the holes of `two_holes`."""
     return (np.abs(x[:, 0] - 0.5) < 0.06) & (np.abs(x[:, 1] - 0.5) < 0.08)

@@ -83,6 +83,15 @@ def look_for(xy, vertex, region, count, threshold, among, todo):
 
 
 @lean
+def changed(before, vertex, moved):
+    """Note as moved the corners that triangles had ``before``, where one of them is another one now."""
+    for t in range(len(before) // 3):
+        e = 3 * t
+        if before[e] != vertex[e] or before[e + 1] != vertex[e + 1] or before[e + 2] != vertex[e + 2]:
+            moved[before[e]] = moved[before[e + 1]] = moved[before[e + 2]] = True
+
+
+@lean
 def survey(xy, vertex, region, count, threshold, todo, found):
     """Look at all triangles, and put the corners of those with 2 r / R below the threshold on the list.
 

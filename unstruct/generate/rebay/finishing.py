@@ -14,7 +14,7 @@ from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import FAIRNESS, ROUNDNESS, Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
-from ..improve.relocation import improve, look_for, survey
+from ..improve.relocation import changed, improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
@@ -52,7 +52,7 @@ def smooth_poor(
     -------
     moves, swaps : int
     moved : ndarray of bool
-        The vertices that have been moved; with ``since`` also the corners of triangles that have changed.
+        The vertices that have been moved, and the corners of triangles that have changed.
     before : dict of str to float
         The `figures` of the mesh before smoothing; empty with ``since``.
     """
@@ -70,6 +70,7 @@ def smooth_poor(
     ring, places = np.empty(n + 8, dtype=np.int32), np.empty((n + 9, 2))
     stars = Stars(c.xy, c.vertex, c.twin, c.mark, c.where, at, still, ring, places, stack, counts)
     before: dict[str, float] = {}
+    corners = c.vertex[: 3 * count].copy()
     if since:
         seen = np.arange(n) >= since
         look_for(c.xy, c.vertex, c.region, count, np.inf, seen, todo)
@@ -81,13 +82,11 @@ def smooth_poor(
         todo[:] = False
         # the other triangles have not changed: their 2 r / R is still at least NEARLY
         look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
-    corners = c.vertex[: 3 * count].copy() if since else c.vertex[:0]
     _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
     todo[:] = False
     look_for(c.xy, c.vertex, c.region, count, IMPROVED_BELOW, seen | moved, todo)
     _rounds(stars, todo, moved, IMPROVED_BELOW, True, SHARP_ROUNDS, ROUNDNESS)
-    swapped = (corners != c.vertex[: len(corners)]).reshape(-1, 3).any(axis=1)
-    moved[corners.reshape(-1, 3)[swapped]] = True
+    changed(corners, c.vertex, moved)
     return int(counts[0]), int(counts[1]), moved, before
 
 

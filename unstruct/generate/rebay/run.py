@@ -19,12 +19,13 @@ from ..refinement.state import FINEST_SPAN
 from . import steps as k
 from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
+from .sharpening import SPARE_VERTICES, sharpen_worst
 
 COUNT_NAMES = (
     "points", "capped", "clamped", "behind", "deleted", "cocircular", "circumcenters", "splits", "moved",
     "wide", "outside", "encroaching", "collisions", "rounded", "given up", "refused splits",
 )  # fmt: skip
-FINISH_NAMES = ("moves", "swaps", "points again", "angle points", "angle splits", "removed")
+FINISH_NAMES = ("moves", "swaps", "points again", "patches", "angle points", "angle splits", "removed")
 FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
 TOLERANCE = 0.04  # the relative tolerance of the size table
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
@@ -187,6 +188,7 @@ class VoronoiSegmentRun:
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
         allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
+        queued = False  # whether triangles wait in the queue
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
@@ -194,30 +196,39 @@ class VoronoiSegmentRun:
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-                if since and not self.spent:
+                # what did not change has kept its class; but triangles that were given up are tried again,
+                # and after a refinement the queue is full
+                if not (self.spent or queued) and (since or not self.counts[k.GIVEN_UP]):
                     self.start(moved)
                 else:
                     self.restart()
             counted, size = self.counts.copy(), c.size
             self.advance(budget, None)  # some triangles may have become too large again
             done["points again"] += c.size - size
+            again = c.size > size
+            if not self.spent:
+                self.reserve(c.size + SPARE_VERTICES)
+                done["patches"] += sharpen_worst(
+                    self.domain, c, self.front(), self.first, self.kept, most is None
+                )
             self.counts, after = counted, figures(c)
-            refined = False
+            queued = after["minimum angle"] < HOPED_ANGLE
+            refined, top = False, ceiling + done["removed"]  # a vertex that was removed is no growth
             slots: list[int] = []
             reasons: list[str] = []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
                 every = np.ones_like(self.kept)
                 found, _, _ = refine_angles(
-                    self.domain, c, self.first, most, every, ceiling, allowed, TRIED_ANGLE
+                    self.domain, c, self.first, most, every, top, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(
-                    self.domain, c, self.first, most, self.kept, ceiling, allowed
+                    self.domain, c, self.first, most, self.kept, top, allowed
                 )
                 more, after = self._refined(found, done, after)
                 refined = refined or more
-            if not refined and (c.size == size or number > 0):
+            if not refined and (not again or number > 0):
                 break
             since = 0 if refined else size
         kept = {f"{name} before": x for name, x in before.items()}
@@ -237,9 +248,12 @@ class VoronoiSegmentRun:
 
     # ------------------------------------------------------------------ the account
 
-    def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
-        """The record by columns; see `voronoi_segment`. ``place[v]`` is the final number of vertex v."""
+    def steps(self) -> dict[str, NDArray]:
+        """The record by columns, with the final numbers of vertices; see `voronoi_segment`."""
         stop, c = self.complex.size, self.complex
+        used = np.zeros(c.size, dtype=bool)
+        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
         f, p, q, d = numbers[:, 2:].T
@@ -273,9 +287,6 @@ class VoronoiSegmentRun:
     def result(self, finished: dict[str, Any] | None = None) -> DomainMesh:
         """The mesh with its account, which includes that of the finishing pass."""
         c = self.complex
-        used = np.zeros(c.size, dtype=bool)
-        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
         waiting = dict(zip(*self.waiting()))
         counts = dict(zip(COUNT_NAMES, self.counts.tolist()))
         if finished is None:
@@ -286,7 +297,7 @@ class VoronoiSegmentRun:
             markers=self.domain.markers,
             origin=np.arange(len(self.domain.points), dtype=np.int32),
             points=self.domain.points,
-            steps=self.steps(place) if self.history else None,
+            steps=self.steps() if self.history else None,
             unrefined=np.array(sorted(missed), dtype=np.int64),
             reasons=np.array([missed[slot] for slot in sorted(missed)], dtype=str),
             counts=counts | finished["counts"],

@@ -88,7 +88,8 @@ def voronoi_segment(
         their triangle).
         As a last resort there are "circumcenters" and "splits" of the boundary; then "refused splits", and
         "given up" for triangles. The finishing pass counts "moves", "swaps", "points again" (inserted as
-        before), and "angle points", "angle splits" and "removed" vertices of the refinement.
+        before), "patches" (of triangles that were replaced by less sharp ones), and "angle points", "angle
+        splits" and "removed" vertices of the refinement.
         ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R", each followed by "before"
         and "after" (finishing). ``unrefined`` lists the triangles that are too large and, after finishing,
         those with an angle below 26 degrees. ``reasons`` says why: "input angle ..." (an angle of the domain
@@ -122,7 +123,9 @@ def voronoi_segment(
     there angles just below 30 degrees occur. Narrow places and small input angles need the finishing pass.
 
     *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then pattern searches,
-    the last one for the smallest 2 r / R), swaps diagonals so that the mesh stays constrained Delaunay, tries
+    the last one for the smallest 2 r / R), swaps diagonals so that the mesh stays constrained Delaunay,
+    replaces patches around the sharpest triangles (there vertices may be added, removed, and slide along an
+    outer piece of the boundary, unless `split_boundary` or a spacing forbids points there), tries
     inner points where an angle is below 29.5 degrees, and refines by Chew's second algorithm where an angle
     is below 25 degrees. At its end all angles are at least 25 degrees, except in the triangles that it lists.
 
