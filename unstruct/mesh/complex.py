@@ -52,7 +52,7 @@ class CellComplex:
         weights: Any = None,
         hidden: Any = None,
         regions: Mapping[str, int] | None = None,
-        periodic: Iterable[Any] = (),
+        periodic: Iterable[Any] | None = None,
     ):
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape

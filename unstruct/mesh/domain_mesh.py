@@ -32,7 +32,7 @@ class MeshOptions(TypedDict, total=False):
     weights: Any
     hidden: Any
     regions: Mapping[str, int] | None
-    periodic: Iterable[Any]
+    periodic: Iterable[Any] | None
 
 
 class DomainMesh(Mesh):
