@@ -16,9 +16,12 @@ __all__ = [
     "cross",
     "determinant",
     "exponents",
+    "lengths",
     "local_edges",
     "quiet",
 ]
+
+SMALL = 1e-140  # squares of shorter lengths are lost, in part or all, below the smallest doubles
 
 
 def quiet(function: Callable) -> Callable:
@@ -46,6 +49,18 @@ def as_corners(simplices: np.ndarray) -> np.ndarray:
 def exponents(values: np.ndarray) -> np.ndarray:
     """The e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite values."""
     return np.frexp(np.abs(values).max(axis=(-2, -1)))[1]
+
+
+def lengths(vectors: np.ndarray) -> np.ndarray:
+    """The lengths of vectors (..., d), also of those whose squares are below all doubles."""
+    result = np.asarray(np.sqrt((vectors**2).sum(axis=-1)))
+    small = result < SMALL
+    if small.any():
+        rows = vectors[small]
+        exponent = np.frexp(np.abs(rows).max(axis=-1))[1]
+        rows = np.ldexp(rows, -exponent[..., None])
+        result[small] = np.ldexp(np.sqrt((rows**2).sum(axis=-1)), exponent)
+    return result
 
 
 def local_edges(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -87,7 +102,7 @@ def content(rows: np.ndarray) -> np.ndarray:
     """k! times the measure of the simplices with these edge vectors, without sign."""
     k, d = rows.shape[-2:]
     if k == 1:
-        return np.sqrt((rows[..., 0, :] ** 2).sum(axis=-1))
+        return lengths(rows[..., 0, :])
     if k == d:
         return np.abs(determinant(rows))
     if k == 2 and d == 3:
@@ -100,6 +115,5 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
     For unit vectors a and b it is 2 atan2(|a - b|, |a + b|).
     """
-    la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
-    a, b = a / la, b / lb
+    a, b = a / lengths(a)[..., None], b / lengths(b)[..., None]
     return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))

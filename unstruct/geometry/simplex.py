@@ -26,6 +26,7 @@ from .edge_vectors import (
     cross,
     determinant,
     exponents,
+    lengths,
     local_edges,
     quiet,
 )
@@ -44,6 +45,9 @@ __all__ = [
     "solid_angles",
     "volume",
 ]
+
+
+FINE = 2.0**-20  # of the longest edge of a triangle: a shorter edge is not taken from the other two
 
 
 @quiet
@@ -102,7 +106,7 @@ def edge_lengths(simplices: np.ndarray) -> np.ndarray:
     rows = half[..., j, :] - half[..., i, :]
     exponent = exponents(rows)
     rows = np.ldexp(rows, -exponent[..., None, None])
-    return np.ldexp(np.sqrt((rows**2).sum(axis=-1)), (exponent + 1)[..., None])
+    return np.ldexp(lengths(rows), (exponent + 1)[..., None])
 
 
 def _center(rows: np.ndarray) -> np.ndarray:
@@ -164,8 +168,7 @@ def _radius(rows: np.ndarray) -> np.ndarray:
     k = rows.shape[-2]
     if k == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
-        lengths = [np.sqrt((v**2).sum(axis=-1)) for v in (a, b, b - a)]
-        radius = (lengths[0] * lengths[1]) * lengths[2] / (2 * content(rows))
+        radius = (lengths(a) * lengths(b)) * lengths(b - a) / (2 * content(rows))
     else:
         radius = np.sqrt((_center(rows) ** 2).sum(axis=-1))
     return np.where(np.isnan(radius) & np.isfinite(rows).all(axis=(-2, -1)), np.inf, radius)
@@ -184,8 +187,29 @@ def circumradius(simplices: np.ndarray) -> np.ndarray:
     ndarray, shape (...)
         ``inf`` for flat simplices.
     """
-    rows, exponent = local_edges(simplices)
-    return np.ldexp(_radius(rows), exponent)
+    points = as_corners(simplices)
+    rows, exponent = local_edges(points)
+    radius = np.asarray(np.ldexp(_radius(rows), exponent))
+    if points.shape[-2] != 3:
+        return radius[()]
+    edges = edge_lengths(points)
+    lost = edges.min(axis=-1) < FINE * edges.max(axis=-1)
+    if lost.any():
+        radius[lost] = _radius_of_longest(points[lost])
+    return radius[()]
+
+
+def _radius_of_longest(corners: np.ndarray) -> np.ndarray:
+    """Circumradii of triangles (n, 3, d): the longest edge over twice the sine of the opposite angle.
+
+    It needs no common unit of the edges, and finds the edge between two corners that are one for the third.
+    """
+    half = np.ldexp(corners, -1)
+    edges = np.roll(half, -2, axis=1) - np.roll(half, -1, axis=1)  # opposite corners 0, 1, 2
+    edges = np.take_along_axis(edges, np.argsort(lengths(edges), axis=1, kind="stable")[..., None], axis=1)
+    unit = np.ldexp(edges, -np.frexp(np.abs(edges).max(axis=2, keepdims=True))[1])
+    sine = content(unit[:, :2]) / (lengths(unit[:, 0]) * lengths(unit[:, 1]))
+    return np.where(sine > 0, lengths(edges[:, 2]) / sine, np.inf)
 
 
 def _facet_contents(rows: np.ndarray) -> np.ndarray:
