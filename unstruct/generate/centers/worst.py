@@ -29,6 +29,7 @@ CENTERS_A_CALL = 20_000  # insertions in one kernel call, a fraction of a second
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
 KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of ``Rule.test``
 SMALLEST = 1e-290  # of products of lengths: smaller ones have lost digits, or are 0
+FINE2 = 2.0**-40  # of the square of the longest edge: a shorter edge is not taken from the other two
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle are negated: minima are maxima
 
 
@@ -132,8 +133,8 @@ def measures(ax, ay, bx, by, cx, cy):
     """R, r, the shortest and the longest edge, the area, and the circumcenter of a counterclockwise triangle.
 
     They are computed in doubles, relative to a. They decide where points are put, never what is connected. R
-    is infinite if rounding leaves no area. Where it leaves none because one edge is very short beside the
-    others, or where squares are below all doubles, `careful_measures` looks again.
+    is infinite if rounding leaves no area. Where one edge is so short that the other two cannot tell it, or
+    where squares are below all doubles, `careful_measures` looks again.
     """
     ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
     wx, wy = vx - ux, vy - uy
@@ -142,7 +143,8 @@ def measures(ax, ay, bx, by, cx, cy):
     u, v, w = math.sqrt(u2), math.sqrt(v2), math.sqrt(w2)
     short, long = min(u, v, w), max(u, v, w)
     product = u * v * w
-    if twice <= 0.0 or product < SMALLEST or min(u2, v2, w2) < SMALLEST:
+    least = min(u2, v2, w2)
+    if twice <= 0.0 or product < SMALLEST or least < SMALLEST or least < FINE2 * max(u2, v2, w2):
         return careful_measures(ax, ay, bx, by, cx, cy)
     qx = ax + (vy * u2 - uy * v2) / (2.0 * twice)
     qy = ay + (ux * v2 - vx * u2) / (2.0 * twice)
