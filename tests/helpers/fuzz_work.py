@@ -16,6 +16,7 @@ from unstruct import (
     InputError,
     Mesh,
     MeshError,
+    advancing_front,
     circumcenter_insertion,
     conforming_delaunay,
     constrained_delaunay,
@@ -28,6 +29,7 @@ from unstruct import (
 )
 from unstruct.base.jit import kernel
 from unstruct.domain.domain import as_domain
+from unstruct.generate.front.run import ORDERS, PLACEMENTS
 from unstruct.predicates.batch import scaled
 from unstruct.predicates.kernels import incircle, orient2
 from unstruct.studies import insert_without_breaking, skeleton_points
@@ -225,6 +227,17 @@ def segments(domain: Domain, rng: np.random.Generator) -> Done:
     return f"{name}: {'complete' if mesh.complete else 'incomplete'}", mesh, quick(mesh, domain), domain
 
 
+def fronts(domain: Domain, rng: np.random.Generator) -> Done:
+    """An advancing front in any order, finished or not."""
+    options: dict[str, Any] = {"order": str(rng.choice(ORDERS)), "placement": str(rng.choice(PLACEMENTS))}
+    finish = bool(rng.random() < 0.7)
+    mesh = advancing_front(domain, some_size(domain, rng), finish=finish, budget=BUDGET, **options)
+    name = "advancing_front" + (" finished" if finish else "")
+    fault = quick(mesh, domain, delaunay=finish)
+    outcome = f"{name}: {'complete' if mesh.complete else 'incomplete'}"
+    return outcome, mesh if finish or fault else swap_diagonals(mesh), fault, domain
+
+
 def smoothed(domain: Domain, rng: np.random.Generator) -> Done:
     """A mesh with its inner vertices moved."""
     size = some_size(domain, rng)
@@ -311,5 +324,6 @@ WORK: dict[str, Callable[[Domain, np.random.Generator], Done]] = {
     "resolve": resolved,
     "constrained": constrained,
     "segments": segments,
+    "fronts": fronts,
     "smooth": smoothed,
 }

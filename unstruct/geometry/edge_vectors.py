@@ -12,6 +12,7 @@ from ..base.errors import InputError
 __all__ = [
     "angle_between",
     "as_corners",
+    "careful_radius",
     "content",
     "cross",
     "determinant",
@@ -21,7 +22,8 @@ __all__ = [
     "quiet",
 ]
 
-SMALL = 1e-140  # squares of shorter lengths are lost, in part or all, below the smallest doubles
+FINE = 2.0**-20  # of the longest edge of a triangle: a shorter edge is not taken from the other two
+LEAST_LENGTH = 1e-140  # squares of shorter lengths are lost, in part or all, below the smallest doubles
 
 
 def quiet(function: Callable) -> Callable:
@@ -54,7 +56,7 @@ def exponents(values: np.ndarray) -> np.ndarray:
 def lengths(vectors: np.ndarray) -> np.ndarray:
     """The lengths of vectors (..., d), also of those whose squares are below all doubles."""
     result = np.asarray(np.sqrt((vectors**2).sum(axis=-1)))
-    small = result < SMALL
+    small = result < LEAST_LENGTH
     if small.any():
         rows = vectors[small]
         exponent = np.frexp(np.abs(rows).max(axis=-1))[1]
@@ -117,3 +119,26 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """
     a, b = a / lengths(a)[..., None], b / lengths(b)[..., None]
     return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))
+
+
+def careful_radius(corners: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Circumradii, those of triangles (..., 3, d) computed anew where one edge is very short beside the others.
+
+    There it is the longest edge over twice the sine of the opposite angle. This needs no common unit of the
+    edges, and finds the edge between two corners that are one for the third.
+    """
+    if corners.shape[-2] != 3:
+        return radius
+    half = np.ldexp(corners, -1)
+    edges = np.roll(half, -2, axis=-2) - np.roll(half, -1, axis=-2)  # opposite corners 0, 1, 2
+    size = np.sort(lengths(edges), axis=-1)
+    lost = size[..., 0] < FINE * size[..., 2]
+    if not lost.any():
+        return radius
+    radius, edges = np.array(radius), edges[lost]
+    order = np.argsort(lengths(edges), axis=1, kind="stable")
+    edges = np.take_along_axis(edges, order[..., None], axis=1)
+    unit = np.ldexp(edges, -np.frexp(np.abs(edges).max(axis=2, keepdims=True))[1])
+    sine = content(unit[:, :2]) / (lengths(unit[:, 0]) * lengths(unit[:, 1]))
+    radius[lost] = np.where(sine > 0, lengths(edges[:, 2]) / sine, np.inf)
+    return radius[()]

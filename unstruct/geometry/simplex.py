@@ -22,6 +22,7 @@ from ..base.errors import InputError
 from .edge_vectors import (
     angle_between,
     as_corners,
+    careful_radius,
     content,
     cross,
     determinant,
@@ -45,9 +46,6 @@ __all__ = [
     "solid_angles",
     "volume",
 ]
-
-
-FINE = 2.0**-20  # of the longest edge of a triangle: a shorter edge is not taken from the other two
 
 
 @quiet
@@ -123,8 +121,7 @@ def _center(rows: np.ndarray) -> np.ndarray:
         a, b = rows[..., 0, :], rows[..., 1, :]
         x = square[..., 0] * b[..., 1] - square[..., 1] * a[..., 1]
         y = square[..., 1] * a[..., 0] - square[..., 0] * b[..., 0]
-        top = np.stack([x, y], axis=-1)
-        return top / (2 * determinant(rows))[..., None]
+        return np.stack([x, y], axis=-1) / (2 * determinant(rows))[..., None]
     if k == 3 and d == 3:
         a, b, c = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
         top = square[..., :1] * cross(b, c) + square[..., 1:2] * cross(c, a) + square[..., 2:] * cross(a, b)
@@ -187,29 +184,8 @@ def circumradius(simplices: np.ndarray) -> np.ndarray:
     ndarray, shape (...)
         ``inf`` for flat simplices.
     """
-    points = as_corners(simplices)
-    rows, exponent = local_edges(points)
-    radius = np.asarray(np.ldexp(_radius(rows), exponent))
-    if points.shape[-2] != 3:
-        return radius[()]
-    edges = edge_lengths(points)
-    lost = edges.min(axis=-1) < FINE * edges.max(axis=-1)
-    if lost.any():
-        radius[lost] = _radius_of_longest(points[lost])
-    return radius[()]
-
-
-def _radius_of_longest(corners: np.ndarray) -> np.ndarray:
-    """Circumradii of triangles (n, 3, d): the longest edge over twice the sine of the opposite angle.
-
-    It needs no common unit of the edges, and finds the edge between two corners that are one for the third.
-    """
-    half = np.ldexp(corners, -1)
-    edges = np.roll(half, -2, axis=1) - np.roll(half, -1, axis=1)  # opposite corners 0, 1, 2
-    edges = np.take_along_axis(edges, np.argsort(lengths(edges), axis=1, kind="stable")[..., None], axis=1)
-    unit = np.ldexp(edges, -np.frexp(np.abs(edges).max(axis=2, keepdims=True))[1])
-    sine = content(unit[:, :2]) / (lengths(unit[:, 0]) * lengths(unit[:, 1]))
-    return np.where(sine > 0, lengths(edges[:, 2]) / sine, np.inf)
+    rows, exponent = local_edges(simplices)
+    return careful_radius(as_corners(simplices), np.ldexp(_radius(rows), exponent))
 
 
 def _facet_contents(rows: np.ndarray) -> np.ndarray:

@@ -6,10 +6,10 @@ computed in integer arithmetic, without rounding, underflow or overflow. There a
 
 * Compiled, in two and three dimensions. If the differences of coordinates are small integers (lattices
   and other exact data), 64-bit integers suffice. Otherwise a number is a row of *limbs*, which are its digits
-  in base ``2**26``, the lowest first. Limbs lie between ``-2**25`` and ``2**25``, so that the sign of a number
-  is that of its top limb, and a small number taken from a large one leaves zeros between them, which products
-  skip: where exponents are wide, nearly all limbs are zero. A product of two limbs is at most ``2**50``, so
-  eight thousand of them can be added in 64 bits before carries are taken.
+  in base ``2**26``, the lowest first. Limbs lie between ``-2**25`` and ``2**25``, so that the sign of a
+  number is that of its top limb, and a small number taken from a large one leaves zeros between them, which
+  products skip: where exponents are wide, nearly all limbs are zero. A product of two limbs is at most
+  ``2**50``, so eight thousand of them can be added in 64 bits before carries are taken.
 * In any dimension, Python's own integers and Bareiss' fraction-free elimination.
 """
 
@@ -24,7 +24,7 @@ from ..base.jit import kernel
 BITS = 26
 BASE = 1 << BITS
 MASK = BASE - 1
-HALF = BASE >> 1
+HALF_BASE = BASE >> 1
 
 
 # --- limbs: number s has the limbs w[s, :n[s]]; zero has none -------------------------------------
@@ -32,15 +32,15 @@ HALF = BASE >> 1
 
 @kernel
 def _carry(w, n, s, length):
-    """Bring the limbs of ``s`` into [-HALF, HALF) after additions."""
+    """Bring the limbs of ``s`` into [-HALF_BASE, HALF_BASE) after additions."""
     carry = 0
     for i in range(length):
         value = w[s, i] + carry
-        carry = (value + HALF) >> BITS
+        carry = (value + HALF_BASE) >> BITS
         w[s, i] = value - carry * BASE
     while carry != 0:
         value = carry
-        carry = (value + HALF) >> BITS
+        carry = (value + HALF_BASE) >> BITS
         w[s, length] = value - carry * BASE
         length += 1
     while length > 0 and w[s, length - 1] == 0:

@@ -28,7 +28,7 @@ from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
-from .steps import NARROW, REASONS, UNSPLIT, enter_slots, insert_centers, note
+from .steps import REASONS, TOO_THIN, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
@@ -226,7 +226,7 @@ class CircumcenterRun(Contest):
         a, b = k.xy[k.ends[s]]
         thin, piece, middle, p = self.thin, int(k.piece[s]), float(k.span[s].mean()), k.size
         if thin is not None and self.ask[2] and thin[piece] <= 0:
-            self._give_up(t, NARROW)
+            self._give_up(t, TOO_THIN)
             return
         if piece in self.domain.curves:
             point = self.domain.at(piece, [middle])[0] * k.factor

@@ -16,13 +16,13 @@ from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
 from .worst import NONE, enter, is_small, measures, put, record, top, unwatch
 
-UNSPLIT, NARROW = 8, 9  # reasons why a triangle is left as it is, besides HIDDEN and ROUNDED
+UNSPLIT, TOO_THIN = 8, 9  # reasons why a triangle is left as it is, besides HIDDEN and ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "rounding to doubles leaves no valid place for its circumcenter",
     UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
-    NARROW: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a budget "
+    TOO_THIN: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a budget "
     "allows them",
     0: "budget",
 }

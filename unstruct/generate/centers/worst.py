@@ -28,7 +28,7 @@ CENTERS_A_CALL = 20_000  # insertions in one kernel call, a fraction of a second
 # minimum angle is therefore negated.
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
 KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of ``Rule.test``
-SMALLEST = 1e-290  # of products of lengths: smaller ones have lost digits, or are 0
+LEAST_PRODUCT = 1e-290  # of products of lengths: smaller ones have lost digits, or are 0
 FINE2 = 2.0**-40  # of the square of the longest edge: a shorter edge is not taken from the other two
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle are negated: minima are maxima
 
@@ -144,7 +144,7 @@ def measures(ax, ay, bx, by, cx, cy):
     short, long = min(u, v, w), max(u, v, w)
     product = u * v * w
     least = min(u2, v2, w2)
-    if twice <= 0.0 or product < SMALLEST or least < SMALLEST or least < FINE2 * max(u2, v2, w2):
+    if twice <= 0.0 or product < LEAST_PRODUCT or least < LEAST_PRODUCT or least < FINE2 * max(u2, v2, w2):
         return careful_measures(ax, ay, bx, by, cx, cy)
     qx = ax + (vy * u2 - uy * v2) / (2.0 * twice)
     qy = ay + (ux * v2 - vx * u2) / (2.0 * twice)
