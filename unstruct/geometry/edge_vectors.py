@@ -122,7 +122,7 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def careful_radius(corners: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Circumradii, those of triangles (..., 3, d) computed anew where one edge is very short beside the others.
+    """Circumradii; those of triangles (..., 3, d) anew where one edge is very short beside the others.
 
     There it is the longest edge over twice the sine of the opposite angle. This needs no common unit of the
     edges, and finds the edge between two corners that are one for the third.

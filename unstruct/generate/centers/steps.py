@@ -22,8 +22,8 @@ REASONS = {
     ROUNDED: "rounding to doubles leaves no valid place for its circumcenter",
     UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
-    TOO_THIN: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a budget "
-    "allows them",
+    TOO_THIN: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a "
+    "budget allows them",
     0: "budget",
 }
 FAR_CENTER = 4.0  # of a center farther away only the direction is used (the domain lies within 1)
