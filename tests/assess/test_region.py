@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from regions import KINDS, random_region
 
 from unstruct import Arc, Domain, InputError, Mesh, check, constrained_delaunay, refine
+from unstruct.geometry import parity
 from unstruct.geometry.parity import cells_area, enclosed_area
 from unstruct.mesh.topology import boundary, neighbors
 
@@ -314,3 +316,20 @@ def test_a_domain_without_facets() -> None:
     mesh = constrained_delaunay(lines, hull=True)
     report = check(mesh, domain=lines)
     assert {p.kind for p in report.problems} == {"boundary"}  # the hull is not what the domain bounds
+
+
+def test_areas_of_very_many_exponents() -> None:
+    """Found by fuzzing: more than 64 partial sums, which were written beyond their array."""
+    rng = np.random.default_rng(3)
+    size = np.sort(rng.integers(-500, 0, (4000, 1, 1)), axis=0)  # from the smallest: each stays by itself
+    corners = np.ldexp(rng.random((4000, 3, 2)) - 0.5, size - rng.integers(0, 20, (4000, 3, 2)))
+    turned = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0
+    corners[turned] = corners[turned, ::-1]
+    exact = Fraction(0)
+    for (ax, ay), (bx, by), (cx, cy) in corners.tolist():
+        a, b, c, d = (Fraction(p) - Fraction(q) for p, q in ((bx, ax), (cy, ay), (by, ay), (cx, ax)))
+        exact += a * b - c * d
+    points, cells = corners.reshape(-1, 2), np.arange(12000, dtype=np.int32).reshape(-1, 3)
+    assert parity._twice_area(points, cells, np.zeros(2200)) > 200
+    found = cells_area(points, cells)
+    assert found == float(exact / 2)

@@ -170,6 +170,44 @@ def test_the_largest_doubles_do_not_overflow():
     assert simplex.inradius(big) == pytest.approx(simplex.inradius(big / 2**10) * 2**10)
 
 
+WIDE = {  # one edge vanishes beside the others: from which corner one looks must not matter
+    "short edge": [
+        [1.9427882136218634e-170, -2.0],
+        [2.3755993464796328e-09, 0.0],
+        [8.01652379184349e-176, -2.0],
+    ],
+    "short edge at the end": [[2.0, 2.8116205812066204e-194], [-1.0059229919734227, 1.0], [2.0, 0.0]],
+    "short and far": [[1e-200, 3e-200], [1.0, 0.0], [0.0, 0.0]],
+}
+
+
+@pytest.mark.parametrize("name", WIDE)
+@pytest.mark.filterwarnings("error")
+def test_exponents_too_wide_for_squares(name):
+    """Found by fuzzing: circumradii were 0 or infinite, lengths 0 and angles nan."""
+    exact = np.array(WIDE[name])
+    (ax, ay), (bx, by), (cx, cy) = ([Fraction(x) for x in row] for row in WIDE[name])
+    squares = [
+        (bx - ax) ** 2 + (by - ay) ** 2,
+        (cx - ax) ** 2 + (cy - ay) ** 2,
+        (cx - bx) ** 2 + (cy - by) ** 2,
+    ]
+    twice = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    scale = Fraction(2) ** 1200  # no double has such roots
+    length = [
+        sqrt(x) if x > 1e-200 else float(Fraction(sqrt(x * scale)) / Fraction(2) ** 600) for x in squares
+    ]
+    radius2 = squares[0] * squares[1] * squares[2] / (4 * twice * twice)
+    for turn in permutations(range(3)):
+        corners = exact[list(turn)]
+        assert simplex.circumradius(corners) == pytest.approx(sqrt(radius2), rel=1e-12)
+        assert np.sort(simplex.edge_lengths(corners)) == pytest.approx(np.sort(length), rel=1e-15, abs=0)
+        assert simplex.angles(corners).sum() == pytest.approx(pi, rel=1e-12)
+        assert not np.isnan([f(corners) for f in simplex.QUALITIES.values()]).any()
+    many = simplex.circumradius(np.stack([exact, EQUILATERAL, np.zeros((3, 2))]))
+    assert many == pytest.approx([sqrt(radius2), 1 / sqrt(3), inf])
+
+
 def test_needle_angles_are_accurate():
     """An angle of 1e-9: arccos of a cosine would return 0."""
     needle = [[0.0, 0.0], [1.0, 0.0], [1.0, 1e-9]]

@@ -12,13 +12,18 @@ from ..base.errors import InputError
 __all__ = [
     "angle_between",
     "as_corners",
+    "careful_radius",
     "content",
     "cross",
     "determinant",
     "exponents",
+    "lengths",
     "local_edges",
     "quiet",
 ]
+
+FINE = 2.0**-20  # of the longest edge of a triangle: a shorter edge is not taken from the other two
+LEAST_LENGTH = 1e-140  # squares of shorter lengths are lost, in part or all, below the smallest doubles
 
 
 def quiet(function: Callable) -> Callable:
@@ -46,6 +51,18 @@ def as_corners(simplices: np.ndarray) -> np.ndarray:
 def exponents(values: np.ndarray) -> np.ndarray:
     """The e with max|values| over the last two axes in [2^(e-1), 2^e); 0 for zeros and non-finite values."""
     return np.frexp(np.abs(values).max(axis=(-2, -1)))[1]
+
+
+def lengths(vectors: np.ndarray) -> np.ndarray:
+    """The lengths of vectors (..., d), also of those whose squares are below all doubles."""
+    result = np.asarray(np.sqrt((vectors**2).sum(axis=-1)))
+    small = result < LEAST_LENGTH
+    if small.any():
+        rows = vectors[small]
+        exponent = np.frexp(np.abs(rows).max(axis=-1))[1]
+        rows = np.ldexp(rows, -exponent[..., None])
+        result[small] = np.ldexp(np.sqrt((rows**2).sum(axis=-1)), exponent)
+    return result
 
 
 def local_edges(simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -87,7 +104,7 @@ def content(rows: np.ndarray) -> np.ndarray:
     """k! times the measure of the simplices with these edge vectors, without sign."""
     k, d = rows.shape[-2:]
     if k == 1:
-        return np.sqrt((rows[..., 0, :] ** 2).sum(axis=-1))
+        return lengths(rows[..., 0, :])
     if k == d:
         return np.abs(determinant(rows))
     if k == 2 and d == 3:
@@ -100,6 +117,28 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
     For unit vectors a and b it is 2 atan2(|a - b|, |a + b|).
     """
-    la, lb = (np.sqrt((v**2).sum(axis=-1))[..., None] for v in (a, b))
-    a, b = a / la, b / lb
+    a, b = a / lengths(a)[..., None], b / lengths(b)[..., None]
     return 2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(axis=-1)), np.sqrt(((a + b) ** 2).sum(axis=-1)))
+
+
+def careful_radius(corners: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Circumradii; those of triangles (..., 3, d) anew where one edge is very short beside the others.
+
+    There it is the longest edge over twice the sine of the opposite angle. This needs no common unit of the
+    edges, and finds the edge between two corners that are one for the third.
+    """
+    if corners.shape[-2] != 3:
+        return radius
+    half = np.ldexp(corners, -1)
+    edges = np.roll(half, -2, axis=-2) - np.roll(half, -1, axis=-2)  # opposite corners 0, 1, 2
+    size = np.sort(lengths(edges), axis=-1)
+    lost = size[..., 0] < FINE * size[..., 2]
+    if not lost.any():
+        return radius
+    radius, edges = np.array(radius), edges[lost]
+    order = np.argsort(lengths(edges), axis=1, kind="stable")
+    edges = np.take_along_axis(edges, order[..., None], axis=1)
+    unit = np.ldexp(edges, -np.frexp(np.abs(edges).max(axis=2, keepdims=True))[1])
+    sine = content(unit[:, :2]) / (lengths(unit[:, 0]) * lengths(unit[:, 1]))
+    radius[lost] = np.where(sine > 0, lengths(edges[:, 2]) / sine, np.inf)
+    return radius[()]

@@ -164,7 +164,7 @@ def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
 def cells_area(points: np.ndarray, triangles: np.ndarray) -> float:
     """The sum of the areas of counterclockwise triangles, correctly rounded like `enclosed_area`."""
     factor = power_of_two(points)
-    partials = np.zeros(64)  # 40 doubles that do not overlap span the whole range of exponents
+    partials = np.zeros(2200)  # doubles that do not overlap may have one bit each: 2098 span all exponents
     count = _twice_area(points * factor, triangles, partials)
     return fsum(partials[:count].tolist()) / 2 / factor / factor
 

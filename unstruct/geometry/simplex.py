@@ -22,10 +22,12 @@ from ..base.errors import InputError
 from .edge_vectors import (
     angle_between,
     as_corners,
+    careful_radius,
     content,
     cross,
     determinant,
     exponents,
+    lengths,
     local_edges,
     quiet,
 )
@@ -102,7 +104,7 @@ def edge_lengths(simplices: np.ndarray) -> np.ndarray:
     rows = half[..., j, :] - half[..., i, :]
     exponent = exponents(rows)
     rows = np.ldexp(rows, -exponent[..., None, None])
-    return np.ldexp(np.sqrt((rows**2).sum(axis=-1)), (exponent + 1)[..., None])
+    return np.ldexp(lengths(rows), (exponent + 1)[..., None])
 
 
 def _center(rows: np.ndarray) -> np.ndarray:
@@ -119,8 +121,7 @@ def _center(rows: np.ndarray) -> np.ndarray:
         a, b = rows[..., 0, :], rows[..., 1, :]
         x = square[..., 0] * b[..., 1] - square[..., 1] * a[..., 1]
         y = square[..., 1] * a[..., 0] - square[..., 0] * b[..., 0]
-        top = np.stack([x, y], axis=-1)
-        return top / (2 * determinant(rows))[..., None]
+        return np.stack([x, y], axis=-1) / (2 * determinant(rows))[..., None]
     if k == 3 and d == 3:
         a, b, c = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
         top = square[..., :1] * cross(b, c) + square[..., 1:2] * cross(c, a) + square[..., 2:] * cross(a, b)
@@ -164,8 +165,7 @@ def _radius(rows: np.ndarray) -> np.ndarray:
     k = rows.shape[-2]
     if k == 2:
         a, b = rows[..., 0, :], rows[..., 1, :]
-        lengths = [np.sqrt((v**2).sum(axis=-1)) for v in (a, b, b - a)]
-        radius = (lengths[0] * lengths[1]) * lengths[2] / (2 * content(rows))
+        radius = (lengths(a) * lengths(b)) * lengths(b - a) / (2 * content(rows))
     else:
         radius = np.sqrt((_center(rows) ** 2).sum(axis=-1))
     return np.where(np.isnan(radius) & np.isfinite(rows).all(axis=(-2, -1)), np.inf, radius)
@@ -185,7 +185,7 @@ def circumradius(simplices: np.ndarray) -> np.ndarray:
         ``inf`` for flat simplices.
     """
     rows, exponent = local_edges(simplices)
-    return np.ldexp(_radius(rows), exponent)
+    return careful_radius(as_corners(simplices), np.ldexp(_radius(rows), exponent))
 
 
 def _facet_contents(rows: np.ndarray) -> np.ndarray:

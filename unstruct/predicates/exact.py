@@ -6,9 +6,10 @@ computed in integer arithmetic, without rounding, underflow or overflow. There a
 
 * Compiled, in two and three dimensions. If the differences of coordinates are small integers (lattices
   and other exact data), 64-bit integers suffice. Otherwise a number is a row of *limbs*, which are its digits
-  in base ``2**26``, the lowest first. Only the top limb may be negative, so that the sign of a number is that
-  of its top limb. A product of two limbs is below ``2**52``, so two thousand of them can be added in 64 bits
-  before carries are taken.
+  in base ``2**26``, the lowest first. Limbs lie between ``-2**25`` and ``2**25``, so that the sign of a
+  number is that of its top limb, and a small number taken from a large one leaves zeros between them, which
+  products skip: where exponents are wide, nearly all limbs are zero. A product of two limbs is at most
+  ``2**50``, so eight thousand of them can be added in 64 bits before carries are taken.
 * In any dimension, Python's own integers and Bareiss' fraction-free elimination.
 """
 
@@ -23,6 +24,7 @@ from ..base.jit import kernel
 BITS = 26
 BASE = 1 << BITS
 MASK = BASE - 1
+HALF_BASE = BASE >> 1
 
 
 # --- limbs: number s has the limbs w[s, :n[s]]; zero has none -------------------------------------
@@ -30,24 +32,19 @@ MASK = BASE - 1
 
 @kernel
 def _carry(w, n, s, length):
-    """Bring the limbs of ``s`` into [0, BASE) after additions; the top one remains signed."""
+    """Bring the limbs of ``s`` into [-HALF_BASE, HALF_BASE) after additions."""
     carry = 0
     for i in range(length):
         value = w[s, i] + carry
-        carry = value >> BITS
-        w[s, i] = value & MASK
-    while carry != 0 and carry != -1:
-        w[s, length] = carry & MASK
-        carry >>= BITS
+        carry = (value + HALF_BASE) >> BITS
+        w[s, i] = value - carry * BASE
+    while carry != 0:
+        value = carry
+        carry = (value + HALF_BASE) >> BITS
+        w[s, length] = value - carry * BASE
         length += 1
-    if carry == 0:
-        while length > 0 and w[s, length - 1] == 0:
-            length -= 1
-    else:  # a borrow of one beyond the top limb: fold it into the limb below, repeatedly while that gives -1
-        w[s, length - 1] -= BASE
-        while length > 1 and w[s, length - 1] == -1:
-            length -= 1
-            w[s, length - 1] -= BASE
+    while length > 0 and w[s, length - 1] == 0:
+        length -= 1
     n[s] = length
 
 
@@ -78,8 +75,10 @@ def multiply(w, n, a, b, c):
     for i in range(length):
         w[c, i] = 0
     for i in range(n[a]):
-        for j in range(n[b]):
-            w[c, i + j] += w[a, i] * w[b, j]
+        limb = w[a, i]
+        if limb != 0:
+            for j in range(n[b]):
+                w[c, i + j] += limb * w[b, j]
     _carry(w, n, c, length)
 
 

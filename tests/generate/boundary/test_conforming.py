@@ -7,7 +7,7 @@ from math import atan2, cos, pi, sin
 import numpy as np
 import pytest
 from fans import TEN, fan_domain, random_polygon
-from fuzz_regions import conforming, guarded
+from fuzz_work import conforming, guarded
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from regions import KINDS

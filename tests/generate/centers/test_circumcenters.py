@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from fractions import Fraction
 
+import fuzz_work
 import numpy as np
 import pytest
 from alone import run
@@ -262,6 +264,66 @@ def test_random_regions(kind: str) -> None:
             bad = alpha(mesh, size) >= 1 + 1e-9
             assert set(np.flatnonzero(bad)) <= set(mesh.unrefined.tolist())
             assert (mesh.reasons != "").all()
+
+
+WIDE_LISTED = [(1, 1), (1, 107)]  # seeds and numbers of regions whose circumradii in doubles were 0
+WIDE_SHORT = [(202, 69)]  # an edge of 1e-54 beside others of 0.09, which cannot tell it
+WIDE_THIN = [(1, 21), (1, 76), (1, 84)]  # those that were halved without end
+
+
+@pytest.mark.parametrize("seed", WIDE_LISTED + WIDE_SHORT + WIDE_THIN)
+def test_wide_exponents(seed: tuple[int, int]) -> None:
+    """Found by fuzzing: wrong lists of bad triangles, and sides of needles that were halved without end."""
+    domain = KINDS["wide exponents"](np.random.default_rng(seed))
+    _, mesh, fault, _ = fuzz_work.centers(domain, np.random.default_rng([*seed, *b"centers"]))
+    assert fault == "" and mesh.size < 12_000
+    assert check(mesh, domain=domain, delaunay="constrained")
+    if seed in WIDE_THIN:
+        assert any("narrow" in reason for reason in mesh.reasons)
+
+
+@pytest.mark.parametrize("height", [1e-6, 1e-100])
+def test_a_needle_is_not_meshed_to_dust(height: float) -> None:
+    needle = Domain.polygon([(0, 0), (1, 0), (0.37, height)])
+    for options in ({"size": 0.1}, {"priority": "circumradius", "limit": 0.06}):
+        mesh = circumcenter_insertion(needle, **options)
+        assert mesh.size < 5000 and {reason.split(":")[0] for reason in mesh.reasons} == {"narrow"}
+        assert check(mesh, domain=needle, delaunay="constrained")
+    free = circumcenter_insertion(needle, 0.1, budget=4000)  # a budget is a permission
+    assert len(free.points) > 4000
+
+
+@given(
+    st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=3, max_size=3), st.integers(0, 900)
+)
+def test_measures_of_wide_triangles(corners: list[tuple[int, int]], shift: int) -> None:
+    """Two corners brought together by a power of two: radius and center as rational arithmetic has them."""
+    (ax, ay), (bx, by), (cx, cy) = ((Fraction(x), Fraction(y)) for x, y in corners)
+    near = Fraction(1, 2**shift)
+    ax, ay, bx, by = ax * near, ay * near, bx * near, by * near
+    twice = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    if twice == 0:
+        return
+    if twice < 0:
+        (ax, ay), (bx, by), twice = (bx, by), (ax, ay), -twice
+    squares = [
+        (bx - ax) ** 2 + (by - ay) ** 2,
+        (cx - ax) ** 2 + (cy - ay) ** 2,
+        (cx - bx) ** 2 + (cy - by) ** 2,
+    ]
+    radius = math.sqrt(squares[0] * squares[1] * squares[2] / (4 * twice * twice))
+    longest = math.sqrt(max(squares))
+    rows = [(float(ax), float(ay)), (float(bx), float(by)), (float(cx), float(cy))]
+    for k in range(3):
+        found, _, short, long, area, qx, qy = measures(*rows[k], *rows[(k + 1) % 3], *rows[(k + 2) % 3])
+        assert long == pytest.approx(longest, rel=1e-12)
+        if found == np.inf:  # rounding leaves no area: R is far above the edges
+            assert radius > 1e12 * longest
+            continue
+        if radius < 1e8 * longest:
+            assert found == pytest.approx(radius, rel=1e-5)
+            assert math.hypot(qx - rows[0][0], qy - rows[0][1]) == pytest.approx(radius, rel=1e-5)
+        assert short > 0 and area > 0
 
 
 def test_progress(capsys: pytest.CaptureFixture[str]) -> None:

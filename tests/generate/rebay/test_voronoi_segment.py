@@ -7,6 +7,7 @@ import subprocess
 import sys
 from typing import Any
 
+import fuzz_work
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -583,3 +584,11 @@ def test_wide_exponents(points: list) -> None:
     report = check(mesh, domain=domain, delaunay="constrained")
     assert report, str(report)
     assert mesh.size < 5000
+
+
+@pytest.mark.parametrize("number", [1053, 1035])
+def test_a_search_beside_a_very_short_edge_ends(number: int) -> None:
+    """Found by fuzzing: each of 10^8 equal steps made a triangle a little rounder, within one kernel call."""
+    domain = KINDS["wide exponents"](np.random.default_rng([302, number]))
+    _, mesh, fault, _ = fuzz_work.segments(domain, np.random.default_rng([302, number, *b"segments"]))
+    assert fault == "" and check(mesh, domain=domain, delaunay="constrained")

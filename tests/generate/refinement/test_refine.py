@@ -10,6 +10,7 @@ from math import cos, pi, radians, sin, sqrt
 from typing import Any
 
 import fuzz_regions
+import fuzz_work
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -235,7 +236,7 @@ def test_random_regions(seed: int, kind: str, method: Any, angle: float, limit: 
     options = {"nothing": {}, "area": {"max_area": scale / 100}, "size": {"size": sqrt(scale) / 8}}[limit]
     mesh = refine(domain, min_angle=angle, method=method, budget=6000, **options)
     well(mesh, domain)
-    assert fuzz_regions.promises(mesh, angle, options.get("max_area")) == ""
+    assert fuzz_work.promises(mesh, angle, options.get("max_area")) == ""
     again = refine(domain, min_angle=angle, method=method, budget=6000, **options)
     np.testing.assert_array_equal(mesh.points, again.points)
     np.testing.assert_array_equal(mesh.simplices, again.simplices)
@@ -471,7 +472,7 @@ def test_wide_exponents(name: str, method: Any) -> None:
     for options in ({}, {"size": float(np.ptp(domain.bounds, axis=0).max()) / 5}):
         mesh = refine(domain, method=method, budget=20_000, **options)
         well(mesh, domain)
-        assert fuzz_regions.promises(mesh, 25, None) == ""
+        assert fuzz_work.promises(mesh, 25, None) == ""
         assert (np.diff(mesh.span, axis=1) > 0).all()
 
 
@@ -514,7 +515,7 @@ def test_an_angle_beyond_the_theorems_ends_early(angle: float) -> None:
     well(mesh, domain)
     assert mesh.size <= 3 * base
     assert all(str(r).startswith("too near: an angle above 33.5") for r in mesh.reasons)
-    assert fuzz_regions.promises(mesh, angle, None) == ""
+    assert fuzz_work.promises(mesh, angle, None) == ""
     tiny = Domain.polygon(SQUARE, [ring(7, 0.003, (0.31, 0.42))])
     assert refine(tiny, 0.1, min_angle=angle).size <= 10 * refine(tiny, 0.1, min_angle=30).size
 
@@ -695,8 +696,8 @@ def test_a_million_triangles() -> None:
     domain = Domain.polygon(SQUARE, [ring(64, 0.2, (0.5, 0.5))])
     mesh = refine(domain, min_angle=30, max_area=1.4e-6)
     assert mesh.size > 900_000 and mesh.complete
-    assert fuzz_regions.quick(mesh, domain) == ""
-    assert fuzz_regions.promises(mesh, 30, 1.4e-6) == ""
+    assert fuzz_work.quick(mesh, domain) == ""
+    assert fuzz_work.promises(mesh, 30, 1.4e-6) == ""
     assert mesh.quality("2r/R").mean() > 0.89
 
 

@@ -36,6 +36,7 @@ FAIR = 0.85  # a triangle above it may become less fair if the others of its sta
 # this is far above the error of the filter.
 CERTAIN = 1e-9
 TINY_AREA = 1e-280
+MOST_STEPS = 256  # of a pattern search: far more than usual
 COMPASS = (
     (1.0, 0.0),
     (0.7, 0.7),
@@ -281,11 +282,16 @@ def better(new, old, judge):
 
 @lean
 def search(places, k, x, y, old, judge):
-    """A better place for the vertex of a star, by pattern search in eight directions with halved steps."""
+    """A better place for the vertex of a star, by pattern search in eight directions with halved steps.
+
+    It ends after `MOST_STEPS`: beside a very short edge a step is very short, and every one of them may help.
+    """
     step = 0.25 * sqrt((places[0, 0] - x) ** 2 + (places[0, 1] - y) ** 2)
     smallest = step / 64.0
-    while step > smallest:
+    left = MOST_STEPS
+    while step > smallest and left > 0:
         found = False
+        left -= 1
         for dx, dy in COMPASS:
             new = star_measures(places, k, x + step * dx, y + step * dy, floor_for(old[0], judge), judge)
             if better(new, old, judge):

@@ -83,7 +83,7 @@ def arc_meetings(points: np.ndarray, ends: np.ndarray, curves: dict[int, CurveLi
     tree = BoxTree(low - NEAR * scale, high + NEAR * scale)
     found = _at_vertices(outline, arcs, tree, scale)
     pairs, places = crossings_at_corners(outline)
-    crossings = [(i, j, place, 1.0) for (i, j), place in zip(pairs.tolist(), places.tolist())]
+    crossings = [(i, j, (x, y), 1.0) for (i, j), (x, y) in zip(pairs.tolist(), places.tolist())]
     for i, j in _apart(outline, arcs, tree, scale):
         at, sine = _intersections(outline, i, j, scale)
         crossings += [(i, j, place, sine) for place in at]

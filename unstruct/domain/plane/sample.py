@@ -31,7 +31,9 @@ TURN = np.pi / 3  # the largest angle by which a curve may turn over one chord
 HALVINGS = 40
 # So are curves that still conflict when their chords are shorter than this (unit: the largest coordinate).
 SHORTEST_CHORD = 2.0**-28
-NEARBY = 1e-6  # a conflict so near to a common vertex, relative to its coordinates, is one at the vertex
+NEARBY = 1e-6  # a conflict so near to a common vertex is one at the vertex; unit: the largest coordinate
+BY_CHORDS = "use the chords of Domain.sampled(size) of each alone, joined with resolve=True"
+OF_ONE = "use chords between points of it, point(t), with resolve=True"
 # Two curves are the same if they are nearer than this at all samples, in units of the largest coordinate.
 SAME_CURVE = 2.0**-48
 # Cutting ends if more chords than this conflict at once (and `SHARE` more for each curve). Curves that cross
@@ -264,16 +266,17 @@ def _pair_text(outline: Outline, first: int, second: int, x: float, y: float) ->
     both = f"{one} meets itself" if one == two else f"{one} and {two} cross or touch"
     kind = outline.cuts().kind
     shared = np.intersect1d(*outline.pieces[[first, second]]) if first != second else ()
-    if len(shared) and np.hypot(*(outline.points[shared] - [x, y]).T).min() <= NEARBY * np.hypot(x, y):
+    near = NEARBY * np.abs(outline.points).max()
+    if len(shared) and np.hypot(*(outline.points[shared] - [x, y]).T).min() <= near:
         return (
             f"{one} and {two} touch at their common vertex near ({x:.6g}, {y:.6g}) and bend to the same "
-            "side, so that no chords tell them apart; move one of them"
+            f"side, so that no chords tell them apart; move one of them, or {BY_CHORDS}"
         )
     remedy = "put a vertex there"
     if first != second and max(kind[first], kind[second]) < 2:
         return f"{both} near ({x:.6g}, {y:.6g}); {remedy}, or let resolve=True split the pieces"
-    remedy += " and split the pieces at it (resolve=True splits straight pieces and arcs alone)"
-    return f"{both} near ({x:.6g}, {y:.6g}); {remedy}"
+    remedy += f" and split the pieces at it, or {OF_ONE if first == second else BY_CHORDS}"
+    return f"{both} near ({x:.6g}, {y:.6g}); {remedy} (resolve=True splits only straight pieces and arcs)"
 
 
 # ---------------------------------------------------------------------- without a size

@@ -28,13 +28,16 @@ from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
-from .steps import REASONS, UNSPLIT, enter_slots, insert_centers, note
+from .steps import REASONS, TOO_THIN, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
 
 MOST_CENTERS = 1_000_000  # the default budget where a limit is given: a limit of shape may never be reached
 SHORTEST_SPLIT = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
+# Where no budget is given: so many halvings that only the thinness of a gap asks for, for a piece and for
+# each subsegment of it that the size makes. A gap of width w and length L would need L / w.
+MOST_THIN, THIN_EACH = 1024, 16
 STEP = 0.75  # of the size, for subsegments: rounded to a whole count they stay below 2 f = 1.155 sizes
 
 
@@ -78,6 +81,8 @@ def circumcenter_insertion(
         Length of the first subsegments, in sizes.
     budget : int, optional
         The largest number of points that are inserted; needed if there is neither a size nor a limit.
+        Without a budget a piece is halved only some thousand times for the sake of gaps and wedges that are
+        much thinner than the size (``reasons``: "narrow").
     history : bool
         Record the run in ``steps``.
     progress : bool
@@ -107,10 +112,11 @@ def circumcenter_insertion(
     With a size of at least h_0 everywhere the run ends: each circumcenter is inserted at least h_0 / sqrt(3)
     away from all vertices that it sees. An edge is halved for a center in its disk only if it is longer than
     sqrt(2/3) h_0, and for a center beyond it only if the triangle on it is so flat that finitely many
-    halvings suffice. With a limit on shapes there is no such bound: then the budget (by default 10^6 points)
-    ends a run that does not end by itself. O(log n) to find the worst triangle, O(1) on average for its
-    cavity. Sources: the source chapter, 12.2.6; L. P. Chew, Cornell TR 89-983 (1989); the split is the step
-    of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a, 2.6b.
+    halvings suffice; without a budget these are counted. With a limit on shapes there is no such bound: then
+    the budget (by default 10^6 points) ends a run that does not end by itself. O(log n) to find the worst
+    triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew, Cornell TR
+    89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a,
+    2.6b.
     """
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
@@ -125,6 +131,8 @@ def circumcenter_insertion(
     most = most if budget is None else as_count(budget, "budget")
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     run = CircumcenterRun(complex_, domain, rule, kept, history)
+    if budget is None:
+        run.save()
     run.advance(most, progress)
     counts = {**run.counts(), "duplicates": dropped}
     result = complex_.mesh(
@@ -170,7 +178,8 @@ class CircumcenterRun(Contest):
         self.splits = 0
         self.end = MORE
         self.why = np.zeros(0, dtype=np.int8)
-        self.ask = np.zeros(2, dtype=np.int64)
+        self.ask = np.zeros(3, dtype=np.int64)
+        self.thin: NDArray[np.int64] | None = None  # halvings for thin gaps that are left to each piece
         self._reserve(self.first + 64)
         self._enter(np.arange(complex_.triangles))
 
@@ -182,6 +191,12 @@ class CircumcenterRun(Contest):
             self.why = np.concatenate([self.why, np.zeros(slots - len(self.why), dtype=np.int8)])
             self.scratch = k.scratch()
         self.make_room(slots, len(k.xy) - self.first)
+
+    def save(self) -> None:
+        """Limit the number of halvings that only the thinness of a gap asks for."""
+        k = self.complex
+        made = np.bincount(k.piece[: k.segments], minlength=len(self.kept))
+        self.thin = MOST_THIN + THIN_EACH * made
 
     def _enter(self, slots: NDArray) -> None:
         enter_slots(self.complex.plane(), self.entries(), np.asarray(slots, dtype=np.int64), self.why)
@@ -209,7 +224,10 @@ class CircumcenterRun(Contest):
         plane, scratch = k.plane(), self.scratch
         s = int(k.mark[e])
         a, b = k.xy[k.ends[s]]
-        piece, middle, p = int(k.piece[s]), float(k.span[s].mean()), k.size
+        thin, piece, middle, p = self.thin, int(k.piece[s]), float(k.span[s].mean()), k.size
+        if thin is not None and self.ask[2] and thin[piece] <= 0:
+            self._give_up(t, TOO_THIN)
+            return
         if piece in self.domain.curves:
             point = self.domain.at(piece, [middle])[0] * k.factor
         else:
@@ -217,9 +235,10 @@ class CircumcenterRun(Contest):
         m, n, h = find_split(plane, scratch, e, *point)
         short = np.hypot(*(b - a)) < SHORTEST_SPLIT
         if short or m <= 0 or n <= 0 or blocked_by(k.xy, k.vertex, scratch.rim, n, *point) >= 0:
-            self.why[t] = UNSPLIT
-            put(self.tree, t, NONE)
+            self._give_up(t, UNSPLIT)
             return
+        if thin is not None:
+            thin[piece] += -1 if self.ask[2] else THIN_EACH
         if len(self.watch):
             radius = measures(*k.xy[k.vertex[3 * t : 3 * t + 3]].ravel())[0]
             note(self.entries(), k.vertex, t, p - self.first, radius, 1.0, 0.0)
@@ -227,6 +246,10 @@ class CircumcenterRun(Contest):
         commit_split(plane, scratch, e, m, n, h, p, middle)
         self.splits += 1
         self._enter(scratch.fresh[:n])
+
+    def _give_up(self, t: int, why: int) -> None:
+        self.why[t] = why
+        put(self.tree, t, NONE)
 
     # ------------------------------------------------------------------ results
 

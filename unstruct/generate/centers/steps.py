@@ -14,14 +14,16 @@ from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import VERTICES, end_of, next_edge, prev_edge, start_of
 from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
-from .worst import NONE, enter, measures, put, record, top, unwatch
+from .worst import NONE, enter, is_small, measures, put, record, top, unwatch
 
-UNSPLIT = 8  # a reason why a triangle is left as it is, besides HIDDEN and ROUNDED
+UNSPLIT, TOO_THIN = 8, 9  # reasons why a triangle is left as it is, besides HIDDEN and ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "rounding to doubles leaves no valid place for its circumcenter",
     UNSPLIT: "the edge between it and its circumcenter cannot be halved: it is too short for doubles, "
     "or a vertex lies between chord and curve",
+    TOO_THIN: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a "
+    "budget allows them",
     0: "budget",
 }
 FAR_CENTER = 4.0  # of a center farther away only the direction is used (the domain lies within 1)
@@ -131,7 +133,8 @@ def insert_centers(plane, scratch, contest, why, kept, stop, first, ask):
     """Insert circumcenters of worst triangles until there are ``stop`` vertices: DONE, MORE or SPLIT.
 
     SPLIT: the marked half-edge ``ask[0]``, on a piece that is not ``kept``, hides the center of triangle
-    ``ask[1]``, or its open diametral disk contains it. Vertices from ``first`` on are recorded.
+    ``ask[1]``, or its open diametral disk contains it; ``ask[2]`` is 1 if it is shorter than the size or
+    limit asks for (`is_small`). Vertices from ``first`` on are recorded.
     """
     xy, vertex, state, tree = plane.xy, plane.vertex, plane.state, contest.tree
     while state[VERTICES] < stop:
@@ -145,7 +148,10 @@ def insert_centers(plane, scratch, contest, why, kept, stop, first, ask):
         if e >= 0 and not kept[plane.piece[plane.mark[e]]]:
             longest = e
         if longest >= 0:
-            ask[0], ask[1] = longest, t
+            a, b = start_of(vertex, longest), end_of(vertex, longest)
+            square = (xy[b, 0] - xy[a, 0]) ** 2 + (xy[b, 1] - xy[a, 1]) ** 2
+            x, y = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
+            ask[0], ask[1], ask[2] = longest, t, is_small(contest.rule, square, x, y)
             return SPLIT
         if k == 0:
             why[t] = HIDDEN if e >= 0 else ROUNDED

@@ -28,6 +28,8 @@ CENTERS_A_CALL = 20_000  # insertions in one kernel call, a fraction of a second
 # minimum angle is therefore negated.
 PRIORITIES = {"circumradius": 0, "alpha": 1, "radius_edge": 2, "min_angle": 3, "radius_ratio": 4, "area": 5}
 KIND, HAS_SIZE, HAS_LIMIT, LIMIT_ENTRY = 0, 1, 2, 3  # entries of ``Rule.test``
+LEAST_PRODUCT = 1e-290  # of products of lengths: smaller ones have lost digits, or are 0
+FINE2 = 2.0**-40  # of the square of the longest edge: a shorter edge is not taken from the other two
 WATCHED = ("R", "l", "L", "mu", "angle")  # what a record follows; l and angle are negated: minima are maxima
 
 
@@ -96,11 +98,43 @@ def grown_tree(tree: NDArray[np.float64], slots: int) -> NDArray[np.float64]:
 
 
 @inline
+def _unit(x, y):
+    """The length of a vector, also where its square is below all doubles, and its direction."""
+    largest = max(abs(x), abs(y))
+    if largest == 0.0:
+        return 0.0, 0.0, 0.0
+    x, y = x / largest, y / largest
+    length = math.sqrt(x * x + y * y)
+    return length * largest, x / length, y / length
+
+
+@lean
+def careful_measures(ax, ay, bx, by, cx, cy):
+    """`measures` relative to the corner opposite the longest edge, by lengths and directions of edges."""
+    for _ in range(2):  # to make ab the longest edge
+        ab, _, _ = _unit(bx - ax, by - ay)
+        bc, _, _ = _unit(cx - bx, cy - by)
+        ca, _, _ = _unit(ax - cx, ay - cy)
+        if ab < max(bc, ca):
+            ax, ay, bx, by, cx, cy = bx, by, cx, cy, ax, ay
+    u, ux, uy = _unit(ax - cx, ay - cy)
+    v, vx, vy = _unit(bx - cx, by - cy)
+    w, _, _ = _unit(bx - ax, by - ay)
+    sine = ux * vy - uy * vx
+    short, long = min(u, v, w), max(u, v, w)
+    if not sine > 0.0:
+        return np.inf, 0.0, short, long, 0.0, np.inf, np.inf
+    qx, qy = cx + (vy * u - uy * v) / (2.0 * sine), cy + (ux * v - vx * u) / (2.0 * sine)
+    return w / (2.0 * sine), u * (v / (u + v + w)) * sine, short, long, 0.5 * u * v * sine, qx, qy
+
+
+@inline
 def measures(ax, ay, bx, by, cx, cy):
     """R, r, the shortest and the longest edge, the area, and the circumcenter of a counterclockwise triangle.
 
     They are computed in doubles, relative to a. They decide where points are put, never what is connected. R
-    is infinite if rounding leaves no area, or if the product of the edges is below all doubles.
+    is infinite if rounding leaves no area. Where one edge is so short that the other two cannot tell it, or
+    where squares are below all doubles, `careful_measures` looks again.
     """
     ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
     wx, wy = vx - ux, vy - uy
@@ -109,8 +143,9 @@ def measures(ax, ay, bx, by, cx, cy):
     u, v, w = math.sqrt(u2), math.sqrt(v2), math.sqrt(w2)
     short, long = min(u, v, w), max(u, v, w)
     product = u * v * w
-    if twice <= 0.0 or product == 0.0:
-        return np.inf, 0.0, short, long, 0.0, np.inf, np.inf
+    least = min(u2, v2, w2)
+    if twice <= 0.0 or product < LEAST_PRODUCT or least < LEAST_PRODUCT or least < FINE2 * max(u2, v2, w2):
+        return careful_measures(ax, ay, bx, by, cx, cy)
     qx = ax + (vy * u2 - uy * v2) / (2.0 * twice)
     qy = ay + (ux * v2 - vx * u2) / (2.0 * twice)
     return product / (2.0 * twice), twice / (u + v + w), short, long, 0.5 * twice, qx, qy
@@ -144,6 +179,30 @@ def judge(rule, ax, ay, bx, by, cx, cy):
             return value
         return NONE
     return NONE if rule.test[HAS_LIMIT] > 0.0 else value
+
+
+@lean
+def is_small(rule, square, x, y):
+    """Whether no bad triangle can be so small that its center lies in the disk of an edge at (x, y).
+
+    The edge has length L, ``square`` is L^2. A center is at least R from all vertices that it sees, so that
+    L > sqrt(2) R if it lies in the disk. Edges that are shorter are halved only because a triangle is so thin
+    that its center lies beyond the edge.
+    """
+    test = rule.test
+    if test[HAS_SIZE] > 0.0:
+        h = size_at(rule.size.child, rule.size.values, rule.size.box, x, y)
+        if square * 1.5 >= h * h:
+            return False
+    if test[HAS_LIMIT] > 0.0:
+        kind, most = int(test[KIND]), test[LIMIT_ENTRY]
+        if kind == 0:
+            return square < 2.0 * most * most
+        if kind == 1:
+            h = most * size_at(rule.order.child, rule.order.values, rule.order.box, x, y)
+            return square * 1.5 < h * h
+        return kind != 5
+    return True
 
 
 @lean
