@@ -1,8 +1,8 @@
 """The classical advancing front, triangle by triangle, compiled.
 
-A step takes the first edge AB of the queue, places the ideal point X ahead of it, and collects the vertices of
-the front around it. They are tried in the order of their distances; the first one whose triangle is valid and
-round enough is taken.
+A step takes the first edge AB of the queue, places the ideal point X ahead of it, and collects the vertices
+of the front around it. They are tried in the order of their distances; the first one whose triangle is valid
+and round enough is taken.
 
           . - - - .           M  the middle of AB
         .     X     .         X  the ideal point: XA = XB = the wanted length
@@ -10,17 +10,18 @@ round enough is taken.
         .         . D         D  another one
        A --- M --- B
 
-Two searches are built in. *Barycenter*, as the source chapter tells it: the circle is about M, its radius some
-times the height of the equilateral triangle, and X is one of the candidates, at its distance from M. *Ideal*:
-the circle is about X, candidates come by their distance from X, and X after all of them. If all fail, the
-vertices of the front in wider and wider squares about M are tried by the circumradius of their triangles.
+Two searches are built in. *Barycenter*, as the source chapter tells it: the circle is about M, its radius
+some times the height of the equilateral triangle, and X is one of the candidates, at its distance from M.
+*Ideal*: the circle is about X, candidates come by their distance from X, and X after all of them. If all
+fail, the vertices of the front in wider and wider squares about M are tried by the circumradius of their
+triangles.
 
-**Why one of them succeeds.** What is not meshed is at all times a polygonal region, perhaps with holes and with
-loose vertices, and it has a triangulation with no other vertices (the theorem on triangulations of polygons).
-This one has a triangle on AB; its third corner passes all tests. So the front never sticks, and since only
-finitely many points have room, no two being nearer than `CLEARANCE` times the wanted length, the last triangle
-empties the front. In space neither holds. Source: the source chapter, 12.3.1; R. Löhner, P. Parikh,
-International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149. Book: 3.1.
+**Why one of them succeeds.** What is not meshed is at all times a polygonal region, perhaps with holes and
+with loose vertices, and it has a triangulation with no other vertices (the theorem on triangulations of
+polygons). This one has a triangle on AB; its third corner passes all tests. So the front never sticks, and
+since only finitely many points have room, no two being nearer than `CLEARANCE` times the wanted length, the
+last triangle empties the front. In space neither holds. Source: the source chapter, 12.3.1; R. Löhner, P.
+Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149. Book: 3.1.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ from .open_front import (
 )
 
 __all__ = [
-    "CANDIDATES", "CLASSICAL_COUNTS", "CLEARANCE", "STUCK", "Choices", "Journal", "Waiting", "march", "start_waiting",
+    "CANDIDATES", "CLASSICAL_COUNTS", "CLEARANCE", "STUCK", "Choices", "Journal", "Waiting", "march",
+    "start_waiting",
 ]  # fmt: skip
 
 STUCK = 8  # no vertex is valid, which cannot happen if the boundary is valid
@@ -141,7 +143,7 @@ def start_waiting(front, choices, waiting):
 
 @inline
 def next_waiting(front, waiting):
-    """The row of the next edge that is still at the front, -1 if there is none; its key to ``measures[0]``."""
+    """The row of the next edge that is at the front, -1 if there is none; its key to ``measures[0]``."""
     while waiting.count[0] > 0:
         value, waiting.measures[0] = waiting.edges[0], waiting.keys[0]
         waiting.count[0] = pop(waiting.keys, waiting.edges, waiting.count[0])
@@ -237,7 +239,8 @@ def take(keys, values, count):
     while 2 * k + 1 < count:
         child = 2 * k + 1
         if child + 1 < count and (
-            keys[child + 1] < keys[child] or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
+            keys[child + 1] < keys[child]
+            or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
         ):
             child += 1
         if key < keys[child] or (key == keys[child] and value <= values[child]):
@@ -301,7 +304,7 @@ def search_near(front, choices, waiting, journal, counts, row, side):
 
 @lean
 def search_wide(front, waiting, journal, counts, row, radius):
-    """The first valid vertex by circumradius in wider and wider squares: the vertex, and whether all were tried.
+    """The first valid vertex by circumradius in wider and wider squares, and whether all were tried.
 
     The vertex is -1 if there is none.
     """
@@ -317,7 +320,13 @@ def search_wide(front, waiting, journal, counts, row, radius):
             away = max(abs(xy[v, 0] - cx), abs(xy[v, 1] - cy))
             if v == a or v == b or away <= before or away > radius or turn(xy, a, b, v) <= 0:
                 continue
-            twice = (xy[b, 0] - xy[a, 0]) * (xy[v, 1] - xy[a, 1]) - (xy[b, 1] - xy[a, 1]) * (xy[v, 0] - xy[a, 0])
+            ux, uy, vx, vy = (
+                xy[b, 0] - xy[a, 0],
+                xy[b, 1] - xy[a, 1],
+                xy[v, 0] - xy[a, 0],
+                xy[v, 1] - xy[a, 1],
+            )
+            twice = ux * vy - uy * vx
             measure = between(xy, a, v) * between(xy, v, b)
             count = put(heap, what, count, measure / twice if twice > 0.0 else inf, v)
         while count > 0:

@@ -66,36 +66,33 @@ def front_delaunay(
     Returns
     -------
     DomainMesh
-        A constrained Delaunay triangulation of the points and the boundary, with the cells in the order in which
-        they were made: ``simplices[:k]`` is the state after k of them, and in each the first two vertices are
-        the edge of the front, the third is the apex. Vertices are those of the domain, those that cut curves
-        and pieces, then the points, in their order.
-        ``counts``: "cells"; "cocircular" cells, whose circle has another visible vertex on it, so that another
-        choice would have been as good; "hidden" candidates, which were in the circle of a cell but not visible
-        from its edge, and which a test of all points would have taken for obstacles; "outside" points, which
-        were left out. With a size also "points", "circumcenters", "forced" cells and edges "set aside", from
-        making the points.
-        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R".
-        ``steps`` (with ``history``): "edge", "apex" and "cocircular", one row for each cell.
+        A constrained Delaunay triangulation of the points and the boundary, with the cells in the order in
+        which they were made: ``simplices[:k]`` is the state after k of them, and in each the first two
+        vertices are the edge of the front, the third is the apex. Vertices are those of the domain, those
+        that cut curves and pieces, then the points, in their order. ``counts``: "cells"; "cocircular" cells,
+        whose circle has another visible vertex on it, so that another choice would have been as good;
+        "hidden" candidates, which were in the circle of a cell but not visible from its edge, and which a
+        test of all points would have taken for obstacles; "outside" points, which were left out. With a size
+        also "points", "circumcenters", "forced" cells and edges "set aside", from making the points.
+        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R". ``steps`` (with
+        ``history``): "edge", "apex" and "cocircular", one row for each cell.
 
     Raises
     ------
     InputError
-        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the first
-        such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
+        first such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
 
-    Notes
-    -----
-    The apex of a front edge is the visible vertex on its left whose circle with the edge has no other one
-    inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge may have no
-    apex. The proof that there always is one, and that the result is constrained Delaunay, is in `empty_circle`.
-    No other triangulation is used. A search goes through digital trees of the vertices and edges of the front,
-    expected O(log n) for even distributions; if k vertices are on one circle up to rounding and none inside, each of
-    them costs O(k). All signs are exact.
+    Notes ----- The apex of a front edge is the visible vertex on its left whose circle with the edge has no
+    other one inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge
+    may have no apex. The proof that there always is one, and that the result is constrained Delaunay, is in
+    `empty_circle`. No other triangulation is used. A search goes through digital trees of the vertices and
+    edges of the front, expected O(log n) for even distributions; if k vertices are on one circle up to
+    rounding and none inside, each of them costs O(k). All signs are exact.
 
-    With a size the points come first, from a front of their own that takes the widest cell first; then they are
-    triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986)
-    201-217, for visibility. Book: 3.4.
+    With a size the points come first, from a front of their own that takes the widest cell first; then they
+    are triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1
+    (1986) 201-217, for visibility. Book: 3.4.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain, history = as_domain(domain), as_flag(history, "history")
@@ -107,7 +104,7 @@ def front_delaunay(
     with progress_bar(progress, " cells") as bar:
         if points is not None:
             sampled = _with_points(domain, points).sampled()
-            _refuse_on_curves(sampled, len(domain.points), points)
+            _refuse_on_curves(sampled, points, len(domain.points) + len(points))
             rows = sampled.points
         else:
             sampled = domain.sampled(points_or_size)
@@ -159,25 +156,28 @@ def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
     if len(on):
         i, s = on[np.argmin(on[:, 0])].tolist()
         raise InputError(
-            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or make it "
-            "a vertex of the domain that divides the piece"
+            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or "
+            "make it a vertex of the domain that divides the piece"
         )
+    _refuse_on_curves(domain.sampled(), points, len(domain.points))
     return Domain(
         rows, domain.facets, inner=domain.inner, curves=domain.curves, markers=domain.markers,
         regions=domain.regions,
     )  # fmt: skip
 
 
-def _refuse_on_curves(sampled: Sampled, n: int, points: NDArray[np.float64]) -> None:
-    """Refuse points, vertices n and on, that lie on a chord of a curve or are where one ends."""
-    mine, rest = np.arange(n, n + len(points)), sampled.points[n + len(points) :]
-    place = {tuple(x): i for i, x in enumerate(points.tolist())} if len(rest) else {}
-    on = [place[x] for x in map(tuple, rest.tolist()) if x in place]
-    on += (vertices_on_segments(sampled.points, mine, sampled.ends)[:, 0] - n).tolist()
+def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:
+    """Refuse points where chords of curves end, which are the points of ``sampled`` from ``known`` on.
+
+    Other points that are on a curve up to rounding make the domain cut it there, or are refused by it.
+    """
+    rest = sampled.points[known:].tolist()
+    place = {tuple(x): i for i, x in enumerate(points.tolist())} if rest else {}
+    on = [place[x] for x in map(tuple, rest) if x in place]
     if on:
         raise InputError(
-            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make it a "
-            "vertex of the domain that divides the curve"
+            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make "
+            "it a vertex of the domain that divides the curve"
         )
 
 
@@ -186,7 +186,8 @@ def _first_front(
 ) -> OpenFront:
     """The front of the boundary, with all vertices inside that it does not use; found by exact parity.
 
-    With ``order``, vertex i of the front is row ``order[i]``: along a curve, so that neighbors are near in memory.
+    With ``order``, vertex i of the front is row ``order[i]``: along a curve, so that neighbors are near in
+    memory.
     """
     order = np.arange(len(rows)) if order is None else order
     number = np.empty(len(rows), dtype=np.int64)
@@ -203,7 +204,10 @@ def _first_front(
         inner = inner[right_parity(rows, outer, inner)]
     left = left_parity(rows, outer)
     edges = np.concatenate(
-        [np.where(left[:, None], outer, outer[:, ::-1]), np.stack([inner, inner[:, ::-1]], axis=1).reshape(-1, 2)]
+        [
+            np.where(left[:, None], outer, outer[:, ::-1]),
+            np.stack([inner, inner[:, ::-1]], axis=1).reshape(-1, 2),
+        ]
     )
     free = np.ones(len(rows), dtype=bool)
     free[sampled.ends.ravel()] = False
@@ -246,7 +250,7 @@ def _wrapped(
 def _points_ahead(
     domain: Domain, sampled: Sampled, size: Any, budget: int, bar: Any
 ) -> tuple[NDArray[np.float64], dict[str, int], bool]:
-    """New points ahead of the front, in the order in which they were made; counts; whether the budget is spent."""
+    """New points ahead of the front, in the order of making; counts; whether the budget is spent."""
     if isinstance(size, Mapping):
         size = size_by_region(planar_complex(domain, size), size, domain.regions)
     field, (lower, upper) = as_size(size), domain.bounds

@@ -1,10 +1,12 @@
-"""The advancing front of 12.3.4, compiled: cell by cell by the empty circle, and new points ahead of the front.
+"""The advancing front of 12.3.4, compiled: cell by cell by the empty circle, and new points ahead of the
+front.
 
-`wrap` makes the constrained Delaunay triangulation of the vertices at the front. `place_ahead` makes points: where
-the circumradius of the cell ahead is larger than wanted, it puts the ideal point X into its circle, which makes
-ABX the cell. X is not made where a vertex is nearer than `APART` times the wanted length, or an edge of the front
-nearer than `OFF_EDGES`. Then the edge is put aside, since the front may reach it from elsewhere. If it comes back,
-the circumcenter is tried, and in the end the cell is taken as it is. Source: the source chapter, 12.3.4. Book: 3.4.
+`wrap` makes the constrained Delaunay triangulation of the vertices at the front. `place_ahead` makes points:
+where the circumradius of the cell ahead is larger than wanted, it puts the ideal point X into its circle,
+which makes ABX the cell. X is not made where a vertex is nearer than `APART` times the wanted length, or an
+edge of the front nearer than `OFF_EDGES`. Then the edge is put aside, since the front may reach it from
+elsewhere. If it comes back, the circumcenter is tried, and in the end the cell is taken as it is. Source: the
+source chapter, 12.3.4. Book: 3.4.
 """
 
 from __future__ import annotations
@@ -18,12 +20,34 @@ from ...base.heap import push
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle
 from ...sizing.table import ROOT3
-from .classical_steps import LATER, OCTAVE, between, ideal_point, is_near, length_wanted, level_of, next_waiting
+from .classical_steps import (
+    LATER,
+    OCTAVE,
+    between,
+    ideal_point,
+    is_near,
+    length_wanted,
+    level_of,
+    next_waiting,
+)
 from .digital_tree import gather
 from .empty_circle import apex_ahead, apex_within, cap_of
 from .open_front import MADE, VERTEX_COUNT, advance_over, blocking_edge, enter_vertex, has_room, turn
 
-__all__ = ["CENTERS", "FORCED_CELLS", "HIDDEN_TIMES", "MISSING", "PLACED", "SET_ASIDE", "TIES", "WRAP_COUNTS", "place_ahead", "start_in_turn", "start_widest", "wrap"]
+__all__ = [
+    "CENTERS",
+    "FORCED_CELLS",
+    "HIDDEN_TIMES",
+    "MISSING",
+    "PLACED",
+    "SET_ASIDE",
+    "TIES",
+    "WRAP_COUNTS",
+    "place_ahead",
+    "start_in_turn",
+    "start_widest",
+    "wrap",
+]
 
 MISSING = 9  # no apex: the boundary is not valid
 PLACED, CENTERS, FORCED_CELLS, SET_ASIDE, TIES, HIDDEN_TIMES, WRAP_COUNTS = range(7)
@@ -58,9 +82,11 @@ def is_full(front, waiting):
 
 @lean
 def wrap(front, ahead, waiting, ties, counts, limit):
-    """Make up to ``limit`` cells by the empty circle: DONE, MORE, ROOM, or MISSING for the first edge of the queue.
+    """Make up to ``limit`` cells by the empty circle: DONE, MORE, ROOM, or MISSING for the first edge of the
+    queue.
 
-    The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another visible vertex on it.
+    The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another
+    visible vertex on it.
     """
     for _ in range(limit):
         if is_full(front, waiting) or front.state[MADE] >= len(ties):
@@ -90,7 +116,7 @@ def wrap(front, ahead, waiting, ties, counts, limit):
 
 @lean
 def has_place(front, row, c, x, side):
-    """Whether the unused vertex x ahead of an edge with the apex c has room: 1, 0, or -1 if c is too near to it."""
+    """Whether the unused vertex x ahead of an edge has room: 1, 0, or -1 if the apex c is too near to it."""
     xy, found = front.xy, front.vertices.found
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     px, py, least = xy[x, 0], xy[x, 1], APART * side
@@ -106,7 +132,9 @@ def has_place(front, row, c, x, side):
     found, least = front.edges.found, OFF_EDGES * side
     for i in range(gather(front.edges, px - least, py - least, px + least, py + least)):
         other = np.int64(found[i])
-        if other != row and is_near(xy, x, np.int64(front.ends[other, 0]), np.int64(front.ends[other, 1]), least):
+        if other != row and is_near(
+            xy, x, np.int64(front.ends[other, 0]), np.int64(front.ends[other, 1]), least
+        ):
             return 0
     return 1 if blocking_edge(front, a, b, x) < 0 else 0
 
@@ -131,7 +159,7 @@ def width_of(front, choices, a, b, c):
 
 @inline
 def pulled_back(xy, a, b, x, y, cx, cy):
-    """The ideal point no farther from the middle of ab than the center of the circle, or than a quarter of |ab|."""
+    """The ideal point, no farther from the middle of ab than the center of the circle, or |ab| / 4."""
     mx, my = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
     ux, uy, vx, vy = x - mx, y - my, cx - mx, cy - my
     q = sqrt(vx * vx + vy * vy) if ux * vx + uy * vy > 0.0 else 0.0
@@ -178,7 +206,7 @@ def try_ideal(front, counts, row, c, x, y, side):
 
 @lean
 def choose_ahead(front, choices, ahead, counts, row, aside):
-    """The vertex to be taken; -1 if the edge is to be put aside, -2 if a circumcenter was made, -3 for no apex."""
+    """The vertex to be taken; -1: put the edge aside, -2: a circumcenter was made, -3: no apex."""
     xy, n = front.xy, front.state[VERTEX_COUNT]
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     x, y, side, _ = ideal_point(front, choices, a, b)

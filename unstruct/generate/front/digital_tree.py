@@ -1,15 +1,15 @@
 """An alternating digital tree of boxes in the plane that come and go, for kernels.
 
-Every node of the tree *is* an item, and every node owns a rectangle: the root that of all coordinates, a child
-one half of that of its parent, which is divided across its longer side. A new item walks down, always into the
-half that contains its center, to the first free place. So the shape of the tree follows from the centers, as
-that of a trie follows from digits, and it adapts to graded sizes without any choice of a cell width. If an item
-leaves, a leaf from below takes its place. Items have a half width, and each node knows the largest one below
-it: a search leaves out all nodes whose rectangle, widened by it, does not meet the window.
+Every node of the tree *is* an item, and every node owns a rectangle: the root that of all coordinates, a
+child one half of that of its parent, which is divided across its longer side. A new item walks down, always
+into the half that contains its center, to the first free place. So the shape of the tree follows from the
+centers, as that of a trie follows from digits, and it adapts to graded sizes without any choice of a cell
+width. If an item leaves, a leaf from below takes its place. Items have a half width, and each node knows the
+largest one below it: a search leaves out all nodes whose rectangle, widened by it, does not meet the window.
 
-One step down halves a rectangle, so that the depth is about log2 n for even distributions, and at most n for any.
-Source: J. Bonet, J. Peraire, International Journal for Numerical Methods in Engineering 31 (1991) 1-17, where
-boxes are points of a space of four dimensions; widths replace two of them here. Book: 3.1.
+One step down halves a rectangle, so that the depth is about log2 n for even distributions, and at most n for
+any. Source: J. Bonet, J. Peraire, International Journal for Numerical Methods in Engineering 31 (1991) 1-17,
+where boxes are points of a space of four dimensions; widths replace two of them here. Book: 3.1.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ ROUNDING = 1e-15  # more than the center and the half width of an item can be wr
 class DigitalTree(NamedTuple):
     """The arrays of a tree; the row of an item is its number."""
 
-    # (., 8) The rectangle of the node (smallest x and y, largest x and y), the center of the item and its half
-    # width, and the largest half width at the node and below: one line of the cache.
+    # (., 8) The rectangle of the node (smallest x and y, largest x and y), the center of the item and its
+    # half width, and the largest half width at the node and below: one line of the cache.
     place: NDArray[np.float64]
     links: NDArray[np.int32]  # (., 3)
     root: NDArray[np.int64]  # (1,) -1 if the tree is empty
@@ -151,7 +151,12 @@ def pull(tree, i):
 def misses(place, node, x0, y0, x1, y1):
     """Whether no item at a node and below meets the window."""
     r = place[node, REACH] + ROUNDING
-    return place[node, 0] - r > x1 or place[node, 2] + r < x0 or place[node, 1] - r > y1 or place[node, 3] + r < y0
+    return (
+        place[node, 0] - r > x1
+        or place[node, 2] + r < x0
+        or place[node, 1] - r > y1
+        or place[node, 3] + r < y0
+    )
 
 
 @lean

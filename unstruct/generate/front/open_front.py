@@ -1,18 +1,19 @@
 """The front as a set of directed edges with what is not meshed on their left, and the exact tests, compiled.
 
 The edges and the vertices at the front are in two digital trees. A loose vertex, inside and on no edge, is at
-the front until a triangle reaches it. A new triangle ABC on the front edge AB changes the front by a symmetric
-difference:
+the front until a triangle reaches it. A new triangle ABC on the front edge AB changes the front by a
+symmetric difference:
 
             C            AB leaves. CA leaves if it is at the front (what is not meshed is on its left, and
            / \\           that is the triangle); otherwise AC enters, and what is beyond it is not meshed.
           /   \\          BC leaves, or CB enters.
          A-----B
 
-`first_fault` decides by exact signs whether a triangle may be made. It may if C is strictly on the left of AB,
-no edge of the front meets the open triangle, and no vertex of the front is in the closed triangle, besides its
-corners. Then all of the open triangle is unmeshed: it is connected, it is unmeshed along AB, and whoever leaves
-what is unmeshed crosses the front. In particular no hole is swallowed, since its vertices would be inside.
+`first_fault` decides by exact signs whether a triangle may be made. It may if C is strictly on the left of
+AB, no edge of the front meets the open triangle, and no vertex of the front is in the closed triangle,
+besides its corners. Then all of the open triangle is unmeshed: it is connected, it is unmeshed along AB, and
+whoever leaves what is unmeshed crosses the front. In particular no hole is swallowed, since its vertices
+would be inside.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from .digital_tree import DigitalTree, gather, larger_tree, new_tree, plant, pla
 
 __all__ = [
     "ALIVE", "BEHIND", "CROSSED", "FREE_ROW", "HOLDS", "MADE", "NO_FAULT", "ROWS", "STAMP", "VERTEX_COUNT",
-    "OpenFront", "advance_over", "enter_edge", "enter_vertex", "first_fault", "has_room", "larger_front", "meets_inside",
-    "new_front", "row_of",
+    "OpenFront", "advance_over", "enter_edge", "enter_vertex", "first_fault", "has_room", "larger_front",
+    "meets_inside", "new_front", "row_of",
 ]  # fmt: skip
 
 # Places in the state.
