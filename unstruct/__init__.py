@@ -4,7 +4,8 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 `interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
-`refine`, `circumcenter_insertion`, `voronoi_segment`, `front_delaunay`, `smooth`.
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`,
+`smooth`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -45,6 +46,7 @@ from .domain.plane.prescribed import Spacing as Spacing
 from .generate.boundary.conforming import conforming_delaunay as conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
+from .generate.front.advancing_front import advancing_front as advancing_front
 from .generate.front.delaunay_front import front_delaunay as front_delaunay
 from .generate.improve.smoothing import smooth as smooth
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
@@ -77,6 +79,7 @@ __all__ = [
     "Triangulation",
     "UnstructError",
     "Voronoi",
+    "advancing_front",
     "check",
     "circumcenter_insertion",
     "compare",

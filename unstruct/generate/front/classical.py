@@ -32,10 +32,11 @@ from .open_front import (
 )
 
 __all__ = [
-    "CLASSICAL_ORDERS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front",
+    "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front",
     "classical_mesh", "enter_all", "no_apex", "waiting_for",
 ]  # fmt: skip
 
+CLASSICAL_PLACEMENTS = ("equal sides", "circle")
 CLASSICAL_ORDERS = ("smallest", "shortest", "oldest")
 # Where the search for candidates is centered, and its radius: in heights of the ideal triangle about the
 # middle of the edge, in sides about the ideal point. The last number is the least 2 r / R.
@@ -80,8 +81,8 @@ def classical_front(
         The next edge of the front: where the wanted length is smallest (the rule of the source chapter), the
         shortest one, or the one that has waited longest. Lengths that differ by less than about a percent are
         equal, and then the oldest edge is next.
-    placement : "equal sides"
-        The only one for this method.
+    placement : "equal sides" or "circle"
+        The ideal point makes sides of the wanted length, or the wanted circumradius.
     search : "ideal" or "barycenter"
         Where candidates are searched; see `classical_steps`. "barycenter" is the rule of the source chapter.
     history : bool
@@ -105,8 +106,10 @@ def classical_front(
     """
     if order not in CLASSICAL_ORDERS:
         raise InputError(f"order = {order!r} must be one of {CLASSICAL_ORDERS} for the classical method")
-    if placement != "equal sides":
-        raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
+    if placement not in CLASSICAL_PLACEMENTS:
+        raise InputError(
+            f"placement = {placement!r} must be one of {CLASSICAL_PLACEMENTS} for the classical method"
+        )
     if search not in SEARCHES:
         raise InputError(f"search = {search!r} must be one of {tuple(SEARCHES)}")
     c, field = complex_, as_size(size)
@@ -118,6 +121,7 @@ def classical_front(
     choices = k.Choices(
         CLASSICAL_ORDERS.index(order),
         list(SEARCHES).index(search),
+        placement == "circle",
         reach,
         round_enough,
         constant,

@@ -71,6 +71,7 @@ class Choices(NamedTuple):
 
     order: int
     search: int
+    circle: bool  # the ideal point makes the wanted circumradius, not the wanted sides
     reach: float  # the radius of the search: times the height of the ideal triangle, or times its sides
     roundness: float  # the least 2 r / R of a triangle with a candidate from this circle
     constant: float  # the wanted length if it is the same everywhere, otherwise 0
@@ -170,6 +171,9 @@ def ideal_point(front, choices, a, b):
     h = length_wanted(choices, mx + nx * length / (2.0 * ROOT3), my + ny * length / (2.0 * ROOT3))
     side = min(max(h, SHORTEST_SIDE * length), LONGEST_SIDE * length)
     d = sqrt(side * side - 0.25 * length * length)
+    if choices.circle:
+        r = max(side / ROOT3, 0.5 * length)
+        d = r + sqrt(r * r - 0.25 * length * length)
     return mx + nx * d, my + ny * d, side, h
 
 

@@ -257,7 +257,7 @@ def _points_ahead(
     factor, n = power_of_two(sampled.points), len(sampled.points)
     table = field.table(lower, upper, factor=factor, tolerance=TOLERANCE).nodes
     constant = 0.0 if field.constant is None else float(table.values[0, 0])
-    choices = Choices(0, 0, 1.0, 0.0, constant, n + budget, table)
+    choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
     waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
     k.start_widest(front, choices, ahead, waiting)
