@@ -251,7 +251,7 @@ def ideal_point(front: Front, edge: Edge, size: Size) -> tuple[Point, float]:
 def boundary_front(points: Sequence[Sequence[Any]], facets: Iterable[Edge], inner: Iterable[Edge]) -> Front:
     """The first front: facets with the inside on their left, inner segments both ways, loose vertices."""
     rows = [(p[0], p[1]) for p in points]
-    sides = [tuple(edge) for edge in facets]
+    sides = [(a, b) for a, b in facets]
     edges = {(a, b) if parity_left(rows, sides, (a, b)) else (b, a): None for a, b in sides}
     edges |= {pair: None for a, b in inner for pair in ((a, b), (b, a))}
     used = {v for edge in edges for v in edge}

@@ -22,7 +22,7 @@ from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
 from . import classical_steps as k
 from .made_mesh import Made, domain_mesh_of, quality_figures
 from .open_front import (
-    MADE,
+    TRIANGLES_MADE,
     VERTEX_COUNT,
     OpenFront,
     enter_edge,
@@ -32,8 +32,8 @@ from .open_front import (
 )
 
 __all__ = [
-    "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front",
-    "classical_mesh", "enter_all", "no_apex", "waiting_for",
+    "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun",
+    "classical_front", "classical_mesh", "enter_all", "no_apex", "waiting_for",
 ]  # fmt: skip
 
 CLASSICAL_PLACEMENTS = ("equal sides", "circle")
@@ -134,12 +134,12 @@ def classical_front(
     k.start_waiting(front, choices, waiting)
     with progress_bar(progress, " triangles") as bar:
         while True:
-            before = int(front.state[MADE])
+            before = int(front.state[TRIANGLES_MADE])
             code = k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL)
-            bar.update(int(front.state[MADE]) - before)
+            bar.update(int(front.state[TRIANGLES_MADE]) - before)
             if code == DONE:
                 break
-            if code == k.STUCK:
+            if code == k.NONE_FITS:
                 raise MeshError(no_apex(front, c.factor))
             if code == ROOM:
                 front = larger_front(front)
@@ -179,7 +179,7 @@ def enter_all(front, edges, loose):
 def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
     """The queue with room for the front; ``old`` is what was in it before."""
     rows, vertices = 2 * len(front.ends) + 64, len(front.xy) + 16
-    count = np.zeros(1, dtype=np.int64) if old is None else old.count
+    count = np.zeros(1, dtype=np.int64) if old is None else old.many
     keys = np.empty(0) if old is None else old.keys
     edges = np.empty(0, dtype=np.int64) if old is None else old.edges
     rows = max(rows, 2 * int(count[0]) + 64)
@@ -197,7 +197,7 @@ def _journal(
     if not history:
         return old
     rows = len(front.made)
-    tried = (0 if counts is None else 2 * int(counts[k.CANDIDATES])) + 4 * len(front.xy) + 64
+    tried = (0 if counts is None else 2 * int(counts[k.TRIED])) + 4 * len(front.xy) + 64
     return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
 
 
@@ -217,13 +217,13 @@ def _account(
     most: int,
     history: bool,
 ) -> ClassicalRun:
-    m, n = int(front.state[MADE]), int(front.state[VERTEX_COUNT])
+    m, n = int(front.state[TRIANGLES_MADE]), int(front.state[VERTEX_COUNT])
     points = front.xy[:n] / c.factor
     made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
     named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
     steps = None
     if history:
-        tried = journal.tried[: int(counts[k.CANDIDATES])]
+        tried = journal.tried[: int(counts[k.TRIED])]
         numbers = journal.numbers[:m] / c.factor
         steps = {
             "edge": made.triangles[:, :2].copy(),

@@ -33,7 +33,7 @@ from .classical import enter_all, no_apex, waiting_for
 from .classical_steps import Choices
 from .empty_circle import new_ahead
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
+from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
 
 __all__ = ["front_delaunay"]
 
@@ -230,19 +230,19 @@ def _wrapped(
     ties = np.zeros(len(front.made), dtype=bool)
     k.start_in_turn(front, waiting)
     while True:
-        before = int(front.state[MADE])
+        before = int(front.state[TRIANGLES_MADE])
         ahead.found[3] = 0
         code = k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL)
-        bar.update(int(front.state[MADE]) - before)
+        bar.update(int(front.state[TRIANGLES_MADE]) - before)
         if code == DONE:
             break
-        if code == k.MISSING:
+        if code == k.WITHOUT_APEX:
             raise MeshError(no_apex(front, factor))
         if code == ROOM:
             front = larger_front(front)
             waiting = waiting_for(front, waiting)
             ties = np.concatenate([ties, np.zeros(len(front.made) - len(ties), dtype=bool)])
-    m = int(front.state[MADE])
+    m = int(front.state[TRIANGLES_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
 
@@ -262,19 +262,19 @@ def _points_ahead(
     waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
     k.start_widest(front, choices, ahead, waiting)
     while True:
-        before = int(front.state[MADE])
+        before = int(front.state[TRIANGLES_MADE])
         ahead.found[3] = 0
         code = k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL)
-        bar.update(int(front.state[MADE]) - before)
+        bar.update(int(front.state[TRIANGLES_MADE]) - before)
         if code == DONE:
             break
-        if code == k.MISSING:
+        if code == k.WITHOUT_APEX:
             raise MeshError(no_apex(front, factor))
         if code == ROOM:
             front = larger_front(front)
             waiting = waiting_for(front, waiting)
     names = {
-        "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.CENTERS]),
+        "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.AT_CENTERS]),
         "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
     }  # fmt: skip
     stop = int(front.state[VERTEX_COUNT])
