@@ -74,22 +74,23 @@ def test_inner_segments_and_loose_vertices() -> None:
 
 def test_the_crossing_test_alone_swallows_a_hole() -> None:
     """C12.3.1-03, and the front that is left is no boundary of anything."""
-    size = 10.0
-    steps = plain.advancing_front(SWALLOWED, SWALLOWED_FACETS, lambda x: size, reach=3.0, tests=CROSSING_ONLY)
-    first = None
-    for first in steps:
-        if first.edge == (0, 1):
-            break
-    assert first is not None and first.chosen == 2
-    assert (3, 4) in first.front or (4, 3) in first.front  # the hole is still at the front, and covered
-    _, cells = cells_of(SWALLOWED, SWALLOWED_FACETS, size)
-    assert (0, 1, 2) not in cells
+    before = plain.boundary_front(SWALLOWED, SWALLOWED_FACETS, ())
+    assert not any(fails(before, (0, 1), 2) for fails in CROSSING_ONLY.values())
+    assert plain.holds(before, (0, 1), 2)
+    options = {"reach": 3.0, "key": lambda front, edge, size: edge != (0, 1)}
+    first = next(
+        plain.advancing_front(SWALLOWED, SWALLOWED_FACETS, lambda x: 10.0, tests=CROSSING_ONLY, **options)
+    )
+    assert first.edge == (0, 1) and first.reason == "near vertex"
+    assert plain.holds(before, (0, 1), first.chosen)  # sides of the hole are inside of the triangle
+    right = next(plain.advancing_front(SWALLOWED, SWALLOWED_FACETS, lambda x: 10.0, **options))
+    assert not plain.holds(before, (0, 1), right.chosen)
+    cells_of(SWALLOWED, SWALLOWED_FACETS, 10.0)
 
 
-def test_a_boundary_that_crosses_itself_is_refused() -> None:
-    bow = [(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)]
+def test_no_vertex_passes() -> None:
     with pytest.raises(MeshError, match="valid"):
-        list(plain.advancing_front(bow, RING, lambda x: 2.0))
+        next(plain.advancing_front(SQUARE, RING, lambda x: 2.0, tests={"all": lambda *_: True}))
 
 
 @settings(max_examples=25, deadline=None)

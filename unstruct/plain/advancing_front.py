@@ -160,6 +160,7 @@ def advancing_front(
     ------
     MeshError
         If no vertex passes all tests, which happens only if the boundary crosses itself or a test is missing.
+        Then the march may also never end.
     """
     front = boundary_front(points, facets, inner)
     while front.edges:

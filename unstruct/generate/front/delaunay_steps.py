@@ -90,8 +90,7 @@ def is_full(front, waiting):
 
 @lean
 def wrap(front, ahead, waiting, ties, counts, limit):
-    """Make up to ``limit`` cells by the empty circle: DONE, MORE, ROOM, or WITHOUT_APEX for the first edge of the
-    queue.
+    """Make up to ``limit`` cells by the empty circle; return DONE, MORE, ROOM, or WITHOUT_APEX.
 
     The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another
     visible vertex on it.
@@ -269,7 +268,7 @@ def start_widest(front, choices, ahead, waiting):
 
 @lean
 def place_ahead(front, choices, ahead, waiting, counts, limit):
-    """Advance by up to ``limit`` cells and make points ahead of the front: DONE, MORE, ROOM or WITHOUT_APEX."""
+    """Make up to ``limit`` cells, and points ahead of the front; return as `wrap` does."""
     for _ in range(limit):
         if is_full(front, waiting):
             return ROOM
