@@ -23,6 +23,7 @@ from regions import KINDS
 
 from unstruct import (
     Domain,
+    InputError,
     Mesh,
     UnstructError,
     advancing_front,
@@ -30,11 +31,14 @@ from unstruct import (
     circumcenter_insertion,
     conforming_delaunay,
     constrained_delaunay,
+    front_delaunay,
     refine,
     simplex,
     voronoi_segment,
 )
 from unstruct.base.jit import kernel
+from unstruct.generate.boundary.constrained import planar_complex
+from unstruct.generate.front.classical import CLASSICAL_ORDERS, SEARCHES, classical_front, classical_mesh
 from unstruct.generate.front.run import ORDERS, PLACEMENTS
 from unstruct.predicates.batch import scaled
 from unstruct.predicates.kernels import incircle, orient2
@@ -266,6 +270,41 @@ def fronts(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     )
 
 
+def marched(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """The classical front: raw, so that only its own tests make it valid."""
+    size = some_size(domain, rng)
+    order, search = rng.choice(CLASSICAL_ORDERS), rng.choice(list(SEARCHES))
+    complex_ = planar_complex(domain, size)
+    run = classical_front(domain, complex_, size, order=order, search=search, budget=BUDGET)
+    mesh = classical_mesh(domain, complex_, size, run, finish=False)
+    return f"classical front, {search}", mesh, quick(mesh, domain, delaunay=False)
+
+
+def wrapped(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """Cell by cell by the empty circle, with points of its own, or with points on a grid or at random."""
+    if rng.random() < 0.4:
+        mesh = front_delaunay(domain, some_size(domain, rng), budget=BUDGET)
+        return "front_delaunay, a size", mesh, quick(mesh, domain)
+    low, high = domain.bounds
+    unit = rng.random((60, 2)) if rng.random() < 0.5 else np.unique(rng.integers(0, 9, (60, 2)), axis=0) / 8
+    points = low + (high - low) * unit
+    while True:
+        try:
+            mesh = front_delaunay(domain, points)
+            break
+        except InputError as error:
+            if not str(error).startswith("points["):
+                raise
+            points = np.delete(points, int(str(error)[7:].split("]")[0]), axis=0)
+    oracle = constrained_delaunay(
+        Domain(
+            np.concatenate([domain.points, points]), domain.facets, inner=domain.inner, curves=domain.curves
+        )
+    )
+    same = (mesh.size, len(mesh.points)) == (oracle.size, len(oracle.points))
+    return "front_delaunay, points", mesh, quick(mesh, domain) or ("" if same else "not as the oracle")
+
+
 WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
     "centers": centers,
     "conforming": conforming,
@@ -273,6 +312,8 @@ WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] 
     "refine": refined,
     "constrained": constrained,
     "segments": segments,
+    "classical": marched,
+    "wrapped": wrapped,
     "fronts": fronts,
 }
 
@@ -292,7 +333,8 @@ def one(seed: int, i: int, names: list[str]) -> tuple[str, list[str], list[str]]
             with limited(SECONDS):
                 outcome, mesh, fault = WORK[name](domain, np.random.default_rng([seed, i, *name.encode()]))
             if fault or (i % SAMPLE == 0 and mesh.size < LARGEST):
-                report = check(mesh, domain=domain, delaunay="constrained")
+                empty: Any = False if name == "classical" else "constrained"  # raw, it is not Delaunay
+                report = check(mesh, domain=domain, delaunay=empty)
                 fault = fault or ("" if report else str(report))
             outcomes.append(outcome)
             if fault:

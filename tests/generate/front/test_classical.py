@@ -40,7 +40,7 @@ def marched(domain: Domain, size: Any, **options: Any) -> tuple[ClassicalRun, Do
 # --- the tree -------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.lists(
         st.tuples(st.integers(0, 30), st.integers(-8, 8), st.integers(-8, 8), st.integers(0, 4)), max_size=90
@@ -117,7 +117,7 @@ def test_the_plain_front_step_by_step(kind: str, seed: int, order: str, fraction
 # --- any region -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.sampled_from(sorted(KINDS)),
     st.integers(0, 10**6),

@@ -54,7 +54,7 @@ def by_place(mesh: Mesh) -> set[frozenset[tuple[float, ...]]]:
     return {frozenset(rows[v] for v in cell) for cell in mesh.simplices.tolist()}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.sampled_from(sorted(KINDS)), st.integers(0, 10**6), st.sampled_from(["grid", "random", "clustered"])
 )

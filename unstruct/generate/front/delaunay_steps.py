@@ -158,10 +158,10 @@ def width_of(front, choices, a, b, c):
     xy = front.xy
     x, y = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     twice = (xy[b, 0] - xy[a, 0]) * (xy[c, 1] - xy[a, 1]) - (xy[b, 1] - xy[a, 1]) * (xy[c, 0] - xy[a, 0])
-    if not twice > 0.0:
+    below = 2.0 * twice * length_wanted(choices, x, y)
+    if not below > 0.0:
         return inf
-    product = between(xy, a, b) * between(xy, b, c) * between(xy, c, a)
-    return product * ROOT3 / (2.0 * twice * length_wanted(choices, x, y))
+    return between(xy, a, b) * between(xy, b, c) * between(xy, c, a) * ROOT3 / below
 
 
 @inline
@@ -217,10 +217,10 @@ def choose_ahead(front, choices, ahead, counts, row, aside):
     xy, n = front.xy, front.state[VERTEX_COUNT]
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     x, y, side, _ = ideal_point(front, choices, a, b)
-    room = side > 0.0 and n < choices.most
+    dx, dy = x - 0.5 * (xy[a, 0] + xy[b, 0]), y - 0.5 * (xy[a, 1] + xy[b, 1])
+    d, length = sqrt(dx * dx + dy * dy), between(xy, a, b)
+    room = side > 0.0 and d * length > 0.0 and n < choices.most  # d may be lost to rounding
     if room:  # usually no larger circles need be searched
-        dx, dy = x - 0.5 * (xy[a, 0] + xy[b, 0]), y - 0.5 * (xy[a, 1] + xy[b, 1])
-        d, length = sqrt(dx * dx + dy * dy), between(xy, a, b)
         k = (d * d - 0.25 * length * length) / (2.0 * d * length)
         c = apex_within(front, ahead, row, max(center_at(front, choices, row, 1.1 * SMALL_ENOUGH), k + 0.1))
         if c < 0:
