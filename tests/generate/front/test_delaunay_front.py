@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Domain, InputError, Mesh, check, constrained_delaunay
+from unstruct import Arc, Domain, InputError, Mesh, check, constrained_delaunay
 from unstruct.generate.front import delaunay_front
 from unstruct.generate.front.delaunay_front import front_delaunay
 from unstruct.plain import front_delaunay as plain
@@ -198,6 +198,19 @@ def test_points_on_a_curve_are_refused() -> None:
     cut = domain.sampled().points[len(domain.points)]
     with pytest.raises(InputError, match=r"points\[1\].*on a curve"):
         front_delaunay(domain, [[0.1, 0.2], cut])
+
+
+def test_points_on_a_chord_are_refused() -> None:
+    """(0.5, 0) is outside, and on the chord that stands for the upper side of this crescent."""
+    sides = {i: Arc.through((0, 0), (0.5, low), (1, 0)) for i, low in enumerate((-0.02, -0.4))}
+    domain = Domain([[0, 0], [1, 0]], [[0, 1], [0, 1]], curves=sides)
+    with pytest.raises(InputError, match=r"points\[0\].*chord.*piece 0"):
+        front_delaunay(domain, [[0.5, 0.0]])
+
+
+def test_an_edge_whose_ideal_point_is_lost_to_rounding() -> None:
+    domain = Domain.polygon([[0, 0], [1, 0], [1, 2.0**-60], [0, 1]])
+    assert check(front_delaunay(domain, 0.3), domain=domain, delaunay="constrained")
 
 
 def test_other_arguments() -> None:
