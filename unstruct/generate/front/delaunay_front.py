@@ -17,6 +17,7 @@ from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
+from ...domain.derived import held_by
 from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...geometry.ordering import hilbert_order
@@ -135,10 +136,14 @@ def front_delaunay(
 
 def _as_given(value: Any) -> NDArray[np.float64] | None:
     """The points, or None if the value is a size."""
-    if not isinstance(value, (list, tuple, np.ndarray)) or np.ndim(value) == 0:
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        return None
+    if isinstance(value, np.ndarray) and value.ndim != 2:
+        return None
+    if len(value) and not isinstance(value[0], (list, tuple, np.ndarray)):
         return None
     rows = as_points(value) if len(value) else np.empty((0, 2))
-    if rows.ndim != 2 or rows.shape[1] != 2:
+    if rows.shape[1] != 2:
         raise InputError(f"points must have shape (k, 2), not {rows.shape}; a size is a number or a function")
     return rows
 
@@ -161,10 +166,11 @@ def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
             "make it a vertex of the domain that divides the piece"
         )
     _refuse_on_curves(domain.sampled(), points, len(domain.points))
-    return Domain(
+    given = Domain(
         rows, domain.facets, inner=domain.inner, curves=domain.curves, markers=domain.markers,
         regions=domain.regions,
     )  # fmt: skip
+    return held_by(given, domain.spacings, domain.matches)
 
 
 def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:
