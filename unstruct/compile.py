@@ -86,6 +86,7 @@ def _segments() -> None:
 def _fronts() -> None:
     unstruct.advancing_front(_ring(), 0.5)
     unstruct.advancing_front(_ring(), _grid)
+    unstruct.front_delaunay(_ring(), 0.5)
 
 
 def _circumcenters() -> None:

@@ -20,6 +20,7 @@ from unstruct import (
     circumcenter_insertion,
     conforming_delaunay,
     constrained_delaunay,
+    front_delaunay,
     predicates,
     refine,
     simplex,
@@ -29,6 +30,7 @@ from unstruct import (
 )
 from unstruct.base.jit import kernel
 from unstruct.domain.domain import as_domain
+from unstruct.generate.front.classical import CLASSICAL_ORDERS, SEARCHES
 from unstruct.generate.front.run import ORDERS, PLACEMENTS
 from unstruct.predicates.batch import scaled
 from unstruct.predicates.kernels import incircle, orient2
@@ -238,6 +240,40 @@ def fronts(domain: Domain, rng: np.random.Generator) -> Done:
     return outcome, mesh if finish or fault else swap_diagonals(mesh), fault, domain
 
 
+def marched(domain: Domain, rng: np.random.Generator) -> Done:
+    """The classical front: raw, so that only its own tests make it valid."""
+    options = {"order": str(rng.choice(CLASSICAL_ORDERS)), "search": str(rng.choice(list(SEARCHES)))}
+    size = some_size(domain, rng)
+    mesh = advancing_front(domain, size, method="classical", finish=False, budget=BUDGET, **options)
+    fault = quick(mesh, domain, delaunay=False)
+    return f"classical front, {options['search']}", mesh if fault else swap_diagonals(mesh), fault, domain
+
+
+def wrapped(domain: Domain, rng: np.random.Generator) -> Done:
+    """Cell by cell by the empty circle, with points of its own, or with points on a grid or at random."""
+    if rng.random() < 0.4:
+        mesh = front_delaunay(domain, some_size(domain, rng), budget=BUDGET)
+        return "front_delaunay, a size", mesh, quick(mesh, domain), domain
+    low, high = domain.bounds
+    unit = rng.random((60, 2)) if rng.random() < 0.5 else np.unique(rng.integers(0, 9, (60, 2)), axis=0) / 8
+    points = low + (high - low) * unit
+    while True:
+        try:
+            mesh = front_delaunay(domain, points)
+            break
+        except InputError as error:
+            if not str(error).startswith("points["):
+                raise
+            points = np.delete(points, int(str(error)[7:].split("]")[0]), axis=0)
+    together = np.concatenate([domain.points, points])
+    oracle = constrained_delaunay(
+        Domain(together, domain.facets, inner=domain.inner, curves=domain.curves)
+    )
+    same = (mesh.size, len(mesh.points)) == (oracle.size, len(oracle.points))
+    fault = quick(mesh, domain) or ("" if same else "not as the oracle")
+    return "front_delaunay, points", mesh, fault, domain
+
+
 def smoothed(domain: Domain, rng: np.random.Generator) -> Done:
     """A mesh with its inner vertices moved."""
     size = some_size(domain, rng)
@@ -325,5 +361,7 @@ WORK: dict[str, Callable[[Domain, np.random.Generator], Done]] = {
     "constrained": constrained,
     "segments": segments,
     "fronts": fronts,
+    "classical": marched,
+    "wrapped": wrapped,
     "smooth": smoothed,
 }

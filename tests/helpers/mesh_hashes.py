@@ -282,6 +282,13 @@ def advancing_fronts() -> Arrays:
 
 
 @case
+def fronts_by_the_empty_circle() -> Arrays:
+    for domain, size in ((harbor(), 0.4), (curved(), graded)):
+        yield from of(unstruct.front_delaunay(domain, size))
+    yield from of(unstruct.front_delaunay(Domain.rectangle(), lattice(9, 9) / 10 + 0.05))
+
+
+@case
 def smoothed() -> Arrays:
     mesh = unstruct.refine(harbor(), 0.5)
     for method in ("laplace", "optimal", "centroid", "search"):

@@ -36,6 +36,8 @@ METHODS: dict[str, Callable[[Domain], Any]] = {
     "voronoi segment": lambda d: unstruct.voronoi_segment(d, 0.2),
     "front": lambda d: unstruct.advancing_front(d, 0.2),
     "raw front": lambda d: unstruct.advancing_front(d, 0.2, finish=False),
+    "front Delaunay": lambda d: unstruct.front_delaunay(d, 0.2),
+    "front Delaunay of points": lambda d: unstruct.front_delaunay(d, [[0.3, 0.3], [1.2, 0.7]]),
     "refine a mesh": lambda d: refine(constrained_delaunay(d), max_area=0.02),
     "smooth": lambda d: unstruct.smooth(refine(d, 0.2)),
     "swap": lambda d: unstruct.swap_diagonals(refine(d, 0.2)),

@@ -19,7 +19,7 @@ from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
 
-__all__ = ["followed", "matched", "must_be_free", "plot", "simplified", "spaced"]
+__all__ = ["followed", "held_by", "matched", "must_be_free", "plot", "simplified", "spaced"]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
 
@@ -91,7 +91,7 @@ def spaced(domain: D, spacing: Mapping[Any, Any]) -> D:
     for key, value in as_mapping(spacing, "spacing").items():
         one = value if isinstance(value, Spacing) else Spacing(count=value)
         found |= {int(p): parameters(old, int(p), one) for p in pieces_of(old, key, "spacing")}
-    return _held_by(old, found, old.matches)
+    return held_by(old, found, old.matches)
 
 
 def matched(
@@ -153,7 +153,7 @@ def matched(
         )  # fmt: skip
         every = counted_off(len(old.points)), counted_off(len(old.pieces))
         new = followed(old, made, *every, [told])
-    return _held_by(new, old.spacings, [*old.matches, *found.matches])
+    return held_by(new, old.spacings, [*old.matches, *found.matches])
 
 
 def _motion(shift: Any, rotation: float | None, center: Any) -> Motion | None:
@@ -181,7 +181,8 @@ def _is_vector(value: Any) -> bool:
     return array.shape == (2,) and bool(np.isfinite(array).all())
 
 
-def _held_by(domain: Any, spacings: dict[int, np.ndarray], matches: list[Match]) -> Any:
+def held_by(domain: Any, spacings: dict[int, np.ndarray], matches: list[Match]) -> Any:
+    """The domain with these points along pieces and these matching sides, after a check that they fit."""
     for match in matches:
         one, two = (spacings.get(piece) for piece in match[:2])
         if one is not None and two is not None:

@@ -1,22 +1,23 @@
 """The classical advancing front, told plainly (section 3.1 of the book).
 
-The front is a set of directed edges; what is not meshed is on the left of each. An inner segment counts twice,
-once in each direction. Loose vertices are at the front until a triangle reaches them. A step takes the first
-edge AB, and puts the ideal point X ahead of it. The vertices of the front within a circle about the middle M of
-AB, and X, are tried in the order of their distance from M. The first one that passes all tests is taken, and the
-front changes by the symmetric difference with the sides of the triangle.
+The front is a set of directed edges; what is not meshed is on the left of each. An inner segment counts
+twice, once in each direction. Loose vertices are at the front until a triangle reaches them. A step takes the
+first edge AB, and puts the ideal point X ahead of it. The vertices of the front within a circle about the
+middle M of AB, and X, are tried in the order of their distance from M. The first one that passes all tests is
+taken, and the front changes by the symmetric difference with the sides of the triangle.
 
-A valid vertex always exists, so that the front never sticks in the plane. *Theorem.* Each edge AB of the front has
-a vertex C of the front such that ABC passes all tests. *Proof.* What is on the left of the front is a polygonal
-region, perhaps with holes and loose vertices. It has a triangulation without further vertices: one inserts
-diagonals between vertices, of which there is one as long as a piece is not an empty triangle. (Take the leftmost
-corner v of the piece and its neighbors u and w. Either uw is a diagonal, or the triangle uvw contains vertices;
-then the one that is farthest from uw is visible from v.) This triangulation has a triangle on AB, and its third
-corner is C. So if the circle has no valid vertex, all vertices of the front are tried. Only finitely many new
-points have room, since each keeps a distance from the front. So the number of steps is finite, too.
+A valid vertex always exists, so that the front never sticks in the plane. *Theorem.* Each edge AB of the
+front has a vertex C of the front such that ABC passes all tests. *Proof.* What is on the left of the front is
+a polygonal region, perhaps with holes and loose vertices. It has a triangulation without further vertices:
+one inserts diagonals between vertices, of which there is one as long as a piece is not an empty triangle.
+(Take the leftmost corner v of the piece and its neighbors u and w. Either uw is a diagonal, or the triangle
+uvw contains vertices; then the one that is farthest from uw is visible from v.) This triangulation has a
+triangle on AB, and its third corner is C. So if the circle has no valid vertex, all vertices of the front are
+tried. Only finitely many new points have room, since each keeps a distance from the front. So the number of
+steps is finite, too.
 
-Sources: R. Löhner, P. Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149; the source
-chapter, 12.3.1.
+Sources: R. Löhner, P. Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149; the
+source chapter, 12.3.1.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ ROUND_ENOUGH = 0.3  # the least 2 r / R of a triangle with a vertex from the cir
 
 @dataclass
 class Front:
-    """What is not meshed: the points so far, the directed edges in the order in which they came, loose vertices."""
+    """What is not meshed: all points, the directed edges in the order of coming, loose vertices."""
 
     points: list[Point]
     edges: dict[Edge, None]
@@ -56,7 +57,7 @@ class Front:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A vertex, or None for the ideal point, its distance from M, and the first test that it fails ("" for none)."""
+    """A vertex (None: the ideal point), its distance from M, and the test that it fails ("" for none)."""
 
     vertex: int | None
     distance: float
@@ -113,7 +114,7 @@ def crosses(front: Front, edge: Edge, c: int) -> bool:
 
 
 def holds(front: Front, edge: Edge, c: int) -> bool:
-    """Whether a vertex of the front, besides the corners, is in the closed triangle; so no hole is swallowed."""
+    """Whether a vertex of the front, besides the corners, is in the closed triangle."""
     a, b = edge
     sides = [(a, b), (b, c), (c, a)]
     rest = front.vertices() - {a, b, c}
@@ -159,6 +160,7 @@ def advancing_front(
     ------
     MeshError
         If no vertex passes all tests, which happens only if the boundary crosses itself or a test is missing.
+        Then the march may also never end.
     """
     front = boundary_front(points, facets, inner)
     while front.edges:
@@ -218,7 +220,7 @@ def search(
 def search_wide(
     front: Front, edge: Edge, radius: float, tests: Mapping[str, Test]
 ) -> tuple[int | None, list[Candidate]]:
-    """Try the vertices in wider and wider squares about M, at last all, by the circumradii of their triangles."""
+    """Try the vertices in wider and wider squares about M by the circumradii of their triangles."""
     m, tried = middle(*ends(front, edge)), []
     left = [v for v in front.vertices() - set(edge) if not is_behind(front, edge, v)]
     while left:
@@ -250,7 +252,7 @@ def ideal_point(front: Front, edge: Edge, size: Size) -> tuple[Point, float]:
 def boundary_front(points: Sequence[Sequence[Any]], facets: Iterable[Edge], inner: Iterable[Edge]) -> Front:
     """The first front: facets with the inside on their left, inner segments both ways, loose vertices."""
     rows = [(p[0], p[1]) for p in points]
-    sides = [tuple(edge) for edge in facets]
+    sides = [(a, b) for a, b in facets]
     edges = {(a, b) if parity_left(rows, sides, (a, b)) else (b, a): None for a, b in sides}
     edges |= {pair: None for a, b in inner for pair in ((a, b), (b, a))}
     used = {v for edge in edges for v in edge}
@@ -281,7 +283,7 @@ def on_segment(front: Front, edge: Edge, c: int) -> bool:
 
 
 def parity_left(points: Sequence[Point], facets: Sequence[Edge], edge: Edge) -> bool:
-    """Whether the inside is on the left of a facet: an odd number of others is to the right of its lower end."""
+    """Whether the inside is on the left of a facet, by the others to the right of its lower end."""
     a, b = edge
     up = (points[a][1], points[a][0]) < (points[b][1], points[b][0])
     right = right_parity(points, facets, points[a] if up else points[b], points[b] if up else points[a])
@@ -289,7 +291,8 @@ def parity_left(points: Sequence[Point], facets: Sequence[Edge], edge: Edge) -> 
 
 
 def right_parity(points: Sequence[Point], facets: Sequence[Edge], x: Point, top: Point | None) -> bool:
-    """Whether an odd number of facets lies to the right of x; with ``top``, to the right of the segment from x to it.
+    """Whether an odd number of facets lies to the right of x; with ``top``, to the right of the segment from
+    x to it.
 
     Of two vertices at the same height the right one counts as higher, so that no facet is level.
     """

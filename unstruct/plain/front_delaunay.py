@@ -1,14 +1,15 @@
 """The advancing-front Delaunay triangulation, told plainly (section 3.4 of the book).
 
-Points and a boundary are given. The oldest edge AB of the front gets the triangle ABC whose circle has no other
-vertex inside, of those that are *visible* from AB. A vertex is visible if it is strictly on the left of AB and no
-edge of the front meets the open triangle. The front changes as in `advancing_front`.
+Points and a boundary are given. The oldest edge AB of the front gets the triangle ABC whose circle has no
+other vertex inside, of those that are *visible* from AB. A vertex is visible if it is strictly on the left of
+AB and no edge of the front meets the open triangle. The front changes as in `advancing_front`.
 
-Without the word visible there may be no such triangle: from (-5, 0) to (5, 0) with (0, 1) and (0, 8) on the left
-and (0, -1), already behind the front, on the right, each circle has another point inside. `apex` with
+Without the word visible there may be no such triangle: from (-5, 0) to (5, 0) with (0, 1) and (0, 8) on the
+left and (0, -1), already behind the front, on the right, each circle has another point inside. `apex` with
 ``visible=False`` shows it.
 
-Of several vertices on one circle the leftmost, lowest one is taken; any would do. What is left is then a smaller region of the same kind, with a constrained Delaunay triangulation of its own.
+Of several vertices on one circle the leftmost, lowest one is taken; any would do. What is left is then a
+smaller region of the same kind, with a constrained Delaunay triangulation of its own.
 
 Sources: the source chapter, 12.3.4; D. T. Lee, A. K. Lin, Discrete & Computational Geometry 1 (1986) 201-217.
 """
@@ -28,7 +29,7 @@ __all__ = ["Cell", "apex", "candidates", "front_delaunay", "is_hidden", "is_insi
 
 @dataclass(frozen=True)
 class Cell:
-    """One step: the edge, its apex, the other visible vertices on the circle, the hidden ones inside, the front."""
+    """One step: edge, apex, other visible vertices on the circle, hidden ones inside, the front."""
 
     edge: Edge
     apex: int
@@ -72,8 +73,8 @@ def front_delaunay(
 def apex(front: Front, edge: Edge, visible: bool = True, behind: Iterable[int] = ()) -> int | None:
     """The vertex whose circle with the edge has no other vertex inside; None if there is none.
 
-    With ``visible`` only the visible ones count, as apexes and as others. Without it, all vertices of the front
-    on the left are tried, and all vertices count as others, those given as ``behind`` too.
+    With ``visible`` only the visible ones count, as apexes and as others. Without it, all vertices of the
+    front on the left are tried, and all vertices count as others, those given as ``behind`` too.
     """
     left = [v for v in candidates(front, edge) if not visible or not is_hidden(front, edge, v)]
     others = left if visible else sorted((front.vertices() | set(behind)) - set(edge))
@@ -85,7 +86,11 @@ def apex(front: Front, edge: Edge, visible: bool = True, behind: Iterable[int] =
 
 def candidates(front: Front, edge: Edge) -> list[int]:
     """The vertices of the front strictly on the left of the edge, from left to right, from below upward."""
-    return [v for v in sorted(front.vertices() - set(edge), key=front.points.__getitem__) if turn(front, *edge, v) > 0]
+    return [
+        v
+        for v in sorted(front.vertices() - set(edge), key=front.points.__getitem__)
+        if turn(front, *edge, v) > 0
+    ]
 
 
 def is_inside(front: Front, edge: Edge, c: int, v: int) -> int:

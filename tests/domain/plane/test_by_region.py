@@ -14,6 +14,7 @@ HALVES = Domain(
 )
 METHODS = [
     unstruct.refine, unstruct.voronoi_segment, unstruct.circumcenter_insertion, unstruct.advancing_front,
+    unstruct.front_delaunay,
 ]  # fmt: skip
 
 

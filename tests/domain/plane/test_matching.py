@@ -11,6 +11,7 @@ METHODS = [
     unstruct.refine,
     unstruct.voronoi_segment,
     unstruct.advancing_front,
+    unstruct.front_delaunay,
     unstruct.circumcenter_insertion,
     unstruct.conforming_delaunay,
 ]

@@ -14,6 +14,7 @@ METHODS = [
     unstruct.refine,
     unstruct.voronoi_segment,
     unstruct.advancing_front,
+    unstruct.front_delaunay,
     unstruct.circumcenter_insertion,
     unstruct.conforming_delaunay,
 ]

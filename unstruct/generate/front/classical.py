@@ -1,4 +1,4 @@
-"""The classical advancing front: its arrays, its growth, and what it reports. The steps are in `classical_steps`."""
+"""The classical advancing front: its arrays, its growth, and its report; the steps: `classical_steps`."""
 
 from __future__ import annotations
 
@@ -21,16 +21,25 @@ from ..boundary.constrained import complex_of
 from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
 from . import classical_steps as k
 from .made_mesh import Made, domain_mesh_of, quality_figures
-from .open_front import ALIVE, MADE, VERTEX_COUNT, OpenFront, enter_edge, enter_vertex, larger_front, new_front
+from .open_front import (
+    TRIANGLES_MADE,
+    VERTEX_COUNT,
+    OpenFront,
+    enter_edge,
+    enter_vertex,
+    larger_front,
+    new_front,
+)
 
 __all__ = [
-    "CLASSICAL_ORDERS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun", "classical_front", "classical_mesh", "enter_all",
-    "no_apex", "waiting_for",
+    "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun",
+    "classical_front", "classical_mesh", "enter_all", "no_apex", "waiting_for",
 ]  # fmt: skip
 
+CLASSICAL_PLACEMENTS = ("equal sides", "circle")
 CLASSICAL_ORDERS = ("smallest", "shortest", "oldest")
-# Where the search for candidates is centered, and its radius: in heights of the ideal triangle about the middle
-# of the edge, in sides about the ideal point. The last number is the least 2 r / R.
+# Where the search for candidates is centered, and its radius: in heights of the ideal triangle about the
+# middle of the edge, in sides about the ideal point. The last number is the least 2 r / R.
 SEARCHES: dict[str, tuple[float, float]] = {"barycenter": (1.5, 0.3), "ideal": (0.75, 0.0)}
 CLASSICAL_REASONS = ("new point", "near vertex", "wider search", "all vertices")
 VERDICTS = ("valid", "behind", "crosses the front", "holds a vertex", "not round", "too near", "")
@@ -64,16 +73,16 @@ def classical_front(
     ----------
     domain : Domain
     complex_ : PlanarComplex
-        The domain triangulated with its subsegments, by `planar_complex`. Only its subsegments, the regions on
-        their sides and its loose vertices are read.
+        The domain triangulated with its subsegments, by `planar_complex`. Only its subsegments, the regions
+        on their sides and its loose vertices are read.
     size : number, function, or size field
         The wanted edge length.
     order : "smallest", "shortest" or "oldest"
         The next edge of the front: where the wanted length is smallest (the rule of the source chapter), the
         shortest one, or the one that has waited longest. Lengths that differ by less than about a percent are
         equal, and then the oldest edge is next.
-    placement : "equal sides"
-        The only one for this method.
+    placement : "equal sides" or "circle"
+        The ideal point makes sides of the wanted length, or the wanted circumradius.
     search : "ideal" or "barycenter"
         Where candidates are searched; see `classical_steps`. "barycenter" is the rule of the source chapter.
     history : bool
@@ -97,8 +106,10 @@ def classical_front(
     """
     if order not in CLASSICAL_ORDERS:
         raise InputError(f"order = {order!r} must be one of {CLASSICAL_ORDERS} for the classical method")
-    if placement != "equal sides":
-        raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
+    if placement not in CLASSICAL_PLACEMENTS:
+        raise InputError(
+            f"placement = {placement!r} must be one of {CLASSICAL_PLACEMENTS} for the classical method"
+        )
     if search not in SEARCHES:
         raise InputError(f"search = {search!r} must be one of {tuple(SEARCHES)}")
     c, field = complex_, as_size(size)
@@ -108,7 +119,14 @@ def classical_front(
     reach, round_enough = SEARCHES[search]
     most = c.size + (DEFAULT_BUDGET if budget is None else budget)
     choices = k.Choices(
-        CLASSICAL_ORDERS.index(order), list(SEARCHES).index(search), reach, round_enough, constant, most, table
+        CLASSICAL_ORDERS.index(order),
+        list(SEARCHES).index(search),
+        placement == "circle",
+        reach,
+        round_enough,
+        constant,
+        most,
+        table,
     )
     front = _boundary_front(c)
     waiting, journal = waiting_for(front, None), _journal(front, None, history)
@@ -116,12 +134,12 @@ def classical_front(
     k.start_waiting(front, choices, waiting)
     with progress_bar(progress, " triangles") as bar:
         while True:
-            before = int(front.state[MADE])
+            before = int(front.state[TRIANGLES_MADE])
             code = k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL)
-            bar.update(int(front.state[MADE]) - before)
+            bar.update(int(front.state[TRIANGLES_MADE]) - before)
             if code == DONE:
                 break
-            if code == k.STUCK:
+            if code == k.NONE_FITS:
                 raise MeshError(no_apex(front, c.factor))
             if code == ROOM:
                 front = larger_front(front)
@@ -161,7 +179,7 @@ def enter_all(front, edges, loose):
 def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
     """The queue with room for the front; ``old`` is what was in it before."""
     rows, vertices = 2 * len(front.ends) + 64, len(front.xy) + 16
-    count = np.zeros(1, dtype=np.int64) if old is None else old.count
+    count = np.zeros(1, dtype=np.int64) if old is None else old.many
     keys = np.empty(0) if old is None else old.keys
     edges = np.empty(0, dtype=np.int64) if old is None else old.edges
     rows = max(rows, 2 * int(count[0]) + 64)
@@ -173,13 +191,13 @@ def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
 def _journal(
     front: OpenFront, old: k.Journal | None, history: bool, counts: NDArray[np.int64] | None = None
 ) -> k.Journal:
-    """The record with room for as many triangles as the front has, and for the candidates of one more step."""
+    """The record with room for as many triangles as the front has, and the candidates of one more step."""
     if old is None:
         old = k.Journal(np.empty((0, 2), dtype=np.int32), np.empty((0, 4)), np.empty((0, 2), dtype=np.int32))
     if not history:
         return old
     rows = len(front.made)
-    tried = (0 if counts is None else 2 * int(counts[k.CANDIDATES])) + 4 * len(front.xy) + 64
+    tried = (0 if counts is None else 2 * int(counts[k.TRIED])) + 4 * len(front.xy) + 64
     return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
 
 
@@ -188,19 +206,24 @@ def no_apex(front: OpenFront, factor: float) -> str:
     rows = np.flatnonzero(front.ends[:, 0] >= 0)
     row = int(rows[np.argmin(front.stamp[rows])])
     a, b = (front.xy[front.ends[row]] / factor).tolist()
-    return f"no vertex can be joined to the front edge from {a} to {b}: the boundary crosses or touches itself there"
+    return f"no vertex can be joined to the front edge from {a} to {b}: the boundary meets itself there"
 
 
 def _account(
-    c: PlanarComplex, front: OpenFront, journal: k.Journal, counts: NDArray[np.int64], most: int, history: bool
+    c: PlanarComplex,
+    front: OpenFront,
+    journal: k.Journal,
+    counts: NDArray[np.int64],
+    most: int,
+    history: bool,
 ) -> ClassicalRun:
-    m, n = int(front.state[MADE]), int(front.state[VERTEX_COUNT])
+    m, n = int(front.state[TRIANGLES_MADE]), int(front.state[VERTEX_COUNT])
     points = front.xy[:n] / c.factor
     made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
     named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
     steps = None
     if history:
-        tried = journal.tried[: int(counts[k.CANDIDATES])]
+        tried = journal.tried[: int(counts[k.TRIED])]
         numbers = journal.numbers[:m] / c.factor
         steps = {
             "edge": made.triangles[:, :2].copy(),
@@ -234,8 +257,8 @@ def classical_mesh(
         As for `classical_front`; ``size`` without regions.
     run : ClassicalRun
     finish : bool
-        False gives the triangles as they were made, in that order: ``simplices[:k]`` is the state after k steps.
-        True makes the constrained Delaunay triangulation of the same points and improves it as
+        False gives the triangles as they were made, in that order: ``simplices[:k]`` is the state after k
+        steps. True makes the constrained Delaunay triangulation of the same points and improves it as
         `voronoi_segment` does; the order is lost.
     kept : ndarray of uint8, optional
         1 for pieces that finishing must not split.
@@ -245,8 +268,9 @@ def classical_mesh(
     Returns
     -------
     DomainMesh
-        ``figures`` has "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R", with "before" and "after"
-        if it is finished. ``unrefined`` contains all triangles if the budget was spent, with that reason.
+        ``figures`` has "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R", with "before" and
+        "after" if it is finished. ``unrefined`` contains all triangles if the budget was spent, with that
+        reason.
     """
     c = complex_
     subsegments = c.ends[: c.segments], c.piece[: c.segments], c.span[: c.segments]

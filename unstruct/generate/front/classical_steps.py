@@ -1,8 +1,8 @@
 """The classical advancing front, triangle by triangle, compiled.
 
-A step takes the first edge AB of the queue, places the ideal point X ahead of it, and collects the vertices of
-the front around it. They are tried in the order of their distances; the first one whose triangle is valid and
-round enough is taken.
+A step takes the first edge AB of the queue, places the ideal point X ahead of it, and collects the vertices
+of the front around it. They are tried in the order of their distances; the first one whose triangle is valid
+and round enough is taken.
 
           . - - - .           M  the middle of AB
         .     X     .         X  the ideal point: XA = XB = the wanted length
@@ -10,17 +10,18 @@ round enough is taken.
         .         . D         D  another one
        A --- M --- B
 
-Two searches are built in. *Barycenter*, as the source chapter tells it: the circle is about M, its radius some
-times the height of the equilateral triangle, and X is one of the candidates, at its distance from M. *Ideal*:
-the circle is about X, candidates come by their distance from X, and X after all of them. If all fail, the
-vertices of the front in wider and wider squares about M are tried by the circumradius of their triangles.
+Two searches are built in. *Barycenter*, as the source chapter tells it: the circle is about M, its radius
+some times the height of the equilateral triangle, and X is one of the candidates, at its distance from M.
+*Ideal*: the circle is about X, candidates come by their distance from X, and X after all of them. If all
+fail, the vertices of the front in wider and wider squares about M are tried by the circumradius of their
+triangles.
 
-**Why one of them succeeds.** What is not meshed is at all times a polygonal region, perhaps with holes and with
-loose vertices, and it has a triangulation with no other vertices (the theorem on triangulations of polygons).
-This one has a triangle on AB; its third corner passes all tests. So the front never sticks, and since only
-finitely many points have room, no two being nearer than `CLEARANCE` times the wanted length, the last triangle
-empties the front. In space neither holds. Source: the source chapter, 12.3.1; R. Löhner, P. Parikh,
-International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149. Book: 3.1.
+**Why one of them succeeds.** What is not meshed is at all times a polygonal region, perhaps with holes and
+with loose vertices, and it has a triangulation with no other vertices (the theorem on triangulations of
+polygons). This one has a triangle on AB; its third corner passes all tests. So the front never sticks, and
+since only finitely many points have room, no two being nearer than `KEPT_CLEAR` times the wanted length, the
+last triangle empties the front. In space neither holds. Source: the source chapter, 12.3.1; R. Löhner, P.
+Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149. Book: 3.1.
 """
 
 from __future__ import annotations
@@ -38,8 +39,8 @@ from ...sizing.table import ROOT3, Nodes, size_at
 from .digital_tree import gather
 from .open_front import (
     CROSSED,
-    MADE,
     NO_FAULT,
+    TRIANGLES_MADE,
     VERTEX_COUNT,
     advance_over,
     enter_vertex,
@@ -47,19 +48,27 @@ from .open_front import (
     has_room,
     turn,
 )
+from .placing import LONGEST_SIDE, SHORTEST_SIDE
 
 __all__ = [
-    "CANDIDATES", "CLASSICAL_COUNTS", "CLEARANCE", "STUCK", "Choices", "Journal", "Waiting", "march", "start_waiting",
+    "CLASSICAL_COUNTS",
+    "KEPT_CLEAR",
+    "NONE_FITS",
+    "TRIED",
+    "Choices",
+    "Journal",
+    "Waiting",
+    "march",
+    "start_waiting",
 ]  # fmt: skip
 
-STUCK = 8  # no vertex is valid, which cannot happen if the boundary is valid
+NONE_FITS = 8  # no vertex is valid, which cannot happen if the boundary is valid
 NOT_ROUND, NO_CLEARANCE, NOT_WANTED = 4, 5, 6  # verdicts, besides those of `first_fault`
 ORDER_SMALLEST, ORDER_SHORTEST, ORDER_OLDEST = range(3)
 ABOUT_MIDDLE, ABOUT_IDEAL = range(2)
-SHORTEST_SIDE, LONGEST_SIDE = 0.55, 2.0  # times |AB|: the sides of the ideal triangle
-CLEARANCE = 0.45  # times the sides: no new point is nearer to an edge of the front
+KEPT_CLEAR = 0.45  # times the sides: no new point is nearer to an edge of the front
 # Places in the counts; the first four are also the reasons for a choice.
-BY_IDEAL, BY_NEAR, BY_WIDER, BY_ALL, CANDIDATES, CLASSICAL_COUNTS = range(6)
+BY_IDEAL, BY_NEAR, BY_WIDER, BY_ALL, TRIED, CLASSICAL_COUNTS = range(6)
 OCTAVE = 64  # sizes and lengths in the same one of so many parts of an octave are equal for the order
 LATER = 2.0**35  # more than there are edges
 
@@ -69,6 +78,7 @@ class Choices(NamedTuple):
 
     order: int
     search: int
+    circle: bool  # the ideal point makes the wanted circumradius, not the wanted sides
     reach: float  # the radius of the search: times the height of the ideal triangle, or times its sides
     roundness: float  # the least 2 r / R of a triangle with a candidate from this circle
     constant: float  # the wanted length if it is the same everywhere, otherwise 0
@@ -81,7 +91,7 @@ class Waiting(NamedTuple):
 
     keys: NDArray[np.float64]
     edges: NDArray[np.int64]  # 2^32 times the number of the edge, and its row
-    count: NDArray[np.int64]  # (1,)
+    many: NDArray[np.int64]  # (1,) how many edges
     measures: NDArray[np.float64]
     candidates: NDArray[np.int64]
 
@@ -126,8 +136,8 @@ def rank(front, choices, row):
 def wait(front, choices, waiting, row):
     """Put an edge of the front into the queue."""
     value = front.stamp[row] * 4294967296 + row
-    waiting.count[0] = push(
-        waiting.keys, waiting.edges, waiting.count[0], rank(front, choices, row), np.int64(value)
+    waiting.many[0] = push(
+        waiting.keys, waiting.edges, waiting.many[0], rank(front, choices, row), np.int64(value)
     )
 
 
@@ -141,10 +151,10 @@ def start_waiting(front, choices, waiting):
 
 @inline
 def next_waiting(front, waiting):
-    """The row of the next edge that is still at the front, -1 if there is none; its key to ``measures[0]``."""
-    while waiting.count[0] > 0:
+    """The row of the next edge that is at the front, -1 if there is none; its key to ``measures[0]``."""
+    while waiting.many[0] > 0:
         value, waiting.measures[0] = waiting.edges[0], waiting.keys[0]
-        waiting.count[0] = pop(waiting.keys, waiting.edges, waiting.count[0])
+        waiting.many[0] = pop(waiting.keys, waiting.edges, waiting.many[0])
         row = np.int64(value % 4294967296)
         if front.stamp[row] == value // 4294967296:
             return row
@@ -168,6 +178,9 @@ def ideal_point(front, choices, a, b):
     h = length_wanted(choices, mx + nx * length / (2.0 * ROOT3), my + ny * length / (2.0 * ROOT3))
     side = min(max(h, SHORTEST_SIDE * length), LONGEST_SIDE * length)
     d = sqrt(side * side - 0.25 * length * length)
+    if choices.circle:
+        r = max(side / ROOT3, 0.5 * length)
+        d = r + sqrt(r * r - 0.25 * length * length)
     return mx + nx * d, my + ny * d, side, h
 
 
@@ -237,7 +250,8 @@ def take(keys, values, count):
     while 2 * k + 1 < count:
         child = 2 * k + 1
         if child + 1 < count and (
-            keys[child + 1] < keys[child] or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
+            keys[child + 1] < keys[child]
+            or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
         ):
             child += 1
         if key < keys[child] or (key == keys[child] and value <= values[child]):
@@ -252,8 +266,8 @@ def take(keys, values, count):
 def note_tried(journal, counts, v, verdict):
     """Record a candidate and what was found about it."""
     if len(journal.tried) > 0:
-        journal.tried[counts[CANDIDATES], 0], journal.tried[counts[CANDIDATES], 1] = v, verdict
-    counts[CANDIDATES] += 1
+        journal.tried[counts[TRIED], 0], journal.tried[counts[TRIED], 1] = v, verdict
+    counts[TRIED] += 1
 
 
 @lean
@@ -283,7 +297,7 @@ def search_near(front, choices, waiting, journal, counts, row, side):
         v = what[0]
         count = take(heap, what, count)
         if v == n:
-            verdict = fault_of_new(front, row, n, CLEARANCE * side)
+            verdict = fault_of_new(front, row, n, KEPT_CLEAR * side)
         else:
             verdict = first_fault(front, a, b, v)
             if verdict == NO_FAULT and roundness(xy, a, b, v) < choices.roundness:
@@ -292,7 +306,7 @@ def search_near(front, choices, waiting, journal, counts, row, side):
         if verdict == NO_FAULT:
             return v
     if choices.search == ABOUT_IDEAL and may:
-        verdict = fault_of_new(front, row, n, CLEARANCE * side)
+        verdict = fault_of_new(front, row, n, KEPT_CLEAR * side)
         note_tried(journal, counts, np.int64(-1), verdict)
         if verdict == NO_FAULT:
             return n
@@ -301,7 +315,7 @@ def search_near(front, choices, waiting, journal, counts, row, side):
 
 @lean
 def search_wide(front, waiting, journal, counts, row, radius):
-    """The first valid vertex by circumradius in wider and wider squares: the vertex, and whether all were tried.
+    """The first valid vertex by circumradius in wider and wider squares, and whether all were tried.
 
     The vertex is -1 if there is none.
     """
@@ -317,7 +331,13 @@ def search_wide(front, waiting, journal, counts, row, radius):
             away = max(abs(xy[v, 0] - cx), abs(xy[v, 1] - cy))
             if v == a or v == b or away <= before or away > radius or turn(xy, a, b, v) <= 0:
                 continue
-            twice = (xy[b, 0] - xy[a, 0]) * (xy[v, 1] - xy[a, 1]) - (xy[b, 1] - xy[a, 1]) * (xy[v, 0] - xy[a, 0])
+            ux, uy, vx, vy = (
+                xy[b, 0] - xy[a, 0],
+                xy[b, 1] - xy[a, 1],
+                xy[v, 0] - xy[a, 0],
+                xy[v, 1] - xy[a, 1],
+            )
+            twice = ux * vy - uy * vx
             measure = between(xy, a, v) * between(xy, v, b)
             count = put(heap, what, count, measure / twice if twice > 0.0 else inf, v)
         while count > 0:
@@ -334,19 +354,19 @@ def search_wide(front, waiting, journal, counts, row, radius):
 
 @lean
 def march(front, choices, waiting, journal, counts, limit):
-    """Make up to ``limit`` triangles; return how it ended: DONE, MORE, ROOM or STUCK."""
+    """Make up to ``limit`` triangles; return how it ended: DONE, MORE, ROOM or NONE_FITS."""
     state, wanted = front.state, len(journal.tried) > 0
     for _ in range(limit):
-        room = state[VERTEX_COUNT] + 4 < len(waiting.candidates) and waiting.count[0] + 4 < len(waiting.keys)
+        room = state[VERTEX_COUNT] + 4 < len(waiting.candidates) and waiting.many[0] + 4 < len(waiting.keys)
         if wanted:  # a step tries each vertex at most twice
-            room = room and counts[CANDIDATES] + 2 * state[VERTEX_COUNT] + 8 < len(journal.tried)
-            room = room and state[MADE] + 2 < len(journal.log)
+            room = room and counts[TRIED] + 2 * state[VERTEX_COUNT] + 8 < len(journal.tried)
+            room = room and state[TRIANGLES_MADE] + 2 < len(journal.log)
         if not (room and has_room(front)):
             return ROOM
         row = next_waiting(front, waiting)
         if row < 0:
             return DONE
-        before, k = counts[CANDIDATES], state[MADE]
+        before, k = counts[TRIED], state[TRIANGLES_MADE]
         a, b, n = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), state[VERTEX_COUNT]
         x, y, side, h = ideal_point(front, choices, a, b)
         front.xy[n, 0], front.xy[n, 1] = x, y
@@ -362,7 +382,7 @@ def march(front, choices, waiting, journal, counts, limit):
             c, whole = search_wide(front, waiting, journal, counts, row, radius)
             reason = BY_ALL if whole else BY_WIDER
             if c < 0:
-                return STUCK
+                return NONE_FITS
         counts[reason] += 1
         if wanted:
             journal.log[k, 0], journal.log[k, 1] = reason, before

@@ -17,6 +17,7 @@ from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
+from ...domain.derived import held_by
 from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...geometry.ordering import hilbert_order
@@ -33,7 +34,7 @@ from .classical import enter_all, no_apex, waiting_for
 from .classical_steps import Choices
 from .empty_circle import new_ahead
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
+from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
 
 __all__ = ["front_delaunay"]
 
@@ -66,36 +67,33 @@ def front_delaunay(
     Returns
     -------
     DomainMesh
-        A constrained Delaunay triangulation of the points and the boundary, with the cells in the order in which
-        they were made: ``simplices[:k]`` is the state after k of them, and in each the first two vertices are
-        the edge of the front, the third is the apex. Vertices are those of the domain, those that cut curves
-        and pieces, then the points, in their order.
-        ``counts``: "cells"; "cocircular" cells, whose circle has another visible vertex on it, so that another
-        choice would have been as good; "hidden" candidates, which were in the circle of a cell but not visible
-        from its edge, and which a test of all points would have taken for obstacles; "outside" points, which
-        were left out. With a size also "points", "circumcenters", "forced" cells and edges "set aside", from
-        making the points.
-        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R".
-        ``steps`` (with ``history``): "edge", "apex" and "cocircular", one row for each cell.
+        A constrained Delaunay triangulation of the points and the boundary, with the cells in the order in
+        which they were made: ``simplices[:k]`` is the state after k of them, and in each the first two
+        vertices are the edge of the front, the third is the apex. Vertices are those of the domain, those
+        that cut curves and pieces, then the points, in their order. ``counts``: "cells"; "cocircular" cells,
+        whose circle has another visible vertex on it, so that another choice would have been as good;
+        "hidden" candidates, which were in the circle of a cell but not visible from its edge, and which a
+        test of all points would have taken for obstacles; "outside" points, which were left out. With a size
+        also "points", "circumcenters", "forced" cells and edges "set aside", from making the points.
+        ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R". ``steps`` (with
+        ``history``): "edge", "apex" and "cocircular", one row for each cell.
 
     Raises
     ------
     InputError
-        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the first
-        such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
+        first such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
 
-    Notes
-    -----
-    The apex of a front edge is the visible vertex on its left whose circle with the edge has no other one
-    inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge may have no
-    apex. The proof that there always is one, and that the result is constrained Delaunay, is in `empty_circle`.
-    No other triangulation is used. A search goes through digital trees of the vertices and edges of the front,
-    expected O(log n) for even distributions; if k vertices are on one circle up to rounding and none inside, each of
-    them costs O(k). All signs are exact.
+    Notes ----- The apex of a front edge is the visible vertex on its left whose circle with the edge has no
+    other one inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge
+    may have no apex. The proof that there always is one, and that the result is constrained Delaunay, is in
+    `empty_circle`. No other triangulation is used. A search goes through digital trees of the vertices and
+    edges of the front, expected O(log n) for even distributions; if k vertices are on one circle up to
+    rounding and none inside, each of them costs O(k). All signs are exact.
 
-    With a size the points come first, from a front of their own that takes the widest cell first; then they are
-    triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986)
-    201-217, for visibility. Book: 3.4.
+    With a size the points come first, from a front of their own that takes the widest cell first; then they
+    are triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1
+    (1986) 201-217, for visibility. Book: 3.4.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain, history = as_domain(domain), as_flag(history, "history")
@@ -107,7 +105,8 @@ def front_delaunay(
     with progress_bar(progress, " cells") as bar:
         if points is not None:
             sampled = _with_points(domain, points).sampled()
-            _refuse_on_curves(sampled, len(domain.points), points)
+            _refuse_on_curves(sampled, points, len(domain.points) + len(points))
+            _refuse_on_chords(sampled, points, len(domain.points))
             rows = sampled.points
         else:
             sampled = domain.sampled(points_or_size)
@@ -137,10 +136,14 @@ def front_delaunay(
 
 def _as_given(value: Any) -> NDArray[np.float64] | None:
     """The points, or None if the value is a size."""
-    if not isinstance(value, (list, tuple, np.ndarray)) or np.ndim(value) == 0:
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        return None
+    if isinstance(value, np.ndarray) and value.ndim != 2:
+        return None
+    if len(value) and not isinstance(value[0], (list, tuple, np.ndarray)):
         return None
     rows = as_points(value) if len(value) else np.empty((0, 2))
-    if rows.ndim != 2 or rows.shape[1] != 2:
+    if rows.shape[1] != 2:
         raise InputError(f"points must have shape (k, 2), not {rows.shape}; a size is a number or a function")
     return rows
 
@@ -159,25 +162,42 @@ def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
     if len(on):
         i, s = on[np.argmin(on[:, 0])].tolist()
         raise InputError(
-            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or make it "
-            "a vertex of the domain that divides the piece"
+            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or "
+            "make it a vertex of the domain that divides the piece"
         )
-    return Domain(
+    _refuse_on_curves(domain.sampled(), points, len(domain.points))
+    given = Domain(
         rows, domain.facets, inner=domain.inner, curves=domain.curves, markers=domain.markers,
         regions=domain.regions,
     )  # fmt: skip
+    return held_by(given, domain.spacings, domain.matches)
 
 
-def _refuse_on_curves(sampled: Sampled, n: int, points: NDArray[np.float64]) -> None:
-    """Refuse points, vertices n and on, that lie on a chord of a curve or are where one ends."""
-    mine, rest = np.arange(n, n + len(points)), sampled.points[n + len(points) :]
-    place = {tuple(x): i for i, x in enumerate(points.tolist())} if len(rest) else {}
-    on = [place[x] for x in map(tuple, rest.tolist()) if x in place]
-    on += (vertices_on_segments(sampled.points, mine, sampled.ends)[:, 0] - n).tolist()
+def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:
+    """Refuse points where chords of curves end, which are the points of ``sampled`` from ``known`` on.
+
+    Other points that are on a curve up to rounding make the domain cut it there, or are refused by it.
+    """
+    rest = sampled.points[known:].tolist()
+    place = {tuple(x): i for i, x in enumerate(points.tolist())} if rest else {}
+    on = [place[x] for x in map(tuple, rest) if x in place]
     if on:
         raise InputError(
-            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make it a "
-            "vertex of the domain that divides the curve"
+            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make "
+            "it a vertex of the domain that divides the curve"
+        )
+
+
+def _refuse_on_chords(sampled: Sampled, points: NDArray[np.float64], n: int) -> None:
+    """Refuse points, vertices n and on, that lie on a chord of a curve: such a chord would have to be cut."""
+    mine = np.arange(n, n + len(points))
+    on = vertices_on_segments(sampled.points, mine, sampled.ends)
+    if len(on):
+        i, s = on[np.argmin(on[:, 0])].tolist()
+        a, b = sampled.points[sampled.ends[s]].tolist()
+        raise InputError(
+            f"points[{i - n}] = {points[i - n].tolist()} lies on the chord from {a} to {b} of piece "
+            f"{sampled.piece[s]}, which is a curve: move it, or divide the curve by a vertex"
         )
 
 
@@ -186,7 +206,8 @@ def _first_front(
 ) -> OpenFront:
     """The front of the boundary, with all vertices inside that it does not use; found by exact parity.
 
-    With ``order``, vertex i of the front is row ``order[i]``: along a curve, so that neighbors are near in memory.
+    With ``order``, vertex i of the front is row ``order[i]``: along a curve, so that neighbors are near in
+    memory.
     """
     order = np.arange(len(rows)) if order is None else order
     number = np.empty(len(rows), dtype=np.int64)
@@ -203,7 +224,10 @@ def _first_front(
         inner = inner[right_parity(rows, outer, inner)]
     left = left_parity(rows, outer)
     edges = np.concatenate(
-        [np.where(left[:, None], outer, outer[:, ::-1]), np.stack([inner, inner[:, ::-1]], axis=1).reshape(-1, 2)]
+        [
+            np.where(left[:, None], outer, outer[:, ::-1]),
+            np.stack([inner, inner[:, ::-1]], axis=1).reshape(-1, 2),
+        ]
     )
     free = np.ones(len(rows), dtype=bool)
     free[sampled.ends.ravel()] = False
@@ -226,19 +250,19 @@ def _wrapped(
     ties = np.zeros(len(front.made), dtype=bool)
     k.start_in_turn(front, waiting)
     while True:
-        before = int(front.state[MADE])
+        before = int(front.state[TRIANGLES_MADE])
         ahead.found[3] = 0
         code = k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL)
-        bar.update(int(front.state[MADE]) - before)
+        bar.update(int(front.state[TRIANGLES_MADE]) - before)
         if code == DONE:
             break
-        if code == k.MISSING:
+        if code == k.WITHOUT_APEX:
             raise MeshError(no_apex(front, factor))
         if code == ROOM:
             front = larger_front(front)
             waiting = waiting_for(front, waiting)
             ties = np.concatenate([ties, np.zeros(len(front.made) - len(ties), dtype=bool)])
-    m = int(front.state[MADE])
+    m = int(front.state[TRIANGLES_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
 
@@ -246,31 +270,31 @@ def _wrapped(
 def _points_ahead(
     domain: Domain, sampled: Sampled, size: Any, budget: int, bar: Any
 ) -> tuple[NDArray[np.float64], dict[str, int], bool]:
-    """New points ahead of the front, in the order in which they were made; counts; whether the budget is spent."""
+    """New points ahead of the front, in the order of making; counts; whether the budget is spent."""
     if isinstance(size, Mapping):
         size = size_by_region(planar_complex(domain, size), size, domain.regions)
     field, (lower, upper) = as_size(size), domain.bounds
     factor, n = power_of_two(sampled.points), len(sampled.points)
     table = field.table(lower, upper, factor=factor, tolerance=TOLERANCE).nodes
     constant = 0.0 if field.constant is None else float(table.values[0, 0])
-    choices = Choices(0, 0, 1.0, 0.0, constant, n + budget, table)
+    choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
     waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
     k.start_widest(front, choices, ahead, waiting)
     while True:
-        before = int(front.state[MADE])
+        before = int(front.state[TRIANGLES_MADE])
         ahead.found[3] = 0
         code = k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL)
-        bar.update(int(front.state[MADE]) - before)
+        bar.update(int(front.state[TRIANGLES_MADE]) - before)
         if code == DONE:
             break
-        if code == k.MISSING:
+        if code == k.WITHOUT_APEX:
             raise MeshError(no_apex(front, factor))
         if code == ROOM:
             front = larger_front(front)
             waiting = waiting_for(front, waiting)
     names = {
-        "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.CENTERS]),
+        "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.AT_CENTERS]),
         "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
     }  # fmt: skip
     stop = int(front.state[VERTEX_COUNT])

@@ -1,10 +1,12 @@
-"""The advancing front of 12.3.4, compiled: cell by cell by the empty circle, and new points ahead of the front.
+"""The advancing front of 12.3.4, compiled: cell by cell by the empty circle, and new points ahead of the
+front.
 
-`wrap` makes the constrained Delaunay triangulation of the vertices at the front. `place_ahead` makes points: where
-the circumradius of the cell ahead is larger than wanted, it puts the ideal point X into its circle, which makes
-ABX the cell. X is not made where a vertex is nearer than `APART` times the wanted length, or an edge of the front
-nearer than `OFF_EDGES`. Then the edge is put aside, since the front may reach it from elsewhere. If it comes back,
-the circumcenter is tried, and in the end the cell is taken as it is. Source: the source chapter, 12.3.4. Book: 3.4.
+`wrap` makes the constrained Delaunay triangulation of the vertices at the front. `place_ahead` makes
+points: where the circumradius of the cell ahead is larger than wanted, it puts the ideal point X into its
+circle, which makes ABX the cell. X is not made where a vertex is nearer than `POINTS_APART` times the
+wanted length, or an edge of the front nearer than `OFF_EDGES`. Then the edge is put aside, since the front
+may reach it from elsewhere. If it comes back, the circumcenter is tried, and in the end the cell is taken
+as it is. Source: the source chapter, 12.3.4. Book: 3.4.
 """
 
 from __future__ import annotations
@@ -18,28 +20,58 @@ from ...base.heap import push
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle
 from ...sizing.table import ROOT3
-from .classical_steps import LATER, OCTAVE, between, ideal_point, is_near, length_wanted, level_of, next_waiting
+from .classical_steps import (
+    LATER,
+    OCTAVE,
+    between,
+    ideal_point,
+    is_near,
+    length_wanted,
+    level_of,
+    next_waiting,
+)
 from .digital_tree import gather
 from .empty_circle import apex_ahead, apex_within, cap_of
-from .open_front import MADE, VERTEX_COUNT, advance_over, blocking_edge, enter_vertex, has_room, turn
+from .open_front import (
+    TRIANGLES_MADE,
+    VERTEX_COUNT,
+    advance_over,
+    blocking_edge,
+    enter_vertex,
+    has_room,
+    turn,
+)
 
-__all__ = ["CENTERS", "FORCED_CELLS", "HIDDEN_TIMES", "MISSING", "PLACED", "SET_ASIDE", "TIES", "WRAP_COUNTS", "place_ahead", "start_in_turn", "start_widest", "wrap"]
+__all__ = [
+    "AT_CENTERS",
+    "FORCED_CELLS",
+    "HIDDEN_TIMES",
+    "PLACED",
+    "SET_ASIDE",
+    "TIES",
+    "WITHOUT_APEX",
+    "WRAP_COUNTS",
+    "place_ahead",
+    "start_in_turn",
+    "start_widest",
+    "wrap",
+]
 
-MISSING = 9  # no apex: the boundary is not valid
-PLACED, CENTERS, FORCED_CELLS, SET_ASIDE, TIES, HIDDEN_TIMES, WRAP_COUNTS = range(7)
+WITHOUT_APEX = 9  # no apex: the boundary is not valid
+PLACED, AT_CENTERS, FORCED_CELLS, SET_ASIDE, TIES, HIDDEN_TIMES, WRAP_COUNTS = range(7)
 NODES_A_CALL = 10_000_000  # visited nodes, a fraction of a second: Ctrl-C works between calls
 SMALL_ENOUGH = 1.2  # times the wanted circumradius
-APART, OFF_EDGES = 0.8, 0.35  # times the sides
+POINTS_APART, OFF_EDGES = 0.8, 0.35  # times the sides
 ASIDE_AFTER = 2.0**46  # edges that were put aside come after all others
-WIDE = 4.0
-WIDEST_LEVEL = 3 * OCTAVE  # that of `WIDE`
+WIDE_CELL = 4.0
+WIDEST_LEVEL = 3 * OCTAVE  # that of `WIDE_CELL`
 
 
 @inline
 def in_turn(front, waiting, row, key):
     """Put an edge into the queue."""
     value = front.stamp[row] * 4294967296 + row
-    waiting.count[0] = push(waiting.keys, waiting.edges, waiting.count[0], key, np.int64(value))
+    waiting.many[0] = push(waiting.keys, waiting.edges, waiting.many[0], key, np.int64(value))
 
 
 @lean
@@ -53,17 +85,18 @@ def start_in_turn(front, waiting):
 @inline
 def is_full(front, waiting):
     """Whether one more step needs larger arrays."""
-    return not has_room(front) or waiting.count[0] + 4 >= len(waiting.keys)
+    return not has_room(front) or waiting.many[0] + 4 >= len(waiting.keys)
 
 
 @lean
 def wrap(front, ahead, waiting, ties, counts, limit):
-    """Make up to ``limit`` cells by the empty circle: DONE, MORE, ROOM, or MISSING for the first edge of the queue.
+    """Make up to ``limit`` cells by the empty circle; return DONE, MORE, ROOM, or WITHOUT_APEX.
 
-    The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another visible vertex on it.
+    The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another
+    visible vertex on it.
     """
     for _ in range(limit):
-        if is_full(front, waiting) or front.state[MADE] >= len(ties):
+        if is_full(front, waiting) or front.state[TRIANGLES_MADE] >= len(ties):
             return ROOM
         if ahead.found[3] > NODES_A_CALL:
             break
@@ -73,8 +106,8 @@ def wrap(front, ahead, waiting, ties, counts, limit):
         c = apex_ahead(front, ahead, row)
         if c < 0:
             in_turn(front, waiting, row, -1.0)
-            return MISSING
-        ties[front.state[MADE]] = ahead.found[1]
+            return WITHOUT_APEX
+        ties[front.state[TRIANGLES_MADE]] = ahead.found[1]
         counts[TIES] += ahead.found[1]
         counts[HIDDEN_TIMES] += ahead.found[2]
         one, two = advance_over(front, row, c)
@@ -90,10 +123,10 @@ def wrap(front, ahead, waiting, ties, counts, limit):
 
 @lean
 def has_place(front, row, c, x, side):
-    """Whether the unused vertex x ahead of an edge with the apex c has room: 1, 0, or -1 if c is too near to it."""
+    """Whether the unused vertex x ahead of an edge has room: 1, 0, or -1 if the apex c is too near to it."""
     xy, found = front.xy, front.vertices.found
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
-    px, py, least = xy[x, 0], xy[x, 1], APART * side
+    px, py, least = xy[x, 0], xy[x, 1], POINTS_APART * side
     if not (abs(px) <= 1.0 and abs(py) <= 1.0):
         return 0
     nearest, near = np.int64(-1), least
@@ -106,7 +139,9 @@ def has_place(front, row, c, x, side):
     found, least = front.edges.found, OFF_EDGES * side
     for i in range(gather(front.edges, px - least, py - least, px + least, py + least)):
         other = np.int64(found[i])
-        if other != row and is_near(xy, x, np.int64(front.ends[other, 0]), np.int64(front.ends[other, 1]), least):
+        if other != row and is_near(
+            xy, x, np.int64(front.ends[other, 0]), np.int64(front.ends[other, 1]), least
+        ):
             return 0
     return 1 if blocking_edge(front, a, b, x) < 0 else 0
 
@@ -123,15 +158,15 @@ def width_of(front, choices, a, b, c):
     xy = front.xy
     x, y = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0, (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     twice = (xy[b, 0] - xy[a, 0]) * (xy[c, 1] - xy[a, 1]) - (xy[b, 1] - xy[a, 1]) * (xy[c, 0] - xy[a, 0])
-    if not twice > 0.0:
+    below = 2.0 * twice * length_wanted(choices, x, y)
+    if not below > 0.0:
         return inf
-    product = between(xy, a, b) * between(xy, b, c) * between(xy, c, a)
-    return product * ROOT3 / (2.0 * twice * length_wanted(choices, x, y))
+    return between(xy, a, b) * between(xy, b, c) * between(xy, c, a) * ROOT3 / below
 
 
 @inline
 def pulled_back(xy, a, b, x, y, cx, cy):
-    """The ideal point no farther from the middle of ab than the center of the circle, or than a quarter of |ab|."""
+    """The ideal point, no farther from the middle of ab than the center of the circle, or |ab| / 4."""
     mx, my = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
     ux, uy, vx, vy = x - mx, y - my, cx - mx, cy - my
     q = sqrt(vx * vx + vy * vy) if ux * vx + uy * vy > 0.0 else 0.0
@@ -178,14 +213,14 @@ def try_ideal(front, counts, row, c, x, y, side):
 
 @lean
 def choose_ahead(front, choices, ahead, counts, row, aside):
-    """The vertex to be taken; -1 if the edge is to be put aside, -2 if a circumcenter was made, -3 for no apex."""
+    """The vertex to be taken; -1: put the edge aside, -2: a circumcenter was made, -3: no apex."""
     xy, n = front.xy, front.state[VERTEX_COUNT]
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     x, y, side, _ = ideal_point(front, choices, a, b)
-    room = side > 0.0 and n < choices.most
+    dx, dy = x - 0.5 * (xy[a, 0] + xy[b, 0]), y - 0.5 * (xy[a, 1] + xy[b, 1])
+    d, length = sqrt(dx * dx + dy * dy), between(xy, a, b)
+    room = side > 0.0 and d * length > 0.0 and n < choices.most  # d may be lost to rounding
     if room:  # usually no larger circles need be searched
-        dx, dy = x - 0.5 * (xy[a, 0] + xy[b, 0]), y - 0.5 * (xy[a, 1] + xy[b, 1])
-        d, length = sqrt(dx * dx + dy * dy), between(xy, a, b)
         k = (d * d - 0.25 * length * length) / (2.0 * d * length)
         c = apex_within(front, ahead, row, max(center_at(front, choices, row, 1.1 * SMALL_ENOUGH), k + 0.1))
         if c < 0:
@@ -202,7 +237,7 @@ def choose_ahead(front, choices, ahead, counts, row, aside):
         return v
     xy[n, 0], xy[n, 1], r2 = cap_of(xy, a, b, c)
     if r2 < inf and turn(xy, a, b, n) > 0 and has_place(front, row, np.int64(-1), n, side) == 1:
-        counts[CENTERS] += 1
+        counts[AT_CENTERS] += 1
         front.state[VERTEX_COUNT] += 1
         enter_vertex(front, n)
         return np.int64(-2)
@@ -214,9 +249,9 @@ def choose_ahead(front, choices, ahead, counts, row, aside):
 def push_ahead(front, choices, ahead, waiting, row):
     """Put an edge into the queue by the width of the cell ahead of it, the widest first.
 
-    All widths above `WIDE` are equal, so that no wide circles are searched.
+    All widths above `WIDE_CELL` are equal, so that no wide circles are searched.
     """
-    c, key = apex_within(front, ahead, row, center_at(front, choices, row, WIDE)), 0.0
+    c, key = apex_within(front, ahead, row, center_at(front, choices, row, WIDE_CELL)), 0.0
     if c >= 0:
         width = width_of(front, choices, np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), c)
         key = float(max(WIDEST_LEVEL - level_of(max(width, 1e-3)), 0))
@@ -233,11 +268,11 @@ def start_widest(front, choices, ahead, waiting):
 
 @lean
 def place_ahead(front, choices, ahead, waiting, counts, limit):
-    """Advance by up to ``limit`` cells and make points ahead of the front: DONE, MORE, ROOM or MISSING."""
+    """Make up to ``limit`` cells, and points ahead of the front; return as `wrap` does."""
     for _ in range(limit):
         if is_full(front, waiting):
             return ROOM
-        if waiting.count[0] == 0:
+        if waiting.many[0] == 0:
             return DONE
         row = next_waiting(front, waiting)
         if row < 0:
@@ -246,7 +281,7 @@ def place_ahead(front, choices, ahead, waiting, counts, limit):
         c = choose_ahead(front, choices, ahead, counts, row, aside)
         if c == -3:
             in_turn(front, waiting, row, -1.0)
-            return MISSING
+            return WITHOUT_APEX
         if c == -1:
             counts[SET_ASIDE] += 1
             in_turn(front, waiting, row, ASIDE_AFTER + float(front.stamp[row]))

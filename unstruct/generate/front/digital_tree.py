@@ -1,15 +1,15 @@
 """An alternating digital tree of boxes in the plane that come and go, for kernels.
 
-Every node of the tree *is* an item, and every node owns a rectangle: the root that of all coordinates, a child
-one half of that of its parent, which is divided across its longer side. A new item walks down, always into the
-half that contains its center, to the first free place. So the shape of the tree follows from the centers, as
-that of a trie follows from digits, and it adapts to graded sizes without any choice of a cell width. If an item
-leaves, a leaf from below takes its place. Items have a half width, and each node knows the largest one below
-it: a search leaves out all nodes whose rectangle, widened by it, does not meet the window.
+Every node of the tree *is* an item, and every node owns a rectangle: the root that of all coordinates, a
+child one half of that of its parent, which is divided across its longer side. A new item walks down, always
+into the half that contains its center, to the first free place. So the shape of the tree follows from the
+centers, as that of a trie follows from digits, and it adapts to graded sizes without any choice of a cell
+width. If an item leaves, a leaf from below takes its place. Items have a half width, and each node knows the
+largest one below it: a search leaves out all nodes whose rectangle, widened by it, does not meet the window.
 
-One step down halves a rectangle, so that the depth is about log2 n for even distributions, and at most n for any.
-Source: J. Bonet, J. Peraire, International Journal for Numerical Methods in Engineering 31 (1991) 1-17, where
-boxes are points of a space of four dimensions; widths replace two of them here. Book: 3.1.
+One step down halves a rectangle, so that the depth is about log2 n for even distributions, and at most n for
+any. Source: J. Bonet, J. Peraire, International Journal for Numerical Methods in Engineering 31 (1991) 1-17,
+where boxes are points of a space of four dimensions; widths replace two of them here. Book: 3.1.
 """
 
 from __future__ import annotations
@@ -23,17 +23,19 @@ from ...base.jit import inline, lean
 
 __all__ = ["LOWER", "UPPER", "DigitalTree", "gather", "larger_tree", "new_tree", "plant", "planted", "pull"]
 
-LOWER, UPPER, ABOVE = range(3)  # columns of the links: the two children, and the parent
-X, Y, HALF, REACH = range(4, 8)  # columns of the places, after the rectangle
+LOWER, UPPER, PARENT = range(3)  # columns of the links: the two children, and the parent
+X, Y, HALF_WIDTH, WIDEST_BELOW = range(4, 8)  # columns of the places, after the rectangle
 NOT_PLANTED = -2  # instead of a parent
-ROUNDING = 1e-15  # more than the center and the half width of an item can be wrong, as |coordinates| <= 1
+PLACE_ROUNDING = (
+    1e-15  # more than the center and the half width of an item can be wrong, as |coordinates| <= 1
+)
 
 
 class DigitalTree(NamedTuple):
     """The arrays of a tree; the row of an item is its number."""
 
-    # (., 8) The rectangle of the node (smallest x and y, largest x and y), the center of the item and its half
-    # width, and the largest half width at the node and below: one line of the cache.
+    # (., 8) The rectangle of the node (smallest x and y, largest x and y), the center of the item and its
+    # half width, and the largest half width at the node and below: one line of the cache.
     place: NDArray[np.float64]
     links: NDArray[np.int32]  # (., 3)
     root: NDArray[np.int64]  # (1,) -1 if the tree is empty
@@ -61,7 +63,7 @@ def larger_tree(tree: DigitalTree, capacity: int) -> DigitalTree:
 @inline
 def planted(tree, i):
     """Whether item i is in the tree."""
-    return tree.links[i, ABOVE] != NOT_PLANTED
+    return tree.links[i, PARENT] != NOT_PLANTED
 
 
 @inline
@@ -83,21 +85,21 @@ def half_of(tree, node, x, y):
 def plant(tree, i, x, y, half):
     """Put item i into the tree: its center, with |x|, |y| <= 1, and its half width."""
     links, place = tree.links, tree.place
-    place[i, X], place[i, Y], place[i, HALF], place[i, REACH] = x, y, half, half
+    place[i, X], place[i, Y], place[i, HALF_WIDTH], place[i, WIDEST_BELOW] = x, y, half, half
     links[i, LOWER] = links[i, UPPER] = -1
     node = tree.root[0]
     if node < 0:
         tree.root[0] = i
-        links[i, ABOVE] = -1
+        links[i, PARENT] = -1
         place[i, 0], place[i, 1], place[i, 2], place[i, 3] = -1.0, -1.0, 1.0, 1.0
         return
     while True:
-        place[node, REACH] = max(place[node, REACH], half)
+        place[node, WIDEST_BELOW] = max(place[node, WIDEST_BELOW], half)
         side, x0, y0, x1, y1 = half_of(tree, node, x, y)
         child = links[node, side]
         if child < 0:
             links[node, side] = i
-            links[i, ABOVE] = node
+            links[i, PARENT] = node
             place[i, 0], place[i, 1], place[i, 2], place[i, 3] = x0, y0, x1, y1
             return
         node = np.int64(child)
@@ -113,7 +115,7 @@ def pull(tree, i):
         if child < 0:
             break
         leaf = np.int64(child)
-    up = np.int64(links[leaf, ABOVE])
+    up = np.int64(links[leaf, PARENT])
     if up < 0:
         tree.root[0] = -1
     else:
@@ -125,33 +127,38 @@ def pull(tree, i):
             links[leaf, k] = links[i, k]
         for k in range(2):
             if links[leaf, k] >= 0:
-                links[links[leaf, k], ABOVE] = leaf
-        above = links[leaf, ABOVE]
+                links[links[leaf, k], PARENT] = leaf
+        above = links[leaf, PARENT]
         if above < 0:
             tree.root[0] = leaf
         else:
             links[above, UPPER if links[above, UPPER] == i else LOWER] = leaf
         if up == i:
             up = leaf
-    links[i, ABOVE] = NOT_PLANTED
+    links[i, PARENT] = NOT_PLANTED
     settled = leaf == i  # whether all places that have changed are below
     while up >= 0:
-        widest = place[up, HALF]
+        widest = place[up, HALF_WIDTH]
         for k in range(2):
             if links[up, k] >= 0:
-                widest = max(widest, place[links[up, k], REACH])
+                widest = max(widest, place[links[up, k], WIDEST_BELOW])
         settled = settled or up == leaf
-        if settled and up != leaf and widest == place[up, REACH]:
+        if settled and up != leaf and widest == place[up, WIDEST_BELOW]:
             break
-        place[up, REACH] = widest
-        up = np.int64(links[up, ABOVE])
+        place[up, WIDEST_BELOW] = widest
+        up = np.int64(links[up, PARENT])
 
 
 @inline
 def misses(place, node, x0, y0, x1, y1):
     """Whether no item at a node and below meets the window."""
-    r = place[node, REACH] + ROUNDING
-    return place[node, 0] - r > x1 or place[node, 2] + r < x0 or place[node, 1] - r > y1 or place[node, 3] + r < y0
+    r = place[node, WIDEST_BELOW] + PLACE_ROUNDING
+    return (
+        place[node, 0] - r > x1
+        or place[node, 2] + r < x0
+        or place[node, 1] - r > y1
+        or place[node, 3] + r < y0
+    )
 
 
 @lean
@@ -168,7 +175,7 @@ def gather(tree, x0, y0, x1, y1):
     while depth > 0:
         depth -= 1
         node = np.int64(stack[depth])
-        h, x, y = place[node, HALF] + ROUNDING, place[node, X], place[node, Y]
+        h, x, y = place[node, HALF_WIDTH] + PLACE_ROUNDING, place[node, X], place[node, Y]
         if x - h <= x1 and x + h >= x0 and y - h <= y1 and y + h >= y0:
             found[count] = node
             count += 1

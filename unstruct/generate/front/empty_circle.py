@@ -1,25 +1,26 @@
-"""The apex of a front edge by the empty circle, without a triangulation; and cells made of nothing else, compiled.
+"""The apex of a front edge by the empty circle, without a triangulation; and cells made of nothing else,
+compiled.
 
-The apex of the front edge AB is, of all vertices at the front that are *visible* from AB, the one whose circle
-with A and B has no other of them inside. C is visible if no edge of the front meets the open triangle ABC. Only
-the left side of AB counts, where nothing is meshed:
+The apex of the front edge AB is, of all vertices at the front that are *visible* from AB, the one whose
+circle with A and B has no other of them inside. C is visible if no edge of the front meets the open triangle
+ABC. Only the left side of AB counts, where nothing is meshed:
 
             . - .
           .   C   .          Circles through A and B grow steadily on the left of AB as their centers move to
-         .  /   \\  .         the left. So one comparison orders all candidates: C comes before D if C is inside
-         . /     \\ .         the circle ABD. The apex is the first visible one in this order.
+         .  /   \\  .         the left. So one comparison orders all candidates: C is before D if it is inside
+         . /     \\ .         the circle ABD. The apex is the first visible one.
           A-------B
                              D
 
 **Why it exists, and why the result is constrained Delaunay.** What is not meshed has a constrained Delaunay
-triangulation, with the front as its segments. Let ABC be its triangle on AB. It is free, so C is visible. If D
-came before C and were visible, the triangle ABD would be free, too; near AB both triangles have points in
-common, from which D is seen inside the circle of ABC, which contradicts the definition. So the rule finds C, or
-a vertex on the same circle, and then another constrained Delaunay triangulation of the rest. With *all* points
-in the place of the visible ones on the left there may be no apex: see the book.
+triangulation, with the front as its segments. Let ABC be its triangle on AB. It is free, so C is visible. If
+D came before C and were visible, the triangle ABD would be free, too; near AB both triangles have points in
+common, from which D is seen inside the circle of ABC, which contradicts the definition. So the rule finds C,
+or a vertex on the same circle, and then another constrained Delaunay triangulation of the rest. With *all*
+points in the place of the visible ones on the left there may be no apex: see the book.
 
-The search goes down the digital tree of the vertices, nearest parts first. It leaves out whatever is on the right
-of AB, outside of the best circle so far, or in the shade of edges that have hidden other candidates.
+The search goes down the digital tree of the vertices, nearest parts first. It leaves out whatever is on the
+right of AB, outside of the best circle so far, or in the shade of edges that have hidden other candidates.
 """
 
 from __future__ import annotations
@@ -38,7 +39,10 @@ from .open_front import blocking_edge, meets_inside, turn
 __all__ = ["Ahead", "apex_ahead", "apex_within", "cap_of", "new_ahead"]
 
 SHADES = 4  # edges that have hidden candidates are remembered, the latest so many
-FIRST_CAP, CAP_GROWTH = 0.6, 12.0  # times |AB|: the centers of the circles that are searched, one after the other
+FIRST_CAP, CAP_GROWTH = (
+    0.6,
+    12.0,
+)  # times |AB|: the centers of the circles that are searched, one after the other
 FLAT_CAP = 1e4  # a center so many times |AB| away: its circle is taken for a straight line
 
 
@@ -46,7 +50,9 @@ class Ahead(NamedTuple):
     """What the search for an apex needs besides the front."""
 
     shade: NDArray[np.int32]  # (SHADES, 2) edges that hide, with AB on their right
-    found: NDArray[np.int64]  # (4,) the apex; 1 if another is on its circle; how many were hidden; visited nodes
+    found: NDArray[
+        np.int64
+    ]  # (4,) the apex; 1 if another is on its circle; how many were hidden; visited nodes
 
 
 def new_ahead() -> Ahead:
@@ -74,7 +80,8 @@ def center_of(xy, a, b, c):
 
 @inline
 def cap_at(xy, a, b, k):
-    """The circle through a and b whose center is k |ab| to the left of their middle: center and squared radius.
+    """The circle through a and b whose center is k |ab| to the left of their middle: center and squared
+    radius.
 
     It is rounded so that its part on the left of ab is never too small; inf stands for the half-plane.
     """
@@ -94,7 +101,7 @@ def cap_of(xy, a, b, c):
 
 @inline
 def all_right(ax, ay, nx, ny, place, node):
-    """Whether the whole rectangle of a node is on the negative side of the line through (ax, ay): n (p - a) < 0."""
+    """Whether n (p - a) < 0 for the whole rectangle of a node."""
     px = (place[node, 2] if nx > 0.0 else place[node, 0]) - ax
     py = (place[node, 3] if ny > 0.0 else place[node, 1]) - ay
     one, two = nx * px, ny * py

@@ -134,7 +134,9 @@ def quality_figures(points: NDArray[np.float64], triangles: NDArray[np.int32]) -
         sine = twice * short / (p * q * r)
     return {
         "triangles": float(len(triangles)),
-        "minimum angle": float(np.degrees(np.arcsin(np.clip(np.nan_to_num(sine), 0.0, 0.75**0.5))).min(initial=90.0)),
+        "minimum angle": float(
+            np.degrees(np.arcsin(np.clip(np.nan_to_num(sine), 0.0, 0.75**0.5))).min(initial=90.0)
+        ),
         "minimum 2r/R": float(np.nan_to_num(ratio).min(initial=1.0)),
         "mean 2r/R": float(np.nan_to_num(ratio).mean()) if len(ratio) else 0.0,
     }

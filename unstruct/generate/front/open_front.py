@@ -1,18 +1,19 @@
 """The front as a set of directed edges with what is not meshed on their left, and the exact tests, compiled.
 
 The edges and the vertices at the front are in two digital trees. A loose vertex, inside and on no edge, is at
-the front until a triangle reaches it. A new triangle ABC on the front edge AB changes the front by a symmetric
-difference:
+the front until a triangle reaches it. A new triangle ABC on the front edge AB changes the front by a
+symmetric difference:
 
             C            AB leaves. CA leaves if it is at the front (what is not meshed is on its left, and
            / \\           that is the triangle); otherwise AC enters, and what is beyond it is not meshed.
           /   \\          BC leaves, or CB enters.
          A-----B
 
-`first_fault` decides by exact signs whether a triangle may be made. It may if C is strictly on the left of AB,
-no edge of the front meets the open triangle, and no vertex of the front is in the closed triangle, besides its
-corners. Then all of the open triangle is unmeshed: it is connected, it is unmeshed along AB, and whoever leaves
-what is unmeshed crosses the front. In particular no hole is swallowed, since its vertices would be inside.
+`first_fault` decides by exact signs whether a triangle may be made. It may if C is strictly on the left of
+AB, no edge of the front meets the open triangle, and no vertex of the front is in the closed triangle,
+besides its corners. Then all of the open triangle is unmeshed: it is connected, it is unmeshed along AB, and
+whoever leaves what is unmeshed crosses the front. In particular no hole is swallowed, since its vertices
+would be inside.
 """
 
 from __future__ import annotations
@@ -28,15 +29,32 @@ from ...predicates.kernels import orient2
 from .digital_tree import DigitalTree, gather, larger_tree, new_tree, plant, planted, pull
 
 __all__ = [
-    "ALIVE", "BEHIND", "CROSSED", "FREE_ROW", "HOLDS", "MADE", "NO_FAULT", "ROWS", "STAMP", "VERTEX_COUNT",
-    "OpenFront", "advance_over", "enter_edge", "enter_vertex", "first_fault", "has_room", "larger_front", "meets_inside",
-    "new_front", "row_of",
+    "ALIVE",
+    "CROSSED",
+    "EDGE_STAMP",
+    "FREE_ROW",
+    "HOLDS",
+    "NOT_LEFT",
+    "NO_FAULT",
+    "ROWS",
+    "TRIANGLES_MADE",
+    "VERTEX_COUNT",
+    "OpenFront",
+    "advance_over",
+    "enter_edge",
+    "enter_vertex",
+    "first_fault",
+    "has_room",
+    "larger_front",
+    "meets_inside",
+    "new_front",
+    "row_of",
 ]  # fmt: skip
 
 # Places in the state.
-ROWS, FREE_ROW, ALIVE, STAMP, VERTEX_COUNT, MADE, FRONT_STATE = range(7)
+ROWS, FREE_ROW, ALIVE, EDGE_STAMP, VERTEX_COUNT, TRIANGLES_MADE, FRONT_STATE = range(7)
 # What `first_fault` finds.
-NO_FAULT, BEHIND, CROSSED, HOLDS = range(4)
+NO_FAULT, NOT_LEFT, CROSSED, HOLDS = range(4)
 
 
 class OpenFront(NamedTuple):
@@ -86,7 +104,7 @@ def larger_front(front: OpenFront) -> OpenFront:
         rows += rows // 2 + 64
     if front.state[VERTEX_COUNT] + 8 > n - n // 8:
         n += n // 2 + 64
-    if front.state[MADE] + 8 > made - made // 8:
+    if front.state[TRIANGLES_MADE] + 8 > made - made // 8:
         made += made // 2 + 64
     ends, stamp = np.full((rows, 2), -1, dtype=np.int32), np.full(rows, -1, dtype=np.int64)
     ends[: len(front.ends)], stamp[: len(front.ends)] = front.ends, front.stamp
@@ -107,7 +125,7 @@ def has_room(front):
     return (
         state[ALIVE] + 4 < len(front.ends)
         and state[VERTEX_COUNT] + 2 < len(front.first)
-        and state[MADE] + 2 < len(front.made)
+        and state[TRIANGLES_MADE] + 2 < len(front.made)
     )
 
 
@@ -130,8 +148,8 @@ def enter_edge(front, a, b, region):
         state[ROWS] += 1
     front.ends[row, 0], front.ends[row, 1] = a, b
     front.region[row] = region
-    front.stamp[row] = state[STAMP]
-    state[STAMP] += 1
+    front.stamp[row] = state[EDGE_STAMP]
+    state[EDGE_STAMP] += 1
     state[ALIVE] += 1
     front.loose[a] = front.loose[b] = False
     if not planted(front.vertices, a):
@@ -178,9 +196,9 @@ def row_of(front, a, b):
 def advance_over(front, row, c):
     """Make the triangle of the edge in ``row`` and vertex c; return the two rows that entered, or -1."""
     a, b, region = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), front.region[row]
-    k = front.state[MADE]
+    k = front.state[TRIANGLES_MADE]
     front.made[k, 0], front.made[k, 1], front.made[k, 2], front.made[k, 3] = a, b, c, region
-    front.state[MADE] += 1
+    front.state[TRIANGLES_MADE] += 1
     met, other = row_of(front, c, a), row_of(front, b, c)
     # Edges enter before others leave, so that vertices that stay at the front are not taken out in between.
     one = enter_edge(front, a, c, region) if met < 0 else np.int64(-1)
@@ -260,10 +278,10 @@ def blocking_edge(front, a, b, c):
 
 @lean
 def first_fault(front, a, b, c):
-    """Why the triangle abc on the front edge ab must not be made: `NO_FAULT`, BEHIND, CROSSED or HOLDS."""
+    """Why the triangle abc on the front edge ab must not be made: `NO_FAULT`, NOT_LEFT, CROSSED or HOLDS."""
     xy, found = front.xy, front.vertices.found
     if turn(xy, a, b, c) <= 0:
-        return BEHIND
+        return NOT_LEFT
     if blocking_edge(front, a, b, c) >= 0:
         return CROSSED
     x0, y0, x1, y1 = window_of(xy, a, b, c)
