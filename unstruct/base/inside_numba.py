@@ -12,13 +12,9 @@ from typing import Any
 
 __all__ = [
     "KNOWN",
-    "Dispatcher",
-    "FunctionCache",
-    "IndexDataCacheFile",
     "Record",
     "ShortPipeline",
     "one_type",
-    "rtsys",
 ]
 
 try:
@@ -34,9 +30,9 @@ try:
 except (ImportError, AttributeError):  # another numba, or none: then the kernels run as plain Python
     FunctionCache = IndexDataCacheFile = Dispatcher = object  # type: ignore[assignment, misc]
     rtsys = types = None  # type: ignore[assignment]
-    PARTS: dict[Any, str] = {object: "a part that is missing"}
+    INNER_PARTS: dict[Any, str] = {object: "a part that is missing"}
 else:
-    PARTS = {
+    INNER_PARTS = {
         Dispatcher: "get_call_template get_overload add_overload compile",
         FunctionCache: "_load_overload save_overload _index_key _guard_against_spurious_io_errors",
         IndexDataCacheFile: "_load_index load save",
@@ -49,7 +45,7 @@ else:
         type(rtsys): "initialize",
     }
 
-KNOWN = all(hasattr(part, name) for part, names in PARTS.items() for name in names.split())
+KNOWN = all(hasattr(part, name) for part, names in INNER_PARTS.items() for name in names.split())
 
 # Passes for what no kernel contains: closures, generators, loops over tuples, ``with``, parallel loops.
 NOT_NEEDED = {

@@ -25,7 +25,7 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # the crowd (see `_Grid`) from which on the table is not tried. Wide cells suit chains of segments, and narrow
 # cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
 TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
-AT_ONCE = 4096  # up to so many segments are first looked at in one call of a kernel
+LOOKED_AT_ONCE = 4096  # up to so many segments are first looked at in one call of a kernel
 FEW_SEGMENTS = 48  # up to so many segments each is compared with each
 
 
@@ -232,7 +232,7 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     nothing = np.empty((0, 2), dtype=np.int64)
     if len(segments) < 2:
         return nothing
-    if len(segments) <= AT_ONCE and segments.dtype == np.int32 and points.flags.c_contiguous:
+    if len(segments) <= LOOKED_AT_ONCE and segments.dtype == np.int32 and points.flags.c_contiguous:
         # as arrays that cannot be written, for which validation has compiled it already
         points, segments = points.view(), segments.view()
         points.flags.writeable = segments.flags.writeable = False
