@@ -16,7 +16,8 @@ from alone import run
 
 import unstruct
 import unstruct.base.jit
-from unstruct.base.jit import inline, kernel, lean
+from unstruct.base.inside_numba import KNOWN
+from unstruct.base.jit import apart, inline, kernel, lean
 
 MISSING = "import sys; sys.modules['numba'] = None\n"
 LATTICE = """
@@ -200,7 +201,7 @@ def test_the_exact_stage_makes_its_arrays_whoever_asks_first(tmp_path: Path) -> 
 
 
 @pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
-@pytest.mark.parametrize("declare", [kernel, lean, inline])
+@pytest.mark.parametrize("declare", [kernel, lean, apart, inline])
 def test_kernels_let_go_of_the_lock(declare: Any) -> None:
     assert declare(lambda x: x).targetoptions["nogil"] is True
 
@@ -227,3 +228,77 @@ def test_threads_at_once_make_the_same_meshes() -> None:
     with ThreadPoolExecutor(max_workers=len(sizes)) as pool:
         at_once = list(pool.map(refined, sizes))
     assert at_once == one_by_one
+
+
+ANOTHER = """
+import numba, {module}
+del {module}.{part}
+from typing import NamedTuple
+import numpy as np
+from unstruct.base.inside_numba import KNOWN
+from unstruct.base.jit import apart, inline, kernel, lean
+
+class Pair(NamedTuple):
+    xs: np.ndarray
+    y: float
+
+@inline
+def first(pair):
+    return pair.xs[0]
+
+@lean
+def second(pair):
+    return pair.xs[1] + first(pair)
+
+@apart
+def third(pair):
+    return second(pair) + pair.y
+
+@kernel
+def total(pair):
+    pairs = Pair(pair.xs.copy(), pair.y)
+    return third(pairs) + second(pair)
+
+print(KNOWN, total(Pair(np.array([1.0, 2.0]), 0.5)), type(total).__name__)
+"""
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+@pytest.mark.parametrize("part", ["IndexDataCacheFile", "Cache._load_overload"])
+def test_another_numba_compiles_kernels_plainly(tmp_path: Path, part: str) -> None:
+    """A class, or a method of a class, that a later numba may name differently."""
+    script = ANOTHER.format(module="numba.core.caching", part=part)
+    found = run(script, tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")).split()
+    assert found == ["False", "6.5", "CPUDispatcher"]
+    assert not list(tmp_path.rglob("*.nbi")), "numba's own cache would not see edits in other files"
+
+
+RECORDS = (
+    ANOTHER.split("print", maxsplit=1)[0].split("\n", 3)[3]
+    + """
+@kernel
+def given(pair):
+    return pair
+
+@kernel
+def back(pair):
+    kept = given(pair)
+    if pair.y > 0.0:
+        kept = Pair(pair.xs, 2.0 * pair.y)
+    return kept
+
+made = back(Pair(np.array([1.0, 2.0]), 0.5))
+print(KNOWN, total(made), type(made).__name__, given(back(made)).y)
+"""
+)
+
+
+@pytest.mark.skipif(
+    unstruct.base.jit.numba is None or not KNOWN, reason="records are one argument only in a numba we know"
+)
+def test_records_go_in_and_come_out_whole(tmp_path: Path) -> None:
+    """A record as it was given and one made anew are the same type to the caller."""
+    (tmp_path / "records.py").write_text(RECORDS)
+    for _ in range(2):  # compiled, then from the disk
+        found = run("import records", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")).split()
+        assert found == ["True", "7.0", "Pair", "2.0"]

@@ -321,7 +321,7 @@ def compiled_otherwise(tree: ast.Module) -> list[str]:
 def test_kernels_are_decorated() -> None:
     """A kernel that another function makes would not be cached, and its arguments would not be counted."""
     for path in MODULES:
-        if path not in (PACKAGE / "base" / "jit.py", PACKAGE / "base" / "kernel_cache.py"):
+        if path.parent != PACKAGE / "base" or path.stem not in ("inside_numba", "jit", "kernel_cache"):
             found = compiled_otherwise(ast.parse(path.read_text(encoding="utf-8")))
             assert not found, f"{relative(path)}: {found}"
     nine = "a, b, c, d, /, e, f, g, *, h, i"

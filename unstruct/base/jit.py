@@ -17,6 +17,8 @@ from copy import copy
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from . import inside_numba
+from .inside_numba import one_type
 from .kernel_cache import KernelCache, stamp
 
 try:
@@ -25,10 +27,9 @@ try:
 except ImportError:  # the kernels then run as plain Python
     numba = None  # type: ignore[assignment]
 
-__all__ = ["inline", "kernel", "lean"]
+__all__ = ["apart", "inline", "kernel", "lean"]
 
-NARROW_TYPES = () if numba is None else (numba.types.int8, numba.types.int16, numba.types.int32)
-BARE = {"nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def kernel(function: Callable) -> Any:
@@ -48,6 +49,11 @@ def lean(function: Callable) -> Any:
     return _compiled(function, False, forceinline=False, _nrt=False)
 
 
+def apart(function: Callable) -> Any:
+    """Like `lean`, but compiled once, as a `kernel`; for what is long, and called seldom or by many."""
+    return _compiled(function, True, forceinline=False, _nrt=False)
+
+
 def inline(function: Callable) -> Any:
     """Compile a small helper, inlined by LLVM into every kernel that calls it."""
     return _compiled(function, False, forceinline=True)
@@ -61,7 +67,10 @@ def _compiled(function: Callable, apart: bool, **options: Any) -> Any:
     """
     if numba is None:
         return function
-    outer = numba.njit(nogil=True, **options)(function)
+    if not inside_numba.KNOWN:
+        return numba.njit(nogil=True)(function)
+    options |= {"nogil": True, "pipeline_class": inside_numba.ShortPipeline}
+    outer = numba.njit(**options)(function)
     if not hasattr(outer, "_cache"):  # with NUMBA_DISABLE_JIT
         return outer
     outer._cache = KernelCache(outer)
@@ -90,8 +99,8 @@ class _Inner:
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """What numba asks when it compiles a call: the types of the result."""
-        kws = {name: _plain(kind) for name, kind in kws.items()}
-        return self.compiler().get_call_template(tuple(map(_plain, args)), kws)
+        kws = {name: one_type(kind) for name, kind in kws.items()}
+        return self.compiler().get_call_template(tuple(map(one_type, args)), kws)
 
     def get_overload(self, sig: Any) -> Any:
         """What numba asks next: the compiled function."""
@@ -125,12 +134,6 @@ class _Inner:
     def _symbol(self, args: Any) -> str:
         """The name of the machine code for these types of arguments: the same in each process."""
         return "unstruct." + hashlib.sha256(f"{stamp(self.outer)} {args}".encode()).hexdigest()
-
-
-def _plain(kind: Any) -> Any:
-    """One type for all integers, where numba would compile a kernel again for 0, 1, and 32 bits."""
-    kind = numba.types.unliteral(kind)
-    return numba.types.int64 if kind in NARROW_TYPES else kind
 
 
 class _Reference(NamedTuple):

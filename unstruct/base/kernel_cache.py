@@ -18,16 +18,12 @@ from typing import Any, TextIO
 
 import numpy as np
 
-try:
-    from numba.core.caching import FunctionCache, IndexDataCacheFile
-    from numba.core.dispatcher import Dispatcher
-    from numba.core.runtime import rtsys
-except ImportError:  # the kernels then run as plain Python
-    FunctionCache = IndexDataCacheFile = object  # type: ignore[assignment, misc]
+from .inside_numba import Dispatcher, FunctionCache, IndexDataCacheFile, rtsys
 
 __all__ = ["KernelCache", "stamp"]
 
 CONSTANT = (bool, int, float, complex, str, bytes, type(None), np.generic)
+FORM = 2  # of compiled kernels: how they call each other; code of another form must not be read
 LONG = 1.0  # seconds of compilation after which it is announced
 ANNOUNCEMENT = (
     "unstruct: compiling, once for this machine; this may take a minute "
@@ -42,7 +38,7 @@ def stamp(dispatcher: Any) -> str:
     """A hash of all that the machine code of a kernel depends on."""
     parts: dict[int, tuple[str, ...]] = {}
     _reach(dispatcher, parts)
-    return hashlib.sha256(repr(sorted(parts.values())).encode()).hexdigest()
+    return hashlib.sha256(repr((FORM, sorted(parts.values()))).encode()).hexdigest()
 
 
 def _reach(dispatcher: Any, parts: dict[int, tuple[str, ...]]) -> None:

@@ -25,6 +25,7 @@ CROSSING, TOUCHING, OVERLAPPING = 1, 2, 3
 # the crowd (see `_Grid`) from which on the table is not tried. Wide cells suit chains of segments, and narrow
 # cells suit segments side by side. LAST_TABLE is tried after a sweep, with many comparisons.
 TABLES, LAST_TABLE = ((0.5, 8, 10.0), (4.0, 60, 100.0)), (4.0, 4000)
+LOOKED_AT_ONCE = 4096  # up to so many segments are first looked at in one call of a kernel
 FEW_SEGMENTS = 48  # up to so many segments each is compared with each
 
 
@@ -167,6 +168,12 @@ def none_meet(points, segments, alone):
     return True
 
 
+@kernel
+def _clear(points, segments):
+    """Whether floating point proves that segments meet in common ends at most."""
+    return none_meet(points, segments, np.empty(0, dtype=np.int32))
+
+
 # ---------------------------------------------------------------------- a tree, for uneven lengths
 
 
@@ -222,15 +229,22 @@ def _candidates(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 
     In most inputs no segments meet. If cells are crowded, a sweep first finds out whether any pair meets.
     """
+    nothing = np.empty((0, 2), dtype=np.int64)
     if len(segments) < 2:
-        return np.empty((0, 2), dtype=np.int64)
+        return nothing
+    if len(segments) <= LOOKED_AT_ONCE and segments.dtype == np.int32 and points.flags.c_contiguous:
+        # as arrays that cannot be written, for which validation has compiled it already
+        points, segments = points.view(), segments.view()
+        points.flags.writeable = segments.flags.writeable = False
+        if _clear(points, segments):
+            return nothing
     grid = _Grid(points, segments)
     for cells, looks, most in TABLES:
         pairs = grid.pairs(cells, looks) if grid.crowd < most else None
         if pairs is not None:
             return pairs
     if any_meeting(points, segments) is False:
-        return np.empty((0, 2), dtype=np.int64)
+        return nothing
     pairs = grid.pairs(*LAST_TABLE)
     return _tree_candidates(grid.ends, segments) if pairs is None else pairs
 

@@ -41,10 +41,21 @@ def _scale(xy):
 
 
 @kernel
+def _not_on_a_line(xy, order):
+    """The place in the order of the first point beside the line through the first two; -1 for none."""
+    a, b = order[0], order[1]
+    for k in range(2, len(order)):
+        c = order[k]
+        if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]) != 0:
+            return k
+    return -1
+
+
+@kernel
 def _triangulate(xy, draw, levels, tables, half):
     """Scale the points, order them, insert them, and number the vertices as the points are numbered.
 
-    Returns the factor; 0 if it is not exact, if some points are equal, or if the first three are on a line.
+    Returns the factor; 0 if it is not exact, if some points are equal, or if all are on a line.
     """
     factor, exact = _scale(xy)
     if not exact:
@@ -53,11 +64,16 @@ def _triangulate(xy, draw, levels, tables, half):
     ranks, turns = tables
     n = xy.shape[0]
     order = along_curve(xy, 2, random_rounds(draw, RATIO, ROUNDS), levels, ranks, turns)
+    k = _not_on_a_line(xy, order)
+    if k < 0:
+        return 0.0
+    third = order[k]  # the first triangle is moved to the front
+    for i in range(k, 2, -1):
+        order[i] = order[i - 1]
+    order[2] = third
     rows = np.empty((n, 2))
     for i in range(n):
         rows[i, 0], rows[i, 1] = xy[order[i], 0], xy[order[i], 1]
-    if orient2(rows[0, 0], rows[0, 1], rows[1, 0], rows[1, 1], rows[2, 0], rows[2, 1]) == 0:
-        return 0.0
     state, copy_of = fill(np.empty(8, dtype=np.int64), 0), np.empty(n, dtype=np.int32)
     stack, spare = np.empty(2 * n + 4, dtype=np.int32), np.empty(2 * n + 4, dtype=np.int32)
     start2(rows, vertex, twin, state)

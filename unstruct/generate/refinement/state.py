@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES
 from ...connect.planar.records import Plane, Scratch
@@ -364,7 +364,7 @@ def set_floors(xy, vertex, mark, region, count, fraction, floor):
         floor[v] *= fraction
 
 
-@lean
+@apart
 def begin(w, inputs, fraction, thrifty):
     """Set the initial values of a run; a ``thrifty`` one limits what the angle may cost a piece."""
     n, s = w.state[VERTICES], w.state[SEGMENTS]

@@ -25,7 +25,7 @@ import math
 import numpy as np
 
 from ...base.codes import DONE, MORE, ROOM
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline, lean
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import blocked_by, commit_here, commit_split, find_cavity_here, find_split
 from ...predicates.kernels import incircle, orient2
@@ -127,7 +127,7 @@ def _find(w, s, px, py):
     return m, k, h
 
 
-@inline
+@apart
 def split_next(w, tally, limits):
     """Split the subsegment on top of the stack, or write into ``lock`` why this is impossible."""
     tally[SEGMENT_TOP] -= 1
@@ -373,7 +373,7 @@ def improve_next(w, tally, limits, offset):
 # --- the loop --------------------------------------------------------------------------------------
 
 
-@lean
+@apart
 def advance(w, tally, limits, offset, steps):
     """Take up to ``steps`` steps and return why it stopped; the first call first looks at everything."""
     if tally[BEGUN] == 0:
