@@ -18,6 +18,7 @@ from ...geometry.segment_tree import SegmentTree
 from ...mesh.locate import Locator
 from ...mesh.mesh import Mesh
 from ...sizing.field import SizeField, as_size, minimum
+from ...sizing.metric import Metric
 from .sample import Sampled
 
 __all__ = ["PieceSizes", "per_region", "piece_sizes", "size_by_region"]
@@ -28,30 +29,34 @@ class PieceSizes(NamedTuple):
 
     Attributes
     ----------
-    fields : list of SizeField or None
+    fields : list of SizeField, Metric or None
         None asks for no more subsegments than are safe.
     group : (p,) int
         The field of each piece.
     """
 
-    fields: list[SizeField | None]
+    fields: list[SizeField | Metric | None]
     group: np.ndarray
 
-    def at(self, piece: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """The sizes at points x (k, 2) of pieces (k,); infinite without one."""
+    def at(self, piece: np.ndarray, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """The sizes at points x (k, 2) of pieces (k,), in directions (k, 2); infinite without one."""
         if len(self.fields) == 1 and self.fields[0] is not None:
-            return self.fields[0](x)
+            return _size_along(self.fields[0], x, direction)
         sizes, group = np.full(len(x), np.inf), self.group[piece]
         for g, one in enumerate(self.fields):
             rows = np.flatnonzero(group == g)
             if one is not None and len(rows):
-                sizes[rows] = one(x[rows])
+                sizes[rows] = _size_along(one, x[rows], direction[rows])
         return sizes
 
     def even(self) -> np.ndarray:
         """For which pieces the size is constant."""
         constant = [one is None or one.constant is not None for one in self.fields]
         return np.array(constant)[self.group]
+
+
+def _size_along(field: SizeField | Metric, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    return field.along(x, direction) if isinstance(field, Metric) else field(x)
 
 
 def per_region(value: Any, names: list[str], what: str) -> list[Any]:

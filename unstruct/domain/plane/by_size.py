@@ -10,6 +10,7 @@ import numpy as np
 from ...base.errors import InputError
 from ...geometry.outline import Outline
 from ...sizing.field import as_size
+from ...sizing.metric import Metric
 from .by_region import PieceSizes, piece_sizes
 from .sample import Sampled, safe
 
@@ -29,7 +30,8 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     if isinstance(size, Mapping):
         wanted = piece_sizes(outline, coarse(), size)
     else:
-        wanted = PieceSizes([as_size(size)], np.zeros(len(outline.pieces), dtype=np.int64))
+        one = size if isinstance(size, Metric) else as_size(size)
+        wanted = PieceSizes([one], np.zeros(len(outline.pieces), dtype=np.int64))
     piece, t, total = _table(outline, wanted)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
@@ -80,9 +82,10 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     while len(piece):
         t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
         x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
-        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2)).reshape(2, -1)
-        h1 = size.at(piece, x[2])
-        dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
+        chord = x[2::2] - x[:-2:2]
+        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2), chord.reshape(-1, 2)).reshape(2, -1)
+        h1 = size.at(piece, x[2], x[4] - x[0])
+        dx, dy = chord.transpose(2, 0, 1)
         length = np.hypot(dx, dy)
         halves = length / h
         whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)

@@ -10,10 +10,12 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.metric import Metric
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
+from .metric_run import MetricRun
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
@@ -120,6 +122,8 @@ def advancing_front(
         )
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
+    if isinstance(size, Metric):
+        return _in_metric(domain, size, order, placement, finish, most, history, progress)
     complex_ = planar_complex(domain, size, progress=progress)
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     size = size_by_region(complex_, size, domain.regions)
@@ -129,3 +133,25 @@ def advancing_front(
     with progress_bar(progress, " points") as bar:
         run.march(most, bar)
     return noticed(paired(domain, run.result(most, finish)))
+
+
+def _in_metric(
+    domain: Domain,
+    metric: Metric,
+    order: str,
+    placement: str | Placement,
+    finish: bool,
+    most: int,
+    history: bool,
+    progress: bool,
+) -> DomainMesh:
+    """`advancing_front` with a metric."""
+    if not isinstance(placement, str) or placement == "angle":
+        raise InputError(
+            f"placement = {placement!r} is for sizes; with a metric it must be 'circle' or 'equal sides'"
+        )
+    complex_ = planar_complex(domain, metric, progress=progress)
+    run = MetricRun(domain, complex_, metric, order, placement, history)
+    with progress_bar(progress, " points") as bar:
+        run.march(most, bar)
+    return noticed(paired(domain, run.result(finish)))

@@ -1,0 +1,217 @@
+"""A metric as kernels read it: a quadtree over a box, with the inverse metric at four corners of each leaf.
+
+The table stores B = M^-1, the sum of h_i^2 d_i d_i' over the two directions d_i. Between the corners of a
+leaf B is bilinear. A weighted mean of positive definite matrices is positive definite, and its smallest
+eigenvalue is at least the mean of theirs, so no length is below those at the corners. Book: 3.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_points
+from ..base.errors import InputError
+from ..base.jit import inline, kernel
+from .table import CORNERS, FRESH, box_of, leaf_at
+
+__all__ = ["MetricNodes", "MetricTable", "build_metric", "factor_at", "inverse_at", "inverted", "spectrum"]
+
+Array = NDArray[np.float64]
+ALWAYS = 4  # levels of the table that are always made
+FINE_ENOUGH = 0.5  # a leaf no larger than this many of its smallest lengths is not divided
+PROBES = np.concatenate([[[0.5, 0.5]], FRESH])
+
+
+@inline
+def inverse_at(table, x, y):
+    """The inverse metric at a place, in scaled coordinates: (b11, b12, b22)."""
+    values = table.values
+    node, u, v = leaf_at(table.child, table.box, x, y)
+    p, q, r, s = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
+    return (
+        p * values[node, 0, 0] + q * values[node, 1, 0] + r * values[node, 2, 0] + s * values[node, 3, 0],
+        p * values[node, 0, 1] + q * values[node, 1, 1] + r * values[node, 2, 1] + s * values[node, 3, 1],
+        p * values[node, 0, 2] + q * values[node, 1, 2] + r * values[node, 2, 2] + s * values[node, 3, 2],
+    )
+
+
+@inline
+def factor_at(table, x, y):
+    """(p, q, r): the metric length of (vx, vy) at this place is that of (p vx + q vy, r vy) in the plane.
+
+    p and r are positive, so the map keeps orientation. Areas are multiplied by p r.
+    """
+    a, b, c = inverse_at(table, x, y)
+    # B = U U' with U upper triangular; its inverse has the rows (p, q) and (0, r).
+    u22 = sqrt(c)
+    u12 = b / u22
+    u11 = sqrt(max(a - u12 * u12, 1e-15 * a))  # positive but for rounding
+    return 1.0 / u11, -u12 / (u11 * u22), 1.0 / u22
+
+
+@kernel
+def _inverses_at(table, x, factor, result):
+    for i in range(x.shape[0]):
+        a, b, c = inverse_at(table, x[i, 0] * factor, x[i, 1] * factor)
+        result[i, 0], result[i, 1], result[i, 2] = a, b, c
+
+
+@inline
+def larger_eigenvalue(a, b, c):
+    """The larger eigenvalue of the matrix with rows (a, b) and (b, c)."""
+    return 0.5 * (a + c) + hypot(0.5 * (a - c), b)
+
+
+def spectrum(rows: Array) -> tuple[Array, Array]:
+    """The larger and the smaller eigenvalue of symmetric matrices (k, 3)."""
+    a, b, c = rows.T
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+        large = 0.5 * (a + c) + np.hypot(0.5 * (a - c), b)
+        small = np.where(large > 0, (a / large) * c - (b / large) * b, -np.inf)
+    return large, small
+
+
+def inverted(rows: Array) -> Array:
+    """The inverses of positive definite matrices, (k, 3) -> (k, 3)."""
+    a, b, c = rows.T
+    large, small = spectrum(rows)
+    return np.stack([c / large / small, -b / large / small, a / large / small], axis=1)
+
+
+class MetricNodes(NamedTuple):
+    """The arrays of a table."""
+
+    child: NDArray[np.int32]
+    values: Array  # (q, 4, 3) b11, b12, b22 at the corners of each node, scaled
+    box: Array
+
+
+class MetricTable:
+    """A metric over a box, as arrays for kernels.
+
+    Attributes
+    ----------
+    nodes : MetricNodes
+        ``child``, ``values`` and ``box``, as in `SizeTable`; ``values`` has the inverse metric at the four
+        corners of each node.
+    factor : float
+        The factor by which coordinates and lengths are multiplied.
+    error : float
+        The largest relative difference of a length, in any direction, that was found in a leaf.
+    capped : int
+        How many leaves have an error above the tolerance because they are as small as half of the smallest
+        length in them, or because a limit was reached.
+    """
+
+    def __init__(self, nodes: MetricNodes, factor: float, error: float, capped: int):
+        self.nodes, self.factor, self.error, self.capped = nodes, factor, error, capped
+
+    def inverses(self, x: ArrayLike) -> Array:
+        """The inverse metric of the table at points (k, 2), unscaled: rows b11, b12, b22."""
+        points = as_points(x, "x")
+        if points.shape[1] != 2:
+            raise InputError(f"x must have shape (k, 2), not {points.shape}")
+        result = np.empty((len(points), 3))
+        _inverses_at(self.nodes, points, self.factor, result)
+        return result / self.factor / self.factor
+
+    def area(self) -> float:
+        """The area of the box in the metric, by one value for each leaf."""
+        width, height = self.nodes.box[2:] - self.nodes.box[:2]
+        node, share, total = np.zeros(1, dtype=np.int64), width * height, 0.0
+        while len(node):
+            leaf = self.nodes.child[node] < 0
+            large, small = spectrum(self.nodes.values[node[leaf]].mean(axis=1))
+            total += float(share * (1.0 / np.sqrt(large) / np.sqrt(small)).sum())
+            node, share = (self.nodes.child[node[~leaf], None] + np.arange(4)).ravel(), share / 4
+        return total
+
+    def __repr__(self) -> str:
+        leaves = int((self.nodes.child < 0).sum())
+        return f"<MetricTable: {leaves} leaves, relative error {self.error:.2g}>"
+
+
+def _difference(guess: Array, true: Array) -> Array:
+    """The largest relative difference of a length, in any direction: (..., 3), (..., 3) -> (...)."""
+    large, small = spectrum(true.reshape(-1, 3))
+    det = (large * small).reshape(true.shape[:-1])
+    trace = (
+        true[..., 2] * guess[..., 0] - 2 * true[..., 1] * guess[..., 1] + true[..., 0] * guess[..., 2]
+    ) / det
+    large, small = spectrum(guess.reshape(-1, 3))
+    product = (large * small).reshape(true.shape[:-1]) / det
+    root = np.sqrt(np.maximum(trace * trace / 4 - product, 0.0))
+    most = trace / 2 + root
+    least = np.maximum(product / most, 0.0)
+    return np.maximum(np.sqrt(most) - 1, 1 - np.sqrt(least))
+
+
+def build_metric(
+    at: Callable[[Array], Array],
+    lower: ArrayLike,
+    upper: ArrayLike,
+    *,
+    constant: Array | None,
+    factor: float,
+    tolerance: float,
+    max_depth: int,
+    max_nodes: int,
+) -> MetricTable:
+    """The table of a metric; see `Metric.table`, which calls it. ``at`` gives inverse metrics (k, 3)."""
+    box = box_of(lower, upper, factor, tolerance)
+    if constant is not None:
+        return _metric_table([np.tile(constant, (1, 4, 1))], np.array([-1]), box, factor, 0.0, 0)
+    span = box[1] - box[0]
+
+    def look(place: Array) -> Array:  # (..., 2) relative coordinates -> (..., 3)
+        x = np.minimum(box[0] + place * span, box[1])
+        return at(x.reshape(-1, 2)).reshape(*place.shape[:-1], 3)
+
+    node, place = np.zeros(1, dtype=np.int64), np.zeros((1, 2), dtype=np.int64)
+    values = look(CORNERS[None])
+    blocks, child, worst, capped = [values], np.array([-1]), 0.0, 0
+    u, v = PROBES.T
+    weight = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v], axis=1)
+    for depth in range(max_depth + 1):
+        side = 0.5**depth
+        seen = look((place[:, None] + PROBES) * side)
+        guess = np.einsum("pc,mck->mpk", weight, values)
+        error = _difference(guess, seen).max(axis=1)
+        _, least = spectrum(seen.reshape(-1, 3))
+        least = least.reshape(len(seen), -1).min(axis=1)
+        wrong = error > tolerance
+        stop = (side * span.max() <= FINE_ENOUGH * np.sqrt(least)) | (depth == max_depth)
+        divide = (wrong | (depth < ALWAYS)) & ~stop
+        room = max((max_nodes - len(child)) // 4, 0)
+        if divide.sum() > room:
+            rows = np.flatnonzero(divide)
+            divide[rows[np.argsort(-error[rows], kind="stable")[room:]]] = False
+        worst = max(worst, float(error[~divide].max(initial=0.0)))
+        capped += int((wrong & ~divide).sum())
+        if not divide.any():
+            break
+        child[node[divide]] = len(child) + 4 * np.arange(divide.sum())
+        place = (2 * place[divide][:, None] + CORNERS.astype(np.int64)).reshape(-1, 2)
+        node = len(child) + np.arange(len(place))
+        values = look((place[:, None] + CORNERS) * (side / 2))
+        blocks.append(values)
+        child = np.append(child, np.full(len(node), -1))
+    return _metric_table(blocks, child, box, factor, worst, capped)
+
+
+def _metric_table(
+    blocks: list[Array], child: NDArray, box: Array, factor: float, error: float, capped: int
+) -> MetricTable:
+    with np.errstate(over="ignore", under="ignore"):
+        values, scaled = np.concatenate(blocks) * factor * factor, box.ravel() * factor
+        large, small = spectrum(values.reshape(-1, 3))
+    tiny = np.finfo(np.float64).tiny
+    fits = np.isfinite(large).all() and small.min() >= tiny and 1 / tiny > large.max()
+    if not (fits and np.isfinite(scaled).all()):
+        raise InputError(f"the squares of lengths of the metric times {factor:g} leave the range of doubles")
+    return MetricTable(MetricNodes(child.astype(np.int32), values, scaled), float(factor), error, capped)
