@@ -88,8 +88,8 @@ def _directed(direction: Callable[[Array], Any], along: SizeField, across: SizeF
     if far.any():
         row = int(np.argmax(far))
         raise InputError(
-            f"the lengths are {h[row]:g} and {g[row]:g} at x[{row}] = {x[row].tolist()}: their ratio must not "
-            f"exceed {MOST_STRETCH:g}; bound it"
+            f"the lengths are {h[row]:g} and {g[row]:g} at x[{row}] = {x[row].tolist()}: their ratio must "
+            f"not exceed {MOST_STRETCH:g}; bound it"
         )
     c, s = d.T
     h, g = h * h, g * g
@@ -158,9 +158,7 @@ def _intersected(metrics: list[Metric], x: Array) -> Array:
 def intersect_rows(into, other):
     """Replace each matrix of ``into``, rows (k, 3), by its intersection with that of ``other``."""
     for i in range(len(into)):
-        a, b, c = intersected(
-            into[i, 0], into[i, 1], into[i, 2], other[i, 0], other[i, 1], other[i, 2]
-        )
+        a, b, c = intersected(into[i, 0], into[i, 1], into[i, 2], other[i, 0], other[i, 1], other[i, 2])
         into[i, 0], into[i, 1], into[i, 2] = a, b, c
 
 

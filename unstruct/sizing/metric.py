@@ -125,7 +125,7 @@ class Metric:
         factor: float = 1.0,
         tolerance: float = 0.05,
         max_depth: int = 20,
-        max_nodes: int = 400_000,
+        max_nodes: int = 200_000,
     ) -> MetricTable:
         """The metric over a box, as arrays that kernels read; see `MetricTable`.
 
@@ -166,7 +166,7 @@ class InverseMetric(Metric):
 
 
 def asked(function: Callable[[Array], Any], points: Array, first: int, what: str) -> Any:
-    """What a function of a user returns at some points; ``points[0]`` is row ``first`` of the caller's array."""
+    """What a function returns at some points; ``points[0]`` is row ``first`` of the caller's array."""
     try:
         return function(points)
     except InputError:  # raised by a field inside this one; its message names the point

@@ -5,8 +5,6 @@ See the book, chapter 3.3.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -140,9 +138,9 @@ def metric_from_hessian(
     Notes
     -----
     A triangle that is equilateral with edges 1 in this metric has at most the error of an equilateral one of
-    edge h = sqrt(6 error / k) under second derivatives k in all directions; see `from_hessian`. The directions
-    in which the function does not bend get long edges for nothing. Source: F. Alauzet, A. Loseille, Computer-
-    Aided Design 72 (2016) 13-39. Book: 3.3.
+    edge h = sqrt(6 error / k) under second derivatives k in all directions; see `from_hessian`. Where the
+    function bends in one direction only, the other one gets long edges. Source: F. Alauzet, A. Loseille,
+    Computer-Aided Design 72 (2016) 13-39. Book: 3.3.
     """
     if not is_planar(mesh) or mesh.size == 0:
         raise MeshError("metrics from a solution need a mesh of triangles in the plane")
@@ -204,7 +202,6 @@ def gradation(metric: BackgroundMetric, growth: float, *, space: str = "metric")
         raise InputError(f"space = {space!r} must be one of {', '.join(map(repr, SPACES))}")
     rows = np.ascontiguousarray(metric.values.reshape(-1, 4)[:, [0, 1, 3]])
     edges = np.ascontiguousarray(metric.mesh.edges, dtype=np.int64)
-    # Unit: the largest coordinate difference, so that no square leaves the range of doubles for a usual mesh.
     for sweep in range(MOST_SWEEPS):
         if _sweep(metric.mesh.points, edges, rows, growth, SPACES.index(space), sweep % 2) <= LEAST_CHANGE:
             break

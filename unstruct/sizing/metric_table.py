@@ -23,7 +23,7 @@ __all__ = ["MetricNodes", "MetricTable", "build_metric", "factor_at", "inverse_a
 
 Array = NDArray[np.float64]
 ALWAYS = 4  # levels of the table that are always made
-FINE_ENOUGH = 0.5  # a leaf no larger than this many of its smallest lengths is not divided
+FINE_ENOUGH = 1.0  # a leaf no larger than this many of its smallest lengths is not divided
 PROBES = np.concatenate([[[0.5, 0.5]], FRESH])
 
 
@@ -104,7 +104,7 @@ class MetricTable:
     error : float
         The largest relative difference of a length, in any direction, that was found in a leaf.
     capped : int
-        How many leaves have an error above the tolerance because they are as small as half of the smallest
+        How many leaves have an error above the tolerance because they are as small as the smallest
         length in them, or because a limit was reached.
     """
 

@@ -1,4 +1,7 @@
-"""Cutting pieces by a size: whole numbers of subsegments, at equal steps of the integral of ds / size."""
+"""Cutting pieces by a size: whole numbers of subsegments, at equal steps of the integral of ds / size.
+
+With a metric the size is that in the direction of the piece; the integral is the metric length of the piece.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.outline import Outline
-from ...sizing.field import as_size
-from ...sizing.metric import Metric
-from .by_region import PieceSizes, piece_sizes
+from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .sample import Sampled, safe
 
 __all__ = ["sized"]
@@ -30,8 +31,7 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     if isinstance(size, Mapping):
         wanted = piece_sizes(outline, coarse(), size)
     else:
-        one = size if isinstance(size, Metric) else as_size(size)
-        wanted = PieceSizes([one], np.zeros(len(outline.pieces), dtype=np.int64))
+        wanted = PieceSizes([size_or_metric(size)], np.zeros(len(outline.pieces), dtype=np.int64))
     piece, t, total = _table(outline, wanted)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]

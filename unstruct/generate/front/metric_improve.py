@@ -1,10 +1,10 @@
 """Improvement of a triangulation in a metric, compiled: swaps, moves of vertices, and a survey.
 
 The *metric quality* of a triangle is 4 sqrt(3) area / (sum of its squared edges), both in the metric at its
-centroid: 1 if it is equilateral there. A swap is made if the worse of the two triangles becomes better, a
-move if the worst triangle around the vertex does, or, if none of them is poor, if their mean becomes better.
-Every swap and every move keeps all triangles counterclockwise, by exact signs. A swap increases the sorted
-list of qualities in the order of dictionaries, so swaps end. Book: 3.3.
+centroid: 1 if it is equilateral there. A swap is made if the worse of the two triangles is poor and becomes
+better, a move if the worst triangle around the vertex does, or, if none of them is poor, if their mean
+becomes better. Every swap and every move keeps all triangles counterclockwise, by exact signs. A swap
+increases the sorted list of qualities in the order of dictionaries, so swaps end. Book: 3.3.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import end_of, start_of
-from ...connect.planar.stars import FAIR, GIVE, TWICE_ROOT3, flip_edge, star_of
+from ...connect.planar.stars import FAIR, GIVE, TWICE_ROOT3, flip_edge, star_of, touched
 from ...predicates.kernels import orient2
 from ...sizing.metric_table import factor_at
 from .metric_cavity import mapped, square_of, unmapped, within
@@ -91,6 +91,8 @@ def swap_if_better(stars, table, e):
     if min(min(p, q), min(a, b)) < 0:
         return False
     old = min(quality_of(xy, table, p, a, b), quality_of(xy, table, q, b, a))
+    if old > FAIR:
+        return False
     if quality_of(xy, table, p, a, q) <= old + GIVE or quality_of(xy, table, q, b, p) <= old + GIVE:
         return False
     if not may_swap(xy, vertex, twin, stars.mark, e):
@@ -108,11 +110,13 @@ def swap_in_metric(stars, region, count, table, todo):
     vertex = stars.vertex
     swaps = 0
     for t in range(count):
-        if region[t] < 0 or not (todo[vertex[3 * t]] or todo[vertex[3 * t + 1]] or todo[vertex[3 * t + 2]]):
+        if region[t] < 0 or not touched(vertex, t, todo):
             continue
         for j in range(3):
             e = np.int64(3 * t + j)
             o = np.int64(stars.twin[e])
+            if o < e and region[o // 3] >= 0 and touched(vertex, o // 3, todo):
+                continue  # seen from the other side
             if swap_if_better(stars, table, e):
                 swaps += 1
                 for g in range(3 * t, 3 * t + 3):
@@ -248,4 +252,3 @@ def find_long(xy, vertex, region, count, table, bound, long):
                 dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
                 m = factor_at(table, xy[a, 0] + 0.5 * dx, xy[a, 1] + 0.5 * dy)
                 long[t] = long[t] or square_of(m, dx, dy) > bound * bound
-

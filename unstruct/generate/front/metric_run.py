@@ -1,4 +1,4 @@
-"""One run of `advancing_front` in a metric: the queue for its kernels, the finishing pass, and the account."""
+"""One run of `advancing_front` in a metric: the queue for its kernels, the finishing pass, the account."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.codes import DONE, ROOM
-from ...base.errors import InputError
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import Stars, opposite_half_edges
 from ...domain.domain import Domain
@@ -17,6 +16,7 @@ from ...sizing.metric import Metric
 from ..rebay.queue import ACCEPTED, STATUS, empty_queue, grown_links
 from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
+from . import metric_resize as resizing
 from . import metric_steps as k
 from .run import FRONT_COUNT_NAMES, FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS
 from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
@@ -24,10 +24,16 @@ from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 __all__ = ["MetricRun"]
 
 FIRST_PASSES = 12  # of swaps for metric circles, before the front starts
-FINISH_ROUNDS = 8  # of swaps and moves, at most
-GOOD_STAR = 0.98  # stars whose triangles have all at least this metric quality are not looked at
+FINISH_NAMES = ("moves", "swaps", "points again", "removed")
+RESIZE_ROUNDS = range(1, 4)  # in which long edges get points, and vertices at short edges are removed
+FINISH_ROUNDS = 6  # of swaps and moves, at most
+FEW = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
+GOOD_STAR = 0.97  # stars whose triangles have all at least this metric quality are not looked at
 MOVED_A_CALL = 50_000  # vertices looked at in one kernel call
-MOST_TIMES, MOST_MORE = 20.0, 10_000  # a metric that takes more points than so many times the expected is rough
+MOST_TIMES, MOST_MORE = (
+    20.0,
+    10_000,
+)  # a metric that takes more points than so many times the expected is rough
 TOO_LONG = 2.0  # triangles with a longer edge, in the metric, are reported
 
 
@@ -47,7 +53,13 @@ class MetricRun:
     """
 
     def __init__(
-        self, domain: Domain, complex_: PlanarComplex, metric: Metric, order: str, placement: str, history: bool
+        self,
+        domain: Domain,
+        complex_: PlanarComplex,
+        metric: Metric,
+        order: str,
+        placement: str,
+        history: bool,
     ):
         self.domain, self.complex, self.history = domain, complex_, history
         c, rank = complex_, ORDERS.index(order)
@@ -60,7 +72,7 @@ class MetricRun:
         buckets = WIDTHS if rank == WIDEST else LENGTHS
         self.links, self.gates, self.turn = empty_queue(0, buckets, 0)
         self.counts = np.zeros(FRONT_COUNTS, dtype=np.int64)
-        self.first, self.spent = c.size, ""
+        self.first, self.spent, self.most = c.size, "", c.size
         self.slots = np.zeros(0, dtype=np.int32)
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
         self.reserve(int(c.size + 1000 + min(1.2 * self.expected, 1e7)))
@@ -112,6 +124,7 @@ class MetricRun:
             if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
                 break
         most = int(min(budget, MOST_TIMES * (self.expected + self.first) + MOST_MORE))
+        self.most = self.first + most
         k.start_metric_front(c.plane(), self.marching())
         while True:
             before, limit = c.size, min(FRONT_STEPS_A_CALL, self.first + most - c.size)
@@ -119,9 +132,7 @@ class MetricRun:
                 self.spent = "budget" if most == budget else "the metric is too rough"
                 break
             diary = Diary(self.slots, self.log, self.numbers)
-            status = k.advance_in_metric(
-                c.plane(), self.marching(), self.scratch, diary, self.counts, limit
-            )
+            status = k.advance_in_metric(c.plane(), self.marching(), self.scratch, diary, self.counts, limit)
             if status == ROOM:
                 self.reserve(2 * c.size + 1000)
             if bar is not None:
@@ -133,24 +144,52 @@ class MetricRun:
 
     # ------------------------------------------------------------------ finishing and the account
 
-    def finish(self) -> dict[str, int]:
-        """Swap diagonals and move vertices until nothing becomes better, for a few rounds."""
-        c, stars = self.complex, self.stars()
-        todo = np.ones(c.size, dtype=bool)
-        done = {"moves": 0, "swaps": 0}
-        for _ in range(FINISH_ROUNDS):
+    def finish(self, most: int) -> dict[str, int]:
+        """Mend edges of wrong lengths, swap diagonals, and move vertices, for a few rounds."""
+        c = self.complex
+        done = dict.fromkeys(FINISH_NAMES, 0)
+        stars, todo = self.stars(), np.ones(c.size, dtype=bool)
+        for number in range(FINISH_ROUNDS):
+            before, removed = c.size, 0
+            if number in RESIZE_ROUNDS:
+                corners = c.vertex[: 3 * c.triangles].copy()
+                look = np.ones_like(todo) if number == 1 else todo
+                removed = resizing.remove_short(c.plane(), stars, self.table, look)
+                self._split(look, most)
+                stars, todo = self.stars(), self._touched(corners, todo)
             swaps = improving.swap_in_metric(stars, c.region, c.triangles, self.table, todo)
             again = np.zeros(c.size, dtype=bool)
             moves = 0
             for start in range(0, c.size, MOVED_A_CALL):
                 stop = min(start + MOVED_A_CALL, c.size)
                 moves += improving.improve_in_metric(stars, todo, again, self.table, GOOD_STAR, start, stop)
-            done["moves"] += moves
-            done["swaps"] += swaps
+            for name, times in zip(FINISH_NAMES, (moves, swaps, c.size - before, removed)):
+                done[name] += times
             todo = again
-            if moves + swaps <= 1e-3 * c.size:
+            if number > 0 and moves + swaps + c.size - before + removed <= FEW * c.size:
                 break
         return done
+
+    def _touched(self, corners: NDArray[np.int32], todo: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """The vertices of ``todo``, and the corners of triangles that have changed since ``corners``."""
+        c = self.complex
+        now = c.vertex[: 3 * c.triangles]
+        changed = np.ones(len(now), dtype=bool)
+        changed[: len(corners)] = now[: len(corners)] != corners
+        touched = now.reshape(-1, 3)[changed.reshape(-1, 3).any(axis=1) & c.kept()]
+        found = np.zeros(c.size, dtype=bool)
+        found[: len(todo)] = todo
+        found[touched.ravel()] = True
+        return found
+
+    def _split(self, todo: NDArray[np.bool_], most: int) -> None:
+        """Give long edges a point."""
+        c, t = self.complex, 0
+        while True:
+            t = resizing.split_long(c.plane(), self.scratch, self.table, todo, t, most)
+            if t >= c.triangles or c.size >= most:
+                return
+            self.reserve(2 * c.size + 1000)
 
     def figures(self) -> dict[str, float]:
         """Number of triangles, minimum and mean metric quality, and the metric lengths of the edges."""
@@ -171,7 +210,7 @@ class MetricRun:
         made = self.slots[: int(self.counts[MADE])]
         figures, more, order = self.figures(), {}, None
         if finish and not self.spent:
-            more = self.finish()
+            more = self.finish(self.most)
             after = self.figures()
             figures = {f"{name} before": x for name, x in figures.items()}
             figures |= {f"{name} after": x for name, x in after.items()}

@@ -228,9 +228,9 @@ def kept_side(m, ux, uy):
 
 @inline
 def ideal_in_metric(plane, march, e):
-    """The ideal point for the front edge e: (x, y, side, whether it is in the circle of the triangle ahead, m).
+    """The ideal point for the front edge e: (x, y, side, ahead, m).
 
-    m is the metric in which this was measured.
+    ``ahead``: whether it is in the circle of the triangle ahead; m: the metric in which this was measured.
     """
     xy, vertex, table = plane.xy, plane.vertex, march.table
     a, b, c = start_of(vertex, e), end_of(vertex, e), vertex[e]
