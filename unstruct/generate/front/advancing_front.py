@@ -17,7 +17,7 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
-from .metric_run import MetricRun
+from .metric_front import MetricRun
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]

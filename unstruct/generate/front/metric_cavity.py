@@ -1,6 +1,6 @@
 """Cavities in a metric, compiled: what is measured goes through the metric, what decides topology is exact.
 
-A metric at a place is a linear map (p, q, r) of the plane, `sizing.metric_table.factor_at`: after it lengths
+A metric at a place is a linear map (p, q, r) of the plane, `sizing.metric_table.root_at`: after it lengths
 and circles are those of the plane. The map is rounded, and so is the test whether a point X lies in the
 circle of a triangle. Therefore the cavity of X is not found by circles alone: it begins with the triangle
 that contains X, and grows across an edge ab to the apex c only if X lies strictly to the left of ac and of
@@ -30,20 +30,26 @@ WALK = 1000  # triangles on the way to a point; a longer way is given up
 @inline
 def mapped(m, x, y):
     """The image of a vector under the map of a metric."""
-    return m[0] * x + m[1] * y, m[2] * y
+    return m[0] * x + m[1] * y, m[1] * x + m[2] * y
+
+
+@inline
+def scale_of(m):
+    """By how much the map multiplies areas: the inverse of the product of both lengths."""
+    return m[0] * m[2] - m[1] * m[1]
 
 
 @inline
 def unmapped(m, x, y):
     """The vector with this image."""
-    dy = y / m[2]
-    return (x - m[1] * dy) / m[0], dy
+    det = scale_of(m)
+    return (m[2] * x - m[1] * y) / det, (m[0] * y - m[1] * x) / det
 
 
 @inline
 def square_of(m, x, y):
     """The squared metric length of a vector."""
-    u, v = m[0] * x + m[1] * y, m[2] * y
+    u, v = m[0] * x + m[1] * y, m[1] * x + m[2] * y
     return u * u + v * v
 
 

@@ -17,7 +17,7 @@ from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import end_of, start_of
 from ...connect.planar.stars import FAIR, GIVE, TWICE_ROOT3, flip_edge, star_of, touched
 from ...predicates.kernels import orient2
-from ...sizing.metric_table import factor_at
+from ...sizing.metric_table import root_at
 from .metric_cavity import mapped, square_of, unmapped, within
 
 AROUND = (
@@ -29,7 +29,7 @@ AROUND = (
 @inline
 def fairness_at(table, ax, ay, bx, by, cx, cy):
     """The metric quality of a counterclockwise triangle; 0 where it is flat up to rounding."""
-    m = factor_at(table, (ax + bx + cx) / 3.0, (ay + by + cy) / 3.0)
+    m = root_at(table, (ax + bx + cx) / 3.0, (ay + by + cy) / 3.0)
     ux, uy = mapped(m, bx - ax, by - ay)
     vx, vy = mapped(m, cx - ax, cy - ay)
     wx, wy = vx - ux, vy - uy
@@ -73,7 +73,7 @@ def swap_for_circles(stars, region, count, table):
             if mark[e] >= 0:
                 continue
             p, a, b, q = vertex[e], start_of(vertex, e), end_of(vertex, e), vertex[twin[e]]
-            m = factor_at(table, 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1]))
+            m = root_at(table, 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1]))
             if within(m, xy, p, a, b, xy[q, 0], xy[q, 1]) and may_swap(xy, vertex, twin, mark, e):
                 flip_edge(vertex, twin, mark, stars.where, stars.at, e)
                 swaps += 1
@@ -156,7 +156,7 @@ def balanced(places, k, table, x, y):
     sx = sy = 0.0
     for i in range(k):
         dx, dy = x - places[i, 0], y - places[i, 1]
-        m = factor_at(table, places[i, 0] + 0.5 * dx, places[i, 1] + 0.5 * dy)
+        m = root_at(table, places[i, 0] + 0.5 * dx, places[i, 1] + 0.5 * dy)
         length = sqrt(square_of(m, dx, dy))
         share = 1.0 / length if length > 0.0 else 1.0
         sx, sy = sx + places[i, 0] + share * dx, sy + places[i, 1] + share * dy
@@ -193,7 +193,7 @@ def improve_in_metric(stars, todo, again, table, threshold, start, stop):
             found = gains(star_quality(places, k, table, nx, ny, floor), old)
             share *= 0.5
         if not found and old[0] < FAIR:
-            m = factor_at(table, x, y)
+            m = root_at(table, x, y)
             step = 0.2
             while not found and step > 0.02:
                 for ux, uy in AROUND:
@@ -232,7 +232,7 @@ def survey_in_metric(xy, vertex, twin, region, count, table, found):
             if o > e or region[o // 3] < 0:
                 a, b = start_of(vertex, e), end_of(vertex, e)
                 dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-                m = factor_at(table, xy[a, 0] + 0.5 * dx, xy[a, 1] + 0.5 * dy)
+                m = root_at(table, xy[a, 0] + 0.5 * dx, xy[a, 1] + 0.5 * dy)
                 square = square_of(m, dx, dy)
                 edges += 1.0
                 if 0.5 <= square <= 2.0:
@@ -250,5 +250,5 @@ def find_long(xy, vertex, region, count, table, bound, long):
             if region[t] >= 0:
                 a, b = start_of(vertex, e), end_of(vertex, e)
                 dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-                m = factor_at(table, xy[a, 0] + 0.5 * dx, xy[a, 1] + 0.5 * dy)
+                m = root_at(table, xy[a, 0] + 0.5 * dx, xy[a, 1] + 0.5 * dy)
                 long[t] = long[t] or square_of(m, dx, dy) > bound * bound

@@ -18,7 +18,7 @@ from ...connect.insertion.halfedges import VERTICES, end_of, free_slot, next_edg
 from ...connect.planar.cavity import commit_here
 from ...connect.planar.stars import star_of
 from ...predicates.kernels import orient2
-from ...sizing.metric_table import factor_at
+from ...sizing.metric_table import root_at
 from .metric_cavity import attempt_in_metric, square_of
 from .metric_improve import fairness_at
 
@@ -31,7 +31,7 @@ ENOUGH_QUALITY = 0.5  # a vertex is removed if all new triangles are so good, or
 def square_between(table, ax, ay, bx, by):
     """The squared length of an edge in the metric at its middle."""
     dx, dy = bx - ax, by - ay
-    return square_of(factor_at(table, ax + 0.5 * dx, ay + 0.5 * dy), dx, dy)
+    return square_of(root_at(table, ax + 0.5 * dx, ay + 0.5 * dy), dx, dy)
 
 
 @inline
@@ -73,7 +73,7 @@ def split_long(plane, scratch, table, todo, t, most):
         if e >= 0:
             a, b = start_of(plane.vertex, e), end_of(plane.vertex, e)
             x, y = xy[a, 0] + 0.5 * (xy[b, 0] - xy[a, 0]), xy[a, 1] + 0.5 * (xy[b, 1] - xy[a, 1])
-            m = factor_at(table, x, y)
+            m = root_at(table, x, y)
             outcome, cells, k, _ = attempt_in_metric(
                 plane, scratch, np.int64(t), np.int64(-1), m, (x, y), HALF_CLEAR
             )

@@ -18,11 +18,11 @@ from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import commit_here
-from ...sizing.metric_table import MetricNodes, factor_at
+from ...sizing.metric_table import MetricNodes, root_at
 from ...sizing.table import ROOT3
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 from ..rebay.steps import clear
-from .metric_cavity import attempt_in_metric, mapped, square_of, unmapped
+from .metric_cavity import attempt_in_metric, mapped, scale_of, square_of, unmapped
 from .placing import LONGEST_SIDE, ON_CIRCLE, SHORTEST_SIDE
 from .steps import (
     CENTERED,
@@ -81,7 +81,7 @@ def metric_of(plane, table, t):
     xy, vertex = plane.xy, plane.vertex
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     x, y = xy[a, 0] + xy[b, 0] + xy[c, 0], xy[a, 1] + xy[b, 1] + xy[c, 1]
-    return factor_at(table, x / 3.0, y / 3.0)
+    return root_at(table, x / 3.0, y / 3.0)
 
 
 @inline
@@ -118,7 +118,7 @@ def grade_metric(plane, march, t):
         return
     if rule.order == SMALLEST:
         m = metric_of(plane, march.table, t)
-        measure = rule.scale * m[0] * m[2]  # the product of the two lengths is 1 / (p r)
+        measure = rule.scale * scale_of(m)
     elif rule.order == SHORTEST:
         _, square = shortest_edge(plane, march, t, 0)
         measure = rule.scale / square if square > 0.0 else inf
@@ -236,12 +236,12 @@ def ideal_in_metric(plane, march, e):
     a, b, c = start_of(vertex, e), end_of(vertex, e), vertex[e]
     ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
     x, y = xy[a, 0] + ux / 2.0, xy[a, 1] + uy / 2.0
-    m = factor_at(table, x, y)
+    m = root_at(table, x, y)
     if square_of(m, ux, uy) == 0.0:  # the square is below all doubles
         return x, y, 0.0, False, m
     for _ in range(2):
         gx, gy = center_of(m, ux, uy, kept_side(m, ux, uy))
-        m = factor_at(table, x + gx, y + gy)
+        m = root_at(table, x + gx, y + gy)
     side = kept_side(m, ux, uy)
     wx, wy = mapped(m, ux, uy)
     length = sqrt(wx * wx + wy * wy)
@@ -291,7 +291,7 @@ def without_metric_ideal(plane, march, scratch, counts, t):
     square, x, y = circle_in_metric(plane, march.table, t)
     if not square < inf:
         return True
-    m = factor_at(march.table, x, y)
+    m = root_at(march.table, x, y)
     outcome, cells, k, _ = attempt_in_metric(plane, scratch, t, np.int64(-1), m, (x, y), CLEARANCE)
     if outcome != INSERTED:
         return True
@@ -316,7 +316,7 @@ def choose_in_metric(plane, march, scratch, counts, e, point, square):
         return t, e, FITS, np.int64(-1)
     if not ahead:
         return t, e, EMPTY, np.int64(-1)
-    m = factor_at(march.table, x, y)
+    m = root_at(march.table, x, y)
     clearance = CLEARANCE * min(1.0, side)
     outcome, cells, k, near = attempt_in_metric(plane, scratch, t, e, m, (x, y), clearance)
     if outcome == INSERTED:
@@ -361,7 +361,7 @@ def advance_in_metric(plane, march, scratch, diary, counts, limit):
             if len(diary.log) > 0:
                 m = point[4]
                 diary.numbers[row, 0], diary.numbers[row, 1] = point[0], point[1]
-                diary.numbers[row, 2], diary.numbers[row, 3] = 1.0 / sqrt(m[0] * m[2]), sqrt(square)
+                diary.numbers[row, 2], diary.numbers[row, 3] = 1.0 / sqrt(scale_of(m)), sqrt(square)
                 diary.log[row, 4] = near
             finish_metric_step(plane, march, diary, counts, t, e, reason, scratch.stack)
     return MORE

@@ -25,8 +25,8 @@ __all__ = ["MetricRun"]
 
 FIRST_PASSES = 12  # of swaps for metric circles, before the front starts
 FINISH_NAMES = ("moves", "swaps", "points again", "removed")
-RESIZE_ROUNDS = range(1, 4)  # in which long edges get points, and vertices at short edges are removed
-FINISH_ROUNDS = 6  # of swaps and moves, at most
+RESIZE_ROUNDS = range(1, 6)  # in which long edges get points, and vertices at short edges are removed
+FINISH_ROUNDS = 7  # of swaps and moves, at most
 FEW = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
 GOOD_STAR = 0.97  # stars whose triangles have all at least this metric quality are not looked at
 MOVED_A_CALL = 50_000  # vertices looked at in one kernel call
@@ -81,8 +81,7 @@ class MetricRun:
         """What makes the measure of the order at least about 1."""
         c = self.complex
         if rank == ORDERS.index("smallest"):
-            values = self.table.values.reshape(-1, 3)
-            return float(np.sqrt((values[:, 0] * values[:, 2]).max()))
+            return float(np.exp(-self.table.values[..., [0, 2]].sum(axis=-1).min()))
         return float(len(c.xy)) ** 2  # the longest edge has at most about as many units
 
     def reserve(self, vertices: int) -> None:
