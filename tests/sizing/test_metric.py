@@ -89,7 +89,8 @@ def test_errors_name_the_place(make: Any, text: str) -> None:
 def test_errors_of_directions() -> None:
     for direction, along, across, text in (
         ([0, 0], 1, 1, "direction is"), ([1, np.nan], 1, 1, "direction"), ([1, 0, 0], 1, 1, "shape"),
-        ([1, 0], 1e7, 1, "ratio"), ([1, 0], -1, 1, "positive"), (lambda x: x[:, 0], 1, 1, "shape"),
+        ([1, 0], 1e7, 1, "ratio"), ([1, 0], 1e-160, 1e-160, "doubles"),
+        ([1, 0], -1, 1, "positive"), (lambda x: x[:, 0], 1, 1, "shape"),
         ([1, 0], lambda x: x[:, 0] - 2, 1, "size must be positive"), (lambda x: x * 0, 1, 1, r"x\[0\]"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=text):
@@ -215,7 +216,8 @@ def test_second_derivatives_give_directions_lengths_and_the_error(mesh: unstruct
     limited = sizing.metric_from_hessian(mesh, found, 1e-3, lower=1e-3, upper=1.0, ratio=3)
     np.testing.assert_allclose(limited.lengths(ORIGIN)[0], [3 * true[1], true[1]], rtol=1e-5)
     for change, text in (
-        ({"error": 0}, "error"), ({"lower": 2.0}, "bounds"), ({"ratio": 0.5}, "ratio"), ({"ratio": 1e9}, "ratio"),
+        ({"error": 0}, "error"), ({"lower": 2.0}, "bounds"), ({"ratio": 0.5}, "ratio"),
+        ({"ratio": 1e9}, "ratio"),
         ({"second": found[1:]}, "shape"), ({"second": np.where(found > 0, np.nan, found)}, "vertex 0"),
     ):  # fmt: skip
         options: dict[str, Any] = {"second": found, "error": 1e-3, "lower": 0.01, "upper": 1.0} | change

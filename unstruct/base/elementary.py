@@ -17,17 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .jit import inline, kernel, lean
 
-__all__ = [
-    "angle_of",
-    "arcsine",
-    "cosine",
-    "cosines",
-    "exponential",
-    "exponentials",
-    "sine",
-    "sines",
-    "turns",
-]
+__all__ = ["angle_of", "arcsine", "cosine", "cosines", "exponentials", "sine", "sines", "turns"]
 
 Array = NDArray[np.float64]
 
@@ -153,7 +143,7 @@ def arcsine(x):
 
 
 @inline
-def exponential(x):
+def _exponential(x):
     """e to the power of x: a power of two times e^r, with e^r by its Taylor series."""
     if x > 709.782712893384:
         return math.inf
@@ -194,7 +184,7 @@ def _turns(y, x, result):
 @kernel
 def _exponentials(x, result):
     for i in range(x.shape[0]):
-        result[i] = math.nan if math.isnan(x[i]) else exponential(x[i])
+        result[i] = math.nan if math.isnan(x[i]) else _exponential(x[i])
 
 
 def _each(compiled: Any, *arrays: ArrayLike) -> Array:

@@ -160,20 +160,20 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
                 f"size has no entry for {where} (near ({x:.6g}, {y:.6g})): give one, or a default by the key "
                 "None"
             )
-    metric = any(isinstance(one, Metric) for one in given)
-    fields = [as_metric(one) if metric else as_size(one) for one in given]
-    constants = {field.constant for field in fields} if not metric else {None}
+    metrics = [as_metric(one) for one in given] if any(isinstance(one, Metric) for one in given) else []
+    fields = [] if metrics else [as_size(one) for one in given]
+    constants = {field.constant for field in fields}
     if len(constants) == 1 and None not in constants:
         return fields[0]
     half = c.where[: c.segments].astype(np.int64)
     beside = np.maximum(c.region[half // 3], c.region[c.twin[half] // 3])
     rows = np.flatnonzero(beside >= 0)
-    name = f"{len(set(size))} {'metrics' if metric else 'sizes'} by region"
+    name = f"{len(set(size))} {'metrics' if metrics else 'sizes'} by region"
     tree = SegmentTree(xy[c.ends[rows]])
     locator = Locator(Mesh(xy, cells, neighbors=None))
-    if metric:
+    if metrics:
         return InverseMetric(
-            partial(_metric_by_region, fields, locator, number.copy(), tree, beside[rows]), name=name
+            partial(_metric_by_region, metrics, locator, number.copy(), tree, beside[rows]), name=name
         )
     marks = [xy[cells].mean(axis=1), *[field.landmarks for field in fields if len(field.landmarks)]]
     function = partial(_by_region, fields, locator, number.copy(), tree, beside[rows])

@@ -24,11 +24,11 @@ from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 __all__ = ["MetricRun"]
 
 FIRST_PASSES = 12  # of swaps for metric circles, before the front starts
-FINISH_NAMES = ("moves", "swaps", "points again", "removed")
+METRIC_FINISH_NAMES = ("moves", "swaps", "points again", "removed")
 RESIZE_ROUNDS = range(1, 6)  # in which long edges get points, and vertices at short edges are removed
 FINISH_ROUNDS = 7  # of swaps and moves, at most
-FEW = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
-GOOD_STAR = 0.97  # stars whose triangles have all at least this metric quality are not looked at
+FEW_CHANGES = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
+GOOD_STAR = 0.96  # stars whose triangles have all at least this metric quality are not looked at
 MOVED_A_CALL = 50_000  # vertices looked at in one kernel call
 MOST_TIMES, MOST_MORE = (
     20.0,
@@ -146,7 +146,7 @@ class MetricRun:
     def finish(self, most: int) -> dict[str, int]:
         """Mend edges of wrong lengths, swap diagonals, and move vertices, for a few rounds."""
         c = self.complex
-        done = dict.fromkeys(FINISH_NAMES, 0)
+        done = dict.fromkeys(METRIC_FINISH_NAMES, 0)
         stars, todo = self.stars(), np.ones(c.size, dtype=bool)
         for number in range(FINISH_ROUNDS):
             before, removed = c.size, 0
@@ -162,10 +162,10 @@ class MetricRun:
             for start in range(0, c.size, MOVED_A_CALL):
                 stop = min(start + MOVED_A_CALL, c.size)
                 moves += improving.improve_in_metric(stars, todo, again, self.table, GOOD_STAR, start, stop)
-            for name, times in zip(FINISH_NAMES, (moves, swaps, c.size - before, removed)):
+            for name, times in zip(METRIC_FINISH_NAMES, (moves, swaps, c.size - before, removed)):
                 done[name] += times
             todo = again
-            if number > 0 and moves + swaps + c.size - before + removed <= FEW * c.size:
+            if number > 0 and moves + swaps + c.size - before + removed <= FEW_CHANGES * c.size:
                 break
         return done
 

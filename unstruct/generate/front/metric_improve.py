@@ -20,7 +20,7 @@ from ...predicates.kernels import orient2
 from ...sizing.metric_table import root_at
 from .metric_cavity import mapped, square_of, unmapped, within
 
-AROUND = (
+SIX_SIDES = (
     (1.0, 0.0), (0.5, 0.8660254037844386), (-0.5, 0.8660254037844386), (-1.0, 0.0),
     (-0.5, -0.8660254037844386), (0.5, -0.8660254037844386),
 )  # fmt: skip
@@ -196,7 +196,7 @@ def improve_in_metric(stars, todo, again, table, threshold, start, stop):
             m = root_at(table, x, y)
             step = 0.2
             while not found and step > 0.02:
-                for ux, uy in AROUND:
+                for ux, uy in SIX_SIDES:
                     dx, dy = unmapped(m, step * ux, step * uy)
                     nx, ny = x + dx, y + dy
                     if gains(star_quality(places, k, table, nx, ny, floor), old):
