@@ -170,6 +170,18 @@ def test_the_table_of_a_jump_stays_positive_definite() -> None:
         table.inverses([[0, 0, 0]])
 
 
+def test_landmarks_show_what_samples_miss() -> None:
+    def across(x: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(x[:, 0] - 0.414) < 0.004, 0.002, 0.2)
+
+    places = np.stack([np.full(50, 0.414), np.linspace(0, 1, 50)], axis=1)
+    size = sizing.SizeField(across, landmarks=places)
+    for metric in (sizing.directional([1, 0], size, 0.2), sizing.intersection(0.3, sizing.as_metric(size))):
+        table = metric.table([0, 0], [1, 1])
+        np.testing.assert_allclose(table.inverses(places)[:, 0], 4e-6, rtol=0.2)
+    assert sizing.directional([1, 0], across, 0.2).table([0, 0], [1, 1]).inverses(places)[:, 0].min() > 1e-3
+
+
 # --- meshes ----------------------------------------------------------------------------------------
 
 
@@ -177,6 +189,7 @@ def test_background(mesh: unstruct.DomainMesh) -> None:
     exact = sizing.directional(turning, 0.5, 0.02)
     metric = sizing.metric_background(mesh, exact.at(mesh.points))
     np.testing.assert_allclose(metric.at(mesh.points), exact.at(mesh.points), rtol=1e-7, atol=1e-5)
+    assert set(map(tuple, metric.landmarks)) == set(map(tuple, mesh.points[np.unique(mesh.simplices)]))
     cell = mesh.simplices[7]
     middle = metric.inverses(mesh.points[cell].mean(axis=0)[None])[0]
     np.testing.assert_allclose(middle, exact.inverses(mesh.points[cell]).mean(axis=0), rtol=1e-10)

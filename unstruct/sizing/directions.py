@@ -59,7 +59,10 @@ def directional(direction: ArrayLike | Callable[[Array], Any], along: Any, acros
         if vector.shape != (2,):
             raise InputError(f"direction must have shape (2,), not {vector.shape}")
         given = partial(_same, vector)
-    metric = InverseMetric(partial(_directed, given, one, two), name="directions and two lengths")
+    marks = np.concatenate([one.landmarks, two.landmarks])
+    metric = InverseMetric(
+        partial(_directed, given, one, two), landmarks=marks, name="directions and two lengths"
+    )
     if not callable(direction) and one.constant is not None and two.constant is not None:
         metric.constant = metric.at(np.zeros((1, 2)))[0]
     return metric
@@ -148,7 +151,10 @@ def intersection(*metrics: Any) -> Metric:
     every = [as_metric(one) for one in metrics]
     if len(every) == 1:
         return every[0]
-    metric = InverseMetric(partial(_intersected, every), name=f"intersection of {len(every)}")
+    marks = np.concatenate([one.landmarks for one in every])
+    metric = InverseMetric(
+        partial(_intersected, every), landmarks=marks, name=f"intersection of {len(every)}"
+    )
     if all(one.constant is not None for one in every):
         metric.constant = metric.at(np.zeros((1, 2)))[0]
     return metric

@@ -32,6 +32,8 @@ class Metric:
     ----------
     function : callable
         Takes points of shape (k, 2) and returns k symmetric positive definite matrices, shape (k, 2, 2).
+    landmarks : array_like, shape (j, 2), optional
+        Places where the metric has details that coarse sampling would miss; `table` evaluates it there, too.
     name : str, optional
         The name that `repr` shows.
 
@@ -56,10 +58,17 @@ class Metric:
     array([0.5])
     """
 
-    def __init__(self, function: Callable[[Array], Any], *, name: str = "function"):
+    def __init__(
+        self,
+        function: Callable[[Array], Any],
+        *,
+        landmarks: ArrayLike | None = None,
+        name: str = "function",
+    ):
         if not callable(function):
             raise InputError(f"a metric needs a function of points, not {type(function).__name__}")
         self.function, self.name = function, name
+        self.landmarks: Array = np.empty((0, 2)) if landmarks is None else as_points(landmarks, "landmarks")
         self.constant: Array | None = None
 
     def inverses(self, x: ArrayLike) -> Array:
@@ -138,7 +147,7 @@ class Metric:
             Coordinates and lengths of the table are multiplied by it.
         tolerance : float
             A leaf is divided while a length in some direction differs by more than this, relatively, from
-            that of the interpolant at one of nine points.
+            that of the interpolant at one of nine points, or at a landmark.
         max_depth, max_nodes : int
             Limits beyond which no leaf is divided.
 
@@ -149,8 +158,8 @@ class Metric:
         """
         constant = None if self.constant is None else inverted(symmetric_rows(self.constant[None], "metric"))
         return build_metric(
-            self.inverses, lower, upper, constant=constant, factor=factor, tolerance=tolerance,
-            max_depth=max_depth, max_nodes=max_nodes,
+            self.inverses, lower, upper, constant=constant, landmarks=self.landmarks, factor=factor,
+            tolerance=tolerance, max_depth=max_depth, max_nodes=max_nodes,
         )  # fmt: skip
 
     def __repr__(self) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arrays import distinct
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
 from ..geometry.segment_tree import SegmentTree
@@ -43,7 +44,8 @@ class BackgroundMetric(InverseMetric):
         self.values = rows[:, [[0, 1], [1, 2]]]
         self._inverse = inverted(rows)
         self._border = SegmentTree(mesh.points[mesh.boundary])
-        super().__init__(self._interpolate, name=f"background of {mesh.size} triangles")
+        marks = mesh.points[distinct(mesh.simplices)]
+        super().__init__(self._interpolate, landmarks=marks, name=f"background of {mesh.size} triangles")
 
     def _interpolate(self, x: Array) -> Array:
         cells = self.mesh.find_simplex(x)

@@ -194,6 +194,7 @@ def build_metric(
     upper: ArrayLike,
     *,
     constant: Array | None,
+    landmarks: Array,
     factor: float,
     tolerance: float,
     max_depth: int,
@@ -209,6 +210,10 @@ def build_metric(
         x = np.minimum(box[0] + place * span, box[1])
         return at(x.reshape(-1, 2)).reshape(*place.shape[:-1], 3)
 
+    marks = landmarks[((landmarks >= box[0]) & (landmarks <= box[1])).all(axis=1)]
+    known = at(marks) if len(marks) else np.empty((0, 3))
+    marks = np.clip((marks - box[0]) / np.where(span > 0, span, 1.0), 0.0, 1.0)
+    inside = np.zeros(len(marks), dtype=np.int64)  # the leaf of each landmark, as a row of this level
     node, place = np.zeros(1, dtype=np.int64), np.zeros((1, 2), dtype=np.int64)
     values = logarithms(look(CORNERS)).reshape(1, 4, 3)
     blocks, child, worst, capped = [values], np.array([-1]), 0.0, 0
@@ -222,6 +227,12 @@ def build_metric(
         error = _difference(guess, seen).max(axis=1)
         _, least = spectrum(seen.reshape(-1, 3))
         least = least.reshape(len(seen), -1).min(axis=1)
+        if len(marks):
+            u, v = (marks / side - place[inside]).T
+            share = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v], axis=1)
+            there = inverses_of(np.einsum("kc,kcj->kj", share, values[inside]))
+            np.maximum.at(error, inside, _difference(there, known))
+            np.minimum.at(least, inside, spectrum(known)[1])
         wrong = error > tolerance
         stop = (side * span.max() <= FINE_ENOUGH * np.sqrt(least)) | (depth == max_depth)
         divide = (wrong | (depth < ALWAYS)) & ~stop
@@ -234,6 +245,10 @@ def build_metric(
         if not divide.any():
             break
         child[node[divide]] = len(child) + 4 * np.arange(divide.sum())
+        keep = divide[inside]
+        marks, known, inside = marks[keep], known[keep], inside[keep]
+        quadrant = np.clip((marks // (side / 2)).astype(np.int64) - 2 * place[inside], 0, 1)
+        inside = 4 * (np.cumsum(divide) - 1)[inside] + quadrant @ np.array([1, 2])
         place = (2 * place[divide][:, None] + CORNERS.astype(np.int64)).reshape(-1, 2)
         node = len(child) + np.arange(len(place))
         values = look((place[:, None] + CORNERS) * (side / 2))

@@ -116,6 +116,8 @@ def test_pieces_are_cut_by_their_metric_length() -> None:
         np.stack([(x[1:] + x[:-1]) / 2, 0 * x[1:]], 1), np.stack([np.diff(x), 0 * x[1:]], 1)
     )
     assert 0.95 < length.min() and length.max() < 1.05
+    narrow = sizing.directional([1, 0], lambda x: np.minimum(0.2, 0.002 + np.abs(x[:, 0] - 0.357)), 0.5)
+    assert np.bincount(SQUARE.sampled(narrow).piece)[0] == pytest.approx(2 + 2 * np.log(100), abs=3)
     curved = np.bincount(TWO.sampled(sizing.directional([0, 1], 0.05, 0.5)).piece)
     assert curved[2] == pytest.approx(62, abs=3) and curved[3] == 4
     by_region = np.bincount(TWO.sampled({"left": metric, "right": 0.1}).piece)
@@ -130,7 +132,8 @@ def test_pieces_are_cut_by_their_metric_length() -> None:
     [
         (wave(0.01, 10), 0.99, 0.97), (layer(0.04, 10), 0.99, 0.97), (wave(0.01, 1), 0.999, 0.995),
         (sizing.directional([1, 0.4], 0.03, 0.003), 0.99, 0.98), (layer(0.04, 30), 0.98, 0.96),
-        (layer(0.04, 100), 0.94, 0.92), (sizing.directional([1, 0.4], 0.1, 0.001), 0.98, 0.97),
+        (layer(0.04, 100), 0.94, 0.92), (sizing.directional([1, 0.4], 0.3, 0.001), 0.96, 0.93),
+        (sizing.directional([1, 0.4], 0.1, 0.001), 0.98, 0.97),
     ],
 )  # fmt: skip
 def test_quality(metric: sizing.Metric, close: float, mean: float) -> None:

@@ -171,11 +171,14 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
     name = f"{len(set(size))} {'metrics' if metrics else 'sizes'} by region"
     tree = SegmentTree(xy[c.ends[rows]])
     locator = Locator(Mesh(xy, cells, neighbors=None))
+    given = metrics or fields
+    marks = [xy[cells].mean(axis=1), *[field.landmarks for field in given if len(field.landmarks)]]
     if metrics:
         return InverseMetric(
-            partial(_metric_by_region, metrics, locator, number.copy(), tree, beside[rows]), name=name
+            partial(_metric_by_region, metrics, locator, number.copy(), tree, beside[rows]),
+            landmarks=np.concatenate(marks),
+            name=name,
         )
-    marks = [xy[cells].mean(axis=1), *[field.landmarks for field in fields if len(field.landmarks)]]
     function = partial(_by_region, fields, locator, number.copy(), tree, beside[rows])
     return SizeField(function, landmarks=np.concatenate(marks), name=name)
 

@@ -12,11 +12,13 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.outline import Outline
+from ...sizing.metric import Metric
 from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .sample import Sampled, safe
 
 __all__ = ["sized"]
 
+METRIC_PARTS = 128  # a metric is looked at in so many parts of a straight piece of the size of the domain
 MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
 # A size is too rough if its integral needs more parameter intervals at once than `STRETCH`, and more than
 # `STRETCH_SHARE` for each piece.
@@ -75,6 +77,11 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     """
     many = len(outline.pieces)
     parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
+    if any(isinstance(one, Metric) for one in size.fields):
+        # Along a piece that a layer crosses, a metric is fine in a short part only.
+        a, b = outline.points[outline.pieces].transpose(1, 0, 2)
+        share = np.abs(b - a).max(axis=1) / np.ptp(outline.points, axis=0).max()
+        parts = np.maximum(parts, np.ceil(METRIC_PARTS * share).astype(np.int64))
     piece = np.repeat(np.arange(many), parts)
     j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     t0, t1 = j / parts[piece], (j + 1) / parts[piece]

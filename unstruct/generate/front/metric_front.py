@@ -23,7 +23,8 @@ from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 
 __all__ = ["MetricRun"]
 
-FIRST_PASSES = 12  # of swaps for metric circles, before the front starts
+# Before the front starts, passes of swaps for metric circles: at most so many, and so many triangles seen.
+FEWEST_PASSES, MOST_PASSES, MOST_SEEN = 12, 400, 4e6
 METRIC_FINISH_NAMES = ("moves", "swaps", "points again", "removed")
 RESIZE_ROUNDS = range(1, 6)  # in which long edges get points, and vertices at short edges are removed
 FINISH_ROUNDS = 7  # of swaps and moves, at most
@@ -119,7 +120,8 @@ class MetricRun:
         """Advance until the front is empty, or until there are so many new points."""
         c = self.complex
         stars = self.stars()
-        for _ in range(FIRST_PASSES):
+        passes = min(max(int(MOST_SEEN / c.triangles), FEWEST_PASSES), MOST_PASSES)
+        for _ in range(passes):
             if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
                 break
         most = int(min(budget, MOST_TIMES * (self.expected + self.first) + MOST_MORE))
