@@ -2,10 +2,11 @@
 
 The table stores L = log(M) / 2, which has the eigenvalues -log(h_i) and the directions of M. Between the
 corners of a leaf L is bilinear, and exp(L), the square root of M, is positive definite whatever L is. So no
-rounding can spoil the metric, and no square of a length can leave the range of doubles. Where directions
-turn, a mean of logarithms is nearer to the metric than one of the inverse matrices, as it forgets the ratio
-of the lengths no faster than the angle demands: far fewer leaves are needed at large ratios. Source: V.
-Arsigny et al., Magnetic Resonance in Medicine 56 (2006) 411-421. Book: 3.3.
+rounding can spoil the metric, and no square of a length can leave the range of doubles. If the directions at
+two places differ by a small angle d, and the lengths have the ratio r at both, then the shorter length of the
+mean of the logarithms is too long by the factor r^(d^2 / 4). For the mean of the inverse matrices it is
+sqrt(1 + (d r / 2)^2), so that a table of these needs many more leaves at large ratios. Source: V. Arsigny et
+al., Magnetic Resonance in Medicine 56 (2006) 411-421. Book: 3.3.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def inverted(rows: Array) -> Array:
     """The inverses of positive definite matrices, (k, 3) -> (k, 3)."""
     a, b, c = rows.T
     large, small = spectrum(rows)
-    return np.stack([c / large / small, -b / large / small, a / large / small], axis=1)
+    return np.stack([c / large / small, 0.0 - b / large / small, a / large / small], axis=1)
 
 
 def logarithms(rows: Array) -> Array:
