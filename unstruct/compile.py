@@ -89,6 +89,13 @@ def _fronts() -> None:
     unstruct.front_delaunay(_ring(), 0.5)
 
 
+def _metrics() -> None:
+    metric = unstruct.sizing.directional([1, 1], _grid, 0.2)
+    mesh = unstruct.advancing_front(_ring(), unstruct.sizing.intersection(metric, 0.5))
+    metric.table([0, 0], [1, 1]).inverses([[0.5, 0.5]])
+    unstruct.sizing.gradation(unstruct.sizing.metric_background(mesh, metric.at(mesh.points)), 0.5)
+
+
 def _circumcenters() -> None:
     unstruct.circumcenter_insertion(_ring(), 0.5)
 
@@ -121,6 +128,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "refine": _refine,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
+    "metrics": _metrics,
     "insertion": _insert,
     "gift wrapping": _gift_wrap,
     "Voronoi diagrams": _voronoi,

@@ -266,9 +266,7 @@ def wrapped(domain: Domain, rng: np.random.Generator) -> Done:
                 raise
             points = np.delete(points, int(str(error)[7:].split("]")[0]), axis=0)
     together = np.concatenate([domain.points, points])
-    oracle = constrained_delaunay(
-        Domain(together, domain.facets, inner=domain.inner, curves=domain.curves)
-    )
+    oracle = constrained_delaunay(Domain(together, domain.facets, inner=domain.inner, curves=domain.curves))
     same = (mesh.size, len(mesh.points)) == (oracle.size, len(oracle.points))
     fault = quick(mesh, domain) or ("" if same else "not as the oracle")
     return "front_delaunay, points", mesh, fault, domain

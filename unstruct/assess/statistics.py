@@ -17,8 +17,9 @@ from ..geometry.triangle_shapes import planar_angles, planar_edges
 from ..mesh.cells import cell_rows, counted
 from ..mesh.mesh import Mesh
 from ..sizing.field import SizeField, as_size
+from ..sizing.metric import Metric
 
-__all__ = ["Statistics", "angle_histogram", "compare", "statistics"]
+__all__ = ["Statistics", "angle_histogram", "compare", "metric_quality", "statistics"]
 
 NAMES = {
     "vertices": "vertices",
@@ -34,6 +35,8 @@ NAMES = {
     "short": "shortest edge / size",
     "long": "longest edge / size",
     "median": "median edge / size",
+    "least_metric": "minimum metric quality",
+    "mean_metric": "mean metric quality",
 }
 DEGREES = ("min_angle", "low_angle", "max_angle")
 
@@ -61,6 +64,8 @@ class Statistics:
         The scaled Jacobian (`Mesh.quality`), 1 for ideal cells; NaN for meshes of triangles alone.
     kinds : dict of str to int
         How many cells of each kind there are.
+    least_metric, mean_metric : float
+        The metric quality of triangles, `metric_quality`; NaN if the size is no metric, and for other cells.
     """
 
     vertices: int
@@ -77,6 +82,8 @@ class Statistics:
     least_scaled: float = float("nan")
     mean_scaled: float = float("nan")
     kinds: dict[str, int] = field(default_factory=dict)
+    least_metric: float = float("nan")
+    mean_metric: float = float("nan")
 
     @property
     def least_angle(self) -> float:
@@ -124,8 +131,9 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
     ----------
     mesh : Mesh
         Cells of any kinds, of dimension 2 or more: in the plane, on a surface, in space.
-    size : float, callable or SizeField, optional
-        The wanted edge length; it is compared with the lengths of the edges at their midpoints.
+    size : float, callable, SizeField or Metric, optional
+        The wanted edge length; it is compared with the lengths of the edges at their midpoints. A metric is
+        compared in the direction of each edge, which gives the edge's length in the metric.
 
     Returns
     -------
@@ -150,7 +158,11 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
     rounds = mesh.quality("2r/R") if mesh.is_simplicial else nothing
     scaled = nothing if list(mesh.cells) == ["triangle"] else mesh.quality("scaled_jacobian")
     quotients = nothing
-    if size is not None:
+    fair = nothing
+    if isinstance(size, Metric):
+        quotients = size.length(*_edges_in_plane(mesh))
+        fair = metric_quality(mesh, size) if list(mesh.cells) == ["triangle"] else nothing
+    elif size is not None:
         quotients = _quotients(mesh, as_size(size))
     close = np.abs(np.log2(quotients)) <= 0.5
     used = np.zeros(len(mesh.points), dtype=bool)
@@ -170,7 +182,42 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         least_scaled=float(scaled.min()),
         mean_scaled=float(scaled.mean()),
         kinds={kind: len(block) for kind, block in mesh.cells.items()},
+        least_metric=float(fair.min()),
+        mean_metric=float(fair.mean()),
     )
+
+
+def metric_quality(mesh: Mesh, metric: Metric) -> np.ndarray:
+    """The quality of triangles in a metric: 1 for those that are equilateral in it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Triangles in the plane.
+    metric : Metric
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        4 sqrt(3) area / (a^2 + b^2 + c^2), with the area and the edges in the metric at the centroid.
+    """
+    corners = _triangles(mesh)
+    edges = np.roll(corners, -1, axis=1) - corners
+    if corners.shape[2] != 2:
+        raise MeshError(f"a metric is of the plane; this is {mesh!r}")
+    m = metric.at(corners.mean(axis=1))
+    squares = np.einsum("tij,tjk,tik->t", edges, m, edges)
+    double = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
+    scale = np.sqrt(np.maximum(m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2, 0.0))
+    return 2.0 * np.sqrt(3.0) * np.abs(double) * scale / squares
+
+
+def _edges_in_plane(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """The midpoints of all edges, and the vectors along them."""
+    ends = mesh.points[mesh.edges]
+    if ends.shape[2] != 2:
+        raise MeshError(f"a metric is of the plane; this is {mesh!r}")
+    return ends.mean(axis=1), ends[:, 1] - ends[:, 0]
 
 
 def _extreme_angles(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -222,7 +269,7 @@ def compare(meshes: Mapping[str, Mesh], size: Any = None) -> str:
     ----------
     meshes : mapping of str to Mesh
         Meshes by the names of their columns.
-    size : float, callable or SizeField, optional
+    size : float, callable, SizeField or Metric, optional
         As for `statistics`.
 
     Returns

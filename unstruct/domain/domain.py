@@ -221,11 +221,12 @@ class Domain(Outline):
 
         Parameters
         ----------
-        size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
-            The wanted edge length; by regions, a piece takes the smaller size of its two sides, and the key
-            None stands for regions that are not named. Without it straight pieces stay whole, and curves are
-            cut as coarsely as is safe: the curve turns by at most 60 degrees over each chord, no chord meets
-            another, and no vertex lies between a chord and its curve.
+        size : number, function (k, 2) -> (k,), size field, metric, or dict of region name to one, optional
+            The wanted edge length; a `sizing.Metric` gives that in the direction of the piece. By regions, a
+            piece takes the smaller size of its two sides, and the key None stands for regions that are not
+            named. Without it straight pieces stay whole, and curves are cut as coarsely as is safe: the curve
+            turns by at most 60 degrees over each chord, no chord meets another, and no vertex lies between a
+            chord and its curve.
         step : float, optional
             The wanted length of subsegments, in units of the size.
 

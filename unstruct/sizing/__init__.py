@@ -11,6 +11,9 @@ from .boundary import FeatureSize as FeatureSize
 from .boundary import from_curvature as from_curvature
 from .boundary import from_features as from_features
 from .boundary import local_feature_size as local_feature_size
+from .directions import as_metric as as_metric
+from .directions import directional as directional
+from .directions import intersection as intersection
 from .field import SizeField as SizeField
 from .field import as_size as as_size
 from .field import clip as clip
@@ -20,6 +23,12 @@ from .field import minimum as minimum
 from .field import product as product
 from .limit import LimitedSize as LimitedSize
 from .limit import limited as limited
+from .metric import Metric as Metric
+from .metric_mesh import BackgroundMetric as BackgroundMetric
+from .metric_mesh import gradation as gradation
+from .metric_mesh import metric_background as metric_background
+from .metric_mesh import metric_from_hessian as metric_from_hessian
+from .metric_table import MetricTable as MetricTable
 from .solution import from_error as from_error
 from .solution import from_hessian as from_hessian
 from .solution import hessian as hessian
@@ -33,25 +42,34 @@ from .table import SizeTable as SizeTable
 
 __all__ = [
     "Background",
+    "BackgroundMetric",
     "FeatureSize",
     "LimitedSize",
+    "Metric",
+    "MetricTable",
     "SizeField",
     "SizeTable",
+    "as_metric",
     "as_size",
     "background",
     "clip",
     "control",
+    "directional",
     "from_curvature",
     "from_error",
     "from_features",
     "from_hessian",
+    "gradation",
     "hessian",
+    "intersection",
     "limit_nodes",
     "limited",
     "lines",
     "local_feature_size",
     "maximum",
     "mesh_size",
+    "metric_background",
+    "metric_from_hessian",
     "minimum",
     "points",
     "polygons",

@@ -18,7 +18,9 @@ from ..base.errors import InputError
 from ..geometry.simplex import circumcenter, circumradius
 from .table import SizeTable, build
 
-__all__ = ["SizeField", "as_size", "clip", "control", "maximum", "minimum", "product"]
+__all__ = [
+    "SizeField", "as_size", "clip", "control", "first_to_raise", "maximum", "minimum", "product",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 ASKED_AT_ONCE = 1 << 18  # the largest number of points in one call of a user's function, to bound its memory
@@ -88,7 +90,7 @@ class SizeField:
         except InputError:  # raised by a field inside this one; its message names the point
             raise
         except Exception as error:
-            row = _first_to_raise(self.function, points)
+            row = first_to_raise(self.function, points)
             raise InputError(
                 f"the size function raised {type(error).__name__} ({error}) at "
                 f"x[{first + row}] = {points[row].tolist()}; it takes points (k, d) and returns k lengths"
@@ -161,7 +163,7 @@ class SizeField:
         return f"<SizeField: {self.name}>"
 
 
-def _first_to_raise(function: Callable[[Array], Any], points: Array) -> int:
+def first_to_raise(function: Callable[[Array], Any], points: Array) -> int:
     """The last row of the shortest prefix for which the function raises, by bisection."""
     low, high = 0, len(points)  # the function raises an error for the first `high` rows
     while high - low > 1:

@@ -18,7 +18,7 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 
-__all__ = ["Nodes", "SizeTable", "build", "size_at"]
+__all__ = ["Nodes", "SizeTable", "box_of", "build", "leaf_at", "size_at"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -52,8 +52,8 @@ def spaced(i):
 
 
 @inline
-def size_at(child, values, box, x, y):
-    """The size at (x, y), in scaled coordinates of the table; outside the box, that at its nearest point."""
+def leaf_at(child, box, x, y):
+    """The leaf at (x, y), in scaled coordinates, or nearest to it, and the place in it: (node, u, v)."""
     width, height = box[2] - box[0], box[3] - box[1]
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
@@ -73,6 +73,13 @@ def size_at(child, values, box, x, y):
         if v >= 1.0:
             v -= 1.0
             node += 2
+    return node, u, v
+
+
+@inline
+def size_at(child, values, box, x, y):
+    """The size at (x, y), in scaled coordinates of the table; outside the box, that at its nearest point."""
+    node, u, v = leaf_at(child, box, x, y)
     low = values[node, 0] + u * (values[node, 1] - values[node, 0])
     high = values[node, 2] + u * (values[node, 3] - values[node, 2])
     return low + v * (high - low)
@@ -180,7 +187,7 @@ def build(
     arguments of ``deeper`` are the longer side of the leaves, the 13 places that were sampled in each,
     (m, 13, 2), and the sizes there, (m, 13).
     """
-    box = _box(lower, upper, factor, tolerance)
+    box = box_of(lower, upper, factor, tolerance)
     if not 0 <= max_depth <= DEEPEST:
         raise InputError(f"max_depth must lie in 0..{DEEPEST}, not {max_depth!r}")
     capped = {"resolved": 0, "depth": 0, "nodes": 0}
@@ -286,7 +293,7 @@ def _divided(
     return _Level(count + np.arange(len(place)), place, values, marks, row)
 
 
-def _box(lower: ArrayLike, upper: ArrayLike, factor: float, tolerance: float) -> Array:
+def box_of(lower: ArrayLike, upper: ArrayLike, factor: float, tolerance: float) -> Array:
     """The corners of the box, shape (2, 2); the arguments are checked."""
     try:
         box = np.array([lower, upper], dtype=np.float64)

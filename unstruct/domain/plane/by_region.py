@@ -17,7 +17,10 @@ from ...geometry.outline import Outline
 from ...geometry.segment_tree import SegmentTree
 from ...mesh.locate import Locator
 from ...mesh.mesh import Mesh
+from ...sizing.directions import as_metric, intersect_rows, intersection
 from ...sizing.field import SizeField, as_size, minimum
+from ...sizing.metric import InverseMetric, Metric
+from ...sizing.metric_table import inverted
 from .sample import Sampled
 
 __all__ = ["PieceSizes", "per_region", "piece_sizes", "size_by_region"]
@@ -28,30 +31,39 @@ class PieceSizes(NamedTuple):
 
     Attributes
     ----------
-    fields : list of SizeField or None
+    fields : list of SizeField, Metric or None
         None asks for no more subsegments than are safe.
     group : (p,) int
         The field of each piece.
     """
 
-    fields: list[SizeField | None]
+    fields: list[SizeField | Metric | None]
     group: np.ndarray
 
-    def at(self, piece: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """The sizes at points x (k, 2) of pieces (k,); infinite without one."""
+    def at(self, piece: np.ndarray, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """The sizes at points x (k, 2) of pieces (k,), in directions (k, 2); infinite without one."""
         if len(self.fields) == 1 and self.fields[0] is not None:
-            return self.fields[0](x)
+            return _size_along(self.fields[0], x, direction)
         sizes, group = np.full(len(x), np.inf), self.group[piece]
         for g, one in enumerate(self.fields):
             rows = np.flatnonzero(group == g)
             if one is not None and len(rows):
-                sizes[rows] = one(x[rows])
+                sizes[rows] = _size_along(one, x[rows], direction[rows])
         return sizes
 
     def even(self) -> np.ndarray:
         """For which pieces the size is constant."""
         constant = [one is None or one.constant is not None for one in self.fields]
         return np.array(constant)[self.group]
+
+
+def _size_along(field: SizeField | Metric, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    return field.along(x, direction) if isinstance(field, Metric) else field(x)
+
+
+def size_or_metric(size: Any) -> SizeField | Metric:
+    """A metric as it is, anything else as a size field."""
+    return size if isinstance(size, Metric) else as_size(size)
 
 
 def per_region(value: Any, names: list[str], what: str) -> list[Any]:
@@ -92,7 +104,7 @@ def piece_sizes(outline: Outline, sampled: Sampled, size: Mapping[Any, Any]) -> 
     insert_all(c, sampled.ends, sampled.piece, sampled.span, facets=facets)
     mark_regions(c, facets, outline.regions, not facets)
     given = per_region(size, region_names(outline.regions, c), "size")
-    fields = [None if one is None else as_size(one) for one in given]
+    fields = [None if one is None else size_or_metric(one) for one in given]
     half = c.where[: c.segments].astype(np.int64)
     sides = np.sort(np.stack([c.region[half // 3], c.region[c.twin[half] // 3]], axis=1), axis=1)
     low = np.full((len(outline.pieces), 2), -1, dtype=np.int64)
@@ -102,7 +114,8 @@ def piece_sizes(outline: Outline, sampled: Sampled, size: Mapping[Any, Any]) -> 
     for pair in both.tolist():
         own = [fields[r] for r in sorted(set(pair)) if r >= 0]
         wanted = [one for one in own if one is not None]
-        found.append(minimum(*wanted) if len(wanted) > 1 else wanted[0] if wanted else None)
+        both_of = intersection if any(isinstance(one, Metric) for one in wanted) else minimum
+        found.append(both_of(*wanted) if len(wanted) > 1 else wanted[0] if wanted else None)
     return PieceSizes(found, group.reshape(-1))
 
 
@@ -119,9 +132,9 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
 
     Returns
     -------
-    SizeField
-        At a point that lies in several regions the smallest of their sizes; outside the size of the region
-        beside the nearest subsegment.
+    SizeField or Metric
+        At a point that lies in several regions the smallest of their sizes, or the intersection of their
+        metrics; outside those of the region beside the nearest subsegment.
 
     Raises
     ------
@@ -147,17 +160,44 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
                 f"size has no entry for {where} (near ({x:.6g}, {y:.6g})): give one, or a default by the key "
                 "None"
             )
-    fields = [as_size(one) for one in given]
-    if len({field.constant for field in fields} - {None}) == 1 and all(field.constant for field in fields):
+    metrics = [as_metric(one) for one in given] if any(isinstance(one, Metric) for one in given) else []
+    fields = [] if metrics else [as_size(one) for one in given]
+    constants = {field.constant for field in fields}
+    if len(constants) == 1 and None not in constants:
         return fields[0]
     half = c.where[: c.segments].astype(np.int64)
     beside = np.maximum(c.region[half // 3], c.region[c.twin[half] // 3])
     rows = np.flatnonzero(beside >= 0)
+    name = f"{len(set(size))} {'metrics' if metrics else 'sizes'} by region"
     tree = SegmentTree(xy[c.ends[rows]])
     locator = Locator(Mesh(xy, cells, neighbors=None))
-    marks = [xy[cells].mean(axis=1), *[field.landmarks for field in fields if len(field.landmarks)]]
+    given = metrics or fields
+    marks = [xy[cells].mean(axis=1), *[field.landmarks for field in given if len(field.landmarks)]]
+    if metrics:
+        return InverseMetric(
+            partial(_metric_by_region, metrics, locator, number.copy(), tree, beside[rows]),
+            landmarks=np.concatenate(marks),
+            name=name,
+        )
     function = partial(_by_region, fields, locator, number.copy(), tree, beside[rows])
-    return SizeField(function, landmarks=np.concatenate(marks), name=f"{len(set(size))} sizes by region")
+    return SizeField(function, landmarks=np.concatenate(marks), name=name)
+
+
+def _regions_at(
+    locator: Locator,
+    number: NDArray[np.int32],
+    tree: SegmentTree,
+    beside: NDArray[np.int32],
+    x: NDArray[np.float64],
+) -> tuple[NDArray, NDArray]:
+    """Pairs (point, region): those that contain each point, or the one beside the nearest subsegment."""
+    query, cell = locator.holding(np.ascontiguousarray(x))
+    region = number[cell]
+    out = np.setdiff1d(np.arange(len(x)), query)
+    if len(out):
+        _, nearest = tree.least(x[out], 1.0)
+        query, region = np.concatenate([query, out]), np.concatenate([region, beside[nearest]])
+    return query, region
 
 
 def _by_region(
@@ -168,14 +208,30 @@ def _by_region(
     beside: NDArray[np.int32],
     x: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    query, cell = locator.holding(np.ascontiguousarray(x))
-    region = number[cell]
-    out = np.setdiff1d(np.arange(len(x)), query)
-    if len(out):
-        _, nearest = tree.least(x[out], 1.0)
-        query, region = np.concatenate([query, out]), np.concatenate([region, beside[nearest]])
+    query, region = _regions_at(locator, number, tree, beside, x)
     sizes = np.full(len(x), np.inf)
     for r in np.unique(region).tolist():
         rows = np.unique(query[region == r])
         sizes[rows] = np.minimum(sizes[rows], fields[r](x[rows]))
     return sizes
+
+
+def _metric_by_region(
+    fields: list[Metric],
+    locator: Locator,
+    number: NDArray[np.int32],
+    tree: SegmentTree,
+    beside: NDArray[np.int32],
+    x: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    query, region = _regions_at(locator, number, tree, beside, x)
+    found, seen = np.empty((len(x), 3)), np.zeros(len(x), dtype=bool)
+    for r in np.unique(region).tolist():
+        rows = np.unique(query[region == r])
+        matrices = inverted(fields[r].inverses(x[rows]))
+        again = seen[rows]
+        common = found[rows[again]]
+        intersect_rows(common, matrices[again])
+        matrices[again] = common
+        found[rows], seen[rows] = matrices, True
+    return inverted(found)

@@ -1,4 +1,7 @@
-"""Cutting pieces by a size: whole numbers of subsegments, at equal steps of the integral of ds / size."""
+"""Cutting pieces by a size: whole numbers of subsegments, at equal steps of the integral of ds / size.
+
+With a metric the size is that in the direction of the piece; the integral is the metric length of the piece.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,13 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.outline import Outline
-from ...sizing.field import as_size
-from .by_region import PieceSizes, piece_sizes
+from ...sizing.metric import Metric
+from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .sample import Sampled, safe
 
 __all__ = ["sized"]
 
+METRIC_PARTS = 128  # a metric is looked at in so many parts of a straight piece of the size of the domain
 MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
 # A size is too rough if its integral needs more parameter intervals at once than `STRETCH`, and more than
 # `STRETCH_SHARE` for each piece.
@@ -29,7 +33,7 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     if isinstance(size, Mapping):
         wanted = piece_sizes(outline, coarse(), size)
     else:
-        wanted = PieceSizes([as_size(size)], np.zeros(len(outline.pieces), dtype=np.int64))
+        wanted = PieceSizes([size_or_metric(size)], np.zeros(len(outline.pieces), dtype=np.int64))
     piece, t, total = _table(outline, wanted)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
@@ -73,6 +77,11 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     """
     many = len(outline.pieces)
     parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
+    if any(isinstance(one, Metric) for one in size.fields):
+        # Along a piece that a layer crosses, a metric is fine in a short part only.
+        a, b = outline.points[outline.pieces].transpose(1, 0, 2)
+        share = np.abs(b - a).max(axis=1) / np.ptp(outline.points, axis=0).max()
+        parts = np.maximum(parts, np.ceil(METRIC_PARTS * share).astype(np.int64))
     piece = np.repeat(np.arange(many), parts)
     j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     t0, t1 = j / parts[piece], (j + 1) / parts[piece]
@@ -80,9 +89,10 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     while len(piece):
         t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
         x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
-        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2)).reshape(2, -1)
-        h1 = size.at(piece, x[2])
-        dx, dy = (x[2::2] - x[:-2:2]).transpose(2, 0, 1)
+        chord = x[2::2] - x[:-2:2]
+        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2), chord.reshape(-1, 2)).reshape(2, -1)
+        h1 = size.at(piece, x[2], x[4] - x[0])
+        dx, dy = chord.transpose(2, 0, 1)
         length = np.hypot(dx, dy)
         halves = length / h
         whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
@@ -10,11 +11,14 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.directions import as_metric
+from ...sizing.metric import Metric
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
 from .classical import classical_front, classical_mesh
+from .metric_front import MetricRun
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
@@ -42,10 +46,11 @@ def advancing_front(
     Parameters
     ----------
     domain : Domain
-    size : number, function (k, 2) -> (k,), SizeField, or dict of region name to one of these
+    size : number, function (k, 2) -> (k,), SizeField, Metric, or dict of region name to one of these
         The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
         between two regions takes the smaller size. Pieces of the boundary are cut into edges of about this
-        length: they are the first front.
+        length: they are the first front. With a `sizing.Metric` the wanted length depends on the direction;
+        see the notes.
     method : "delaunay" or "classical"
         How the triangle ahead of an edge is found: over the triangulation of what is not meshed (see the notes),
         or as the source chapter tells it: by the distance of candidates, with tests for what they would cross or
@@ -120,15 +125,30 @@ def advancing_front(
     distance of at least min(0.8 h, 0.55 |AB|) from all vertices that they are joined to, so that their number
     is bounded and the front becomes empty. In space both the triangulation and the conclusion fail.
 
+    *Metrics.* With a metric everything that is measured goes through it: R, the ideal point, distances,
+    angles, and the circles of the cavity. Lengths are 1 where they are as wanted. A cavity grows across an
+    edge only if the point strictly sees both new edges, by exact signs, so the mesh is valid whatever the
+    metric is; but it is not Delaunay, neither here nor in the metric. ``placement`` is "circle" or "equal
+    sides", and "smallest" compares the geometric means of the two lengths. ``split_boundary`` has no effect.
+    The finishing pass swaps diagonals and moves vertices for the metric quality, 4 sqrt(3) area / (sum of
+    squared edges); it gives edges longer than sqrt(2) a point ("points again"), and removes vertices at edges
+    shorter than 0.62 ("removed"). ``figures`` has qualities and lengths in the metric, ``unrefined`` the
+    triangles with an edge longer than 2 in the metric; ``steps["size"]`` is the geometric mean of the two
+    lengths, and ``steps["radius"]`` is in the metric. The ideal triangle must be small beside the distance in
+    which the metric turns: long edges of about 1 / ratio of the radius of curvature are needed for the best
+    quality. At ratios above 1000 use layers instead.
+
     All signs that decide the topology are exact. O(n) after the boundary is triangulated. Sources: S. H. Lo,
     International Journal for Numerical Methods in Engineering 21 (1985) 1403-1426; J. Peraire et al., Journal
-    of Computational Physics 72 (1987) 449-466; the front over a triangulation: J. D. Mueller, P. L. Roe,
-    H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256; D. L. Marcum, N. P.
-    Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2.
+    of Computational Physics 72 (1987) 449-466, also for directions; the front over a triangulation: J. D.
+    Mueller, P. L. Roe, H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256;
+    D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3.
     """
     if method not in METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if method == "classical":
+        if _has_metric(size):
+            raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
         return _classical(
             domain, size, order or "smallest", placement or "equal sides", search, finish, split_boundary,
             budget, history, progress,
@@ -142,6 +162,8 @@ def advancing_front(
         )
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
+    if _has_metric(size):
+        return _in_metric(domain, size, order, placement, finish, most, history, progress)
     complex_ = planar_complex(domain, size, progress=progress)
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     size = size_by_region(complex_, size, domain.regions)
@@ -151,6 +173,12 @@ def advancing_front(
     with progress_bar(progress, " points") as bar:
         run.march(most, bar)
     return noticed(paired(domain, run.result(most, finish)))
+
+
+def _has_metric(size: Any) -> bool:
+    """Whether a size, or that of a region, is a metric."""
+    values = size.values() if isinstance(size, Mapping) else [size]
+    return any(isinstance(one, Metric) for one in values)
 
 
 def _classical(
@@ -169,3 +197,26 @@ def _classical(
     run = classical_front(domain, complex_, size, progress=progress, **options)
     mesh = classical_mesh(domain, complex_, size, run, finish=finish, kept=kept, budget=most)
     return noticed(paired(domain, mesh))
+
+
+def _in_metric(
+    domain: Domain,
+    size: Any,
+    order: str,
+    placement: str | Placement,
+    finish: bool,
+    most: int,
+    history: bool,
+    progress: bool,
+) -> DomainMesh:
+    """`advancing_front` with a metric."""
+    if not isinstance(placement, str) or placement == "angle":
+        raise InputError(
+            f"placement = {placement!r} is for sizes; with a metric it must be 'circle' or 'equal sides'"
+        )
+    complex_ = planar_complex(domain, size, progress=progress)
+    metric = as_metric(size_by_region(complex_, size, domain.regions))
+    run = MetricRun(domain, complex_, metric, order, placement, history)
+    with progress_bar(progress, " points") as bar:
+        run.march(most, bar)
+    return noticed(paired(domain, run.result(finish)))
