@@ -52,25 +52,25 @@ def advancing_front(
         length: they are the first front. With a `sizing.Metric` the wanted length depends on the direction;
         see the notes.
     method : "delaunay" or "classical"
-        How the triangle ahead of an edge is found: over the triangulation of what is not meshed (see the notes),
-        or as the source chapter tells it: by the distance of candidates, with tests for what they would cross or
-        contain (see `unstruct.plain.advancing_front`). The classical front is rougher, slower, and there to be
-        compared.
+        How the triangle ahead of an edge is found: over the triangulation of what is not meshed (see the
+        notes), or as the source chapter tells it: by the distance of candidates, with tests for what they
+        would cross or contain (see `unstruct.plain.advancing_front`). The classical front is rougher, slower,
+        and there to be compared.
     order : "widest", "smallest", "shortest" or "oldest", optional
         Which edge of the front is next: the one with the largest R / f ahead of it, R being the circumradius
         of the triangle ahead and f = h / sqrt(3) (the default); that with the smallest wanted length there,
-        as the source chapter has it (the default of the classical method, which has no "widest"); the shortest;
-        or the one that has waited longest. Measures that differ
-        by less than a fifth count as equal; among these the one that has waited longest is next.
+        as the source chapter has it (the default of the classical method, which has no "widest"); the
+        shortest; or the one that has waited longest. Measures that differ by less than a fifth count as
+        equal; among these the one that has waited longest is next.
     placement : "equal sides", "angle", "circle", or function, optional
         The ideal point for a front edge AB. "equal sides": on the line through the middle of AB at right
         angles to it, at the distance h from A and B, with h kept between 0.55 and 2 times |AB|. "angle": the
         smaller of the angles between AB and the edges of the front before and after it is left as it is,
         halved, or divided by three, whichever gives parts nearest to 60 degrees (it changes at 80 and 144
         degrees; from 206 degrees on as "equal sides"). "circle" (the default): such that the circle through
-        A, B and the point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the points before
-        A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead. The classical
-        method has "equal sides" alone.
+        A, B and the point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the
+        points before A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead.
+        The classical method has "equal sides" alone.
     search : "barycenter" or "ideal"
         Where the classical method looks for candidates: about the middle of the edge, as the source chapter has
         it, or more narrowly about the ideal point.
