@@ -72,8 +72,8 @@ def advancing_front(
         points before A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead.
         The classical method has "equal sides" alone.
     search : "barycenter" or "ideal"
-        Where the classical method looks for candidates: about the middle of the edge, as the source chapter has
-        it, or more narrowly about the ideal point.
+        Where the classical method looks for candidates: about the middle of the edge, as the source chapter
+        has it, or more narrowly about the ideal point.
     finish : bool
         Whether to improve the result afterwards, as `voronoi_segment` does.
     split_boundary : bool or "inner"
