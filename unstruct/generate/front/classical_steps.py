@@ -36,16 +36,21 @@ from ...base.codes import DONE, MORE, ROOM
 from ...base.heap import pop, push
 from ...base.jit import inline, lean
 from ...sizing.table import ROOT3, Nodes, size_at
+from .candidate_heap import put, take
 from .digital_tree import gather
 from .open_front import (
     CROSSED,
+    HOLDS,
     NO_FAULT,
     TRIANGLES_MADE,
     VERTEX_COUNT,
     advance_over,
+    blocking_edge,
     enter_vertex,
     first_fault,
     has_room,
+    holds_vertex,
+    meets_inside,
     turn,
 )
 from .placing import LONGEST_SIDE, SHORTEST_SIDE
@@ -229,40 +234,6 @@ def fault_of_new(front, row, x, least):
 
 
 @inline
-def put(keys, values, count, key, value):
-    """Put a candidate into the heap; return the new number. Of equal keys the smaller value comes first."""
-    k = count
-    while k > 0:
-        above = (k - 1) // 2
-        if keys[above] < key or (keys[above] == key and values[above] <= value):
-            break
-        keys[k], values[k] = keys[above], values[above]
-        k = above
-    keys[k], values[k] = key, value
-    return count + 1
-
-
-@inline
-def take(keys, values, count):
-    """Remove the first candidate, which the caller has read; return the new number."""
-    count -= 1
-    key, value, k = keys[count], values[count], 0
-    while 2 * k + 1 < count:
-        child = 2 * k + 1
-        if child + 1 < count and (
-            keys[child + 1] < keys[child]
-            or (keys[child + 1] == keys[child] and values[child + 1] < values[child])
-        ):
-            child += 1
-        if key < keys[child] or (key == keys[child] and value <= values[child]):
-            break
-        keys[k], values[k] = keys[child], values[child]
-        k = child
-    keys[k], values[k] = key, value
-    return count
-
-
-@inline
 def note_tried(journal, counts, v, verdict):
     """Record a candidate and what was found about it."""
     if len(journal.tried) > 0:
@@ -323,6 +294,7 @@ def search_wide(front, waiting, journal, counts, row, radius):
     a, b = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1])
     cx, cy = 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1])
     before = -1.0
+    s = t = p = q = np.int64(-1)
     while True:
         radius = 2.0 * radius if radius > 0.0 else 4.0
         count = 0
@@ -343,7 +315,15 @@ def search_wide(front, waiting, journal, counts, row, radius):
         while count > 0:
             v = what[0]
             count = take(heap, what, count)
-            verdict = first_fault(front, a, b, v)
+            verdict = CROSSED  # most likely by an edge that has been in the way of the candidates before
+            if not (s >= 0 and meets_inside(xy, a, b, v, s, t)):
+                if not (p >= 0 and meets_inside(xy, a, b, v, p, q)):
+                    blocker = blocking_edge(front, a, b, v)
+                    if blocker >= 0:
+                        p, q = s, t
+                        s, t = np.int64(front.ends[blocker, 0]), np.int64(front.ends[blocker, 1])
+                    else:
+                        verdict = HOLDS if holds_vertex(front, a, b, v) else NO_FAULT
             note_tried(journal, counts, v, verdict)
             if verdict == NO_FAULT:
                 return v, radius > 2.0

@@ -277,17 +277,23 @@ def blocking_edge(front, a, b, c):
 
 
 @lean
-def first_fault(front, a, b, c):
-    """Why the triangle abc on the front edge ab must not be made: `NO_FAULT`, NOT_LEFT, CROSSED or HOLDS."""
+def holds_vertex(front, a, b, c):
+    """Whether a vertex of the front, besides the corners, is in the closed triangle abc."""
     xy, found = front.xy, front.vertices.found
-    if turn(xy, a, b, c) <= 0:
-        return NOT_LEFT
-    if blocking_edge(front, a, b, c) >= 0:
-        return CROSSED
     x0, y0, x1, y1 = window_of(xy, a, b, c)
     for i in range(gather(front.vertices, x0, y0, x1, y1)):
         v = np.int64(found[i])
         if v != a and v != b and v != c:
             if turn(xy, a, b, v) >= 0 and turn(xy, b, c, v) >= 0 and turn(xy, c, a, v) >= 0:
-                return HOLDS
-    return NO_FAULT
+                return True
+    return False
+
+
+@lean
+def first_fault(front, a, b, c):
+    """Why the triangle abc on the front edge ab must not be made: NO_FAULT, NOT_LEFT, CROSSED or HOLDS."""
+    if turn(front.xy, a, b, c) <= 0:
+        return NOT_LEFT
+    if blocking_edge(front, a, b, c) >= 0:
+        return CROSSED
+    return HOLDS if holds_vertex(front, a, b, c) else NO_FAULT
