@@ -16,7 +16,7 @@ from ..base.arrays import as_numbers
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from .field import SizeField, as_size
-from .metric import LEAST_LENGTH, MOST_STRETCH, InverseMetric, Metric, asked
+from .metric import LEAST_WANTED, MOST_STRETCH, InverseMetric, Metric, asked
 from .metric_table import inverted, larger_eigenvalue
 
 __all__ = ["as_metric", "directional", "intersect_rows", "intersected", "intersection"]
@@ -94,7 +94,7 @@ def _directed(direction: Callable[[Array], Any], along: SizeField, across: SizeF
             f"the lengths are {h[row]:g} and {g[row]:g} at x[{row}] = {x[row].tolist()}: their ratio must "
             f"not exceed {MOST_STRETCH:g}; bound it"
         )
-    lost = (np.minimum(h, g) < LEAST_LENGTH) | (np.maximum(h, g) > 1 / LEAST_LENGTH)
+    lost = (np.minimum(h, g) < LEAST_WANTED) | (np.maximum(h, g) > 1 / LEAST_WANTED)
     if lost.any():
         row = int(np.argmax(lost))
         raise InputError(

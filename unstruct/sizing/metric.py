@@ -18,10 +18,10 @@ from ..base.errors import InputError
 from .field import ASKED_AT_ONCE, first_to_raise
 from .metric_table import MetricTable, build_metric, inverted, spectrum
 
-__all__ = ["LEAST_LENGTH", "MOST_STRETCH", "InverseMetric", "Metric", "asked", "symmetric_rows"]
+__all__ = ["LEAST_WANTED", "MOST_STRETCH", "InverseMetric", "Metric", "asked", "symmetric_rows"]
 
 Array = NDArray[np.float64]
-LEAST_LENGTH = 1e-145  # of which, and of whose inverse, the square is a double with some room
+LEAST_WANTED = 1e-145  # of which, and of whose inverse, the square is a double with some room
 MOST_STRETCH = 1e6  # the largest ratio of two lengths that doubles can carry through all computations
 
 
@@ -214,7 +214,7 @@ def symmetric_rows(matrices: Any, what: str, points: Array | None = None, first:
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         even = np.abs(array[:, 0, 1] - array[:, 1, 0]) <= 1e-12 * large
         positive = np.isfinite(array).all(axis=(1, 2)) & (rows[:, 0] > 0) & (rows[:, 2] > 0) & (small > 0)
-        positive &= (large < LEAST_LENGTH**-2.0) & (small > LEAST_LENGTH**2.0)
+        positive &= (large < LEAST_WANTED**-2.0) & (small > LEAST_WANTED**2.0)
         near = small >= large / (MOST_STRETCH * MOST_STRETCH) * (1 - 1e-3)
     bad = ~(even & positive & near)
     if bad.any():

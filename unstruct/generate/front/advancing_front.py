@@ -23,7 +23,7 @@ from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
 
-METHODS = ("delaunay", "classical")
+FRONT_METHODS = ("delaunay", "classical")
 FINISHING = 1.35  # the finishing pass inserts points where R is above so many f, as `voronoi_segment` does
 
 
@@ -144,7 +144,7 @@ def advancing_front(
     Mueller, P. L. Roe, H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256;
     D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3.
     """
-    if method not in METHODS:
+    if method not in FRONT_METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if method == "classical":
         if _has_metric(size):

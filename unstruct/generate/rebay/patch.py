@@ -33,7 +33,9 @@ __all__ = [
 ]  # fmt: skip
 
 PATCH_CELLS = 44  # triangles of a patch: those of all vertices around a triangle, and a few more
-CELLS, PLACED, RIM = range(3)  # places in ``counters``: numbers of triangles, vertices, boundary half-edges
+CELLS, PATCH_VERTICES, RIM = range(
+    3
+)  # places in ``counters``: numbers of triangles, vertices, boundary half-edges
 SPARE = 4  # triangles that may be added
 
 
@@ -136,14 +138,14 @@ def gather(plane, vertices, place, seed, patch, stars):
         name[names[v]] = -1
         if rims[v] != 2:
             patch.row[v] = -1
-    patch.counters[CELLS], patch.counters[PLACED], patch.counters[RIM] = count, points, rim
+    patch.counters[CELLS], patch.counters[PATCH_VERTICES], patch.counters[RIM] = count, points, rim
 
 
 @lean
 def same(patch, stars, other, target):
     """Make the second patch a copy of the first; what never changes in a patch is copied, too."""
-    cells, points, rim = patch.counters[CELLS], patch.counters[PLACED], patch.counters[RIM]
-    other.counters[CELLS], other.counters[PLACED], other.counters[RIM] = cells, points, rim
+    cells, points, rim = patch.counters[CELLS], patch.counters[PATCH_VERTICES], patch.counters[RIM]
+    other.counters[CELLS], other.counters[PATCH_VERTICES], other.counters[RIM] = cells, points, rim
     for t in range(cells):
         other.live[t], other.slots[t] = patch.live[t], patch.slots[t]
         for e in range(3 * t, 3 * t + 3):
@@ -197,9 +199,9 @@ def put_inside(patch, stars, t):
     """
     xy, vertex, twin, mark = stars.xy, stars.vertex, stars.twin, stars.mark
     a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
-    v, first = patch.counters[PLACED], patch.counters[CELLS]
+    v, first = patch.counters[PATCH_VERTICES], patch.counters[CELLS]
     second = first + 1
-    patch.counters[PLACED], patch.counters[CELLS] = v + 1, first + 2
+    patch.counters[PATCH_VERTICES], patch.counters[CELLS] = v + 1, first + 2
     xy[v, 0] = (xy[a, 0] + xy[b, 0] + xy[c, 0]) / 3.0
     xy[v, 1] = (xy[a, 1] + xy[b, 1] + xy[c, 1]) / 3.0
     patch.row[v] = -1
@@ -281,7 +283,7 @@ def put_back(plane, patch, stars, vertices, spots):
     for t in range(cells):
         if slots[t] < 0:
             slots[t] = new_slot(twin, state)
-    for v in range(patch.counters[PLACED]):
+    for v in range(patch.counters[PATCH_VERTICES]):
         if patch.names[v] < 0:
             patch.names[v] = state[VERTICES]
             vertices.still[patch.names[v]] = False
@@ -355,7 +357,7 @@ def outside_holds(plane, patch, stars, stack):
             p, q = start_of(vertex, e), end_of(vertex, e)
             if min(p, q) >= 0:
                 px, py, qx, qy = plane.xy[p, 0], plane.xy[p, 1], plane.xy[q, 0], plane.xy[q, 1]
-                for w in range(patch.counters[PLACED]):  # they may have slid, too
+                for w in range(patch.counters[PATCH_VERTICES]):  # they may have slid, too
                     if patch.names[w] == p:
                         px, py = stars.xy[w, 0], stars.xy[w, 1]
                     if patch.names[w] == q:

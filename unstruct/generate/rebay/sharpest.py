@@ -25,7 +25,7 @@ from ...connect.planar.stars import legalize
 from ...sizing.table import ROOT3
 from .patch import (
     CELLS,
-    PLACED,
+    PATCH_VERTICES,
     RIM,
     drop,
     gather,
@@ -220,7 +220,7 @@ def sharpen(plane, front, vertices, queue, patches, spots, goal, tally):
             continue  # it has changed since
         gather(plane, vertices, queue.place, seed, first, first_stars)
         slides = len(spots) == 0
-        for v in range(first.counters[PLACED]):
+        for v in range(first.counters[PATCH_VERTICES]):
             h = wanted(front, first_stars.xy[v, 0], first_stars.xy[v, 1]) * ROOT3
             first.size[v] = h * h
             slides = slides or first.row[v] >= 0
@@ -229,7 +229,7 @@ def sharpen(plane, front, vertices, queue, patches, spots, goal, tally):
         tally[PATCHES_SEEN] += 1
         found, sharp = _try_all(plane, patches, spots, queue.stack, goal, bound, tally)
         if sharp:
-            for v in range(first.counters[PLACED]):
+            for v in range(first.counters[PATCH_VERTICES]):
                 vertices.asked[first.names[v]] = True
         if not found:
             queue.stuck[seed] = True

@@ -16,7 +16,7 @@ from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import end_of, next_edge, prev_edge, start_of
 from ...connect.planar.stars import CERTAIN, COMPASS, TINY_AREA, legalize, star_of, swap_around
 from ...predicates.kernels import orient2
-from .patch import CELLS, PLACED, fan_of
+from .patch import CELLS, PATCH_VERTICES, fan_of
 
 __all__ = ["UNIT_SHARP", "judge_patch", "make_legal", "settle_patch"]
 
@@ -120,7 +120,7 @@ def settle_patch(patch, stars, spots, swap, bar):
     reach, most = FIRST_STEP, 0.0
     for sweep in range(SWEEPS):
         moves, sharpest = 0, 0.0
-        for v in range(patch.counters[PLACED]):
+        for v in range(patch.counters[PATCH_VERTICES]):
             if stars.still[v]:
                 if patch.row[v] >= 0 and _slide(patch, stars, spots, v):
                     moves += 1
