@@ -4,7 +4,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 `interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
-`refine`, `circumcenter_insertion`, `voronoi_segment`, `smooth`.
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `smooth`; `advancing_layers` with `Layers`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -46,6 +46,7 @@ from .generate.boundary.conforming import conforming_delaunay as conforming_dela
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
 from .generate.improve.smoothing import smooth as smooth
+from .generate.layers.advancing_layers import advancing_layers as advancing_layers
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .geometry.curves import Arc as Arc
@@ -55,6 +56,7 @@ from .mesh.curved import CurvedMesh as CurvedMesh
 from .mesh.curved import second_order as second_order
 from .mesh.domain_mesh import DomainMesh as DomainMesh
 from .mesh.mesh import Mesh as Mesh
+from .sizing.stretching import Layers as Layers
 
 __version__ = "0.1.0"
 
@@ -69,6 +71,7 @@ __all__ = [
     "DomainMesh",
     "IncompleteWarning",
     "InputError",
+    "Layers",
     "Mesh",
     "MeshError",
     "Report",
@@ -76,6 +79,7 @@ __all__ = [
     "Triangulation",
     "UnstructError",
     "Voronoi",
+    "advancing_layers",
     "check",
     "circumcenter_insertion",
     "compare",

@@ -16,19 +16,19 @@ from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
 from ...sizing.stretching import Layers
-from ..boundary.constrained import complex_of
 from ..boundary.pairs import paired
 from ..rebay.voronoi_segment import voronoi_segment
 from ..refinement.refine import refine
-from .envelope import freed
+from .envelope import freed, short_fans
 from .filling import Remainder, matched_size, remainder
 from .heights import fronts_of
 from .rays import rays_of
 from .scene import Scene
+from .spacing import spaced_walls
 from .stops import REASONS, Stops, stops_of
 from .strips import Cells, cells_of, numbered, positive, tops
 from .union import steps_of, union_of
-from .walls import wall_pieces, walls_of
+from .walls import wall_pieces
 
 __all__ = ["FILLS", "advancing_layers"]
 
@@ -55,13 +55,7 @@ def advancing_layers(
     method = FILLS.get(fill) if isinstance(fill, str) else fill
     domain = as_domain(domain)
     scene, c, field = _scene(domain, size, layers, walls, wakes)
-    rest_points = np.setdiff1d(scene.ends[~scene.wall].ravel(), scene.walls.ends.ravel())
-    piece_at = np.full(len(scene.walls.points), -1, dtype=np.int64)
-    piece_at[scene.ends[~scene.wall]] = scene.piece[~scene.wall, None]
-    every = np.concatenate([rest_points, scene.loose])
-    targets = scene.walls.points[every], piece_at[every]
-    stops = stops_of(scene.rays, scene.fronts, field, targets, stop == "spring", scene.slides())
-    stops, rounds = freed(scene, stops)
+    stops, scene, rounds = _advanced(scene, field, layers, stop == "spring")
     while True:
         numbers = numbered(scene.walls.points, scene.rays, scene.fronts, stops.level)
         try:
@@ -89,19 +83,43 @@ def advancing_layers(
     )
 
 
+def _advanced(scene: Scene, field: SizeField, layers: Layers, spring: bool) -> tuple[Stops, Scene, int]:
+    """Let the fronts advance; where fans end too early, once more with one ray in place of each."""
+    points = scene.walls.points
+    piece_at = np.full(len(points), -1, dtype=np.int64)
+    piece_at[scene.ends[~scene.wall]] = scene.piece[~scene.wall, None]
+    every = np.concatenate(
+        [np.setdiff1d(scene.ends[~scene.wall].ravel(), scene.walls.ends.ravel()), scene.loose]
+    )
+    targets = points[every], piece_at[every]
+    single = np.zeros(len(points), dtype=bool)
+    total = 0
+    while True:
+        stops = stops_of(scene.rays, scene.fronts, field, targets, spring, scene.slides())
+        stops, rounds = freed(scene, stops)
+        total += rounds
+        short = short_fans(scene, stops.level)
+        if not len(short):
+            return stops, scene, total
+        single[short] = True
+        subsegments = scene.ends, scene.piece, scene.span
+        rays = rays_of(scene.domain, scene.walls, scene.ends, scene.piece, single)
+        scene = scene._replace(
+            rays=rays, fronts=fronts_of(scene.domain, scene.walls, rays, layers, subsegments)
+        )
+
+
 def _scene(
     domain: Domain, size: Any, layers: Layers, walls: Any, wakes: Any
 ) -> tuple[Scene, PlanarComplex, SizeField]:
-    sampled = domain.sampled(size)
-    c = complex_of(domain, sampled)
-    field = as_size(size_by_region(c, size, domain.regions))
     wall = np.zeros(len(domain.pieces), dtype=bool)
     wake = wall.copy()
     wall[wall_pieces(domain, walls, "walls")] = True
     wake[wall_pieces(domain, wakes, "wakes")] = True
+    sampled, c, found, _ = spaced_walls(domain, size, wall | wake, wake)
+    field = as_size(size_by_region(c, size, domain.regions))
     ends = c.ends[: c.segments].astype(np.int64)
     piece, span = c.piece[: c.segments].astype(np.int64), c.span[: c.segments].copy()
-    found = walls_of(c, sampled.points, wall | wake, wake)
     rays = rays_of(domain, found, ends, piece)
     fronts = fronts_of(domain, found, rays, layers, (ends, piece, span))
     return Scene(domain, found, rays, fronts, ends, piece, span, (wall | wake)[piece], domain.loose.astype(np.int64)), c, field

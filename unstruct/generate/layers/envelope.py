@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
-from .rays import Rays
+from .rays import Rays, neighbors_of
 from .scene import Scene, rest_of
+from .spacing import nearest_places
 from .stops import EXACT, SHAPE, Stops, chains_of
 from .strips import Numbering, numbered, positive, tops
 
-__all__ = ["freed"]
+__all__ = ["freed", "short_fans"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -31,6 +32,7 @@ Integers = NDArray[np.int64]
 LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be away
 LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
 SAME_OPENING = 0.93  # ... by this factor
+SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
 ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
 
 
@@ -49,6 +51,25 @@ def freed(scene: Scene, stops: Stops) -> tuple[Stops, int]:
         level[rows] = np.maximum(lower[rows] - (rounds // ROUNDS_OF_ROOM), 0)
         why[rows] = reason[rows]
         stops = positive(points, scene.rays, scene.fronts, Stops(level, why))
+
+
+def short_fans(scene: Scene, level: Integers) -> Integers:
+    """Vertices whose fans end so early that their edges are much shorter than those beside them."""
+    rays = scene.rays
+    side = len(scene.walls.ends)
+    fan = np.arange(side, len(rays.left))
+    i, j = rays.left[fan], rays.right[fan]
+    x = scene.fronts.places
+    length = np.hypot(*(x[i, level[i]] - x[j, level[j]]).T)
+    some = np.flatnonzero(np.maximum(level[i], level[j]) > 0)
+    before, after = neighbors_of(rays)
+    wide = np.zeros(len(scene.walls.points))
+    for ray, other in ((i, before), (j, after)):
+        rows = np.flatnonzero((other[ray] >= 0) & (rays.base[np.maximum(other[ray], 0)] != rays.base[ray]))
+        r, o = ray[rows], other[ray[rows]]
+        np.maximum.at(wide, rays.base[r], np.hypot(*(x[r, level[r]] - x[o, level[o]]).T))
+    base = rays.base[i[some]]
+    return np.unique(base[length[some] < SHORT_FAN * wide[base]])
 
 
 def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
@@ -165,15 +186,7 @@ def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:
     facing = (away * left[i]).sum(axis=1) > 0.0
     facing &= (j >= len(top)) | ((away * left[j]).sum(axis=1) < 0.0)
     i, j = i[facing], j[facing]
-    distance = np.full(len(i), np.inf)
-    for p, (c, d) in ((a[i], (j, j)), (b[i], (j, j)), (a[j], (i, i)), (b[j], (i, i))):
-        distance = np.minimum(distance, _to_segment(p, a[c], b[d]))
+    distance = nearest_places(a[i], b[i], a[j], b[j])[2]
     near = distance < LEAST_ROOM * length[i]
     both = np.concatenate([i[near], j[near & (j < len(top))]])
     return np.unique(both)
-
-
-def _to_segment(p: Array, a: Array, b: Array) -> Array:
-    side = b - a
-    t = np.clip(((p - a) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-300), 0.0, 1.0)
-    return np.hypot(*(p - a - t[:, None] * side).T)

@@ -103,7 +103,7 @@ def _runs(
     # Subsegments come in the order of their pieces.
     joined = (p[1:] == p[:-1]) & (ends[1:, 0] == ends[:-1, 1]) & ~held[1:] & ~held[:-1]
     first = np.flatnonzero(np.concatenate([[True], ~joined])) if len(rows) else np.empty(0, dtype=np.int64)
-    last = np.append(first[1:], len(rows)) - 1
+    last = np.append(first[1:], len(rows))[: len(first)] - 1
     ends = np.column_stack([ends[first, 0], ends[last, 1]])
     span = np.column_stack([span[first, 0], span[last, 1]])
     inner = (p[first] >= facets) & ~beside[first]

@@ -25,6 +25,7 @@ FAN_FROM = np.radians(230.0)  # the angle of the fluid from which on a vertex ha
 FAN_STEP = np.radians(20.0)  # the largest angle between two rays of a fan
 SLIDES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
 SHARPEST = np.radians(30.0)  # corners of the fluid below this get no layers
+SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray may stand for a fan
 ROUNDS = 10  # of smoothing
 VISIBLE = 0.35  # the least cosine between a smoothed ray and the normals beside it
 MOST_SCALE = 1.6  # the largest factor by which heights along an oblique ray are longer
@@ -111,7 +112,9 @@ class _Rows:
         return np.arange(self.count - len(base), self.count)
 
 
-def rays_of(domain: Domain, walls: Walls, other: Integers, piece: Integers) -> Rays:
+def rays_of(
+    domain: Domain, walls: Walls, other: Integers, piece: Integers, single: NDArray[np.bool_] | None = None
+) -> Rays:
     """The rays of all sides.
 
     Parameters
@@ -122,6 +125,8 @@ def rays_of(domain: Domain, walls: Walls, other: Integers, piece: Integers) -> R
         The ends of all subsegments.
     piece : (s,) int64
         The pieces of all subsegments.
+    single : (n,) bool, optional
+        Vertices that get one ray in place of a fan, or none if the body is sharper than a right angle there.
     """
     along, normal, _ = directed(walls)
     rows, m = _Rows(), len(walls.ends)
@@ -133,8 +138,12 @@ def rays_of(domain: Domain, walls: Walls, other: Integers, piece: Integers) -> R
     end = walls.wake[joined] & walls.wake[follow] & (walls.segment[joined] == walls.segment[follow])
     fan &= ~end
     tapered = end | (angle < SHARPEST)
+    if single is not None:
+        alone = fan & single[walls.ends[joined, 1]]
+        fan &= ~alone
+        tapered |= alone & (angle > SHARPEST_BODY)
     plain = ~fan
-    kind = np.where(tapered, TAPER, np.where(angle < np.radians(150.0), FIXED, FREE))
+    kind = np.where(tapered, TAPER, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), FIXED, FREE))
     half = angle / 2
     back = -along[joined]
     bisector = np.column_stack([

@@ -194,7 +194,8 @@ class VoronoiSegmentRun:
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-                if since and not self.spent:
+                # What `refine_angles` could not change waits again; `start` needs an empty queue.
+                if since and not self.spent and (self.gates < 0).all():
                     self.start(moved)
                 else:
                     self.restart()

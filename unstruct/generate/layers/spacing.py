@@ -1,0 +1,126 @@
+"""The lengths of edges along walls: as the size asks for, and shorter in gaps and beside short pieces.
+
+The edges of the envelope are not split later, so where two walls are near each other the edges along them
+must be short enough for the gap, and the lengths of edges that follow each other must not differ too much.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...connect.planar.complex import PlanarComplex
+from ...domain.domain import Domain, Sampled
+from ...geometry.boxes import BoxTree
+from ...sizing.field import minimum
+from ...sizing.source_sizes import sources
+from ..boundary.constrained import complex_of
+from .walls import Walls, walls_of
+
+__all__ = ["nearest_places", "spaced_walls", "to_segment"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+OF_A_GAP = 0.5  # edges along walls are at most so long, in units of the gap before them
+TOO_LONG = 1.35  # edges are made shorter if they exceed the wanted length by this factor
+UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
+LENGTHS_GROW = 0.5  # along a wall, per unit of length
+FINEST = 1.0 / 32.0  # of the length that the size asks for: in narrower gaps there are no layers
+SPACING_ROUNDS = 6
+
+
+def spaced_walls(
+    domain: Domain, size: Any, wall: NDArray[np.bool_], wake: NDArray[np.bool_]
+) -> tuple[Sampled, PlanarComplex, Walls, int]:
+    """The sampled boundary, its triangulation, the sides of walls, and how many rounds shortened edges.
+
+    Parameters
+    ----------
+    domain : Domain
+    size : size, or dict of regions' names to sizes
+    wall, wake : (p,) bool
+        Pieces that are walls (wakes included), and wakes.
+    """
+    places: list[Array] = []
+    lengths: list[Array] = []
+    wanted = size
+    floor, before = np.inf, -1
+    for rounds in range(SPACING_ROUNDS + 1):
+        sampled = domain.sampled(wanted)
+        c = complex_of(domain, sampled)
+        walls = walls_of(c, sampled.points, wall, wake)
+        if rounds == SPACING_ROUNDS or len(walls.ends) in (0, before) or isinstance(size, dict):
+            break
+        before = len(walls.ends)
+        at, length, own = _too_long(domain, walls, c)
+        if rounds == 0 and len(own):
+            floor = FINEST * float(own.min())
+        length = np.maximum(length, floor)
+        keep = own > TOO_LONG * length
+        if not keep.any():
+            break
+        places.append(at[keep])
+        lengths.append(length[keep])
+        shorter = sources(np.concatenate(places), np.concatenate(lengths), growth=LENGTHS_GROW)
+        wanted = minimum(size, shorter)
+    return sampled, c, walls, rounds
+
+
+def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[Array, Array, Array]:
+    """Places on walls, the lengths that edges should have there, and those that they have."""
+    x = walls.points
+    piece = c.piece[: c.segments].astype(np.int64)
+    others = np.flatnonzero(~np.isin(np.arange(c.segments), walls.segment))
+    edges = np.concatenate([walls.ends, c.ends[others].astype(np.int64)])
+    owner = np.concatenate([piece[walls.segment], piece[others]])
+    m = len(walls.ends)
+    a, b = x[edges[:, 0]], x[edges[:, 1]]
+    length = np.hypot(*(b - a).T)
+    grown = (length[:m] / OF_A_GAP)[:, None]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    i, j = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
+    apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
+    # Pieces that share a corner are as near as its angle makes them.
+    ends = domain.pieces[owner]
+    apart &= (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
+    i, j = i[apart], j[apart]
+    left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
+    t, s, distance = nearest_places(a[i], b[i], a[j], b[j])
+    at = a[i] + t[:, None] * (b - a)[i]
+    away = a[j] + s[:, None] * (b - a)[j] - at
+    facing = (away * left[i]).sum(axis=1) > 0.0
+    facing &= (j >= m) | ((away * left[j]).sum(axis=1) < 0.0)
+    i, at, distance = i[facing], at[facing], distance[facing]
+    places, wanted, own = [at], [OF_A_GAP * distance], [length[i]]
+    for side, next_side, end in ((walls.after, np.arange(m), 1), (walls.before, np.arange(m), 0)):
+        rows = next_side[side >= 0]
+        rows = rows[length[side[rows]] > UNEVEN * length[rows]]
+        places.append(x[walls.ends[rows, end]])
+        wanted.append(length[rows])
+        own.append(length[side[rows]] * TOO_LONG)
+    return np.concatenate(places), np.concatenate(wanted), np.concatenate(own)
+
+
+def to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:
+    """Where on the segment ab the nearest point to p is, from 0 to 1, and its distance."""
+    side = b - a
+    t = np.clip(((p - a) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-300), 0.0, 1.0)
+    return t, np.hypot(*(p - a - t[:, None] * side).T)
+
+
+def nearest_places(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array, Array]:
+    """The nearest places on segments ab and cd that do not cross, from 0 to 1, and their distances."""
+    zero, one = np.zeros(len(a)), np.ones(len(a))
+    t_c, from_c = to_segment(c, a, b)
+    t_d, from_d = to_segment(d, a, b)
+    s_a, from_a = to_segment(a, c, d)
+    s_b, from_b = to_segment(b, c, d)
+    every = np.stack([from_c, from_d, from_a, from_b])
+    which = np.argmin(every, axis=0)
+    row = np.arange(len(a))
+    t = np.stack([t_c, t_d, zero, one])[which, row]
+    s = np.stack([zero, one, s_a, s_b])[which, row]
+    return t, s, every[which, row]
