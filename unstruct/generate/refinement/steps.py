@@ -234,7 +234,25 @@ def _too_short(w, a, b, across):
 
 
 @inline
-def _in_the_way(w, tally, limits, k, center, by, floor):
+def _least_sine(ax, ay, bx, by, cx, cy):
+    """The squared sine of the smallest angle of a triangle."""
+    ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+    p, q, s = ux * ux + uy * uy, vx * vx + vy * vy, (vx - ux) ** 2 + (vy - uy) ** 2
+    longest = max(p, q, s)
+    double, rest = ux * vy - uy * vx, longest * (p + q + s - longest - min(p, q, s))
+    return double * double / rest if rest > 0.0 else 0.0
+
+
+@inline
+def _spoils(w, t, a, b, px, py):
+    """Whether the triangle of a subsegment a-b that stays and p would have a smaller angle than t has."""
+    xy, c, d, e = w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
+    now = _least_sine(xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], xy[e, 0], xy[e, 1])
+    return _least_sine(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) < now
+
+
+@inline
+def _in_the_way(w, tally, limits, t, k, center, by, floor):
     """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
 
     Those that are not twice as long as the edge across a small angle, if it is about one, are left alone.
@@ -250,9 +268,12 @@ def _in_the_way(w, tally, limits, k, center, by, floor):
         s = w.mark[e]
         if s >= 0:
             marked += 1
-            if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
-                continue
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
+            if w.lock[s] == KEPT:  # it stays, so p may come near it, but not for the angle and make it worse
+                if by == BY_ANGLE and _spoils(w, t, a, b, px, py):
+                    found += 1
+                    why = KEPT
+                continue
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
                 if _too_short(w, a, b, across):
@@ -293,7 +314,7 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
     need not be tested.
     """
     px, py, sure, across = center
-    marked, found, asked, why = _in_the_way(w, tally, limits, k, center, by, floor)
+    marked, found, asked, why = _in_the_way(w, tally, limits, t, k, center, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
