@@ -79,9 +79,9 @@ def random_case(rng: Rng | Any) -> Case:
     near, far = rng.uniform(0.012, 0.05), 0.15
     bodies = np.arange(4, len(domain.facets))
     size = sizing.sources(domain.points[domain.facets[bodies]], near, growth=0.25, far=far)
-    layers = Layers(first=near * 10 ** rng.uniform(-4, -0.5), growth=rng.uniform(1.1, 1.5))
+    layers = Layers(first=near * 10 ** rng.uniform(-4, -1), growth=rng.uniform(1.1, 1.5))
     if rng.random() < 0.2:
-        layers = Layers(first=near * 10 ** rng.uniform(-2, -0.5), growth=1.2, count=int(rng.integers(1, 30)))
+        layers = Layers(first=near * 10 ** rng.uniform(-2, -1), growth=1.2, count=int(rng.integers(1, 30)))
     options = {
         "layers": layers,
         "walls": None if rng.random() < 0.2 else bodies,

@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be away
+FACING = 0.35  # the sine of the angle under which edges see each other's middles at least, if they face
 LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
 SAME_OPENING = 0.93  # ... by this factor
 SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
@@ -183,8 +184,9 @@ def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:
     middle = (a + b) / 2
     left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
     away = middle[j] - middle[i]
-    facing = (away * left[i]).sum(axis=1) > 0.0
-    facing &= (j >= len(top)) | ((away * left[j]).sum(axis=1) < 0.0)
+    far = FACING * np.hypot(*away.T)
+    facing = (away * left[i]).sum(axis=1) > far * length[i]
+    facing &= (j >= len(top)) | ((away * left[j]).sum(axis=1) < -far * length[j])
     i, j = i[facing], j[facing]
     distance = nearest_places(a[i], b[i], a[j], b[j])[2]
     near = distance < LEAST_ROOM * length[i]

@@ -24,8 +24,8 @@ __all__ = ["nearest_places", "spaced_walls", "to_segment"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-OF_A_GAP = 0.5  # edges along walls are at most so long, in units of the gap before them
-TOO_LONG = 1.35  # edges are made shorter if they exceed the wanted length by this factor
+OF_A_GAP = 0.4  # edges along walls are at most so long, in units of the gap before them
+TOO_LONG = 1.2  # edges are made shorter if they exceed the wanted length by this factor
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
 LENGTHS_GROW = 0.5  # along a wall, per unit of length
 FINEST = 1.0 / 32.0  # of the length that the size asks for: in narrower gaps there are no layers
