@@ -15,9 +15,10 @@ from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
-from ..refinement.state import FINEST_SPAN
+from ..refinement.account import TEXTS
+from ..refinement.state import FINEST_SPAN, KEPT
 from . import steps as k
-from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
+from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, small_angles, smooth_poor
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 COUNT_NAMES = (
@@ -188,6 +189,9 @@ class VoronoiSegmentRun:
         before: dict[str, float] = {}
         allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
+        slots: list[int] = []
+        reasons: list[str] = []
+        best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since)
@@ -203,24 +207,33 @@ class VoronoiSegmentRun:
             self.advance(budget, None)  # some triangles may have become too large again
             done["points again"] += c.size - size
             self.counts, after = counted, figures(c)
+            if self.kept.any() and after["minimum angle"] > best[0]:
+                best = after["minimum angle"], c.saved()
+            elif best[1] is not None and number < PASSES:
+                break
             refined = False
-            slots: list[int] = []
-            reasons: list[str] = []
+            slots, reasons = [], []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
-                every = np.ones_like(self.kept)
+                every = 1 + self.kept
                 found, _, _ = refine_angles(
                     self.domain, c, self.first, most, every, ceiling, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(
-                    self.domain, c, self.first, most, self.kept, ceiling, allowed
+                    self.domain, c, self.first, most, 2 * self.kept, ceiling, allowed
                 )
                 more, after = self._refined(found, done, after)
                 refined = refined or more
             if not refined and (c.size == size or number > 0):
                 break
             since = 0 if refined else size
+        if after["minimum angle"] < best[0]:
+            c.restore(best[1])
+            self.restart()
+            after = figures(c)
+            slots = small_angles(c, PROMISED_ANGLE).tolist()
+            reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}

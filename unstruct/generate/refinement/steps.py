@@ -54,6 +54,7 @@ from .state import (
     EVENTS,
     FINEST_SPAN,
     FLOOR,
+    GUARDED,
     KEPT,
     LARGE_ONES,
     LINKED,
@@ -269,7 +270,9 @@ def _in_the_way(w, tally, limits, t, k, center, by, floor):
         if s >= 0:
             marked += 1
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
-            if w.lock[s] == KEPT:  # it stays, so p may come near it, but not for the angle and make it worse
+            if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
+                continue
+            if w.lock[s] == GUARDED:
                 if by == BY_ANGLE and _spoils(w, t, a, b, px, py):
                     found += 1
                     why = KEPT
@@ -326,7 +329,7 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
             elif ask(w, tally, s, by, floor):
                 asked = 1
             else:
-                why = w.lock[s]
+                why = max(w.lock[s], KEPT)
     if asked > 0:
         tally[REJECTED] += 1
         corners = (w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2])
