@@ -19,7 +19,7 @@ __all__ = ["FILL_GROWTH", "Remainder", "matched_size", "remainder"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FILL_GROWTH = 0.3  # of the size with the distance from the envelope
+FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 
 
 class Remainder(NamedTuple):

@@ -38,6 +38,8 @@ class Fronts(NamedTuple):
         The largest number of layers that a ray can have.
     apart : (r, k + 1) float64
         The mean distance to the neighbors at the same layer.
+    endless : bool
+        Whether the layers have no count of their own.
     """
 
     places: Array
@@ -45,6 +47,7 @@ class Fronts(NamedTuple):
     parameter: Array
     most: Integers
     apart: Array
+    endless: bool
 
 
 def fronts_of(
@@ -76,7 +79,7 @@ def fronts_of(
         places[r] = domain.points_at(np.full(len(t), k), parameter[r])
         places[r, 0] = x[r]
     steps = np.hypot(*np.diff(places, axis=1).transpose(2, 0, 1))
-    return Fronts(places, steps, parameter, most, _apart(places, rays))
+    return Fronts(places, steps, parameter, most, _apart(places, rays), layers.count is None)
 
 
 def _heights(layers: Layers, x: Array, longest: float) -> Array:

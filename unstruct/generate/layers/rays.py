@@ -29,6 +29,7 @@ SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray 
 ROUNDS = 10  # of smoothing
 VISIBLE = 0.35  # the least cosine between a smoothed ray and the normals beside it
 MOST_SCALE = 1.6  # the largest factor by which heights along an oblique ray are longer
+CORNER_SCALE = 4.0  # in concave corners, where the front of both walls meets farther away
 
 
 class Rays(NamedTuple):
@@ -275,6 +276,8 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
         good = (size > 1e-9) & (cosine(trial)[free] >= np.maximum(least[free], VISIBLE * 0.5))
         direction[free[good]] = trial[free[good]]
     towards = np.where(known & (rays.kind != FAN), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0)
-    scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, MOST_SCALE)
-    scale[free] = (2 * scale[free] + scale[p] + scale[q]) / 4
+    most = np.where((n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == FIXED), CORNER_SCALE, MOST_SCALE)
+    scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, most)
+    beside = np.minimum(scale, MOST_SCALE)
+    scale[free] = (2 * scale[free] + beside[p] + beside[q]) / 4
     return rays._replace(direction=direction, scale=scale, cosine=cosine(direction))

@@ -13,6 +13,8 @@ from .rays import SLIDING, Rays
 from .strips import Numbering
 from .walls import Walls
 
+BESIDE = 0.7  # so much of a subsegment
+
 __all__ = ["Scene", "bare", "rest_of", "slid_ranges"]
 
 Array = NDArray[np.float64]
@@ -93,7 +95,9 @@ def rest_of(scene: Scene, level: Integers, numbers: Numbering) -> Integers:
                 low, first = t, top
             else:
                 high, last = t, top
-        inner = rows[:-1][(scene.span[rows[:-1], 1] > low) & (scene.span[rows[:-1], 1] < high)]
+        # A vertex beside the last place of a ray is left out: the rest will have others there.
+        t, part = scene.span[rows[:-1], 1], BESIDE * np.diff(scene.span[rows[:-1]])[:, 0]
+        inner = rows[:-1][(t > low + part * (low > 0)) & (t < high - part * (high < 1))]
         chain = np.concatenate([[first], scene.ends[inner, 1], [last]])
         parts.append(np.column_stack([chain[:-1], chain[1:]]))
     return np.concatenate(parts)

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...connect.planar.complex import PlanarComplex
-from ...domain.domain import Domain, Sampled
+from ...domain.domain import Domain
+from ...domain.plane.by_region import size_by_region
 from ...geometry.boxes import BoxTree
-from ...sizing.field import minimum
+from ...sizing.field import SizeField, as_size, minimum
 from ...sizing.source_sizes import sources
 from ..boundary.constrained import complex_of
 from .walls import Walls, walls_of
@@ -28,14 +29,14 @@ OF_A_GAP = 0.4  # edges along walls are at most so long, in units of the gap bef
 TOO_LONG = 1.2  # edges are made shorter if they exceed the wanted length by this factor
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
 LENGTHS_GROW = 0.5  # along a wall, per unit of length
-FINEST = 1.0 / 32.0  # of the length that the size asks for: in narrower gaps there are no layers
-SPACING_ROUNDS = 6
+FINEST = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
+SPACING_ROUNDS = 8
 
 
 def spaced_walls(
     domain: Domain, size: Any, wall: NDArray[np.bool_], wake: NDArray[np.bool_]
-) -> tuple[Sampled, PlanarComplex, Walls, int]:
-    """The sampled boundary, its triangulation, the sides of walls, and how many rounds shortened edges.
+) -> tuple[PlanarComplex, Walls, SizeField]:
+    """The triangulation of the sampled boundary, the sides of walls, and the size as one field.
 
     Parameters
     ----------
@@ -52,7 +53,9 @@ def spaced_walls(
         sampled = domain.sampled(wanted)
         c = complex_of(domain, sampled)
         walls = walls_of(c, sampled.points, wall, wake)
-        if rounds == SPACING_ROUNDS or len(walls.ends) in (0, before) or isinstance(size, dict):
+        if rounds == 0:
+            field = as_size(size_by_region(c, size, domain.regions))
+        if rounds == SPACING_ROUNDS or len(walls.ends) in (0, before):
             break
         before = len(walls.ends)
         at, length, own = _too_long(domain, walls, c)
@@ -65,8 +68,8 @@ def spaced_walls(
         places.append(at[keep])
         lengths.append(length[keep])
         shorter = sources(np.concatenate(places), np.concatenate(lengths), growth=LENGTHS_GROW)
-        wanted = minimum(size, shorter)
-    return sampled, c, walls, rounds
+        wanted = minimum(field, shorter)
+    return c, walls, field
 
 
 def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[Array, Array, Array]:

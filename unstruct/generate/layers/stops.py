@@ -24,6 +24,7 @@ MATCHED = 0.95  # a ray stops before a step of so many spacings
 SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
 STRETCHED = 1.5  # ... or so many wanted sizes
 ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
+AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
 OWN = 4  # vertices of a wall: what is nearer along it is no opposing front
 
 
@@ -92,7 +93,7 @@ def _matched(rays: Rays, fronts: Fronts, size: Callable[[Array], Array]) -> tupl
     first = np.where(stop.any(axis=1), np.argmax(stop, axis=1), steps.shape[1])
     level = np.minimum(first, fronts.most)
     reason = np.where(first <= fronts.most, MATCH, np.where(rays.kind == SLIDING, END, COUNTED))
-    reason[first == steps.shape[1]] = COUNTED
+    reason[first == steps.shape[1]] = MATCH if fronts.endless else COUNTED
     return level, reason.astype(np.int8)
 
 
@@ -138,6 +139,11 @@ def chains_of(rays: Rays) -> tuple[Integers, Integers, Integers]:
     return np.array(chain), np.array(place), np.array(around)
 
 
+def _ahead(away: Array, direction: Array) -> NDArray[np.bool_]:
+    """Whether places are ahead: more than beside, or else both sides of a thin wall would stop each other."""
+    return (away * direction).sum(axis=1) > AHEAD * np.hypot(*away.T)
+
+
 def _near(
     rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], spring: bool, slides: Integers
 ) -> Stops:
@@ -156,7 +162,7 @@ def _near(
         at = places[q, np.minimum(k, every[q])]
         new, here = places[p, k + 1], places[p, k]
         away = at - here
-        ahead = (away * rays.direction[p]).sum(axis=1) > 0.0
+        ahead = _ahead(away, rays.direction[p])
         if spring:
             hit = np.zeros(len(p), dtype=bool)
             for other in (before, after):
@@ -200,8 +206,7 @@ def _candidates(
     gap = np.abs(place[i] - place[j])
     gap = np.where(around[i] > 0, np.minimum(gap, around[i] - gap), gap)
     # Rays of one front, and rays that do not face each other.
-    facing = ((base[j] - base[i]) * rays.direction[i]).sum(1) > 0.0
-    facing &= ((base[i] - base[j]) * rays.direction[j]).sum(1) > 0.0
+    facing = _ahead(base[j] - base[i], rays.direction[i]) & _ahead(base[i] - base[j], rays.direction[j])
     own[ray] = ((chain[i] == chain[j]) & (gap <= OWN)) | ~facing
     # Points of the piece along which a neighboring ray slides.
     for s in np.flatnonzero(slides >= 0).tolist():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -178,7 +178,3 @@ def _sides(c: PlanarComplex) -> tuple[Integers, Integers]:
     one, two = c.region[e // 3], c.region[c.twin[e].astype(np.int64) // 3]
     return np.where(begins, one, two).astype(np.int64), np.where(begins, two, one).astype(np.int64)
 
-
-def steps_of(scene: Scene, union: Union, **columns: Any) -> dict[str, NDArray]:
-    """The report by vertices of walls, and the layer of each cell."""
-    return {"vertex": union.place[scene.rays.base].astype(np.int32), "cell_layer": union.layer, **columns}
