@@ -49,7 +49,8 @@ def freed(scene: Scene, stops: Stops) -> tuple[Stops, int]:
             return stops, rounds
         rounds += 1
         level, why = stops.level.copy(), stops.reason.copy()
-        level[rows] = np.maximum(lower[rows] - (rounds // ROUNDS_OF_ROOM), 0)
+        faster = np.where(reason[rows] == EXACT, rounds // ROUNDS_OF_ROOM, 0)
+        level[rows] = np.maximum(lower[rows] - faster, 0)
         why[rows] = reason[rows]
         stops = positive(points, scene.rays, scene.fronts, Stops(level, why))
 
@@ -87,7 +88,7 @@ def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
 
     def down(rows: Integers, why: int) -> None:
         for r in (ends[rows, 0], ends[rows, 1]):
-            r = r[level[r] > 0]
+            r = r[level[r] > (why == SHAPE)]
             lower[r] = np.minimum(lower[r], level[r] - 1)
             reason[r] = why
 
@@ -156,11 +157,11 @@ def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lowe
     higher = np.zeros(len(v), dtype=bool)
     for other in (p, q):
         up = level[other] > level[v]
-        np.minimum.at(lower, other[up], level[v][up])
+        np.minimum.at(lower, other[up], np.maximum(level[v][up], 1))
         higher |= up
     alone = ~higher
     for row in (v[alone], p[alone], q[alone]):
-        some = row[level[row] > 0]
+        some = row[level[row] > 1]
         np.minimum.at(lower, some, level[some] - 1)
 
 

@@ -26,7 +26,7 @@ from .union import Union, union_of
 __all__ = ["LayersRun"]
 
 POOR_ANGLE = 15.0  # degrees: where the rest has a smaller angle, the fronts beside it step back
-MOST_REPEATS = 4
+MOST_REPEATS = 6
 
 
 class LayersRun:
@@ -139,7 +139,7 @@ class LayersRun:
         if not len(rows):
             return False
         lower, why = level.copy(), self.stops.reason.copy()
-        lower[rows] = np.maximum(lower[rows] - 1 - repeat, 0)
+        lower[rows] = np.maximum(lower[rows] - 1 - repeat, 1 if repeat < MOST_REPEATS - 2 else 0)
         why[rows] = SHAPE
         self.stops, rounds = freed(scene, Stops(lower, why))
         self.rounds += rounds
