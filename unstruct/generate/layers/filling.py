@@ -6,19 +6,21 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...domain.domain import Domain
 from ...geometry.curves import Curve, CurveLike
 from ...sizing.field import SizeField, as_size, minimum
 from ...sizing.source_sizes import sources
+from ...sizing.table import SizeTable
 from .scene import Scene, bare, slid_ranges
 from .strips import Numbering, tops
 
-__all__ = ["FILL_GROWTH", "Remainder", "matched_size", "remainder"]
+__all__ = ["FILL_GROWTH", "MatchedSize", "Remainder", "matched_size", "remainder"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+COARSE = 0.15  # the relative tolerance of a table of the matched size
 FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 
 
@@ -122,8 +124,18 @@ def _runs(
     return ends, p, span, inner, held
 
 
+class MatchedSize(SizeField):
+    """A size that follows the envelope: it has many kinks, of which a table need not resolve each."""
+
+    def table(self, lower: ArrayLike, upper: ArrayLike, **options: Any) -> SizeTable:
+        """As `SizeField.table`, but coarser."""
+        options["tolerance"] = max(options.get("tolerance", 0.0), COARSE)
+        return super().table(lower, upper, **options)
+
+
 def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
     """The size of the rest: at the envelope that of its edges, growing from there, and nowhere above ``size``."""
     a, b = points[top].transpose(1, 0, 2)
     near = sources(np.stack([a, b], axis=1), np.hypot(*(b - a).T), growth=FILL_GROWTH)
-    return minimum(as_size(size), near)
+    both = minimum(as_size(size), near)
+    return MatchedSize(both.function, landmarks=both.landmarks, name="matched to layers", growth=both.growth)
