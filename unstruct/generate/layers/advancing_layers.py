@@ -184,9 +184,7 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
         unrefined=union.fill[missed], reasons=None if run.filled is None else run.filled.reasons,
     )  # fmt: skip
-    rest = union.layer == 0
-    least = mesh.quality("min_angle")[rest].min(initial=180.0)
-    mesh.figures.update(
-        {"minimum angle of the rest": float(least), "largest angle": float(mesh.quality("max_angle").max())}
-    )
+    least = 180.0 if run.filled is None else float(run.filled.quality("min_angle").min(initial=180.0))
+    largest = float(mesh.quality("max_angle").max())
+    mesh.figures.update({"minimum angle of the rest": least, "largest angle": largest})
     return mesh

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...domain.domain import Domain
 from ...geometry.curves import Curve, CurveLike
-from ...sizing.field import SizeField, as_size, minimum
-from ...sizing.source_sizes import sources
+from ...geometry.segment_tree import SegmentTree
+from ...sizing.field import SizeField, as_size
 from ...sizing.table import SizeTable
 from .scene import Scene, bare, slid_ranges
 from .strips import Numbering, tops
@@ -135,7 +135,15 @@ class MatchedSize(SizeField):
 
 def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
     """The size of the rest: at the envelope that of its edges, growing from there, and nowhere above ``size``."""
-    a, b = points[top].transpose(1, 0, 2)
-    near = sources(np.stack([a, b], axis=1), np.hypot(*(b - a).T), growth=FILL_GROWTH)
-    both = minimum(as_size(size), near)
-    return MatchedSize(both.function, landmarks=both.landmarks, name="matched to layers", growth=both.growth)
+    ends, given = points[top], as_size(size)
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    marks = [ends.mean(axis=1), *([given.landmarks] if len(given.landmarks) else [])]
+    function = partial(_matched, SegmentTree(ends, length), given)
+    known = given.growth if given.constant is None else 0.0
+    growth = None if known is None else max(known, FILL_GROWTH)
+    return MatchedSize(function, landmarks=np.concatenate(marks), name="matched to layers", growth=growth)
+
+
+def _matched(tree: SegmentTree, size: SizeField, x: Array) -> Array:
+    """The minimum; the tree looks only for what is below the size."""
+    return tree.least(x, FILL_GROWTH, size(x))[0]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.jit import inline, kernel
 from ...connect.planar.complex import PlanarComplex
 from ...mesh.domain_mesh import DomainMesh
 from .filling import Remainder
@@ -51,23 +52,34 @@ class Union(NamedTuple):
 
 def split_quads(points: Array, quads: Integers) -> Integers:
     """Each convex quadrilateral as two triangles, (2 q, 3), by the diagonal with the smaller largest angle."""
-    x = points[quads]
-    worst = np.stack([_largest_angle(x, (0, 1, 2), (0, 2, 3)), _largest_angle(x, (0, 1, 3), (1, 2, 3))])
-    other = worst[1] < worst[0]
-    first = np.where(other[:, None], quads[:, [0, 1, 3]], quads[:, [0, 1, 2]])
-    second = np.where(other[:, None], quads[:, [1, 2, 3]], quads[:, [0, 2, 3]])
-    return np.stack([first, second], axis=1).reshape(-1, 3)
+    made = np.empty((2 * len(quads), 3), dtype=np.int64)
+    _split(np.ascontiguousarray(points), np.ascontiguousarray(quads), made)
+    return made
 
 
-def _largest_angle(x: Array, one: tuple[int, ...], two: tuple[int, ...]) -> Array:
-    """The least cosine, with its sign turned, of the angles of two triangles of each quadrilateral."""
-    found = np.full(len(x), -np.inf)
-    for triangle in (one, two):
-        for k in range(3):
-            a, b, c = (x[:, triangle[(k + i) % 3]] for i in range(3))
-            u, v = b - a, c - a
-            found = np.maximum(found, -(u * v).sum(1) / np.maximum(np.hypot(*u.T) * np.hypot(*v.T), 1e-300))
-    return found
+@inline
+def _cosine(points, a, b, c):
+    """The cosine of the angle at a of the triangle abc."""
+    ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+    vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
+    return (ux * vx + uy * vy) / np.sqrt(max((ux * ux + uy * uy) * (vx * vx + vy * vy), 1e-300))
+
+
+@inline
+def _least_cosine(points, a, b, c):
+    return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
+
+
+@kernel
+def _split(points, quads, made):
+    for i in range(quads.shape[0]):
+        a, b, c, d = quads[i, 0], quads[i, 1], quads[i, 2], quads[i, 3]
+        one = min(_least_cosine(points, a, b, c), _least_cosine(points, a, c, d))
+        two = min(_least_cosine(points, a, b, d), _least_cosine(points, b, c, d))
+        made[2 * i, 0], made[2 * i, 1], made[2 * i, 2] = a, b, c
+        made[2 * i + 1, 0], made[2 * i + 1, 1], made[2 * i + 1, 2] = a, c, d
+        if two > one:
+            made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
 
 
 def union_of(
