@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 DEFAULT_GROWTH = 1.2  # where two values are given that leave the growth open
 MOST_LAYERS = 10_000
 SAME_THICKNESS = 1e-6  # relative: four values that agree so well are consistent
-HALVINGS_OF_BRACKETS = 100
+HALVINGS_OF_BRACKETS = 64
 STEEPEST = 300.0  # the largest stretching parameter of the hyperbolic tangent that is tried
 NAMES = ("first", "growth", "count", "thickness")
 FUNCTIONS = ("geometric", "exponential", "tanh")
@@ -325,10 +325,14 @@ def _number(ratio: Array, growth: Array, function: Any) -> int:
             f"thickness must not be below first: it is {float(ratio.min()):.3g} times first; give at least first"
         )
     if function == "tanh":
-        n = 1 if (ratio < 1.0 + SAME_THICKNESS).all() else 2
-        while n < MOST_LAYERS and (_units(n, np.maximum(growth, 1 + 1e-9), function)[:, -1] < ratio).any():
-            n += 1
-        return max(min(n, int(ratio.min() + SAME_THICKNESS)), 1)
+        if (ratio < 1.0 + SAME_THICKNESS).all():
+            return 1
+        low, high = 1, MOST_LAYERS  # more layers reach higher
+        while high - low > 1:
+            n = (low + high) // 2
+            reaches = _units(n, np.maximum(growth, 1 + 1e-9), function)[:, -1] >= ratio
+            low, high = (low, n) if reaches.all() else (n, high)
+        return max(min(high, int(ratio.min() + SAME_THICKNESS)), 1)
     even = np.abs(growth - 1.0) < 1e-12
     with np.errstate(divide="ignore", invalid="ignore"):
         number = np.where(even, ratio, np.log1p(ratio * (growth - 1.0)) / np.log(growth))

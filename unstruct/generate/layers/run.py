@@ -26,6 +26,7 @@ from .union import Union, union_of
 __all__ = ["LayersRun"]
 
 POOR_ANGLE = 15.0  # degrees: where the rest has a smaller angle, the fronts beside it step back
+BAD_ANGLE = 10.0  # ... and only below this one they may lose their last layer
 MOST_REPEATS = 6
 
 
@@ -117,7 +118,8 @@ class LayersRun:
             least = float(angle.min(initial=180.0))
             if least > best[0]:
                 best = least, (self.stops, self.numbers, self.rest, self.top, self.filled)
-            if least >= POOR_ANGLE or repeat == MOST_REPEATS or not self._step_back(angle < POOR_ANGLE, repeat):
+            enough = POOR_ANGLE if repeat < MOST_REPEATS - 2 else BAD_ANGLE
+            if least >= enough or repeat == MOST_REPEATS or not self._step_back(angle < POOR_ANGLE, repeat):
                 break
             self.repeats += 1
         self.stops, self.numbers, self.rest, self.top, self.filled = best[1]

@@ -30,7 +30,7 @@ TOO_LONG = 1.2  # edges are made shorter if they exceed the wanted length by thi
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
 LENGTHS_GROW = 0.5  # along a wall, per unit of length
 FINEST = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
-SPACING_ROUNDS = 8
+SPACING_ROUNDS = 16
 
 
 def spaced_walls(

@@ -192,6 +192,8 @@ class VoronoiSegmentRun:
         slots: list[int] = []
         reasons: list[str] = []
         best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
+        if self.kept.any():
+            best = figures(c)["minimum angle"], c.saved()
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since)
@@ -209,7 +211,7 @@ class VoronoiSegmentRun:
             self.counts, after = counted, figures(c)
             if self.kept.any() and after["minimum angle"] > best[0]:
                 best = after["minimum angle"], c.saved()
-            elif best[1] is not None and number < PASSES:
+            elif best[1] is not None and 0 < number < PASSES:
                 break
             refined = False
             slots, reasons = [], []
@@ -228,7 +230,7 @@ class VoronoiSegmentRun:
             if not refined and (c.size == size or number > 0):
                 break
             since = 0 if refined else size
-        if after["minimum angle"] < best[0]:
+        if best[1] is not None and after["minimum angle"] <= best[0]:
             c.restore(best[1])
             self.restart()
             after = figures(c)
