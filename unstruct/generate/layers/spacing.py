@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...domain.plane.by_region import size_by_region
+from ...domain.plane.prescribed import mirrored
+from ...domain.plane.sample import halve, safe
 from ...geometry.boxes import BoxTree
-from ...sizing.field import SizeField, as_size, minimum
-from ...sizing.source_sizes import sources
+from ...sizing.field import SizeField, as_size
 from ..boundary.constrained import complex_of
 from .walls import Walls, walls_of
 
@@ -26,9 +27,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 OF_A_GAP = 0.4  # edges along walls are at most so long, in units of the gap before them
-TOO_LONG = 1.2  # edges are made shorter if they exceed the wanted length by this factor
+TOO_LONG = 1.4  # edges are halved if they exceed this length by this factor
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
-LENGTHS_GROW = 0.5  # along a wall, per unit of length
 FINEST = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
 SPACING_ROUNDS = 16
 
@@ -38,6 +38,8 @@ def spaced_walls(
 ) -> tuple[PlanarComplex, Walls, SizeField]:
     """The triangulation of the sampled boundary, the sides of walls, and the size as one field.
 
+    Subsegments of walls that are too long are halved, but for those of pieces with given points.
+
     Parameters
     ----------
     domain : Domain
@@ -45,35 +47,31 @@ def spaced_walls(
     wall, wake : (p,) bool
         Pieces that are walls (wakes included), and wakes.
     """
-    places: list[Array] = []
-    lengths: list[Array] = []
-    wanted = size
-    floor, before = np.inf, -1
+    sampled = domain.sampled(size)
+    free = ~domain.held()
+    floor = -1.0
     for rounds in range(SPACING_ROUNDS + 1):
-        sampled = domain.sampled(wanted)
         c = complex_of(domain, sampled)
         walls = walls_of(c, sampled.points, wall, wake)
         if rounds == 0:
             field = as_size(size_by_region(c, size, domain.regions))
-        if rounds == SPACING_ROUNDS or len(walls.ends) in (0, before):
+        if rounds == SPACING_ROUNDS or not len(walls.ends):
             break
-        before = len(walls.ends)
-        at, length, own = _too_long(domain, walls, c)
-        if rounds == 0 and len(own):
-            floor = FINEST * float(own.min())
-        length = np.maximum(length, floor)
-        keep = own > TOO_LONG * length
-        if not keep.any():
+        long, length = _too_long(domain, walls, c)
+        if floor < 0.0:
+            floor = FINEST * float(length.min())
+        long &= (length > floor) & free[c.piece[walls.segment]]
+        if not long.any():
             break
-        places.append(at[keep])
-        lengths.append(length[keep])
-        shorter = sources(np.concatenate(places), np.concatenate(lengths), growth=LENGTHS_GROW)
-        wanted = minimum(field, shorter)
+        rows = np.zeros(c.segments, dtype=bool)
+        rows[walls.segment[long]] = True
+        order = np.lexsort((c.span[: c.segments, 0], c.piece[: c.segments]))
+        sampled = mirrored(domain, safe(domain, *halve(sampled, rows[order]), np.inf))
     return c, walls, field
 
 
-def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[Array, Array, Array]:
-    """Places on walls, the lengths that edges should have there, and those that they have."""
+def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[np.bool_], Array]:
+    """Which sides are too long for the gap before them or for their neighbors, and how long they are."""
     x = walls.points
     piece = c.piece[: c.segments].astype(np.int64)
     others = np.flatnonzero(~np.isin(np.arange(c.segments), walls.segment))
@@ -82,7 +80,7 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[Array, Ar
     m = len(walls.ends)
     a, b = x[edges[:, 0]], x[edges[:, 1]]
     length = np.hypot(*(b - a).T)
-    grown = (length[:m] / OF_A_GAP)[:, None]
+    grown = (length[:m] / (OF_A_GAP * TOO_LONG))[:, None]
     low, high = np.minimum(a, b), np.maximum(a, b)
     i, j = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
     apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
@@ -92,19 +90,15 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[Array, Ar
     i, j = i[apart], j[apart]
     left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
     t, s, distance = nearest_places(a[i], b[i], a[j], b[j])
-    at = a[i] + t[:, None] * (b - a)[i]
-    away = a[j] + s[:, None] * (b - a)[j] - at
+    away = a[j] + s[:, None] * (b - a)[j] - (a[i] + t[:, None] * (b - a)[i])
     facing = (away * left[i]).sum(axis=1) > 0.0
     facing &= (j >= m) | ((away * left[j]).sum(axis=1) < 0.0)
-    i, at, distance = i[facing], at[facing], distance[facing]
-    places, wanted, own = [at], [OF_A_GAP * distance], [length[i]]
-    for side, next_side, end in ((walls.after, np.arange(m), 1), (walls.before, np.arange(m), 0)):
-        rows = next_side[side >= 0]
-        rows = rows[length[side[rows]] > UNEVEN * length[rows]]
-        places.append(x[walls.ends[rows, end]])
-        wanted.append(length[rows])
-        own.append(length[side[rows]] * TOO_LONG)
-    return np.concatenate(places), np.concatenate(wanted), np.concatenate(own)
+    long = np.zeros(m, dtype=bool)
+    long[i[facing & (length[i] > TOO_LONG * OF_A_GAP * distance)]] = True
+    for side in (walls.after, walls.before):
+        rows = np.flatnonzero(side >= 0)
+        long[side[rows[length[side[rows]] > UNEVEN * length[rows]]]] = True
+    return long, length[:m]
 
 
 def to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:
