@@ -191,7 +191,7 @@ def test_wakes_must_be_inner() -> None:
 # ---------------------------------------------------------------------- nasty regions
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.integers(0, 10**6))
 def test_random_bodies(seed: int) -> None:
     mesh, found = judged(random_case(seed))
