@@ -4,7 +4,8 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 `interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
-`refine`, `circumcenter_insertion`, `voronoi_segment`, `smooth`; `advancing_layers` with `Layers`.
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `smooth`; `advancing_layers` with
+`Layers`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -45,6 +46,7 @@ from .domain.plane.prescribed import Spacing as Spacing
 from .generate.boundary.conforming import conforming_delaunay as conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
+from .generate.front.advancing_front import advancing_front as advancing_front
 from .generate.improve.smoothing import smooth as smooth
 from .generate.layers.advancing_layers import advancing_layers as advancing_layers
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
@@ -79,6 +81,7 @@ __all__ = [
     "Triangulation",
     "UnstructError",
     "Voronoi",
+    "advancing_front",
     "advancing_layers",
     "check",
     "circumcenter_insertion",

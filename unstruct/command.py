@@ -23,6 +23,7 @@ from .domain.plane.sources import REGION_SUFFIXES
 from .generate.boundary.conforming import conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion
+from .generate.front.advancing_front import advancing_front
 from .generate.rebay.voronoi_segment import voronoi_segment
 from .generate.refinement.refine import refine
 from .mesh.mesh import Mesh
@@ -32,6 +33,7 @@ __all__ = ["main"]
 MESHERS: dict[str, Any] = {
     "refine": refine,
     "voronoi-segment": voronoi_segment,
+    "advancing-front": advancing_front,
     "circumcenter-insertion": circumcenter_insertion,
     "conforming-delaunay": conforming_delaunay,
     "constrained-delaunay": constrained_delaunay,
@@ -39,11 +41,12 @@ MESHERS: dict[str, Any] = {
 TAKES = {  # which options a method has
     "refine": {"size", "min_angle", "max_area"},
     "voronoi-segment": {"size"},
+    "advancing-front": {"size"},
     "circumcenter-insertion": {"size"},
     "conforming-delaunay": {"size"},
     "constrained-delaunay": {"hull"},
 }
-NEEDS_SIZE = ("voronoi-segment", "circumcenter-insertion")
+NEEDS_SIZE = ("voronoi-segment", "advancing-front", "circumcenter-insertion")
 NOT_WELL, WRONG_USE = 1, 2
 
 

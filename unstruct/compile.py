@@ -83,6 +83,11 @@ def _segments() -> None:
     unstruct.voronoi_segment(_ring(), _grid)
 
 
+def _fronts() -> None:
+    unstruct.advancing_front(_ring(), 0.5)
+    unstruct.advancing_front(_ring(), _grid)
+
+
 def _circumcenters() -> None:
     unstruct.circumcenter_insertion(_ring(), 0.5)
 
@@ -114,6 +119,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "space": _space,
     "refine": _refine,
     "Voronoi segments": _segments,
+    "advancing fronts": _fronts,
     "insertion": _insert,
     "gift wrapping": _gift_wrap,
     "Voronoi diagrams": _voronoi,

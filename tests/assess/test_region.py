@@ -178,11 +178,13 @@ def test_a_wrong_order_along_a_piece() -> None:
     )
     assert not check(folded, domain=domain)
     # geometry is tested before; the order itself is tested on a chain whose cells are valid
-    from unstruct.assess.region import Chain, _curves_met
+    from unstruct.assess.chains import Chains
+    from unstruct.assess.region import _curves_met
     from unstruct.base.report import Report
 
     report = Report("order")
-    _curves_met(folded, domain, [Chain([0, 3, 4, 1], 0)], report)
+    chains = Chains(np.array([0, 4]), np.array([0, 3, 4, 1]), np.array([0]))
+    _curves_met(folded, domain, chains, report)
     assert {p.kind for p in report.problems} == {"order"} and report.problems[0].vertices == (3, 4)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import unstruct
 from unstruct.geometry import simplex
-from unstruct.geometry.triangle_shapes import PLANAR_QUALITIES, planar_angles, planar_shapes
+from unstruct.geometry.triangle_shapes import PLANAR_QUALITIES, planar_angles, planar_edges, planar_shapes
 
 RNG = np.random.default_rng(4)
 CELLS = np.arange(900, dtype=np.int32).reshape(-1, 3)
@@ -41,3 +41,21 @@ def test_others_are_left_to_the_general_function() -> None:
     assert planar_angles(RNG.random((9, 3)), CELLS[:3]) is None
     assert planar_shapes("2r/R", RNG.random((9, 2)), CELLS[:3].astype(np.int64)) is None
     assert planar_shapes("aspect", SCATTERED, CELLS) is None
+
+
+def test_edges_are_those_that_sorting_finds() -> None:
+    mesh = unstruct.refine(unstruct.Domain.naca("2412"), 0.1)
+    lengths, middles = planar_edges(mesh.points, mesh.simplices, mesh.neighbors)
+    ends = mesh.points[mesh.edges]
+    wanted = np.column_stack([np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), ends.mean(axis=1)])
+    found = np.column_stack([lengths, middles])
+    assert np.array_equal(*(rows[np.lexsort(rows.T)] for rows in (wanted, found)))
+
+
+def test_neighbors_that_are_not_mutual_are_not_believed() -> None:
+    mesh = unstruct.refine(unstruct.Domain.rectangle(), 0.3)
+    for wrong in (np.roll(mesh.neighbors, 1, axis=1), np.roll(mesh.neighbors, 1, axis=0)):
+        assert planar_edges(mesh.points, mesh.simplices, wrong) is None
+        damaged = unstruct.Mesh(mesh.points, mesh.simplices, neighbors=wrong)
+        assert repr(unstruct.statistics(damaged, 0.3)) == repr(unstruct.statistics(mesh, 0.3))
+    assert planar_edges(mesh.points, mesh.simplices, mesh.neighbors.astype(np.int64)) is None

@@ -25,6 +25,7 @@ from unstruct import (
     Domain,
     Mesh,
     UnstructError,
+    advancing_front,
     check,
     circumcenter_insertion,
     conforming_delaunay,
@@ -34,6 +35,7 @@ from unstruct import (
     voronoi_segment,
 )
 from unstruct.base.jit import kernel
+from unstruct.generate.front.run import ORDERS, PLACEMENTS
 from unstruct.predicates.batch import scaled
 from unstruct.predicates.kernels import incircle, orient2
 from unstruct.studies import insert_without_breaking, skeleton_points
@@ -251,6 +253,19 @@ def segments(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
     return f"{name}: {'complete' if mesh.complete else 'incomplete'}", mesh, quick(mesh, domain)
 
 
+def fronts(domain: Domain, rng: np.random.Generator) -> tuple[str, Mesh, str]:
+    """An advancing front in any order, finished or not."""
+    options: dict[str, Any] = {"order": str(rng.choice(ORDERS)), "placement": str(rng.choice(PLACEMENTS))}
+    finish = bool(rng.random() < 0.7)
+    mesh = advancing_front(domain, some_size(domain, rng), finish=finish, budget=BUDGET, **options)
+    name = "advancing_front" + (" finished" if finish else "")
+    return (
+        f"{name}: {'complete' if mesh.complete else 'incomplete'}",
+        mesh,
+        quick(mesh, domain, delaunay=finish),
+    )
+
+
 WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] = {
     "centers": centers,
     "conforming": conforming,
@@ -258,6 +273,7 @@ WORK: dict[str, Callable[[Domain, np.random.Generator], tuple[str, Mesh, str]]] 
     "refine": refined,
     "constrained": constrained,
     "segments": segments,
+    "fronts": fronts,
 }
 
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -267,6 +268,17 @@ def voronoi_segments() -> Arrays:
     yield from of(unstruct.voronoi_segment(harbor(), graded, finish=False, split_boundary=False))
     for order in ("first", "last"):
         yield from of(unstruct.voronoi_segment(curved(), graded, order=order))
+
+
+@case
+def advancing_fronts() -> Arrays:
+    for domain, size in ((harbor(), 0.4), (curved(), graded), (wing(), shore_size()), (spline(), 0.15)):
+        yield from of(unstruct.advancing_front(domain, size))
+    warnings.simplefilter("ignore", unstruct.IncompleteWarning)  # raw fronts have large triangles
+    for order in ("widest", "smallest", "shortest", "oldest"):
+        options = {"order": order, "placement": "angle", "finish": False}
+        yield from of(unstruct.advancing_front(curved(), graded, **options))
+    yield from of(unstruct.advancing_front(harbor(), graded, placement="equal sides", finish=False))
 
 
 @case

@@ -16,7 +16,7 @@ from unstruct.domain.arguments import around
 from unstruct.domain.domain import Domain
 from unstruct.geometry.curves import Arc, Curve
 
-__all__ = ["KINDS", "random_region"]
+__all__ = ["KINDS", "random_region", "sector"]
 
 Rng = np.random.Generator
 
@@ -288,3 +288,20 @@ KINDS: dict[str, Callable[[Rng], Domain]] = {
     "cracks": cracks,
     "wide exponents": wide,
 }
+
+
+def sector(parts: int = 7, center=(0.0, 0.0), *, bend: float = 0.0) -> Domain:
+    """A part of an annulus, from polar angle 0 on; its sides "low" and "high" are straight, or bent arcs."""
+    angle = 2 * np.pi / parts
+
+    def at(share: float, radius: float) -> np.ndarray:
+        return np.array(center) + radius * np.array([np.cos(share * angle), np.sin(share * angle)])
+
+    points = [at(0, 0.4), at(0, 1), at(1, 1), at(1, 0.4)]
+    curves = {
+        k: Arc.through(points[k], at(0.5, radius), points[(k + 1) % 4]) for k, radius in ((1, 1), (3, 0.4))
+    }
+    if bend:
+        curves[0] = Arc.through(points[0], at(bend, 0.7), points[1])
+        curves[2] = Arc.through(points[2], at(1 + bend, 0.7), points[3])
+    return Domain(points, [(0, 1), (1, 2), (2, 3), (3, 0)], curves=curves, markers={"low": [0], "high": [2]})

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from regions import sector
 
 import unstruct
 from unstruct import Domain, InputError, Mesh, second_order
@@ -172,3 +173,24 @@ def test_errors():
         second_order(mesh, mesh)
     with pytest.raises(InputError, match="is this the meshed domain"):
         second_order(mesh, Domain.disc((1, 1), 2))
+
+
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+@pytest.mark.parametrize("bend", [0.0, 0.2])
+def test_nodes_on_sides_that_match_are_images(tmp_path, bend: float) -> None:
+    domain = sector(7, bend=bend).matched("low", "high", rotation=360 / 7)
+    mesh = unstruct.refine(domain, 0.15)
+    curved = second_order(mesh, domain)
+    assert curved.complete and curved.jacobians().min() > 0 and (len(curved.curved) > 12) == (bend > 0)
+    ((motion, pairs),) = mesh.periodic
+    image = dict(pairs.tolist())
+    node = {frozenset(ends): v for *ends, v in curved.edges.tolist()}
+    found = 0
+    for a, b in mesh.markers["low"].tolist():
+        one, two = node[frozenset((a, b))], node[frozenset((image[a], image[b]))]
+        assert np.array_equal(motion(curved.points[one]), curved.points[two])
+        found += 1
+    assert found == len(pairs) - 1 >= 4
+    pytest.importorskip("meshio")
+    with pytest.warns(UserWarning, match="not written: 'periodic'"):
+        curved.write(tmp_path / "curved.vtu")

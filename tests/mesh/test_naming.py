@@ -34,6 +34,8 @@ METHODS: dict[str, Callable[[Domain], Any]] = {
     "refine": lambda d: refine(d, 0.2),
     "circumcenters": lambda d: unstruct.circumcenter_insertion(d, 0.2),
     "voronoi segment": lambda d: unstruct.voronoi_segment(d, 0.2),
+    "front": lambda d: unstruct.advancing_front(d, 0.2),
+    "raw front": lambda d: unstruct.advancing_front(d, 0.2, finish=False),
     "refine a mesh": lambda d: refine(constrained_delaunay(d), max_area=0.02),
     "smooth": lambda d: unstruct.smooth(refine(d, 0.2)),
     "swap": lambda d: unstruct.swap_diagonals(refine(d, 0.2)),

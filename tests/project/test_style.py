@@ -27,6 +27,7 @@ connect/insertion connect/planar connect/voronoi connect/wrapping connect/baker 
 sizing
 domain/arguments domain/plane domain
 generate/boundary generate/refinement generate/centers generate/improve generate/rebay
+generate/front generate/layers
 assess examples
 view/draw view/scenes view/widgets view
 command __main__

@@ -370,7 +370,8 @@ def test_control_of_flat_and_foreign_cells() -> None:
 
 
 @pytest.mark.parametrize(
-    "method", [unstruct.refine, unstruct.circumcenter_insertion, unstruct.voronoi_segment]
+    "method",
+    [unstruct.refine, unstruct.circumcenter_insertion, unstruct.voronoi_segment, unstruct.advancing_front],
 )
 def test_methods_name_the_place_of_a_bad_size(method: object) -> None:
     domain = unstruct.Domain.rectangle((0, 0), (1, 1))

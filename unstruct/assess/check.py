@@ -276,10 +276,8 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
     elif d > 3:
         report.skipped.append("whether boundary facets cross (decided up to dimension 3 only)")
     vertices = distinct(mesh.simplices if everything or d > 3 else mesh.boundary)
-    query, cells = mesh.holding(mesh.points[vertices])
-    foreign = (mesh.simplices[cells] != vertices[query][:, None]).all(axis=1)
-    text = "cells that contain a vertex of others"
-    wrong = problem("overlap", text, cells[foreign], vertices[query[foreign]])
+    query, cells = mesh.holding(mesh.points[vertices], vertices)
+    wrong = problem("overlap", "cells that contain a vertex of others", cells, vertices[query])
     report.note("no cell contains a vertex that is not its own", wrong)
 
 

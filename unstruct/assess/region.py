@@ -5,29 +5,20 @@ See the book, chapters 2.5 and 2.6d.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain
 from ..geometry.curves import Arc
-from ..geometry.outline_distance import distance_to_piece
-from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity, right_parity
+from ..geometry.outline_distance import distance_to_line, distance_to_piece
+from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity
 from ..mesh.marked import marked_sides, parts
 from ..mesh.mesh import Mesh
+from .chains import Chains, among, assigned, chains_of, keys_of
 
 __all__ = ["check_domain", "pinch_points"]
 
 ULPS = 64  # the most that a new vertex may be off its true curve, in 2^-53 of the largest coordinate
-
-
-@dataclass
-class Chain:
-    """Marked edges from one domain vertex to another: mesh vertices in order."""
-
-    vertices: list[int]
-    piece: int = -1
 
 
 def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
@@ -63,8 +54,10 @@ def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
     if place is None or not _marked(mesh, marked, report):
         report.skipped.append("the pieces of the domain, which need valid origins and markers")
         return
-    chains = _chains(mesh, place, np.concatenate(list(marked.values())), report)
-    if chains is None or not _assign(mesh, domain, chains, marked["facets"], report):
+    chains = chains_of(mesh, place, np.concatenate(list(marked.values())), report)
+    if chains is not None:
+        chains = assigned(mesh, domain, chains, marked["facets"], report)
+    if chains is None:
         report.skipped.append("places and area of the chains, which need one chain for each piece")
         return
     _inside_out(mesh, domain, place, marked["facets"], report)
@@ -102,28 +95,17 @@ def _edges(mesh: Mesh, name: str) -> np.ndarray:
     return np.asarray(rows, dtype=np.int64).reshape(-1, 2) if rows.ndim == 2 else np.empty((0, 2), np.int64)
 
 
-def _keys(rows: np.ndarray, n: int) -> np.ndarray:
-    low, high = np.sort(rows, axis=1).astype(np.int64).T
-    return low * n + high
-
-
-def _among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Whether each key is among the others. (`numpy.isin` hashes integers, which takes far longer.)"""
-    table = np.append(np.sort(others), np.iinfo(np.int64).max)
-    return table[np.searchsorted(table, keys)] == keys
-
-
 def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
     """Test that marked edges are edges marked once, facets are the boundary, and inner edges are inside."""
     n = len(mesh.points)
-    border = _keys(mesh.boundary, n)
-    facets, inner = _keys(marked["facets"], n), _keys(marked["inner"], n)
+    border = keys_of(mesh.boundary, n)
+    facets, inner = keys_of(marked["facets"], n), keys_of(marked["inner"], n)
     both = np.concatenate([facets, inner])
     values, times = np.unique(both, return_counts=True)
-    twice = np.concatenate([marked["facets"], marked["inner"]])[_among(both, values[times > 1])]
-    missing = marked["facets"][~_among(facets, border)]
-    extra = np.asarray(mesh.boundary)[~_among(border, facets)]
-    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~_among(inner, border)
+    twice = np.concatenate([marked["facets"], marked["inner"]])[among(both, values[times > 1])]
+    missing = marked["facets"][~among(facets, border)]
+    extra = np.asarray(mesh.boundary)[~among(border, facets)]
+    within = marked_sides(mesh.simplices, marked["inner"], n)[1] & ~among(inner, border)
     astray = marked["inner"][~within]
     return report.note(
         "the mesh ends exactly at its facets; inner edges lie within",
@@ -134,124 +116,49 @@ def _marked(mesh: Mesh, marked: dict[str, np.ndarray], report: Report) -> bool:
     )
 
 
-# ---------------------------------------------------------------------- chains
-
-
-def _chains(mesh: Mesh, place: np.ndarray, edges: np.ndarray, report: Report) -> list[Chain] | None:
-    """The marked edges as chains between domain vertices; a new vertex must be on exactly two of them."""
-    known = np.zeros(len(mesh.points), dtype=bool)
-    known[place[place >= 0]] = True
-    degree = np.bincount(edges.ravel(), minlength=len(mesh.points))
-    loose = (degree > 0) & (degree != 2) & ~known
-    text = "new vertices that are not on exactly two marked edges: a segment is missing, or several cross"
-    if not report.note("marked edges form chains", problem("chain", text, vertices=np.nonzero(loose)[0])):
-        return None
-    order = np.argsort(edges.ravel(), kind="stable")
-    start = np.concatenate([[0], np.cumsum(degree)]).tolist()
-    at, flat = (order // 2).tolist(), edges.tolist()
-    free = known.tolist()
-    seen = [False] * len(edges)
-    chains = []
-    for first in sorted(place[place >= 0].tolist()):
-        for slot in range(start[first], start[first + 1]):
-            edge, v = at[slot], first
-            if seen[edge]:
-                continue
-            chain = [first]
-            while True:
-                seen[edge] = True
-                a, b = flat[edge]
-                v = b if a == v else a
-                chain.append(v)
-                if free[v]:
-                    break
-                one, two = at[start[v]], at[start[v] + 1]
-                edge = two if one == edge else one
-            chains.append(Chain(chain))
-    rest = edges[~np.array(seen, dtype=bool)] if len(edges) else edges
-    text = "marked edges that lead to no vertex of the domain"
-    closed = problem("chain", text, vertices=rest.ravel())
-    return chains if report.note("chains end at vertices of the domain", closed) else None
-
-
-def _assign(mesh: Mesh, domain: Domain, chains: list[Chain], facets: np.ndarray, report: Report) -> bool:
-    """Find the piece of each chain: by its ends and kind, and by distance where several fit."""
-    first = np.array([chain.vertices[:2] for chain in chains], dtype=np.int64).reshape(-1, 2)
-    outer = _among(_keys(first, len(mesh.points)), _keys(facets, len(mesh.points))).tolist()
-    by_ends: dict[tuple[int, int, bool], list[int]] = {}
-    for i, (a, b) in enumerate(domain.pieces.tolist()):
-        by_ends.setdefault((min(a, b), max(a, b), i < len(domain.facets)), []).append(i)
-    stray: list[int] = []
-    origin, begins = np.asarray(mesh.origin).tolist(), domain.pieces[:, 0].tolist()
-    for chain, is_facet in zip(chains, outer):
-        a, b = origin[chain.vertices[0]], origin[chain.vertices[-1]]
-        fits = by_ends.get((min(a, b), max(a, b), is_facet), [])
-        if not fits:
-            stray += chain.vertices
-            continue
-        best = min(fits, key=lambda i: _away(mesh, domain, chain, i)) if len(fits) > 1 else fits[0]
-        fits.remove(best)
-        chain.piece = best
-        if a != begins[best]:
-            chain.vertices.reverse()
-    lost = sorted(i for rest in by_ends.values() for i in rest)
-    missing = np.array(lost, dtype=int)[_meshed(domain)[lost]].tolist() if lost else []
-    text = "chains of marked edges that are no piece of the domain"
-    names = ", ".join(f"{domain.name(i)} = {domain.pieces[i].tolist()}" for i in missing[:8])
-    absent = Problem("missing piece", f"{names} ({len(missing)} in all; by vertices of the domain)")
-    return report.note(
-        "every piece of the domain is a chain of marked edges, and no other edge is marked",
-        problem("stray chain", text, vertices=stray),
-        absent if missing else None,
-    )
-
-
-def _meshed(domain: Domain) -> np.ndarray:
-    """Whether each piece bounds the domain or lies inside; one end decides, since pieces do not cross."""
-    sampled = domain.sampled()
-    facets = sampled.piece < len(domain.facets)
-    first = np.unique(sampled.piece, return_index=True)[1]
-    inside = right_parity(sampled.points, sampled.ends[facets], sampled.ends[first])
-    return inside | (np.arange(len(domain.pieces)) < len(domain.facets))
-
-
-def _away(mesh: Mesh, domain: Domain, chain: Chain, piece: int) -> float:
-    """The distance of a chain from a piece: of its inner vertices, or of its middle if it has only ends."""
-    x = mesh.points[chain.vertices]
-    inside = x[1:-1] if len(x) > 2 else x.mean(axis=0, keepdims=True)
-    return float(distance_to_piece(domain, piece, inside)[0].max())
-
-
 # ---------------------------------------------------------------------- places
 
 
-def _curves_met(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
+def _curves_met(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> None:
     """Test that new vertices of chains lie on the true piece up to rounding, in the order of the piece."""
-    off: list[int] = []
-    back: list[int] = []
-    worst = 0.0
-    for chain in chains:
-        if len(chain.vertices) == 2:
-            continue
-        rows = np.array(chain.vertices[1:-1])
-        away, t = distance_to_piece(domain, chain.piece, mesh.points[rows])
-        curve = domain.curves.get(chain.piece)
-        scale = np.abs(domain.points[domain.pieces[chain.piece]]).max()
-        if isinstance(curve, Arc):
-            scale = max(scale, curve.radius + np.abs(curve.center).max())
-        elif curve is not None:
-            scale = max(scale, np.abs(mesh.points[rows]).max())
-        ulps = away / (max(scale, 1e-300) * 2.0**-53)
-        worst = max(worst, float(ulps.max()))
-        off += rows[ulps > ULPS].tolist()
-        steps = np.diff(np.concatenate([[0.0], t, [1.0]]))
-        back += rows[(steps[:-1] <= 0) | (steps[1:] <= 0)].tolist()
+    inner, owner = chains.inner(), chains.owner()
+    rows, piece = chains.vertices[inner], chains.piece[owner[inner]]
+    x, ends = mesh.points[rows], domain.points[domain.pieces[piece]]
+    away, t = distance_to_line(ends[:, 0], ends[:, 1], x)
+    scale = np.abs(ends).max(axis=(1, 2))
+    if domain.curves:
+        _onto_curves(domain, piece, x, away, t, scale)
+    ulps = away / (np.maximum(scale, 1e-300) * 2.0**-53)
+    along = np.zeros(len(owner))
+    along[chains.start[1:] - 1] = 1.0
+    along[inner] = t
+    back = (along[inner] <= along[inner - 1]) | (along[inner + 1] <= along[inner])
+    worst = float(ulps.max(initial=0.0))
     text = f"off the true curve by up to {worst:.3g} units of rounding ({ULPS} allowed)"
     report.note(
         f"new vertices on the true curves (within {ULPS} units of rounding), in order",
-        problem("off the curve", text, vertices=off),
-        problem("order", "vertices of a chain that go back along their piece", vertices=back),
+        problem("off the curve", text, vertices=rows[ulps > ULPS]),
+        problem("order", "vertices of a chain that go back along their piece", vertices=rows[back]),
     )
+
+
+def _onto_curves(
+    domain: Domain, piece: np.ndarray, x: np.ndarray, away: np.ndarray, t: np.ndarray, scale: np.ndarray
+) -> None:
+    """Write the distances, parameters and largest coordinates of points on curved pieces."""
+    order = np.argsort(piece, kind="stable")
+    heads = np.flatnonzero(np.diff(piece[order], prepend=-1))
+    for part in np.split(order, heads[1:]) if len(order) else []:
+        number = int(piece[part[0]])
+        curve = domain.curves.get(number)
+        if curve is None:
+            continue
+        away[part], t[part] = distance_to_piece(domain, number, x[part])
+        if isinstance(curve, Arc):
+            most = curve.radius + np.abs(curve.center).max()
+        else:
+            most = np.abs(x[part]).max()
+        scale[part] = np.maximum(scale[part], most)
 
 
 # ---------------------------------------------------------------------- inside and outside
@@ -270,7 +177,7 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
     text = f"the cells cover {area:.17g}, the chains enclose {wanted:.17g} (even-odd)"
     n = len(mesh.points)
     border = np.asarray(mesh.boundary, dtype=np.int64)
-    turned_out = turned[~_among(turned[:, 0] * n + turned[:, 1], border[:, 0] * n + border[:, 1])].ravel()
+    turned_out = turned[~among(turned[:, 0] * n + turned[:, 1], border[:, 0] * n + border[:, 1])].ravel()
     report.note(
         "the mesh covers what the chains enclose by the even-odd rule (exact)",
         Problem("area", text) if wrong else None,
@@ -290,20 +197,20 @@ def _inside_out(mesh: Mesh, domain: Domain, place: np.ndarray, facets: np.ndarra
 # ---------------------------------------------------------------------- names
 
 
-def _names(mesh: Mesh, domain: Domain, chains: list[Chain], report: Report) -> None:
+def _names(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> None:
     """Test that each marker of the domain contains the edges of its pieces, and no others."""
     n = len(mesh.points)
     wrong: list[Problem | None] = []
-    chain_of = {c.piece: c.vertices for c in chains}
+    rows, piece = chains.edges()
+    order = np.argsort(piece, kind="stable")
+    keys, start = keys_of(rows, n)[order], np.searchsorted(piece[order], np.arange(len(domain.pieces) + 1))
     for name, pieces in domain.markers.items():
-        known = [chain_of[i] for i in pieces.tolist() if i in chain_of]
-        rows = [np.column_stack([vertices[:-1], vertices[1:]]) for vertices in known]
-        wanted = _keys(np.concatenate([np.empty((0, 2), dtype=np.int64), *rows]), n)
         if name not in mesh.markers:
             wrong.append(Problem("marker", f"the mesh has no marker {name!r}"))
             continue
-        found = _keys(_edges(mesh, name), n)
-        differ = np.setxor1d(wanted, found)
+        wanted = [keys[start[i] : start[i + 1]] for i in pieces.tolist()]
+        found = keys_of(_edges(mesh, name), n)
+        differ = np.setxor1d(np.concatenate([np.empty(0, dtype=np.int64), *wanted]), found)
         text = f"marker {name!r} does not contain exactly the edges of its pieces"
         wrong.append(problem("marker", text, vertices=np.concatenate([differ // n, differ % n])))
     if domain.markers:

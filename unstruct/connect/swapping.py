@@ -237,7 +237,7 @@ def swap_diagonals(
     regions = mesh.regions if "region" in markers else None
     result = Mesh(
         mesh.points, T, neighbors=known, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers,
-        regions=regions,
+        regions=regions, periodic=mesh.periodic,
     )  # fmt: skip
     return (result, events) if history else result
 

@@ -12,6 +12,7 @@ from ..base.arguments import as_mapping, finite
 from ..base.arrays import counted_off
 from ..base.doors import door
 from ..base.errors import InputError
+from ..geometry.motion import Motion
 from .arguments import composed
 from .plane.account import Repair
 from .plane.matching import matching, pieces_of
@@ -93,15 +94,30 @@ def spaced(domain: D, spacing: Mapping[Any, Any]) -> D:
     return _held_by(old, found, old.matches)
 
 
-def matched(domain: D, first: Any, second: Any, *, shift: Any = None, tolerance: float | None = None) -> D:
-    """The domain with two sides that match, for periodic problems: one is the other moved.
+def matched(
+    domain: D,
+    first: Any,
+    second: Any,
+    *,
+    shift: Any = None,
+    rotation: float | None = None,
+    center: Any = (0.0, 0.0),
+    tolerance: float | None = None,
+) -> D:
+    """The domain with two sides that match, for periodic problems: one is the other, moved or turned.
 
     Parameters
     ----------
     first, second : str, int or list of int
-        The names of markers, or pieces: the second ones are the first ones moved by a translation.
+        The names of markers, or pieces: the second ones are the first ones moved by a translation, or
+        turned about a point.
     shift : (2,) array_like, optional
         The translation; found from the vertices by default.
+    rotation : float, optional
+        The angle in degrees, counterclockwise, by which the first pieces are turned: a sector of an annulus
+        has 360 divided by the number of sectors.
+    center : (2,) array_like, optional
+        The point about which they are turned, the origin by default; the two sides may share it.
     tolerance : float, optional
         How far vertices and curves may be from where they match; 2^-36 of the extent by default.
 
@@ -110,8 +126,11 @@ def matched(domain: D, first: Any, second: Any, *, shift: Any = None, tolerance:
     Domain
         Vertices of the second pieces are moved to match exactly, with an account in `repairs`. Every
         method puts points on the second pieces that are those on the first plus the shift, rounded, bit
-        for bit, and no others: both are cut by the finer size. ``mesh.pairs`` has the pairs of vertices.
-        Triangles that miss a limit because these pieces are not split further say so.
+        for bit, and no others: both are cut by the finer size. So is it for rotations: all points on the
+        second pieces are computed from those on the first by one function, ``match.motion`` of
+        ``domain.matches``, which is exact for multiples of 90 degrees and otherwise rounds; calling it
+        again gives the same bits. ``mesh.pairs`` has the pairs of vertices, ``mesh.periodic`` the motions,
+        too. Triangles that miss a limit because these pieces are not split further say so.
 
     Raises
     ------
@@ -120,7 +139,7 @@ def matched(domain: D, first: Any, second: Any, *, shift: Any = None, tolerance:
     """
     old: Any = domain
     slack = None if tolerance is None else finite(tolerance, "tolerance")
-    found = matching(old, first, second, shift, slack)
+    found = matching(old, first, second, _motion(shift, rotation, center), slack)
     new = old
     if len(found.moved):
         make: Any = type(domain)
@@ -135,6 +154,31 @@ def matched(domain: D, first: Any, second: Any, *, shift: Any = None, tolerance:
         every = counted_off(len(old.points)), counted_off(len(old.pieces))
         new = followed(old, made, *every, [told])
     return _held_by(new, old.spacings, [*old.matches, *found.matches])
+
+
+def _motion(shift: Any, rotation: float | None, center: Any) -> Motion | None:
+    """The motion that was asked for; None if it is to be found."""
+    for name, value in (("shift", shift), ("center", center)):
+        if value is not None and not _is_vector(value):
+            raise InputError(f"{name} must be two finite numbers, not {value!r:.60}")
+    if rotation is None:
+        return None if shift is None else Motion.translation(shift)
+    if shift is not None:
+        raise InputError(
+            "give a shift or a rotation, not both: a motion of both is a rotation about some point"
+        )
+    angle = finite(rotation, "rotation")
+    if angle % 360.0 == 0.0:
+        raise InputError(f"rotation = {rotation} degrees moves nothing: give the angle between the sides")
+    return Motion.rotation(angle, center)
+
+
+def _is_vector(value: Any) -> bool:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return False
+    return array.shape == (2,) and bool(np.isfinite(array).all())
 
 
 def _held_by(domain: Any, spacings: dict[int, np.ndarray], matches: list[Match]) -> Any:

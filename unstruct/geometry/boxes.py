@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["BOXES_IN_LEAF", "BoxTree"]
+__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
+USUAL_HITS = 16  # boxes that a query meets, for which there is room at first
 
 
 @inline
@@ -36,7 +37,7 @@ class Boxes(NamedTuple):
 
 @kernel
 def _candidates(query_low, query_high, tree, start, boxes):
-    """The boxes that meet each query box. If ``boxes`` is empty, they are only counted.
+    """The boxes that meet each query box. Those for which ``boxes`` has no room are only counted.
 
     Node i of the tree has the children 2 i and 2 i + 1; the second half of the nodes are leaves.
     ``start[q + 1]`` receives the number of pairs of the queries 0 to q.
@@ -62,7 +63,7 @@ def _candidates(query_low, query_high, tree, start, boxes):
             for i in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                 t = order[i]
                 if _touch(query_low[q], query_high[q], box_low[t], box_high[t]):
-                    if boxes.shape[0] > 0:
+                    if count < boxes.shape[0]:
                         boxes[count] = t
                     count += 1
         start[q + 1] = count
@@ -88,6 +89,14 @@ def _curve_order(centers: np.ndarray) -> np.ndarray:
     keys = np.empty(len(grid), dtype=np.int64)
     _morton(grid, bits, keys)
     return np.argsort(keys, kind="stable")
+
+
+def bounding_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest and highest coordinates of each of many groups of points, (m, k, d) -> twice (m, d)."""
+    low, high = corners[:, 0], corners[:, 0]
+    for k in range(1, corners.shape[1]):  # numpy is slow at many minima of short rows
+        low, high = np.minimum(low, corners[:, k]), np.maximum(high, corners[:, k])
+    return low, high
 
 
 class BoxTree:
@@ -116,8 +125,11 @@ class BoxTree:
         queries = (np.ascontiguousarray(low), np.ascontiguousarray(high))
         tree = Boxes(self.low, self.high, self.order, self.box_low, self.box_high)
         start = np.zeros(len(low) + 1, dtype=np.int64)
-        _candidates(*queries, tree, start, np.empty(0, dtype=np.int64))
-        boxes = np.empty(start[-1], dtype=np.int64)
-        if len(boxes):
+        room = USUAL_HITS * len(low) + len(self.order)  # memory that is not written to costs nothing
+        boxes = np.empty(room, dtype=np.int64)
+        _candidates(*queries, tree, start, boxes)
+        count = int(start[-1])
+        if count > room:
+            boxes = np.empty(count, dtype=np.int64)
             _candidates(*queries, tree, start, boxes)
-        return np.repeat(np.arange(len(low)), np.diff(start)), boxes
+        return np.repeat(np.arange(len(low)), np.diff(start)), boxes[:count]

@@ -7,7 +7,21 @@ import numpy as np
 from .curves import Arc
 from .outline import Outline
 
-__all__ = ["distance_to_piece"]
+__all__ = ["distance_to_line", "distance_to_piece"]
+
+
+def distance_to_line(a: np.ndarray, b: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances of points (k, 2) to the lines through a and b, and the parameters of the nearest points.
+
+    Parameters are cut off at the ends, 0 and 1. ``a`` and ``b`` may have one row for each point.
+    """
+    d = b - a
+    longest = np.abs(d).max(axis=-1, keepdims=True)
+    u, v = d / longest, (x - a) / longest  # so that large coordinates do not overflow
+    squared = u[..., 0] * u[..., 0] + u[..., 1] * u[..., 1]
+    t = np.clip((v[..., 0] * u[..., 0] + v[..., 1] * u[..., 1]) / squared, 0, 1)
+    across = np.abs(v[..., 0] * u[..., 1] - v[..., 1] * u[..., 0])
+    return across / np.sqrt(squared) * longest[..., 0], t
 
 
 def distance_to_piece(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -15,11 +29,7 @@ def distance_to_piece(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.n
     a, b = outline.points[outline.pieces[piece]]
     curve = outline.curves.get(piece)
     if curve is None:
-        d = b - a
-        longest = np.abs(d).max()
-        u = d / longest  # so that large coordinates do not overflow
-        t = np.clip(((x - a) / longest @ u) / (u @ u), 0, 1)
-        return np.abs(((x - a) / longest) @ [u[1], -u[0]]) / np.sqrt(u @ u) * longest, t
+        return distance_to_line(a, b, x)
     if isinstance(curve, Arc):
         away = x - curve.center
         turn = np.arctan2(away[:, 1], away[:, 0]) - curve.start

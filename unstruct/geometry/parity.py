@@ -10,7 +10,7 @@ from ..base.arrays import fill
 from ..base.jit import kernel
 from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
-from .boxes import BoxTree
+from .boxes import BoxTree, bounding_boxes
 
 __all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "on_the_right", "right_parity"]
 
@@ -34,8 +34,10 @@ def even_odd(points: np.ndarray, segments: np.ndarray, x: np.ndarray) -> tuple[n
         Both are exact. For points on segments (``on``), ``odd`` counts each segment as half-open.
     """
     odd, on = np.zeros(len(x), dtype=bool), np.zeros(len(x), dtype=bool)
+    if len(x) == 0:
+        return odd, on
     ends = points[segments]
-    low, high = ends.min(axis=1), ends.max(axis=1)
+    low, high = bounding_boxes(ends)
     far = max(high[:, 0].max(initial=0.0), x[:, 0].max(initial=0.0))
     tree = BoxTree(low, high)
     for i in range(0, len(x), POINTS_AT_ONCE):
@@ -91,7 +93,7 @@ def on_the_right(points: np.ndarray, segments: np.ndarray, rows: np.ndarray) -> 
     lower, upper = np.where(up[:, None], segments, segments[:, ::-1]).T
     foot, top = np.where(_below(points, rows)[:, None], rows, rows[:, ::-1]).T
     ends = points[segments]
-    low, high = ends.min(axis=1), ends.max(axis=1)
+    low, high = bounding_boxes(ends)
     at = points[foot]
     reach = at.copy()
     reach[:, 0] = np.maximum(high[:, 0].max(), at[:, 0])

@@ -1,4 +1,4 @@
-"""Angles and roundness of the triangles of a planar mesh in one compiled pass.
+"""Angles, roundness and edges of the triangles of a planar mesh, each in one compiled pass.
 
 The values are those of `unstruct.geometry.simplex`, whose arrays of intermediate results take ten times as
 long: the same operations in the same order, so that they agree up to the last bit of the arctangent.
@@ -13,7 +13,7 @@ import numpy as np
 from ..base.arrays import frozen
 from ..base.jit import inline, kernel
 
-__all__ = ["PLANAR_QUALITIES", "planar_angles", "planar_shapes"]
+__all__ = ["PLANAR_QUALITIES", "planar_angles", "planar_edges", "planar_shapes"]
 
 PLANAR_QUALITIES = ("min_angle", "max_angle", "2r/R")
 IN_DEGREES = 180.0 / math.pi
@@ -91,6 +91,55 @@ def _roundness(points, cells, found):
                 return False
             found[t] = 2 / (radius / inner)
     return True
+
+
+@kernel
+def _edge_lengths(points, cells, neighbors, lengths, middles):
+    """Write the length and midpoint of each edge; return how many there are, -1 if neighbors do not agree."""
+    count = 0
+    for t in range(cells.shape[0]):
+        for k in range(3):
+            s, a, b = neighbors[t, k], cells[t, (k + 1) % 3], cells[t, (k + 2) % 3]
+            if s >= 0:
+                mutual = False
+                for j in range(3):
+                    c, d = cells[s, (j + 1) % 3], cells[s, (j + 2) % 3]
+                    if neighbors[s, j] == t and ((c == b and d == a) or (c == a and d == b)):
+                        mutual = True
+                if not mutual:
+                    return -1
+                if s < t:
+                    continue
+            x, y = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]
+            lengths[count] = math.sqrt(x * x + y * y)
+            middles[count, 0] = (points[a, 0] + points[b, 0]) / 2
+            middles[count, 1] = (points[a, 1] + points[b, 1]) / 2
+            count += 1
+    return count
+
+
+def planar_edges(
+    points: np.ndarray, cells: np.ndarray, neighbors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """The lengths (e,) and midpoints (e, 2) of the edges of triangles, each once, without sorting them.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+    cells, neighbors : ndarray of int32, shape (m, 3)
+
+    Returns
+    -------
+    tuple of ndarray, or None
+        In the order of the first triangle of each edge. None for another shape or type, and where neighbors
+        are not mutual or not across their common edge.
+    """
+    if not _fit(points, cells) or neighbors.dtype != np.int32:
+        return None
+    lengths, middles = np.empty(3 * len(cells)), np.empty((3 * len(cells), 2))
+    arrays = *_contiguous(points, cells), frozen(np.ascontiguousarray(neighbors))
+    count = _edge_lengths(*arrays, lengths, middles)
+    return None if count < 0 else (lengths[:count], middles[:count])
 
 
 def planar_angles(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

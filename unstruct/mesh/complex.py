@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,7 @@ from .cells import (
     simplex_type,
 )
 from .naming import as_region_names
+from .periodic import Periodic, as_periodic, pairs_of
 
 __all__ = ["NO_PAIRS", "CellComplex"]
 
@@ -36,6 +37,7 @@ class CellComplex:
 
     weights: np.ndarray | None = None
     hidden: np.ndarray = NO_VERTICES
+    periodic: tuple[Periodic, ...] = ()
 
     def __init__(
         self,
@@ -50,6 +52,7 @@ class CellComplex:
         weights: Any = None,
         hidden: Any = None,
         regions: Mapping[str, int] | None = None,
+        periodic: Iterable[Any] = (),
     ):
         self.points: np.ndarray = frozen(as_points(points))
         n, d = self.points.shape
@@ -83,6 +86,8 @@ class CellComplex:
             size = self.size
             self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
         self.regions: dict[str, int] = as_region_names(regions, self.markers) if regions else {}
+        if periodic:
+            self.periodic = as_periodic(periodic, n, d)
 
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -114,6 +119,14 @@ class CellComplex:
             row = int(np.argmax(wrong.any(axis=1)))
             raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
         return frozen(array.astype(np.int32))
+
+    @property
+    def pairs(self) -> np.ndarray:
+        """Vertices on sides that match (`Domain.matched`), and their images: int32, (k, 2), sorted.
+
+        ``periodic`` has them motion by motion; a vertex at a corner may have several images.
+        """
+        return pairs_of(self.periodic)
 
     # ------------------------------------------------------------------ cells and adjacency
 

@@ -17,6 +17,7 @@ from .cells import CELL_TYPES, cell_dimension
 from .complex import CellComplex
 from .exchange import Block, Exchange
 from .gmsh import FACE_NAMES, decoded, face_blocks, from_groups, is_ours, stacked
+from .msh_periodic import periodic_of
 from .naming import WITH_NAMES, found_names
 from .second_order import FIRST_ORDER, without_middles
 
@@ -79,6 +80,7 @@ def exchange_of(mesh: CellComplex) -> Exchange:
         point_data={"origin": np.asarray(mesh.origin), "kept": kept},
         cell_data=data,
         field_data={name: np.array([number, mesh.dimension]) for name, number in mesh.regions.items()},
+        periodic=mesh.periodic,
     )
 
 
@@ -147,6 +149,7 @@ def arguments_of(path: Path, other: Exchange) -> dict[str, Any]:
         "duplicates": duplicates,
         "markers": markers,
         "regions": regions if "region" in markers else {},
+        "periodic": periodic_of(other.links, points.shape[1]),
     }
     if other.middles is not None and len(other.middles):
         return without_middles(path.name, arguments, other.middles)

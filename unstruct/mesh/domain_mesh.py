@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
@@ -18,7 +18,6 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
-NO_MATCHES = frozen(np.empty((0, 2), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -33,6 +32,7 @@ class MeshOptions(TypedDict, total=False):
     weights: Any
     hidden: Any
     regions: Mapping[str, int] | None
+    periodic: Iterable[Any]
 
 
 class DomainMesh(Mesh):
@@ -41,7 +41,8 @@ class DomainMesh(Mesh):
     Parameters
     ----------
     points, simplices : array_like
-        As for `Mesh`, and so are neighbors, origin, duplicates, markers, cells, weights, hidden, regions.
+        As for `Mesh`, and so are neighbors, origin, duplicates, markers, cells, weights, hidden, regions,
+        periodic.
     unrefined : array_like of int, shape (k,), optional
         Cells that do not satisfy what was asked for.
     reasons : array_like of str, shape (k,), optional
@@ -61,8 +62,6 @@ class DomainMesh(Mesh):
 
     Attributes
     ----------
-    pairs : (k, 2) int32
-        Vertices on sides that match (`Domain.matched`), and their images.
     complete : bool
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
     """
@@ -157,7 +156,6 @@ class DomainMesh(Mesh):
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)
-        self.pairs: np.ndarray = NO_MATCHES
 
 
 def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:

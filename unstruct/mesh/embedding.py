@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..geometry.boxes import BoxTree
+from ..geometry.boxes import BoxTree, bounding_boxes
 from ..predicates.batch import orient_rows
 from . import topology
 from .complex import CellComplex
@@ -94,6 +94,8 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
     d = points.shape[1]
     if d == 2:
         first, second = _near_pairs(points, facets, facets)
+        once = first < second
+        first, second = first[once], second[once]
         hit = segments_meet(points, facets[first], facets[second])
         found = np.column_stack([first[hit], second[hit]])
     else:
@@ -107,9 +109,7 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
 
 
 def _near_pairs(points: np.ndarray, rows: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    boxes, queries = points[others], points[rows]
-    tree = BoxTree(boxes.min(axis=1), boxes.max(axis=1))
-    return tree.pairs(queries.min(axis=1), queries.max(axis=1))
+    return BoxTree(*bounding_boxes(points[others])).pairs(*bounding_boxes(points[rows]))
 
 
 def segments_meet(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from ..base.errors import InputError
 from .complex import CellComplex
 from .grouping import group_rows
 from .marked import marked_facets
+from .periodic import Periodic
 
 __all__ = ["Block", "Exchange", "border_groups", "plain_names", "rows_in_runs"]
 
@@ -48,6 +49,10 @@ class Exchange:
         Further groups of cells, which may overlap, an array for each block.
     middles : ndarray of int or None
         Nodes of cells of higher order that are no corners.
+    periodic : tuple of Periodic
+        Sides that match, as the mesh has them, to be written.
+    links : list
+        Sides that match, as a file has them: `msh_periodic.Link`.
     """
 
     points: np.ndarray
@@ -57,6 +62,8 @@ class Exchange:
     field_data: dict[str, np.ndarray] = field(default_factory=dict)
     sets: dict[str, list[np.ndarray]] = field(default_factory=dict)
     middles: np.ndarray | None = None
+    periodic: tuple[Periodic, ...] = ()
+    links: list[Any] = field(default_factory=list)
 
 
 def rows_in_runs(

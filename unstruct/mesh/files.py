@@ -83,6 +83,7 @@ def write(
     """
     path = as_path(path)
     suffix = suffix_of(path)
+    _say_lost(mesh, path.name if path.name == "polyMesh" else suffix)
     if path.name == "polyMesh":
         refuse_options("polyMesh", version=version, binary=binary)
         _write_foam(mesh, path, thickness)
@@ -171,6 +172,14 @@ def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | 
             raise
         except (Exception, SystemExit) as error:  # meshio raises many kinds for suffixes and cells alike
             raise InputError(f"meshio cannot write this mesh as {suffix!r}: {error}") from error
+
+
+def _say_lost(mesh: CellComplex, what: str) -> None:
+    """Warn of what no format stores, or all but .msh do not."""
+    lost = [] if mesh.weights is None else ["weights"]
+    lost += ["periodic"] if mesh.periodic and what != ".msh" else []
+    if lost:
+        warnings.warn(f"not written: {', '.join(map(repr, lost))}; {what} does not store them", stacklevel=4)
 
 
 def _drop(mesh: CellComplex, why: str, names: Any, *, duplicates: bool = False) -> None:

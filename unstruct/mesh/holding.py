@@ -14,6 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ..geometry.boxes import bounding_boxes
 from ..predicates.batch import orient, orient_rows
 from .cells import cell_rows
 from .split import surface_triangles
@@ -31,7 +32,14 @@ class SimplexCells:
         self.points, self.simplices = points, simplices
         corners = points[simplices]
         self.sign = np.atleast_1d(orient(corners)) if len(simplices) else np.empty(0, dtype=np.int8)
-        self.low, self.high = corners.min(axis=1), corners.max(axis=1)
+        self.low, self.high = bounding_boxes(corners)
+
+    def foreign(self, vertices: np.ndarray, cells: np.ndarray) -> np.ndarray:
+        """Whether the vertex ``vertices[i]`` is no corner of the cell ``cells[i]``."""
+        result = np.ones(len(cells), dtype=bool)
+        for column in self.simplices.T:
+            result &= column[cells] != vertices
+        return result
 
     def holds(self, x: np.ndarray, cells: np.ndarray) -> np.ndarray:
         """Whether the closed cell ``cells[i]`` contains the point ``x[i]``; flat cells contain nothing."""
@@ -109,7 +117,7 @@ class SolidCells:
         self.points = points
         self.triangles = surface_triangles(kind, block)
         corners = points[block]
-        self.low, self.high = corners.min(axis=1), corners.max(axis=1)
+        self.low, self.high = bounding_boxes(corners)
         flat = np.ones(len(block), dtype=bool)
         for four in combinations(range(block.shape[1]), 4):
             rows = np.nonzero(flat)[0]

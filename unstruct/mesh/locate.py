@@ -56,9 +56,14 @@ class Locator:
         result[result == none] = -1
         return result.astype(np.int32).reshape(queries.shape[:-1])
 
-    def holding(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (row, closed cell that contains it); flat cells contain nothing."""
+    def holding(self, rows: np.ndarray, vertices: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """All pairs (row, closed cell that contains it), without flat cells; see `Mesh.holding`."""
         query, cells = self.tree.pairs(rows, rows)
+        if vertices is not None:
+            part = self.parts[0]
+            assert isinstance(part, SimplexCells)
+            foreign = part.foreign(vertices[query], cells)
+            query, cells = query[foreign], cells[foreign]
         keep = np.zeros(len(cells), dtype=bool)
         for part, end in zip(self.parts, self.ends.tolist()):
             start = end - len(part.low)

@@ -16,6 +16,7 @@ from .adjacency import chosen_cells, remaining_faces
 from .cells import cell_rows
 from .complex import CellComplex
 from .grouping import group_rows
+from .periodic import renumbered
 
 __all__ = ["marked_facets", "marked_sides", "parts", "remaining", "selected"]
 
@@ -131,4 +132,6 @@ def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
         "origin": mesh.origin[used],
         "markers": markers,
         "regions": mesh.regions,
+        "weights": None if mesh.weights is None else mesh.weights[used],
+        "periodic": renumbered(mesh.periodic, number),
     }

@@ -50,7 +50,7 @@ class Mesh(CellComplex):
         quadrilaterals; beside cells that are no simplices, shorter rows end in -1, as in `boundary`.
     weights : array_like, shape (n,), optional
         Weights of the points: the mesh claims to be their regular triangulation (`unstruct.delaunay` with
-        ``weights``) and not that of the bare points. New meshes made from it have none, but for `oriented`.
+        ``weights``) and not that of the bare points. `oriented` and `select` keep them, files do not.
     hidden : array_like of int, shape (h,), optional
         Vertices that no cell uses because their power cells are empty.
     cells : dict of str to array, optional
@@ -61,6 +61,9 @@ class Mesh(CellComplex):
     regions : dict of str to int, optional
         Names of values of the marker "region": the cells of region ``name`` are those with
         ``mesh.markers["region"] == mesh.regions[name]``. Values without a name are allowed.
+    periodic : iterable of (motion, pairs), optional
+        Sides that match, as `Domain.matched` makes them: rows (vertex, image), and the motion that gives
+        the place of the image, None if it is not known. `pairs` has all of them.
 
     Raises
     ------
@@ -181,18 +184,23 @@ class Mesh(CellComplex):
         """
         return self._locator.find(x)
 
-    def holding(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def holding(
+        self, points: np.ndarray, vertices: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """All pairs (row of ``points``, closed cell that contains it), sorted by rows, without flat cells.
 
         Parameters
         ----------
         points : ndarray, shape (k, d)
+        vertices : ndarray of int, shape (k,), optional
+            Vertices of a mesh of simplices that are these points: cells of which they are corners do not
+            count.
 
         Returns
         -------
         rows, cells : ndarray of int64, shape (p,)
         """
-        return self._locator.holding(points)
+        return self._locator.holding(points, vertices)
 
     def summary(self) -> dict[str, Any]:
         """Counts and quality statistics: a dictionary, which prints as a short text."""
@@ -216,6 +224,7 @@ class Mesh(CellComplex):
             weights=self.weights,
             hidden=self.hidden,
             regions=self.regions,
+            periodic=self.periodic,
         )
 
     def select(self, mask: Any) -> Mesh:
@@ -229,8 +238,8 @@ class Mesh(CellComplex):
         Returns
         -------
         Mesh
-            `origin` still points to the input vertices; per-cell markers and the named faces that remain
-            are kept; `duplicates` is empty.
+            `origin` still points to the input vertices; per-cell markers, weights, and the named faces and
+            pairs of vertices that remain are kept; `duplicates` is empty.
 
         Notes
         -----
@@ -298,7 +307,8 @@ class Mesh(CellComplex):
 
         Notes
         -----
-        The table shows what `Mesh.read` finds again; a warning names the rest:
+        The table shows what `Mesh.read` finds again; a warning names the rest, such as weights. Only .msh
+        stores `periodic`, with its motions, as Gmsh does (which itself reads them in version 4.1 alone):
 
         ============ ============== ================= ==================== ===================
         format       points, cells  origin, copies    markers of faces     markers of cells
@@ -345,7 +355,7 @@ class Mesh(CellComplex):
         return cls(**files.read(path))
 
     def to_meshio(self) -> Any:
-        """The mesh as a `meshio.Mesh`."""
+        """The mesh as a `meshio.Mesh`, without weights and sides that match."""
         return files.to_meshio(self)
 
     def to_skfem(self) -> Any:

@@ -18,7 +18,8 @@ from ..base.errors import InputError
 from ..base.files import bytes_of
 from .exchange import Block, Exchange, rows_in_runs
 from .grouping import group_rows
-from .msh_parts import MshSource, msh_data, values_of_cells
+from .msh_parts import MSH_DIMENSIONS, MshSource, msh_data, values_of_cells
+from .msh_periodic import read_links, read_old_links
 
 __all__ = ["MSH_TYPES", "msh_version", "read_msh"]
 
@@ -35,7 +36,6 @@ MSH_TYPES: dict[int, tuple[str, int]] = {
     15: ("vertex", 1),
 }
 MSH_CORNERS = {kind: min(n for k, n in MSH_TYPES.values() if k == kind) for kind, _ in MSH_TYPES.values()}
-MSH_DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}  # all others: 3
 
 
 class _Cells(NamedTuple):
@@ -116,6 +116,11 @@ def read_msh(path: Path, version: str, sections: dict[str, list[bytes]], order: 
     result.middles = np.concatenate(middles)
     result.field_data = _names(path, sections)
     _add_groups(result, groups)
+    for data in sections.get("Periodic", []):
+        # Gmsh passes the section of version 2 on unread, also to files of version 4.1.
+        old = version != "4.1" or b"Affine" in data
+        links = read_old_links(path, data) if old else read_links(MshSource(path, "Periodic", data, order))
+        result.links += [link._replace(pairs=number(link.pairs, "Periodic")) for link in links]
     for data in sections.get("NodeData", []):
         name, rows, values = msh_data(path, "NodeData", data, order)
         column = np.zeros((len(points), values.shape[1]))

@@ -10,7 +10,10 @@ import numpy as np
 from ..base.decimals import numbers_of
 from ..base.errors import InputError
 
-__all__ = ["MshSource", "msh_data", "values_of_cells"]
+__all__ = ["MSH_DIMENSIONS", "MshSource", "msh_data", "values_of_cells"]
+
+
+MSH_DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}  # all others: 3
 
 
 class MshSource:

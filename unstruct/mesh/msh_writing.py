@@ -12,7 +12,9 @@ import numpy as np
 
 from ..base.decimals import rows_as_text
 from .exchange import Exchange
-from .msh import MSH_DIMENSIONS, MSH_TYPES
+from .msh import MSH_TYPES
+from .msh_parts import MSH_DIMENSIONS
+from .msh_periodic import Link, links_of
 
 __all__ = ["write_msh"]
 
@@ -25,7 +27,7 @@ def write_msh(other: Exchange, path: Path, version: str, binary: bool) -> None:
     Parameters
     ----------
     other : Exchange
-        Three coordinates. Further cell data are written for the whole mesh.
+        Three coordinates. Further cell data are written for the whole mesh, and so are sides that match.
     path : Path
     version : str
         "2.2" or "4.1".
@@ -34,6 +36,11 @@ def write_msh(other: Exchange, path: Path, version: str, binary: bool) -> None:
     tags = other.cell_data.get("gmsh:physical")
     if tags is None:
         tags = [np.zeros(len(block.data), dtype=np.int64) for block in other.cells]
+    dimensions = [MSH_DIMENSIONS.get(block.type, 3) for block in other.cells]
+    highest = max([int(physical.max(initial=0)) for physical in tags], default=0)
+    free = 1 if version != "4.1" else highest + 1  # the entity of elements without a group
+    entities = [np.where(physical > 0, physical, free).astype(np.int64) for physical in tags]
+    links = links_of(other, max(dimensions, default=0), entities, tags)
     with path.open("wb") as file:
         file.write(f"$MeshFormat\n{version} {int(binary)} 8\n".encode())
         if binary:
@@ -45,9 +52,10 @@ def write_msh(other: Exchange, path: Path, version: str, binary: bool) -> None:
                 file.write(f'{dimension} {tag} "{name}"\n'.encode())
             file.write(b"$EndPhysicalNames\n")
         if version == "4.1":
-            _body4(file, other, tags, binary)
+            _body4(file, other, tags, entities, links, binary)
         else:
-            _body2(file, other, tags, binary)
+            _body2(file, other, tags, entities, binary)
+            _old_links(file, links)
         for name, values in other.point_data.items():
             _write_data(file, "NodeData", name, values, binary)
         for name, columns in other.cell_data.items():
@@ -55,7 +63,9 @@ def write_msh(other: Exchange, path: Path, version: str, binary: bool) -> None:
                 _write_data(file, "ElementData", name, np.concatenate(columns), binary)
 
 
-def _body2(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool) -> None:
+def _body2(
+    file: BinaryIO, other: Exchange, tags: list[np.ndarray], entities: list[np.ndarray], binary: bool
+) -> None:
     n = len(other.points)
     number = np.arange(1, n + 1)
     file.write(f"$Nodes\n{n}\n".encode())
@@ -67,10 +77,10 @@ def _body2(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool
         file.write(rows_as_text(number[:, None], other.points))
     file.write(f"$EndNodes\n$Elements\n{sum(len(block.data) for block in other.cells)}\n".encode())
     start = 1
-    for block, physical in zip(other.cells, tags):
+    for block, physical, entity in zip(other.cells, tags, entities):
         m = len(block.data)
         kind = TYPE_NUMBERS[block.type]
-        part = [np.arange(start, start + m), physical, np.maximum(physical, 1), block.data + 1]
+        part = [np.arange(start, start + m), physical, entity, block.data + 1]
         if binary and m:
             file.write(np.array([kind, m, 2], "<i4").tobytes())
             file.write(np.column_stack(part).astype("<i4").tobytes())
@@ -80,20 +90,37 @@ def _body2(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool
     file.write(b"\n$EndElements\n" if binary else b"$EndElements\n")
 
 
-def _body4(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool) -> None:
-    """Each physical group is one entity of its number; cells without one are in an entity of their own."""
+def _old_links(file: BinaryIO, links: list[Link]) -> None:
+    """The section $Periodic of version 2, always as text."""
+    if not links:
+        return
+    lines = [f"$Periodic\n{len(links)}"]
+    for link in links:
+        lines.append(f"{link.dimension} {link.second} {link.first}")
+        lines += [] if link.affine is None else [f"Affine {' '.join(map(repr, link.affine.tolist()))}"]
+        lines.append(str(len(link.pairs)))
+        lines += [f"{image} {vertex}" for vertex, image in (link.pairs + 1).tolist()]
+    file.write("\n".join([*lines, "$EndPeriodic\n"]).encode())
+
+
+def _body4(
+    file: BinaryIO, other: Exchange, tags: list[np.ndarray], numbers: list[np.ndarray], links: list[Link],
+    binary: bool,
+) -> None:  # fmt: skip
+    """Each physical group is one entity of its number; cells without one are in an entity of their own.
+
+    Only the sides of motions are entities of other numbers.
+    """
     dimensions = [MSH_DIMENSIONS.get(block.type, 3) for block in other.cells]
-    highest = max([int(physical.max(initial=0)) for physical in tags], default=0)
     entities: dict[tuple[int, int], int] = {}  # (dimension, entity) -> physical group
     parts = []
     start = 1
-    for block, physical, dimension in zip(other.cells, tags, dimensions):
+    for block, physical, column, dimension in zip(other.cells, tags, numbers, dimensions):
         number = np.arange(start, start + len(block.data))
         start += len(block.data)
-        for tag in np.unique(physical).tolist():
-            entity = tag or highest + 1
-            entities[dimension, entity] = tag
-            some = physical == tag
+        for entity in np.unique(column).tolist():
+            some = column == entity
+            entities[dimension, entity] = int(physical[int(np.argmax(some))])
             parts.append(
                 (
                     dimension,
@@ -104,6 +131,9 @@ def _body4(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool
             )
     for tag, dimension in other.field_data.values():  # groups without cells
         entities.setdefault((int(dimension), int(tag)), int(tag))
+    for link in links:  # sides without elements
+        for entity in (link.first, link.second):
+            entities.setdefault((link.dimension, entity), 0)
     put = _Sink(file, binary)
     n = len(other.points)
     box = np.concatenate([other.points.min(axis=0), other.points.max(axis=0)]) if n else np.zeros(6)
@@ -133,6 +163,16 @@ def _body4(file: BinaryIO, other: Exchange, tags: list[np.ndarray], binary: bool
         put.mixed([("i4", [dimension, entity, kind]), ("u8", [len(rows)])])
         put.rows(rows, None)
     file.write(b"\n$EndElements\n" if binary else b"$EndElements\n")
+    if links:
+        file.write(b"$Periodic\n")
+        put.sizes([len(links)])
+        for link in links:
+            affine = [] if link.affine is None else link.affine.tolist()
+            put.mixed([("i4", [link.dimension, link.second, link.first])])
+            put.mixed([("u8", [len(affine)]), ("f8", affine)])
+            put.sizes([len(link.pairs)])
+            put.rows(link.pairs[:, ::-1] + 1, None)
+        file.write(b"\n$EndPeriodic\n" if binary else b"$EndPeriodic\n")
 
 
 class _Sink:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from .periodic import renumbered
+
 __all__ = ["FIRST_ORDER", "without_middles"]
 
 # Kinds of higher order, by meshio's names: the kind of their corners, which come first.
@@ -54,17 +56,18 @@ def without_middles(name: str, arguments: dict[str, Any], middles: np.ndarray) -
         stacklevel=5,
     )
 
-    def renumbered(block: Any) -> Any:
+    def renamed(block: Any) -> Any:
         return [number[row] for row in block] if isinstance(block, list | tuple) else number[block]
 
     result = {**arguments, "points": points[~gone]}
     if "cells" in arguments:
-        result["cells"] = {kind: renumbered(block) for kind, block in cells.items()}
+        result["cells"] = {kind: renamed(block) for kind, block in cells.items()}
     else:
         result["simplices"] = number[arguments["simplices"]]
     result["origin"] = np.asarray(arguments.get("origin", np.arange(len(points))))[~gone]
     copies = np.asarray(arguments.get("duplicates", np.empty((0, 2), dtype=int)))
     result["duplicates"] = number[copies][(number[copies] >= 0).all(axis=1)]
+    result["periodic"] = renumbered(arguments.get("periodic", ()), number)
     result["markers"] = {}
     for key, values in arguments["markers"].items():
         if np.ndim(values) == 2:

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import DegenerateInputError, InputError, check
+from unstruct import DegenerateInputError, Domain, InputError, check
 from unstruct.connect.insertion.halfedges import SEGMENTS
+from unstruct.connect.planar import extraction
 from unstruct.connect.planar.cavity import (
     GHOST,
     blocked_by,
@@ -21,6 +22,7 @@ from unstruct.connect.planar.cavity import (
     walk,
 )
 from unstruct.connect.planar.complex import PlanarComplex
+from unstruct.generate.boundary.constrained import planar_complex
 
 
 def square(extra: np.ndarray) -> PlanarComplex:
@@ -173,3 +175,17 @@ def test_bad_points() -> None:
         PlanarComplex([[0, 0], [1e300, 0], [0, 1e300], [5e-324, 1e-320]])
     with pytest.raises(InputError, match="2"):
         PlanarComplex([[0, 0, 0], [1, 0, 0]])
+
+
+def test_many_markers_are_those_of_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sets that overlap, are empty, or name pieces outside: the same edges in the same order."""
+    square = Domain.rectangle()
+    markers = {f"m{k}": [k % 4, (k * k + 1) % 4, k % 4] for k in range(20)}
+    domain = Domain(square.points, square.facets, markers=markers)
+    c = planar_complex(domain, 0.3)
+    sets = {**domain.markers, "none": np.empty(0, dtype=int), "two": [1, 7, 3]}
+    many = c.mesh(facets=4, markers=sets).markers
+    monkeypatch.setattr(extraction, "FEW_MARKERS", 100)
+    few = c.mesh(facets=4, markers=sets).markers
+    assert list(many) == list(few) and all(np.array_equal(many[name], few[name]) for name in few)
+    assert all(many[name].dtype == few[name].dtype and len(many["two"]) > 0 for name in few)

@@ -12,7 +12,9 @@ HALVES = Domain(
     inner=[(1, 4)],
     regions={"a": [(0.5, 0.5)], "b": [(1.5, 0.5)]},
 )
-METHODS = [unstruct.refine, unstruct.voronoi_segment, unstruct.circumcenter_insertion]
+METHODS = [
+    unstruct.refine, unstruct.voronoi_segment, unstruct.circumcenter_insertion, unstruct.advancing_front,
+]  # fmt: skip
 
 
 def test_a_piece_takes_the_smaller_size_of_its_sides():

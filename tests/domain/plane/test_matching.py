@@ -1,7 +1,8 @@
-"""Matching sides: points equal bit for bit up to the translation, and the pairs of vertices."""
+"""Matching sides: points equal bit for bit up to the translation or rotation, and the pairs."""
 
 import numpy as np
 import pytest
+from regions import sector
 
 import unstruct
 from unstruct import Arc, Domain, InputError, Spacing, check
@@ -9,6 +10,7 @@ from unstruct import Arc, Domain, InputError, Spacing, check
 METHODS = [
     unstruct.refine,
     unstruct.voronoi_segment,
+    unstruct.advancing_front,
     unstruct.circumcenter_insertion,
     unstruct.conforming_delaunay,
 ]
@@ -26,7 +28,7 @@ def is_periodic(mesh, domain):
     for match in domain.matches:
         one, two = (np.unique(mesh.segments[mesh.piece == k]) for k in match[:2])
         image = {tuple(x): v for v, x in zip(two.tolist(), mesh.points[two].tolist())}
-        moved = mesh.points[one] + match.shift
+        moved = match.motion(mesh.points[one])
         expected |= {(v, image[tuple(x)]) for v, x in zip(one.tolist(), moved.tolist())}
     return sorted(expected) == [tuple(row) for row in mesh.pairs.tolist()]
 
@@ -38,7 +40,8 @@ def test_a_doubly_periodic_square(method):
     assert mesh.complete and check(mesh, domain=domain) and check(mesh, domain=SQUARE)
     assert is_periodic(mesh, domain) and len(mesh.pairs) > 20
     assert (
-        np.bincount(mesh.piece)[3] == np.bincount(SQUARE.sampled(uneven).piece).max() or method is METHODS[2]
+        np.bincount(mesh.piece)[3] == np.bincount(SQUARE.sampled(uneven).piece).max()
+        or method is unstruct.circumcenter_insertion
     )
 
 
@@ -118,3 +121,46 @@ def test_errors():
         Domain(bent.points, bent.facets, curves={0: bent.curves[0]}).matched(0, 2)
     with pytest.raises(InputError, match="cannot be simplified"):
         SQUARE.matched("left", "right").simplified(0.1)
+
+
+# ---------------------------------------------------------------------- rotations
+
+
+@INCOMPLETE
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("parts", "center", "bend"), [(7, (0, 0), 0), (4, (3.3, -2.1), 0), (5, (0, 0), 0.2)])
+def test_sectors(method, parts, center, bend):
+    plain = sector(parts, center, bend=bend)
+    domain = plain.matched("low", "high", rotation=360 / parts, center=center)
+    mesh = method(domain, lambda x: 0.03 + 0.1 * np.abs(x[:, 1] - center[1]))
+    assert check(mesh, domain=domain) and is_periodic(mesh, domain) and len(mesh.pairs) > 8
+    ((motion, pairs),) = mesh.periodic
+    assert np.array_equal(motion(mesh.points[pairs[:, 0]]), mesh.points[pairs[:, 1]])
+    away = [np.hypot(*(mesh.points[column] - center).T) for column in pairs.T]
+    assert np.abs(away[0] - away[1]).max() < 2.0**-48
+
+
+@pytest.mark.parametrize("center", [(0.0, 0.0), (0.1, 1 / 3)])
+def test_sides_that_share_the_center(center):
+    ends = np.add(center, [(0, 0), (1, 0), (0, 1)])
+    domain = Domain(ends, [(0, 1), (1, 2), (2, 0)]).matched(0, 2, rotation=90, center=center)
+    mesh = unstruct.refine(domain, 0.1)
+    assert check(mesh, domain=domain) and len(mesh.pairs) == 10  # the center is no pair
+    assert np.array_equal(
+        domain.matches[0].motion(mesh.points[mesh.pairs[:, 0]]), mesh.points[mesh.pairs[:, 1]]
+    )
+
+
+def test_errors_of_rotations():
+    domain = sector(7)
+    with pytest.raises(InputError, match=r"turned by 50° about \(0, 0\), is .* equal up to a rotation"):
+        domain.matched("low", "high", rotation=50)
+    with pytest.raises(InputError, match="moves nothing"):
+        domain.matched("low", "high", rotation=360)
+    with pytest.raises(InputError, match="a shift or a rotation, not both"):
+        domain.matched("low", "high", rotation=360 / 7, shift=(1, 0))
+    with pytest.raises(InputError, match="center must be two finite numbers"):
+        domain.matched("low", "high", rotation=360 / 7, center=(0, np.nan))
+    with pytest.raises(InputError, match="facet 0 has no image between points 3 and 2"):
+        bent = sector(7, bend=0.2)
+        Domain(bent.points, bent.facets, curves={0: bent.curves[0]}).matched(0, 2, rotation=360 / 7)

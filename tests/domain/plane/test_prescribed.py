@@ -13,6 +13,7 @@ from unstruct import Arc, Domain, InputError, Spacing, check
 METHODS = [
     unstruct.refine,
     unstruct.voronoi_segment,
+    unstruct.advancing_front,
     unstruct.circumcenter_insertion,
     unstruct.conforming_delaunay,
 ]

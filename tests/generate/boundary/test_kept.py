@@ -12,6 +12,7 @@ from unstruct import (
     Domain,
     DomainMesh,
     InputError,
+    advancing_front,
     check,
     circumcenter_insertion,
     refine,
@@ -31,6 +32,7 @@ METHODS: dict[str, Callable[..., DomainMesh]] = {
     "refine by angle": lambda **o: refine(ROOM, min_angle=25, **o),
     "refine by area": lambda **o: refine(ROOM, max_area=0.02, method="ruppert", **o),
     "circumcenters": lambda **o: circumcenter_insertion(ROOM, 0.25, step=100.0, **o),
+    "front": lambda **o: advancing_front(ROOM, lambda x: 0.1 + 0.3 * np.abs(x[:, 1] - 1), **o),
     "Voronoi segments": lambda **o: voronoi_segment(ROOM, lambda x: 0.1 + 0.3 * np.abs(x[:, 1] - 1), **o),
 }
 
@@ -43,7 +45,8 @@ def added(mesh: DomainMesh, method: str) -> tuple[int, int]:
 
 def at_first(method: str) -> tuple[int, int]:
     """The same before the run: pieces as they are cut by the size, or for the safety of curves."""
-    size = {"circumcenters": 0.25, "Voronoi segments": lambda x: 0.1 + 0.3 * np.abs(x[:, 1] - 1)}.get(method)
+    graded = lambda x: 0.1 + 0.3 * np.abs(x[:, 1] - 1)  # noqa: E731
+    size = {"circumcenters": 0.25, "front": graded, "Voronoi segments": graded}.get(method)
     sampled = ROOM.sampled(size, step=100.0 if method == "circumcenters" else 1.0)
     facets = sampled.piece < len(ROOM.facets)
     return int(facets.sum()), int((~facets).sum())

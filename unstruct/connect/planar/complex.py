@@ -252,6 +252,7 @@ class PlanarComplex:
         markers: Mapping[str, ArrayLike] | None = None,
         regions: bool = True,
         points: NDArray[np.float64] | None = None,
+        order: NDArray[np.int32] | None = None,
         **rest: Any,
     ) -> DomainMesh:
         """The triangles of the domain as a `DomainMesh` mesh.
@@ -270,6 +271,8 @@ class PlanarComplex:
         points : ndarray, shape (n, 2), optional
             Coordinates to store for the first n vertices. By default these are the coordinates that the
             kernels used, unscaled, which are the same.
+        order : ndarray of int, optional
+            All slots of the domain's triangles, in the order that the cells shall have.
         **rest
             Passed on to `DomainMesh`; ``unrefined`` contains slots here, and cells there.
 
@@ -283,6 +286,8 @@ class PlanarComplex:
         triangles = self.vertex, self.twin, self.region
         subsegments = self.where, self.ends, self.piece, self.span
         cells, vertices, kept, outer = survey(triangles, subsegments, self.state, facets, number, place)
+        if order is not None:
+            number[order] = np.arange(cells, dtype=np.int32)
         simplices, neighbors = np.empty((cells, 3), dtype=np.int32), np.empty((cells, 3), dtype=np.int32)
         region, ends = np.empty(cells, dtype=np.int32), np.empty((kept, 2), dtype=np.int32)
         piece, span = np.empty(kept, dtype=np.int32), np.empty((kept, 2))

@@ -163,6 +163,30 @@ def legalize_moved(stars, region, count, moved):
     return flips
 
 
+@lean
+def legalize_all(stars, region, count):
+    """Make all triangles of the domain constrained Delaunay by swaps; return how many."""
+    xy, vertex, twin, mark, stack = stars.xy, stars.vertex, stars.twin, stars.mark, stars.stack
+    flips, full = 0, True
+    while full:
+        full = False
+        for t in range(count):
+            if region[t] < 0:
+                continue
+            p, a, b = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+            px, py, ax, ay, bx, by = xy[p, 0], xy[p, 1], xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
+            for e in range(3 * t, 3 * t + 3):
+                o = twin[e]
+                if mark[e] < 0 and o > e:
+                    q = vertex[o]
+                    if incircle(px, py, ax, ay, bx, by, xy[q, 0], xy[q, 1]) > 0:
+                        stack[0] = e
+                        more = legalize(xy, vertex, twin, mark, stars.where, stars.at, stack, np.int64(1))
+                        flips, full = flips + max(more, 0), full or more < 0
+                        break  # the triangle has changed; the swap has seen its other edges
+    return flips
+
+
 # --- stars ----------------------------------------------------------------------------------------
 
 

@@ -1,4 +1,4 @@
-"""Matching sides of a region: pieces that are others moved by a translation."""
+"""Matching sides of a region: pieces that are others, moved by a translation or turned about a point."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
+from ...geometry.motion import Motion
 from ...geometry.outline import Outline
 from ...geometry.segment_tree import SegmentTree
 from .prescribed import Match
@@ -41,7 +42,9 @@ def pieces_of(outline: Outline, which: Any, what: str) -> np.ndarray:
     return np.unique(array)
 
 
-def matching(outline: Outline, first: Any, second: Any, shift: Any, tolerance: float | None) -> Matching:
+def matching(
+    outline: Outline, first: Any, second: Any, motion: Motion | None, tolerance: float | None
+) -> Matching:
     """Find for each of the first pieces its image among the second ones; see `Domain.matched`."""
     one, two = pieces_of(outline, first, "first"), pieces_of(outline, second, "second")
     taken = {piece for match in outline.matches for piece in match[:2]}
@@ -55,23 +58,21 @@ def matching(outline: Outline, first: Any, second: Any, shift: Any, tolerance: f
         )
     points = outline.points
     slack = MATCHING_SLACK * float(np.ptp(points, axis=0).max()) if tolerance is None else tolerance
-    guess = points[b].mean(axis=0) - points[a].mean(axis=0) if shift is None else np.asarray(shift, float)
-    if guess.shape != (2,) or not np.isfinite(guess).all():
-        raise InputError(f"shift must be two finite numbers, not {shift!r:.60}")
-    away, nearest = SegmentTree(points[b]).least(points[a] + guess, 1.0)
+    guess = motion or Motion.translation(points[b].mean(axis=0) - points[a].mean(axis=0))
+    away, nearest = SegmentTree(points[b]).least(guess(points[a]), 1.0)
     far = int(np.argmax(away))
     if away[far] > 2 * slack or len(np.unique(nearest)) < len(b):
         x, y = points[a[far]]
         raise InputError(
-            f"point {a[far]} at ({x:.6g}, {y:.6g}), moved by ({guess[0]:.6g}, {guess[1]:.6g}), is "
-            f"{away[far]:.3g} from the nearest vertex of {second!r}, more than the tolerance {slack:.3g}: "
-            f"{first!r} and {second!r} must be equal up to a translation"
+            f"point {a[far]} at ({x:.6g}, {y:.6g}), {guess}, is {away[far]:.3g} from the nearest vertex of "
+            f"{second!r}, more than the tolerance {slack:.3g}: {first!r} and {second!r} must be equal up to "
+            f"a {'rotation' if any(guess.center) or guess.matrix[1][0] else 'translation'}"
         )
     b = b[nearest]
-    exact = guess if shift is not None else _translation(points[a], points[b], slack)
+    exact = motion or Motion.translation(_translation(points[a], points[b], slack))
     new = points.copy()
-    new[b] = points[a] + exact
-    if not np.array_equal(new[b], new[a] + exact):
+    new[b] = exact(points[a])
+    if not np.array_equal(new[b], exact(new[a])):
         raise InputError(
             f"{first!r} and {second!r} share vertices, which cannot all be moved to match exactly"
         )
@@ -79,7 +80,7 @@ def matching(outline: Outline, first: Any, second: Any, shift: Any, tolerance: f
     matches = _paired(outline, one, two, image, exact, 4 * slack)
     for match in outline.matches:
         p, q = outline.pieces[match.first], outline.pieces[match.second]
-        if not np.array_equal(new[q[::-1] if match.turned else q], new[p] + match.shift):
+        if not np.array_equal(new[q[::-1] if match.turned else q], match.motion(new[p])):
             raise InputError(
                 f"{first!r} and {second!r} match only if vertices move that others match: give points that "
                 "match exactly"
@@ -98,7 +99,7 @@ def _translation(a: np.ndarray, b: np.ndarray, slack: float) -> np.ndarray:
 
 
 def _paired(
-    outline: Outline, one: np.ndarray, two: np.ndarray, image: dict[int, int], shift: np.ndarray, slack: float
+    outline: Outline, one: np.ndarray, two: np.ndarray, image: dict[int, int], motion: Motion, slack: float
 ) -> list[Match]:
     """For each of the first pieces the second one with the same ends, and the same curve."""
     between: dict[tuple[int, int], list[int]] = {}
@@ -111,10 +112,10 @@ def _paired(
         for other in between.get((min(u, v), max(u, v)), []):
             turned = outline.pieces[other, 0] != u
             if piece in outline.curves or other in outline.curves:
-                x, y = outline.at(piece, LOOKED_AT) + shift, outline.at(other, LOOKED_AT)
+                x, y = motion(outline.at(piece, LOOKED_AT)), outline.at(other, LOOKED_AT)
                 if np.abs(x - (y[::-1] if turned else y)).max() > slack:
                     continue
-            found.append(Match(piece, other, bool(turned), shift))
+            found.append(Match(piece, other, bool(turned), motion))
             between[min(u, v), max(u, v)].remove(other)
             break
         else:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base.arguments import positive
 from ...base.errors import InputError
+from ...geometry.motion import Motion
 from ...geometry.outline import Outline
 from .sample import HALVINGS, Sampled, conflicts, fine_chains, safe
 
@@ -101,14 +102,14 @@ class Match(NamedTuple):
     first, second : int
     turned : bool
         Whether they run in opposite directions.
-    shift : (2,) float64
-        Points of the second are those of the first plus this, rounded.
+    motion : Motion
+        Points of the second are the images of those of the first.
     """
 
     first: int
     second: int
     turned: bool
-    shift: np.ndarray
+    motion: Motion
 
 
 def parameters(outline: Outline, piece: int, spacing: Spacing) -> np.ndarray:
@@ -192,7 +193,7 @@ def _moved(outline: Outline, sampled: Sampled) -> Sampled:
         one, two = (
             sampled.ends[start[piece] : start[piece + 1] - 1, 1] for piece in (match.first, match.second)
         )
-        points[two[::-1] if match.turned else two] = points[one] + match.shift
+        points[two[::-1] if match.turned else two] = match.motion(points[one])
     moved = replace(sampled, points=points)
     if np.array_equal(points, sampled.points):
         return moved
@@ -216,4 +217,4 @@ def carried(sampled: Sampled, new: Any) -> None:
     for match in outline.matches:
         one, two = (range(start[piece], start[piece + 1]) for piece in (match.first, match.second))
         rows = zip(one, reversed(two) if match.turned else two)
-        new.matches += [Match(i, j, match.turned, match.shift) for i, j in rows]
+        new.matches += [Match(i, j, match.turned, match.motion) for i, j in rows]

@@ -89,6 +89,7 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
         duplicates=mesh.duplicates,
         markers={**markers, "recovered": parts},
         regions=mesh.regions if "region" in markers else None,
+        periodic=mesh.periodic,
         segments=parts,
         piece=complex_.piece,
         span=complex_.span,

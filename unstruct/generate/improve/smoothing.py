@@ -78,7 +78,8 @@ def smooth(
 
     Notes
     -----
-    Boundary vertices, those on marked edges and those named by a marker stay. With ``swap``, the input is
+    Boundary vertices, those on marked edges, those named by a marker and those in `pairs`, which the result
+    keeps, stay. With ``swap``, the input is
     expected to be constrained Delaunay (`swap_diagonals` makes it so); regions and marked edges are kept. A
     round takes O(n). Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
     Book: 2.6d.
@@ -132,6 +133,7 @@ def _factor(points: NDArray[np.float64], coordinates: NDArray[np.float64]) -> fl
 
 def _staying(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
     stays = np.zeros(len(mesh.points), dtype=bool)
+    stays[mesh.pairs.ravel()] = True
     for rows in mesh.markers.values():
         if rows.ndim == 2 and rows.shape[1] == 1:
             stays[rows[:, 0]] = True
@@ -174,6 +176,7 @@ def _result(
         duplicates=mesh.duplicates,
         markers=markers,
         regions=mesh.regions,
+        periodic=mesh.periodic,
         counts=counts,
         **rest,
     )

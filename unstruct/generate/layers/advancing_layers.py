@@ -15,6 +15,7 @@ from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.stretching import Layers
 from ..boundary.pairs import paired
+from ..front.advancing_front import advancing_front
 from ..rebay.voronoi_segment import voronoi_segment
 from ..refinement.refine import refine
 from .rays import FAN, SLIDING
@@ -25,7 +26,11 @@ from .walls import wall_pieces
 __all__ = ["FILLS", "advancing_layers"]
 
 # The methods for the rest, by name: functions of a domain and a size.
-FILLS: dict[str, Callable[..., DomainMesh]] = {"voronoi_segment": voronoi_segment, "refine": refine}
+FILLS: dict[str, Callable[..., DomainMesh]] = {
+    "advancing_front": advancing_front,
+    "voronoi_segment": voronoi_segment,
+    "refine": refine,
+}
 DEFAULT_FILL = "voronoi_segment"
 CELLS, STOP_RULES = ("triangle", "quad"), ("nearest", "spring")
 
@@ -65,7 +70,7 @@ def advancing_layers(
     stop : "nearest" or "spring"
         How an opposing front is recognized; see the notes.
     fill : str or callable
-        The method for the rest: "voronoi_segment", "refine", or a function of a domain and a size.
+        The method for the rest: "advancing_front", "voronoi_segment", "refine", or a function of a domain and a size.
     fill_options : dict, optional
         More arguments of this method.
     budget : int, optional

@@ -62,7 +62,10 @@ def refine(
         A region, or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
         edges and edges between cells of different "region" are kept as edges (divided, if necessary). If the
         mesh is not constrained Delaunay, it is first made so. Its edges are straight, whatever curve they
-        came from; ``piece`` of the result numbers straight chains of the edges that were kept.
+        came from; ``piece`` of the result numbers straight chains of the edges that were kept. Edges that
+        match (``mesh.periodic``) are divided before anything else, both in the same way, by the smallest
+        size or area that is wanted on their sides; a new vertex on one is the image, bit for bit, of that
+        on the other. No more vertices are put there: triangles for which the angle asks for one say "kept".
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
@@ -140,18 +143,21 @@ def refine(
     if not isinstance(domain, Domain | Mesh):
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
     angle, lens, offset = _method(method, min_angle)
-    planned = plan_mesh(domain) if isinstance(domain, Mesh) else _plan(domain, size, progress)
-    c = planned.complex_
+    most = _budget(budget)
     if isinstance(domain, Mesh):
         max_area, size = by_name(domain, max_area), by_name(domain, size)
+        asked_for = {"size": size, "max_area": max_area, "split_boundary": split_boundary, "budget": most}
+        planned = plan_mesh(domain, **asked_for)
+    else:
+        planned = _plan(domain, size, progress)
+    c = planned.complex_
     limits = make_limits(
         planned.names, c.box, c.factor, min_angle=angle, max_area=max_area, size=size, lens=lens
     )
-    held = None
+    held = planned.rest.get("held")
     if isinstance(domain, Domain) and (domain.spacings or domain.matches):
         held = domain.held()
     kept = kept_pieces(split_boundary, planned.rest["mesh"]["facets"], len(planned.joints), held)
-    most = _budget(budget)
     plain = not history and not progress and refine_if is None
     if plain and isinstance(domain, Domain) and not domain.matches:
         at_once = refined_at_once(planned, limits, offset, most, kept, bool(domain.curves))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import DEFAULT_BUDGET
 from ...base.arrays import frozen
 from ...base.errors import InputError, MeshError
 from ...base.jit import lean
@@ -18,8 +19,11 @@ from ...mesh.domain_mesh import DomainMesh
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
 from ...mesh.naming import names_by_number
+from ...mesh.periodic import renumbered
 from ...predicates.batch import orient
+from ..boundary.kept import SplitBoundary
 from .encroachment import STRAIGHT
+from .matched import NO_PARTS, Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
 from .run import Planned
 
 __all__ = ["by_name", "carry", "plan_mesh"]
@@ -27,13 +31,23 @@ __all__ = ["by_name", "carry", "plan_mesh"]
 STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
 
-def plan_mesh(mesh: Mesh) -> Planned:
+def plan_mesh(
+    mesh: Mesh,
+    *,
+    size: Any = None,
+    max_area: Any = None,
+    split_boundary: SplitBoundary = True,
+    budget: int | None = None,
+) -> Planned:
     """The constrained Delaunay triangulation of a mesh's vertices and of the edges that must stay.
 
     Parameters
     ----------
     mesh : Mesh
         Counterclockwise triangles in the plane.
+    size, max_area, split_boundary, budget
+        As for `refine`. Edges that match (``mesh.periodic``) are cut already as far as these ask for it, and
+        are to be kept then: ``rest["held"]`` has their pieces.
 
     Returns
     -------
@@ -51,40 +65,99 @@ def plan_mesh(mesh: Mesh) -> Planned:
     used, place = _used(mesh)
     values, group = _groups(mesh)
     edges, left, right, kinds = _constraints(mesh, group)
-    ends, chain, span, flipped = chains(mesh.points, edges, np.column_stack([kinds, left < 0, right < 0]))
+    links = matched_edges(mesh, edges)
+    labels = np.column_stack([kinds, left < 0, right < 0, links.label])
+    ends, chain, span, flipped = chains(mesh.points, edges, labels)
     left, right = np.where(flipped, right, left), np.where(flipped, left, right)
     joints = _joints(ends, span, chain)
-    inner = np.bincount(chain, (left < 0) | (right < 0)) == 0
+    outer = (left < 0) | (right < 0)
+    inner = np.bincount(chain, outer) == 0
     order = np.argsort(inner, kind="stable")  # facets first
     number = np.empty(len(order), dtype=np.int32)
     number[order] = np.arange(len(order))
     chain, joints = number[chain], joints[order]
-    c = PlanarComplex(mesh.points[used])
-    try:
-        insert_all(c, place[ends], chain, span, facets=-1)
-    except InputError as error:
-        raise MeshError(f"cells of the mesh overlap: among the vertices that are used, {error}") from error
-    if c.segments != len(ends):
-        raise MeshError("a vertex of the mesh lies on an edge of which it is not an end: see unstruct.check")
-    _color(c, left, right)
-    _compare(mesh, c)
     called = names_by_number(mesh.regions)
     names: list[Any] = [""] * len(values)
     if "region" in mesh.markers:
         names = [called.get(row["region"], row["region"]) for row in values]
+    pieces = _Pieces(ends, chain, span, left, right)
+    some = links.without(outer if split_boundary == "inner" else np.full(len(ends), not split_boundary))
+    longest = longest_edges(names, size, max_area) if len(some.first) else None
+    c, cut_ = _cut_complex(mesh, used, place, pieces, some, longest, budget)
+    place = np.append(place, len(used) + np.arange(len(cut_.points), dtype=np.int32))
     inputs = np.ones(len(used), dtype=bool)
-    inputs[place[ends]], inputs[place[joints]] = False, True
+    inputs[place[pieces.ends]], inputs[place[joints]] = False, True
+    held = np.zeros(len(joints), dtype=bool)
+    held[chain[links.label > 0]] = True
     return Planned(
         c, names, place[joints].astype(np.int32), np.full(len(joints), STRAIGHT, np.int8),
         np.zeros((len(joints), 5)), _never, {
             "inputs": np.flatnonzero(inputs),
             "values": values,
+            "held": held,
+            "periodic": renumbered(cut_.periodic, place),
             "mesh": {
-                "facets": int((~inner).sum()), "origin": mesh.origin[used], "points": mesh.points[used],
+                "facets": int((~inner).sum()), "origin": mesh.origin[used],
+                "points": np.concatenate([mesh.points[used], cut_.points]),
                 "markers": {name: np.unique(chain[kinds[:, k]]) for k, name in enumerate(_names(mesh))},
             },
         },
     )  # fmt: skip
+
+
+class _Pieces(NamedTuple):
+    """The edges that stay, as parts of straight pieces, and the groups of cells on their sides."""
+
+    ends: NDArray[np.int32]
+    chain: NDArray[np.int32]
+    span: NDArray[np.float64]
+    left: NDArray[np.int64]
+    right: NDArray[np.int64]
+
+    def cut(self, parts: Parts) -> _Pieces:
+        """The same with some edges replaced by parts of them."""
+        stay = np.setdiff1d(np.arange(len(self.ends)), parts.edge)
+        rows = np.concatenate([stay, parts.edge])
+        low, high = self.span[parts.edge].T
+        inside = low[:, None] + parts.span * (high - low)[:, None]
+        return _Pieces(
+            np.concatenate([self.ends[stay], parts.ends.astype(np.int32)]), self.chain[rows],
+            np.concatenate([self.span[stay], inside]), self.left[rows], self.right[rows],
+        )  # fmt: skip
+
+
+def _cut_complex(
+    mesh: Mesh, used: NDArray[np.int64], place: NDArray[np.int32], pieces: _Pieces, links: Matched,
+    longest: Longest | None, budget: int | None,
+) -> tuple[PlanarComplex, Cut]:  # fmt: skip
+    """The complex with matched edges cut; or whole, if rounded points on them are in the way of others."""
+    whole = Cut(np.empty((0, 2)), NO_PARTS, mesh.periodic)
+    if longest is not None:
+        sides = np.column_stack([pieces.left, pieces.right])
+        most = max((DEFAULT_BUDGET if budget is None else budget) - len(used), 0)
+        found = cut(mesh, pieces.ends, sides, links, longest, most)
+        try:
+            return _complex(mesh, used, place, pieces.cut(found.parts), found.points), found
+        except MeshError:
+            pass
+    return _complex(mesh, used, place, pieces, whole.points), whole
+
+
+def _complex(
+    mesh: Mesh, used: NDArray[np.int64], place: NDArray[np.int32], pieces: _Pieces, new: NDArray[np.float64]
+) -> PlanarComplex:
+    """The triangulation of the vertices and new points with these pieces, its regions marked."""
+    ends = np.append(place, len(used) + np.arange(len(new), dtype=np.int32))[pieces.ends]
+    try:
+        c = PlanarComplex(np.concatenate([mesh.points[used], new]))
+        insert_all(c, ends, pieces.chain, pieces.span, facets=-1)
+    except InputError as error:
+        raise MeshError(f"cells of the mesh overlap: among the vertices that are used, {error}") from error
+    if c.segments != len(ends):
+        raise MeshError("a vertex of the mesh lies on an edge of which it is not an end: see unstruct.check")
+    _color(c, pieces.left, pieces.right)
+    _compare(mesh, c)
+    return c
 
 
 def by_name(mesh: Mesh, value: Any) -> Any:
@@ -260,12 +333,13 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
 
 
 def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
-    """Give the refined mesh the markers of cells and vertices of the given mesh."""
+    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs."""
     group = result.markers.pop("region")
     values = planned.rest["values"]
     for name in values[0]:
         result.markers[name] = frozen(np.array([row[name] for row in values])[group])
     result.regions = dict(mesh.regions)
+    result.periodic = planned.rest["periodic"]
     place = np.full(len(mesh.points), -1, dtype=np.int32)
     used = _used(mesh)[0]
     place[used] = np.arange(len(used))  # the first vertices of the result, in the same order

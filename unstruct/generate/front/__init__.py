@@ -1,0 +1,1 @@
+"""Advancing fronts (12.3): triangle by triangle from the boundary inward."""

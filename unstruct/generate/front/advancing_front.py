@@ -1,0 +1,131 @@
+"""The advancing front: from the boundary inward, one triangle after the other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...domain.domain import Domain, as_domain
+from ...domain.plane.by_region import size_by_region
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ..boundary.constrained import planar_complex
+from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.pairs import paired
+from ..rebay.run import VoronoiSegmentRun, rule_of
+from .run import ORDERS, PLACEMENTS, FrontRun, Placement
+
+__all__ = ["advancing_front"]
+
+FINISHING = 1.35  # the finishing pass inserts points where R is above so many f, as `voronoi_segment` does
+
+
+def advancing_front(
+    domain: Domain,
+    size: Any,
+    *,
+    order: str = "widest",
+    placement: str | Placement = "circle",
+    finish: bool = True,
+    split_boundary: SplitBoundary = True,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> DomainMesh:
+    """Mesh a planar domain by an advancing front.
+
+    Parameters
+    ----------
+    domain : Domain
+    size : number, function (k, 2) -> (k,), SizeField, or dict of region name to one of these
+        The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
+        between two regions takes the smaller size. Pieces of the boundary are cut into edges of about this
+        length: they are the first front.
+    order : "widest", "smallest", "shortest" or "oldest"
+        Which edge of the front is next: the one with the largest R / f ahead of it, R being the circumradius
+        of the triangle ahead and f = h / sqrt(3) (the default); that with the smallest wanted length there,
+        as the source chapter has it; the shortest; or the one that has waited longest. Measures that differ
+        by less than a fifth count as equal; among these the one that has waited longest is next.
+    placement : "equal sides", "angle", "circle", or function
+        The ideal point for a front edge AB. "equal sides": on the line through the middle of AB at right
+        angles to it, at the distance h from A and B, with h kept between 0.55 and 2 times |AB|. "angle": the
+        smaller of the angles between AB and the edges of the front before and after it is left as it is,
+        halved, or divided by three, whichever gives parts nearest to 60 degrees (it changes at 80 and 144
+        degrees; from 206 degrees on as "equal sides"). "circle": such that the circle through A, B and the
+        point has the radius f. A function is called as ``placement(p, a, b, n, h)``, with the points before
+        A, A, B and after B on the front, and h; it returns a point, or None for the apex ahead.
+    finish : bool
+        Whether to improve the result afterwards, as `voronoi_segment` does.
+    split_boundary : bool or "inner"
+        Whether the finishing pass may split edges on pieces, on the true curve: True, False, or "inner", for
+        inner pieces only.
+    budget : int, optional
+        The largest number of new points, besides those that cut the boundary at first; 10^7 by default.
+    history : bool
+        Keep a record of each accepted triangle in ``steps``.
+    progress : bool
+        Show a bar.
+
+    Returns
+    -------
+    DomainMesh
+        With ``finish=False`` the cells are in the order in which the front made them: ``cells[:k]`` are the
+        first k. ``counts`` says, by name, how many were accepted as: "new point" (with the ideal point),
+        "small enough" (the triangle ahead, R < 1.2 f), "empty circle" (the triangle ahead; the ideal point
+        is not in its circle), "near apex" (the ideal point is nearer than 0.8 h to the apex of the triangle
+        ahead), "angle" (the angle rule, or the caller's function, wants this apex), "closed" (at least two
+        edges were at the front), "forced" (no point was possible). Also counted are
+        triangles that were "set aside" until the front was empty otherwise, their "circumcenters", and ideal
+        points that were not possible: "outside" (beyond the front), "encroaching" (they see an edge of the
+        front under 120 degrees or more), "collisions" (nearer than 0.8 h to another vertex). For the counts
+        and figures of the finishing pass see `voronoi_segment`. ``unrefined`` lists the triangles that are
+        too large and, after finishing, those with an angle below 26 degrees, and ``reasons`` says why.
+        ``steps`` (with ``history``) has one row for each accepted triangle, in order: "edge" A B, "apex",
+        "reason" (as above), "ideal" (the ideal point), "size" (h there), "radius" (R of the triangle that was
+        ahead) and "near" (the vertex that was too near to the ideal point). Of closed triangles only edge,
+        apex and reason are known. Vertices that the finishing pass has removed are -1.
+
+    Raises
+    ------
+    InputError
+        For an unknown option, for a size that is not positive and finite (with the place), and as
+        `unstruct.constrained_delaunay` does. For a placement that returns something else than a point.
+
+    Notes
+    -----
+    *The step.* What is not meshed yet has a triangulation of its own, which is constrained Delaunay between
+    the edges of the front. Let ABC be its triangle ahead of the front edge AB, with circumradius R. It is
+    accepted if R < 1.2 f, if the ideal point X is not inside its circle, or if C is the vertex that is too
+    near to X. Otherwise X is inserted (its cavity does not cross the front) and ABX is accepted. Then every
+    triangle with R < 1.2 f that has two edges at the front is accepted, too. If X is not possible, the
+    triangle is set aside. In the end its circumcenter is tried, or it is accepted as it is.
+
+    *The front does not get stuck in the plane.* What is not meshed is a valid triangulation at all times, so
+    there is a valid triangle ahead of every edge of the front, and it may be accepted. New points have a
+    distance of at least min(0.8 h, 0.55 |AB|) from all vertices that they are joined to, so that their number
+    is bounded and the front becomes empty. In space both the triangulation and the conclusion fail.
+
+    All signs that decide the topology are exact. O(n) after the boundary is triangulated. Sources: S. H. Lo,
+    International Journal for Numerical Methods in Engineering 21 (1985) 1403-1426; J. Peraire et al., Journal
+    of Computational Physics 72 (1987) 449-466; the front over a triangulation: J. D. Mueller, P. L. Roe,
+    H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256; D. L. Marcum, N. P.
+    Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2.
+    """
+    if order not in ORDERS:
+        raise InputError(f"order = {order!r} must be one of {', '.join(map(repr, ORDERS))}")
+    if not (placement in PLACEMENTS if isinstance(placement, str) else callable(placement)):
+        raise InputError(
+            f"placement = {placement!r} must be one of {', '.join(map(repr, PLACEMENTS))}, or a function"
+        )
+    most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
+    domain = as_domain(domain)
+    complex_ = planar_complex(domain, size, progress=progress)
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
+    size = size_by_region(complex_, size, domain.regions)
+    rule = rule_of(FINISHING, "center", "first", None, bool(split_boundary))
+    base = VoronoiSegmentRun(domain, complex_, size, None, rule, kept, False)
+    run = FrontRun(base, order, placement, history)
+    with progress_bar(progress, " points") as bar:
+        run.march(most, bar)
+    return noticed(paired(domain, run.result(most, finish)))

@@ -1,0 +1,386 @@
+"""The advancing front over the constrained Delaunay triangulation of what is not meshed yet, compiled.
+
+Triangles of the domain are *accepted*, that is, finished, or not. The *front* consists of all edges between
+the two kinds and of all subsegments that still have an unfinished side. Edges of the front are marked as
+subsegments are, all with the same number, so that no cavity crosses them: what has been accepted stays.
+
+          . . X . .        M    middle of the front edge AB, whose unfinished side is on its left
+         .   /.\\   .       t    the triangle ABC ahead of it, R its circumradius
+        C   / . \\   .      X    the ideal point: XA and XB have the wanted length h
+       /   /  .  \\
+      ----A---M---B---     A step accepts ABC, or inserts X and accepts ABX.
+      ///////////////
+
+What is not meshed is a valid triangulation at all times. So there is always a valid triangle ahead of each
+edge of the front, and in the plane the front cannot get stuck. Source: Book, 3.1.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.codes import DONE, INSERTED, MORE, OUTSIDE, ROOM, ROUNDED
+from ...base.jit import inline, lean
+from ...connect.insertion.engine import COUNT
+from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
+from ...connect.planar.cavity import commit_here, find_cavity_here
+from ...predicates.kernels import incircle, orient2
+from ...sizing.table import ROOT3, Nodes
+from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
+from ..rebay.steps import circle, clear, wanted
+from .placing import AS_ASKED, ideal
+
+ASK = 8  # how a call ended: a point is wanted from a function of the caller
+TOO_FLAT, NO_SPACE = 9, 10  # outcomes of a judgment, besides INSERTED, OUTSIDE and ROUNDED
+# Orders of the queue.
+WIDEST, SMALLEST, SHORTEST, OLDEST = range(4)
+# Why a triangle was accepted; each is also the place of its count.
+NEW, FITS, EMPTY, SNAPPED, CONNECTED, CLOSED, CENTERED, FORCED = range(8)
+PUT_ASIDE, WAS_BEYOND, WAS_FLAT_ANGLE, WAS_NEAR = range(8, 12)
+MADE, FRONT_COUNTS = 12, 13  # further places: how many triangles are accepted
+LAST_LEVEL = 0  # the bucket of triangles that are set aside: it is served when all others are empty
+
+FRONT_ACCEPT = 1.2  # a triangle ahead with R < FRONT_ACCEPT f is accepted as it is
+CLEARANCE = 0.8  # times the wanted length: no point nearer than that to a vertex
+
+
+class FrontRule(NamedTuple):
+    """What the caller chooses."""
+
+    order: int  # of the queue: WIDEST, ...
+    placement: int  # of the ideal point: EQUAL_SIDES, ...
+    scale: float  # the squared measure is divided by this before it is sorted into buckets
+    number: int  # the number that marks edges of the front
+    constant: float  # f, if it is the same everywhere; otherwise 0
+    last_first: bool = False
+
+
+class Marching(NamedTuple):
+    """The queue of unfinished triangles at the front, the size, and the choices."""
+
+    links: NDArray[np.int32]
+    gates: NDArray[np.int32]
+    turn: NDArray[np.int64]
+    size: Nodes
+    rule: FrontRule
+
+
+class Diary(NamedTuple):
+    """The record: one row for each accepted triangle, in order."""
+
+    slots: NDArray[np.int32]
+    log: NDArray[np.int32]  # (., 5) A, B, apex, reason, the vertex that was too near; (0, 5) if not wanted
+    numbers: NDArray[np.float64]  # (., 4) the ideal point, h / sqrt(3), R of the triangle ahead
+
+
+@inline
+def is_marked(mark, t):
+    """How many edges of triangle t belong to the front (or to the boundary), if it is unfinished."""
+    return (mark[3 * t] >= 0) + (mark[3 * t + 1] >= 0) + (mark[3 * t + 2] >= 0)
+
+
+@inline
+def front_edge(xy, vertex, mark, t, tried):
+    """The shortest edge of triangle t at the front that has not been tried (bits of ``tried``), or -1."""
+    best, shortest = np.int64(-1), inf
+    for j in range(3):
+        e = 3 * t + j
+        if (tried >> j) & 1 == 0 and mark[e] >= 0:
+            a, b = start_of(vertex, e), end_of(vertex, e)
+            ux, uy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+            if ux * ux + uy * uy < shortest:
+                best, shortest = np.int64(e), ux * ux + uy * uy
+    return best
+
+
+@inline
+def radius(plane, march, t):
+    """The squared circumradius of triangle t as a quotient, above / below, and f at its centroid."""
+    xy, vertex = plane.xy, plane.vertex
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+    wx, wy, double = vx - ux, vy - uy, ux * vy - uy * vx
+    above = (ux * ux + uy * uy) * (vx * vx + vy * vy) * (wx * wx + wy * wy)
+    f = wanted(march, xy[a, 0] + (ux + vx) / 3.0, xy[a, 1] + (uy + vy) / 3.0)
+    return above, 4.0 * double * double if double > 0.0 else 0.0, f
+
+
+@lean
+def length_at(march, x, y):
+    """The wanted length at a point."""
+    return ROOT3 * wanted(march, x, y)
+
+
+@inline
+def grade(plane, march, t):
+    """Set the bucket of triangle t."""
+    links, rule = march.links, march.rule
+    buckets = len(march.gates) // 2
+    if rule.order == OLDEST:
+        links[t, LEVEL] = LAST_LEVEL + 1
+        return
+    above, below, f = radius(plane, march, t)
+    if rule.order == SMALLEST:
+        above, below = rule.scale, f * f
+    elif rule.order == SHORTEST:
+        e = front_edge(plane.xy, plane.vertex, plane.mark, t, 0)
+        above, below = 1.0, inf
+        if e >= 0:
+            a, b = start_of(plane.vertex, e), end_of(plane.vertex, e)
+            ux, uy = plane.xy[b, 0] - plane.xy[a, 0], plane.xy[b, 1] - plane.xy[a, 1]
+            above, below = rule.scale, ux * ux + uy * uy
+    else:
+        below *= f * f * rule.scale
+    level = bucket_of(above / below, buckets - 1) if below > 0.0 else buckets - 2
+    links[t, LEVEL] = LAST_LEVEL + 1 + level
+
+
+@inline
+def enqueue(plane, march, t):
+    """Put an unfinished triangle that has just got an edge at the front in the queue."""
+    links = march.links
+    if links[t, STATUS] >= 0:
+        if links[t, LEVEL] != LAST_LEVEL and march.rule.order != SHORTEST:
+            return
+        unlink(links, march.gates, t, WAITING)
+        grade(plane, march, t)
+    elif march.rule.order == SHORTEST:
+        grade(plane, march, t)
+    push(links, march.gates, march.turn, t, march.rule.last_first)
+
+
+@inline
+def advance_past(plane, march, diary, counts, t, e, reason):
+    """Accept triangle t, on whose edge e the front is: its other edges enter the front, or leave it."""
+    vertex, twin, mark, number = plane.vertex, plane.twin, plane.mark, march.rule.number
+    if march.links[t, STATUS] >= 0:
+        unlink(march.links, march.gates, t, ACCEPTED)
+    march.links[t, STATUS] = ACCEPTED
+    row = counts[MADE]
+    diary.slots[row] = t
+    if len(diary.log) > 0:
+        diary.log[row, 0], diary.log[row, 1] = start_of(vertex, e), end_of(vertex, e)
+        diary.log[row, 2], diary.log[row, 3] = vertex[e], reason
+    counts[MADE] += 1
+    counts[reason] += 1
+    for j in range(3 * t, 3 * t + 3):
+        o = twin[j]
+        if mark[j] == number:
+            mark[j] = mark[o] = -1
+        elif mark[j] < 0:
+            mark[j] = mark[o] = number
+            enqueue(plane, march, np.int64(o // 3))
+
+
+@inline
+def finish_step(plane, march, diary, counts, t, e, reason, stack):
+    """Accept triangle t, then all triangles that are small enough and have two edges or more at the front."""
+    vertex, twin, mark, links = plane.vertex, plane.twin, plane.mark, march.links
+    advance_past(plane, march, diary, counts, t, e, reason)
+    depth = 0
+    for j in range(3 * t, 3 * t + 3):
+        stack[depth] = twin[j] // 3
+        depth += 1
+    while depth > 0:
+        depth -= 1
+        o = np.int64(stack[depth])
+        if links[o, STATUS] == ACCEPTED or is_marked(mark, o) < 2:
+            continue
+        above, below, f = radius(plane, march, o)
+        if above < below * FRONT_ACCEPT * FRONT_ACCEPT * f * f:
+            advance_past(plane, march, diary, counts, o, front_edge(plane.xy, vertex, mark, o, 0), CLOSED)
+            for j in range(3 * o, 3 * o + 3):
+                if depth < len(stack):
+                    stack[depth] = twin[j] // 3
+                    depth += 1
+
+
+@lean
+def start_front(plane, march):
+    """Put the triangles along all subsegments into the queue, in the order of the boundary."""
+    links = march.links
+    for t in range(plane.state[COUNT]):
+        if plane.region[t] < 0:
+            links[t, STATUS] = ACCEPTED
+        else:
+            links[t, STATUS] = WAITING
+            grade(plane, march, np.int64(t))
+    for s in range(plane.state[SEGMENTS]):
+        e = np.int64(plane.where[s])
+        for t in (e // 3, np.int64(plane.twin[e] // 3)):
+            if links[t, STATUS] != ACCEPTED:
+                enqueue(plane, march, t)
+
+
+# --- a step ---------------------------------------------------------------------------------------
+
+
+@inline
+def judge_front(plane, rim, k, e, x, y, clearance):
+    """Whether (x, y) may be joined to the boundary of its cavity, ``rim[:k]``: an outcome and a vertex.
+
+    The vertex is the nearest one, apart from the ends of e, that is too near; -1 if there is none.
+    """
+    xy, vertex, mark = plane.xy, plane.vertex, plane.mark
+    a, b = (start_of(vertex, e), end_of(vertex, e)) if e >= 0 else (np.int64(-1), np.int64(-1))
+    nearest, near = np.int64(-1), clearance * clearance
+    outcome = INSERTED
+    for i in range(k):
+        g = np.int64(rim[i])
+        s, v = start_of(vertex, g), end_of(vertex, g)
+        sx, sy = xy[s, 0] - x, xy[s, 1] - y
+        square = sx * sx + sy * sy
+        if square < near and s != a and s != b:
+            nearest, near = np.int64(s), square
+        if mark[g] >= 0 and outcome == INSERTED:
+            if orient2(xy[s, 0], xy[s, 1], xy[v, 0], xy[v, 1], x, y) <= 0:
+                outcome = OUTSIDE
+            elif g != e:
+                vx, vy = xy[v, 0] - x, xy[v, 1] - y
+                dot = sx * vx + sy * vy
+                if dot < 0.0 and 4.0 * dot * dot >= square * (vx * vx + vy * vy):
+                    outcome = TOO_FLAT  # (x, y) sees an edge of the front under 120 degrees or more
+    if nearest >= 0:
+        return NO_SPACE, nearest
+    return outcome, nearest
+
+
+@inline
+def attempt_front(plane, scratch, t, e, x, y, clearance):
+    """Find and judge the cavity of (x, y), from triangle t: (outcome, m, k, the vertex that is too near)."""
+    m, k = find_cavity_here(plane, scratch, t, x, y)
+    if k < 0:
+        return ROUNDED, np.int64(0), np.int64(0), np.int64(-1)
+    outcome, near = judge_front(plane, scratch.rim, k, e, x, y, clearance)
+    return outcome, m, k, near
+
+
+@inline
+def in_circle_of(plane, t, x, y):
+    """Whether (x, y) lies inside the circle of triangle t, exactly."""
+    xy, vertex = plane.xy, plane.vertex
+    a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    return incircle(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1], x, y) > 0
+
+
+@inline
+def insert_here(plane, march, scratch, m, k, x, y):
+    """Replace the cavity by the star of (x, y), and put the new triangles at the front into the queue."""
+    clear(march.links, march.gates, scratch.cells, m)
+    v = plane.state[VERTICES]
+    plane.xy[v, 0], plane.xy[v, 1] = x, y
+    commit_here(plane, scratch, m, k, v)
+    for i in range(k):
+        t = np.int64(scratch.fresh[i])
+        march.links[t, STATUS] = WAITING
+        grade(plane, march, t)
+        if plane.mark[3 * t] >= 0:
+            push(march.links, march.gates, march.turn, t, march.rule.last_first)
+
+
+@inline
+def note(diary, row, point, square, near):
+    """Write what was looked at into a row of the record."""
+    if len(diary.log) > 0:
+        diary.numbers[row, 0], diary.numbers[row, 1] = point[0], point[1]
+        diary.numbers[row, 2], diary.numbers[row, 3] = point[2], sqrt(square)
+        diary.log[row, 4] = near
+
+
+@lean
+def without_ideal(plane, march, scratch, counts, t):
+    """Whether a triangle for none of whose edges an ideal point was possible must be accepted as it is.
+
+    At first it is set aside, since the front may reach it from another side. At the end its circumcenter is
+    inserted if it can be.
+    """
+    links = march.links
+    if links[t, LEVEL] != LAST_LEVEL:
+        unlink(links, march.gates, t, WAITING)
+        links[t, LEVEL] = LAST_LEVEL
+        push(links, march.gates, march.turn, t, march.rule.last_first)
+        counts[PUT_ASIDE] += 1
+        return False
+    square, x, y, _, _ = circle(plane.xy, plane.vertex, t)
+    if square == inf or not in_circle_of(plane, t, x, y):
+        return True
+    f = wanted(march, x, y)
+    outcome, m, k, _ = attempt_front(plane, scratch, t, np.int64(-1), x, y, CLEARANCE * ROOT3 * f)
+    if outcome == INSERTED:
+        insert_here(plane, march, scratch, m, k, x, y)
+        counts[CENTERED] += 1
+    return outcome != INSERTED
+
+
+@inline
+def choose(plane, march, scratch, counts, e, point, square):
+    """Choose what to accept for the front edge e; insert the ideal point, if it is that.
+
+    ``point`` is what `ideal` returns, ``square`` the squared circumradius of the triangle ahead. Returns the
+    triangle to accept, its edge at the front, the reason (-1: nothing was possible) and the vertex that was
+    too near.
+    """
+    x, y, f, side, close = point
+    t, apex = e // 3, np.int64(plane.vertex[e])
+    if square < FRONT_ACCEPT * FRONT_ACCEPT * f * f:
+        return t, e, FITS, np.int64(-1)
+    if close:
+        return t, e, CONNECTED, np.int64(-1)
+    if not in_circle_of(plane, t, x, y):
+        return t, e, EMPTY, np.int64(-1)
+    clearance = CLEARANCE * min(ROOT3 * f, side)
+    outcome, m, k, near = attempt_front(plane, scratch, t, e, x, y, clearance)
+    if outcome == INSERTED:
+        i = 0
+        while scratch.rim[i] != e:
+            i += 1
+        insert_here(plane, march, scratch, m, k, x, y)
+        t = np.int64(scratch.fresh[i])
+        return t, 3 * t, NEW, near
+    if near == apex:
+        return t, e, SNAPPED, near
+    counts[WAS_NEAR if outcome == NO_SPACE else WAS_FLAT_ANGLE if outcome == TOO_FLAT else WAS_BEYOND] += 1
+    return t, e, -1, near
+
+
+@lean
+def advance_front(plane, march, scratch, diary, counts, ask, answer, limit):
+    """Take up to ``limit`` steps; return how it ended: DONE, MORE, ROOM, or ASK.
+
+    ASK wants the ideal point for half-edge ``ask[0]`` in ``answer`` (x, y; NaN for the triangle ahead).
+    """
+    xy, vertex, mark, links = plane.xy, plane.vertex, plane.mark, march.links
+    for _ in range(limit):
+        if plane.state[VERTICES] >= len(xy) or plane.state[COUNT] + 4 > len(links):
+            return ROOM
+        t = np.int64(next_slot(links, march.gates, march.turn))
+        if t < 0:
+            return DONE
+        square, _, _, _, _ = circle(xy, vertex, t)
+        tried = ask[1] if ask[0] >= 0 else 0
+        reason, e, near = -1, np.int64(-1), np.int64(-1)
+        point = 0.0, 0.0, 0.0, 0.0, False
+        while reason < 0:
+            answered = ask[0] >= 0
+            e = np.int64(ask[0]) if answered else front_edge(xy, vertex, mark, t, tried)
+            if e < 0:
+                break
+            point = ideal(plane, march, e)
+            if march.rule.placement == AS_ASKED:
+                if not answered:
+                    ask[0], ask[1] = e, tried
+                    return ASK
+                ask[0] = -1
+                point = answer[0], answer[1], point[2], point[3], not answer[0] == answer[0]
+            tried |= 1 << (e - 3 * t)
+            t, e, reason, near = choose(plane, march, scratch, counts, e, point, square)
+        if reason < 0 and without_ideal(plane, march, scratch, counts, t):
+            e, reason, near = front_edge(xy, vertex, mark, t, 0), FORCED, np.int64(-1)
+        if reason >= 0:
+            note(diary, counts[MADE], point, square, near)
+            finish_step(plane, march, diary, counts, t, e, reason, scratch.stack)
+    return MORE
