@@ -52,7 +52,9 @@ def ours(domain: Any, size: Any, first: float, stop: str = "nearest") -> Any:
     return advancing_layers(domain, size, layers=layers, walls=["upper", "lower"], stop=stop)
 
 
-def gmsh(domain: Any, size: Any, first: float, spacing: float) -> tuple[float, NDArray[np.float64], NDArray[np.int64]]:
+def gmsh(
+    domain: Any, size: Any, first: float, spacing: float
+) -> tuple[float, NDArray[np.float64], NDArray[np.int64]]:
     """The time of Gmsh's mesh with a BoundaryLayer field, its points and triangles."""
     import gmsh as peer
 
@@ -82,7 +84,12 @@ def gmsh(domain: Any, size: Any, first: float, spacing: float) -> tuple[float, N
     field.setAsBackgroundMesh(wanted)
     layer = field.add("BoundaryLayer")
     field.setNumbers(layer, "CurvesList", walls)
-    for name, value in (("Size", first), ("Ratio", RATIO), ("Thickness", spacing * RATIO / (RATIO - 1)), ("Quads", 0)):
+    for name, value in (
+        ("Size", first),
+        ("Ratio", RATIO),
+        ("Thickness", spacing * RATIO / (RATIO - 1)),
+        ("Quads", 0),
+    ):
         field.setNumber(layer, name, value)
     sharp = [tag[v] for v in trailing(domain, sampled, on_wall)]
     field.setNumbers(layer, "FanPointsList", sharp)
@@ -172,8 +179,8 @@ def rows(repeats: int = 5) -> list[dict[str, Any]]:
         peer = statistics.median(times["gmsh"])
         for name, each in times.items():
             own = statistics.median(each)
-            found.append({"spacing": spacing, "first": first, "method": name, "seconds": own, "times as fast": peer / own}
-                         | meshes[name]._asdict())  # fmt: skip
+            row = {"spacing": spacing, "first": first, "method": name, "seconds": own}
+            found.append(row | {"times as fast": peer / own} | meshes[name]._asdict())
     return found
 
 

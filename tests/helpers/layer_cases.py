@@ -48,7 +48,9 @@ def body(rng: Rng, kind: str, radius: float) -> np.ndarray:
         y = np.where(np.arange(4 * teeth) % 4 < 2, 0.6, 0.6 - depth)
         return radius * np.concatenate([[[-1, -0.6], [1, -0.6]], np.column_stack([x, y])[::-1]])
     elif kind == "wedge":
-        return radius * np.array([[-1, 0], [0.5, -rng.uniform(0.002, 0.2)], [1, 0], [0.5, rng.uniform(0.0, 0.2)]])
+        return radius * np.array(
+            [[-1, 0], [0.5, -rng.uniform(0.002, 0.2)], [1, 0], [0.5, rng.uniform(0.0, 0.2)]]
+        )
     else:  # a plate with a hook
         w = rng.uniform(0.03, 0.2)
         return radius * np.array([[-1, -w], [1, -w], [1, 0.6], [1 - w, 0.6], [1 - w, w], [-1, w]])

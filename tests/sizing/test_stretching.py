@@ -115,7 +115,10 @@ def test_defaults_where_the_growth_is_open() -> None:
         ({"growth": 1.2, "thickness": 3.0}, "give also first or count"),
         ({"first": 1.0, "growth": 1.2, "count": 3, "thickness": 3.0}, "thickness = 3 contradicts .* 3.64"),
         ({"first": 1.0, "count": 3, "thickness": 0.5}, r"too small for 3 layers .* growth 1.2 gives 3.64"),
-        ({"first": 1.0, "growth": 0.5, "thickness": 5.0}, "never reach 5 times the first: a growth above 0.8"),
+        (
+            {"first": 1.0, "growth": 0.5, "thickness": 5.0},
+            "never reach 5 times the first: a growth above 0.8",
+        ),
         ({"first": 1.0, "growth": 1.2, "thickness": 0.5}, "must not be below first"),
         ({"first": -1.0, "growth": 1.2}, "first = -1.0 must be positive"),
         ({"first": [1.0, np.nan], "growth": 1.2}, r"first\[1\] = nan"),

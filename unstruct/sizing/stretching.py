@@ -31,8 +31,8 @@ class Stretching(NamedTuple):
     """Values that fit each other; arrays of one row for each place, or of one row for all of them."""
 
     first: Array
-    growth: Array  # of a function, the quotient of the second and the first step
-    count: int | None
+    growth: Array
+    number: int | None  # of layers
     thickness: Array | None
 
 
@@ -102,7 +102,7 @@ class Layers:
         }
         _enough(set(self.given), function)
         found = None if self.varies else _resolved(self.given, function)
-        self.count: int | None = count if found is None else found.count
+        self.count: int | None = count if found is None else found.number
         self.first, self.growth = _shown(first, found and found.first), _shown(growth, found and found.growth)
         self.thickness = _shown(thickness, found and found.thickness)
 
@@ -127,10 +127,12 @@ class Layers:
         ndarray, shape (count + 1,), or (r, count + 1) with places or values for each vertex
         """
         found = self._at(at)
-        if found.count is None and count is None:
-            raise InputError("these layers have no end: say how many heights are wanted, cumulative(count=40)")
+        if found.number is None and count is None:
+            raise InputError(
+                "these layers have no end: say how many heights are wanted, cumulative(count=40)"
+            )
         rows = len(np.broadcast_arrays(found.first, found.growth)[0])
-        total = int(count if found.count is None else found.count)
+        total = (found.number or 0) if found.number or count is None else count
         heights = np.zeros((rows, total + 1))
         heights[:] = found.first[:, None] * _units(total, found.growth, self.function)
         if found.thickness is not None:
@@ -229,7 +231,9 @@ def _resolved(given: dict[str, Any], function: Any) -> Stretching:
         if len(value) not in (1, rows):
             raise InputError(f"{name} has {len(value)} values, and another value {rows}: give equally many")
         arrays[name] = np.broadcast_to(value, rows).astype(np.float64)
-    n, first, thickness = given.get("count"), arrays.get("first"), arrays.get("thickness")
+    n: Any = given.get("count")
+    first: Any = arrays.get("first")
+    thickness: Any = arrays.get("thickness")
     growth = arrays.get("growth")
     if callable(function):
         units = _units(n, np.ones(rows), function)[:, -1]
@@ -254,8 +258,8 @@ def _agree(first: Array, thickness: Array | None, found: Array, others: str) -> 
     if thickness is not None and (np.abs(thickness - found) > SAME_THICKNESS * found).any():
         row = int(np.argmax(np.abs(thickness - found)))
         raise InputError(
-            f"thickness = {thickness[row]:.6g} contradicts first = {first[row]:.6g} with {others}, which give "
-            f"thickness = {found[row]:.6g}: give that, or leave out one of them"
+            f"thickness = {thickness[row]:.6g} contradicts first = {first[row]:.6g} with {others}, which "
+            f"give thickness = {found[row]:.6g}: give that, or leave out one of them"
         )
 
 
@@ -322,7 +326,8 @@ def _number(ratio: Array, growth: Array, function: Any) -> int:
     """How many layers with this growth come nearest to ``ratio`` first heights; the most of all rows."""
     if (ratio < 1.0 - SAME_THICKNESS).any():
         raise InputError(
-            f"thickness must not be below first: it is {float(ratio.min()):.3g} times first; give at least first"
+            f"thickness must not be below first, but it is {float(ratio.min()):.3g} times first: give at "
+            "least first"
         )
     if function == "tanh":
         if (ratio < 1.0 + SAME_THICKNESS).all():
@@ -339,8 +344,8 @@ def _number(ratio: Array, growth: Array, function: Any) -> int:
     if not np.isfinite(number).all():
         row = int(np.argmin(np.isfinite(number)))
         raise InputError(
-            f"heights that shrink by growth = {growth[row]:.6g} never reach {ratio[row]:.6g} times the first: "
-            f"a growth above {1.0 - 1.0 / ratio[row]:.6g} does"
+            f"heights that shrink by growth = {growth[row]:.6g} never reach {ratio[row]:.6g} times the "
+            f"first: a growth above {1.0 - 1.0 / ratio[row]:.6g} does"
         )
     most = float(number.max())
     if most > MOST_LAYERS:
@@ -366,7 +371,9 @@ def _growth(first: Array, thickness: Array, n: int, function: Any) -> Array:
         )
     if function == "tanh":
         b = _bisected(
-            np.full(len(first), 1e-9), np.full(len(first), STEEPEST), lambda b: _tanh_units(n, b)[:, -1] < ratio
+            np.full(len(first), 1e-9),
+            np.full(len(first), STEEPEST),
+            lambda b: _tanh_units(n, b)[:, -1] < ratio,
         )
         return _tanh_units(n, b)[:, 2] - 1.0
     # The last of n terms alone is at most the sum, and so is the mean of all.

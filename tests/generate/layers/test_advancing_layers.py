@@ -95,7 +95,9 @@ def test_quadrilaterals_are_those_of_the_triangles(wing: tuple[Domain, Any]) -> 
 def test_open_walls_slide_along_what_they_meet() -> None:
     points = [[0, 0], [1, 0], [1.2, 0.2], [1.5, 0.2], [1.7, 0], [3, 0], [3.2, 1], [0, 1]]
     domain = Domain(
-        points, [[i, (i + 1) % 8] for i in range(8)], markers={"bottom": [0, 1, 2, 3, 4], "top": [6], "out": [5]}
+        points,
+        [[i, (i + 1) % 8] for i in range(8)],
+        markers={"bottom": [0, 1, 2, 3, 4], "top": [6], "out": [5]},
     )
     mesh = meshed(domain, 0.06, walls=["bottom", "top"])
     assert mesh.counts["sliding rays"] == 4 and mesh.counts["refused"] == 0
@@ -129,7 +131,8 @@ def test_a_wall_that_ends_at_a_flat_angle_tapers() -> None:
 
 def test_an_interface_between_regions_is_crossed() -> None:
     domain = Domain(
-        [[0, 0], [1, 0], [2, 0], [2, 1], [1.1, 1], [0, 1]], [[i, (i + 1) % 6] for i in range(6)], inner=[[1, 4]],
+        [[0, 0], [1, 0], [2, 0], [2, 1], [1.1, 1], [0, 1]],
+        [[i, (i + 1) % 6] for i in range(6)], inner=[[1, 4]],
         regions={"a": [0.2, 0.5], "b": [1.8, 0.5]}, markers={"wall": [0, 1, 3, 4], "middle": [6]},
     )  # fmt: skip
     mesh = meshed(domain, 0.07, walls="wall")
@@ -144,7 +147,10 @@ def test_an_interface_between_regions_is_crossed() -> None:
 
 def test_both_sides_of_an_inner_wall() -> None:
     domain = Domain(
-        [*BOX, [1.0, 0.5], [2.0, 0.6]], [[0, 1], [1, 2], [2, 3], [3, 0]], inner=[[4, 5]], markers={"plate": [4]}
+        [*BOX, [1.0, 0.5], [2.0, 0.6]],
+        [[0, 1], [1, 2], [2, 3], [3, 0]],
+        inner=[[4, 5]],
+        markers={"plate": [4]},
     )
     mesh = meshed(domain, 0.06, walls="plate")
     assert mesh.counts["fan rays"] == 20 and mesh.counts["refused"] == 0
@@ -210,15 +216,18 @@ def test_close_ramps_at_concave_corners() -> None:
 
 
 RING = [[0, 0], [1, 0], [1, 1], [0, 1]]
+WIDE = [[-1, -1], [2, -1], [2, 1], [-1, 1]]
+TIP = [[0, 0], [0.3, -0.06], [1, 0], [1, 1e-5], [0.3, 0.06]]
+ARROWS = [[[0, 0], [0.4, 0.2], [0, 0.4]], [[0.41, 0.2], [0.9, 0.4], [0.9, 0]]]
 HARD = {
-    "needle": ([[-1, -1], [2, -1], [2, 1], [-1, 1]], [[[0, 0], [1, 1e-3], [1, -1e-3]]]),
-    "thin trailing edge": ([[-1, -1], [2, -1], [2, 1], [-1, 1]], [[[0, 0], [0.3, -0.06], [1, 0], [1, 1e-5], [0.3, 0.06]]]),
+    "needle": (WIDE, [[[0, 0], [1, 1e-3], [1, -1e-3]]]),
+    "thin trailing edge": (WIDE, [TIP]),
     "narrow gap": ([[-1, -1], [2, -1], [2, 2], [-1, 2]], [RING, [[0, 1.01], [1, 1.01], [1, 1.5]]]),
     "touching layers": ([[-1, -1], [2, -1], [2, 2], [-1, 2]], [RING, [[0, 1.0001], [1, 1.0001], [0.5, 1.5]]]),
     "spike into a slot": ([[0, 0], [2, 0], [2, 1], [1.05, 1], [1, 0.1], [0.95, 1], [0, 1]], []),
     "reflex ring": ([[0, 0], [2, 0], [2, 2], [0, 2]], [[[1, 0.2], [1.05, 1.9], [1, 1.0], [0.95, 1.9]]]),
-    "small body under thick layers": ([[0, 0], [2, 0], [2, 2], [0, 2]], [[[1, 0.1], [1.004, 0.1], [1, 0.104]]]),
-    "vertex to vertex": ([[-1, -1], [2, -1], [2, 1], [-1, 1]], [[[0, 0], [0.4, 0.2], [0, 0.4]], [[0.41, 0.2], [0.9, 0.4], [0.9, 0]]]),
+    "body under layers": ([[0, 0], [2, 0], [2, 2], [0, 2]], [[[1, 0.1], [1.004, 0.1], [1, 0.104]]]),
+    "vertex to vertex": (WIDE, ARROWS),
 }  # fmt: skip
 
 
@@ -241,7 +250,9 @@ def test_spaced_and_matched_sides_keep_their_points() -> None:
     domain = Domain.rectangle((0, 0), (1, 1)).matched([1], [3])
     mesh = meshed(domain, 0.1, walls=[0, 2])
     assert len(mesh.pairs) >= 10
-    np.testing.assert_allclose(mesh.points[mesh.pairs[:, 1]] - mesh.points[mesh.pairs[:, 0]], [[-1, 0]] * len(mesh.pairs))
+    np.testing.assert_allclose(
+        mesh.points[mesh.pairs[:, 1]] - mesh.points[mesh.pairs[:, 0]], [[-1, 0]] * len(mesh.pairs)
+    )
     spaced = Domain.rectangle((0, 0), (1, 1)).spaced({0: 7, 1: 5})
     mesh = meshed(spaced, 0.1, walls=[0, 2])
     assert (mesh.piece == 0).sum() == 7 and (mesh.piece == 1).sum() == 5

@@ -1,4 +1,4 @@
-"""Advancing layers: thin cells along walls, layer by layer, and any method of a size for the rest (12.3.3)."""
+"""Advancing layers: thin cells along walls, layer by layer, and any method of a size beyond (12.3.3)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FILLS: dict[str, Callable[..., DomainMesh]] = {
     "voronoi_segment": voronoi_segment,
     "refine": refine,
 }
-DEFAULT_FILL = "voronoi_segment"
+DEFAULT_FILL = "advancing_front"
 CELLS, STOP_RULES = ("triangle", "quad"), ("nearest", "spring")
 
 
@@ -70,7 +70,8 @@ def advancing_layers(
     stop : "nearest" or "spring"
         How an opposing front is recognized; see the notes.
     fill : str or callable
-        The method for the rest: "advancing_front", "voronoi_segment", "refine", or a function of a domain and a size.
+        The method for the rest: "advancing_front", "voronoi_segment", "refine", or a function of a domain and
+        a size.
     fill_options : dict, optional
         More arguments of this method.
     budget : int, optional
@@ -118,8 +119,8 @@ def advancing_layers(
     whose size is min(size, length of the envelope's edges + 0.2 distance). Where its cells still become poor,
     the fronts beside them step back, and the rest is meshed again, at most some times.
 
-    O(r k log(r k)) for r rays of k layers, in practice, besides the method for the rest. Sources: S. Pirzadeh,
-    AIAA Journal 32 (1994) 1735-1737 and 34 (1996) 43-49. Book: 3.3.
+    O(r k log(r k)) for r rays of k layers, in practice, besides the method for the rest. Sources: S.
+    Pirzadeh, AIAA Journal 32 (1994) 1735-1737 and 34 (1996) 43-49. Book: 3.3.
     """
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., growth=...), not {type(layers).__name__}")
@@ -149,7 +150,9 @@ def _pieces(domain: Domain, walls: Any, wakes: Any) -> tuple[NDArray[np.bool_], 
     wake[wall_pieces(domain, wakes, "wakes")] = True
     facets = np.flatnonzero(wake[: len(domain.facets)])
     if len(facets):
-        raise InputError(f"wakes names {domain.name(int(facets[0]))}: a wake is an inner piece; name it in walls")
+        raise InputError(
+            f"wakes names {domain.name(int(facets[0]))}: a wake is an inner piece; name it in walls"
+        )
     return wall | wake, wake
 
 
@@ -183,13 +186,12 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         "repeats": run.repeats,
     }
     counts |= {f"stopped: {name}": int((reason == i).sum()) for i, name in enumerate(REASONS)}
-    missed = run.filled.unrefined if run.filled is not None else np.empty(0, dtype=np.int64)
     mesh = DomainMesh(
         union.points, None, cells=union.cells, origin=union.origin, markers=markers, segments=segments,
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
-        unrefined=union.fill[missed], reasons=None if run.filled is None else run.filled.reasons,
+        unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
     )  # fmt: skip
-    least = 180.0 if run.filled is None else float(run.filled.quality("min_angle").min(initial=180.0))
+    least = float(run.filled.quality("min_angle").min(initial=180.0))
     largest = float(mesh.quality("max_angle").max())
     mesh.figures.update({"minimum angle of the rest": least, "largest angle": largest})
     return mesh

@@ -77,13 +77,13 @@ def remainder(scene: Scene, level: Integers, numbers: Numbering) -> Remainder:
         numbers.points[vertex], rows[: many + f], inner=rows[many + f :] if len(rows) > many + f else None,
         curves=curves,
     )  # fmt: skip
-    whole = np.array([0.0, 1.0])
-    made.spacings = {i: whole for i in range(many)}
-    made.spacings |= {many + i: whole for i in np.flatnonzero(held).tolist()}
+    full = np.array([0.0, 1.0])
+    made.spacings = {i: full for i in range(many)}
+    made.spacings |= {many + i: full for i in np.flatnonzero(held).tolist()}
     none = np.full(many, -1, dtype=np.int64)
     region = np.concatenate([scene.walls.region[scene.rays.side[strip]], np.full(len(ends), -1)])
     return Remainder(
-        made, vertex, np.concatenate([none, piece]), np.concatenate([np.tile(whole, (many, 1)), span]), region
+        made, vertex, np.concatenate([none, piece]), np.concatenate([np.tile(full, (many, 1)), span]), region
     )
 
 
@@ -134,7 +134,7 @@ class MatchedSize(SizeField):
 
 
 def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
-    """The size of the rest: at the envelope that of its edges, growing from there, and nowhere above ``size``."""
+    """The size of the rest: that of the envelope's edges, growing from there, and nowhere above ``size``."""
     ends, given = points[top], as_size(size)
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     marks = [ends.mean(axis=1), *([given.landmarks] if len(given.landmarks) else [])]

@@ -1,4 +1,4 @@
-"""All points that the rays could make: a table of places by ray and layer, on the curve where a ray slides."""
+"""All points that rays could make: a table of places by ray and layer, on the curve where a ray slides."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def fronts_of(
 
 def _heights(layers: Layers, x: Array, longest: float) -> Array:
     """Total heights at each base, (r, k + 1), as many as could be needed."""
-    given = [np.size(value) for name, value in layers.given.items() if name != "count" and not callable(value)]
+    given = [
+        np.size(value) for name, value in layers.given.items() if name != "count" and not callable(value)
+    ]
     if max(given, default=1) > 1:
         raise InputError(
             "layers in the plane take one value for all, or functions of the place (k, 2) -> (k,): the "

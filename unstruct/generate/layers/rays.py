@@ -102,13 +102,10 @@ class _Rows:
 
     def add(self, base: Integers, direction: Array, kind: Integers, slide: Integers) -> Integers:
         """Append rows; their numbers."""
-        for rows, more in (
-            (self.base, base),
-            (self.direction, direction),
-            (self.kind, kind),
-            (self.slide, slide),
-        ):
-            rows.append(more)  # type: ignore[attr-defined]
+        self.base.append(base)
+        self.direction.append(direction)
+        self.kind.append(kind)
+        self.slide.append(slide)
         self.count += len(base)
         return np.arange(self.count - len(base), self.count)
 
@@ -275,8 +272,12 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
         trial[free] = mean / np.maximum(size, 1e-300)[:, None]
         good = (size > 1e-9) & (cosine(trial)[free] >= np.maximum(least[free], VISIBLE * 0.5))
         direction[free[good]] = trial[free[good]]
-    towards = np.where(known & (rays.kind != FAN), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0)
-    most = np.where((n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == FIXED), CORNER_SCALE, MOST_SCALE)
+    towards = np.where(
+        known & (rays.kind != FAN), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0
+    )
+    most = np.where(
+        (n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == FIXED), CORNER_SCALE, MOST_SCALE
+    )
     scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, most)
     beside = np.minimum(scale, MOST_SCALE)
     scale[free] = (2 * scale[free] + beside[p] + beside[q]) / 4

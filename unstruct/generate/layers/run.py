@@ -58,6 +58,7 @@ class LayersRun:
         fronts = fronts_of(domain, walls, rays, layers, (ends, piece, span))
         loose = domain.loose.astype(np.int64)
         self.scene = Scene(domain, walls, rays, fronts, ends, piece, span, wall[piece], loose)
+        self.filled: DomainMesh
         self.rounds = self.repeats = 0
 
     # ------------------------------------------------------------------ fronts
@@ -94,7 +95,7 @@ class LayersRun:
         while True:
             self.numbers = numbered(scene.walls.points, scene.rays, scene.fronts, self.stops.level)
             try:
-                self.rest: Remainder | None = remainder(scene, self.stops.level, self.numbers)
+                self.rest: Remainder = remainder(scene, self.stops.level, self.numbers)
                 break
             except UnstructError:  # the envelope touches a curve between its chords
                 if not self.stops.level.any():
@@ -113,8 +114,8 @@ class LayersRun:
                 wanted = matched_size(self.field, self.numbers.points, self.top)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", IncompleteWarning)
-                self.filled: DomainMesh | None = method(self.rest.domain, wanted, **options)  # type: ignore[union-attr]
-            angle = self.filled.quality("min_angle")  # type: ignore[union-attr]
+                self.filled = method(self.rest.domain, wanted, **options)
+            angle = self.filled.quality("min_angle")
             least = float(angle.min(initial=180.0))
             if least > best[0]:
                 best = least, (self.stops, self.numbers, self.rest, self.top, self.filled)
@@ -127,8 +128,6 @@ class LayersRun:
     def _step_back(self, poor: NDArray[np.bool_], repeat: int) -> bool:
         """Lower the rays beside poor cells of the rest; False if there are none."""
         filled, rest, scene = self.filled, self.rest, self.scene
-        if filled is None or rest is None:
-            return False
         corners = np.unique(filled.simplices[poor])
         for _ in range(repeat):  # and those a little farther away
             beside = np.isin(filled.simplices, corners).any(axis=1)
@@ -153,4 +152,3 @@ class LayersRun:
         return union_of(
             self.scene, self.complex, self.stops.level, self.numbers, cells, self.rest, self.filled, triangles
         )
-

@@ -25,9 +25,7 @@ def spring_force(x: Array, a: Array, b: Array, rest: Array) -> Array:
     return np.abs(np.hypot(*(x - a).T) - rest) + np.abs(np.hypot(*(x - b).T) - rest)
 
 
-def spring_stops(
-    edge: tuple[Array, Array], new: tuple[Array, Array], existing: Array
-) -> NDArray[np.bool_]:
+def spring_stops(edge: tuple[Array, Array], new: tuple[Array, Array], existing: Array) -> NDArray[np.bool_]:
     """Whether an existing point takes less force than both new points of an edge.
 
     Parameters

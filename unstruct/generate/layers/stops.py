@@ -13,7 +13,20 @@ from .heights import Fronts
 from .rays import FAN, SLIDING, TAPER, Rays, neighbors_of
 from .spring import nearest_stops, spring_stops
 
-__all__ = ["COUNTED", "END", "EXACT", "MATCH", "NEAR", "REASONS", "SHAPE", "STEP", "Stops", "chains_of", "leveled", "stops_of"]
+__all__ = [
+    "COUNTED",
+    "END",
+    "EXACT",
+    "MATCH",
+    "NEAR",
+    "REASONS",
+    "SHAPE",
+    "STEP",
+    "Stops",
+    "chains_of",
+    "leveled",
+    "stops_of",
+]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -168,7 +181,7 @@ def _near(
             for other in (before, after):
                 o = other[p]
                 rows = np.flatnonzero(ahead & (o >= 0))
-                i, j = p[rows], o[rows]
+                j = o[rows]
                 edge = here[rows], places[j, np.minimum(k, every[j])]
                 fresh = new[rows], places[j, np.minimum(k + 1, every[j])]
                 hit[rows] |= spring_stops(edge, fresh, at[rows])

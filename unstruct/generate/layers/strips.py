@@ -75,7 +75,9 @@ def cells_of(rays: Rays, level: Integers, numbers: Numbering) -> Cells:
         [numbers.at(i, layer), numbers.at(j, layer), numbers.at(j, layer + 1), numbers.at(i, layer + 1)]
     )
     pointed = rows[:, 0] == rows[:, 1]
-    ramp = np.flatnonzero((level[left] != level[right]) & ((lower > 0) | (rays.base[left] != rays.base[right])))
+    ramp = np.flatnonzero(
+        (level[left] != level[right]) & ((lower > 0) | (rays.base[left] != rays.base[right]))
+    )
     m, up = lower[ramp], np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])
     top = np.column_stack([numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)])
     return Cells(

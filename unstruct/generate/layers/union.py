@@ -51,7 +51,7 @@ class Union(NamedTuple):
 
 
 def split_quads(points: Array, quads: Integers) -> Integers:
-    """Each convex quadrilateral as two triangles, (2 q, 3), by the diagonal with the smaller largest angle."""
+    """Convex quadrilaterals as two triangles each, (2 q, 3): the diagonal with the smaller largest angle."""
     made = np.empty((2 * len(quads), 3), dtype=np.int64)
     _split(np.ascontiguousarray(points), np.ascontiguousarray(quads), made)
     return made
@@ -84,27 +84,24 @@ def _split(points, quads, made):
 
 def union_of(
     scene: Scene, c: PlanarComplex, level: Integers, numbers: Numbering, cells: Cells,
-    rest: Remainder | None, fill: DomainMesh | None, triangles: bool,
+    rest: Remainder, fill: DomainMesh, triangles: bool,
 ) -> Union:  # fmt: skip
     """Join the layers and the mesh of the rest at their common points."""
     many = len(numbers.points)
-    known, new = np.empty(0, dtype=np.int64), np.empty((0, 2))
-    fill_cells, fill_region = np.empty((0, 3), dtype=np.int64), np.empty(0, dtype=np.int64)
     segments, piece, span = _layered(scene, level, numbers)
-    if rest is not None and fill is not None:
-        origin = np.asarray(fill.origin)
-        fresh = origin < 0
-        known = np.where(fresh, many + np.cumsum(fresh) - 1, rest.vertex[np.maximum(origin, 0)])
-        new = fill.points[fresh]
-        fill_cells = known[fill.simplices]
-        fill_region = _regions(scene, c, rest, fill)
-        rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
-        run = fill.piece[rows]
-        t0, t1 = rest.span[run].T
-        s = fill.span[rows]
-        t = np.where(s == 1.0, t1[:, None], t0[:, None] + s * (t1 - t0)[:, None])
-        segments = np.concatenate([segments, known[fill.segments[rows]]])
-        piece, span = np.concatenate([piece, rest.piece[run]]), np.concatenate([span, t])
+    origin = np.asarray(fill.origin)
+    fresh = origin < 0
+    known = np.where(fresh, many + np.cumsum(fresh) - 1, rest.vertex[np.maximum(origin, 0)])
+    new = fill.points[fresh]
+    fill_cells = known[fill.simplices]
+    fill_region = _regions(scene, c, rest, fill)
+    rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
+    run = fill.piece[rows]
+    t0, t1 = rest.span[run].T
+    s = fill.span[rows]
+    t = np.where(s == 1.0, t1[:, None], t0[:, None] + s * (t1 - t0)[:, None])
+    segments = np.concatenate([segments, known[fill.segments[rows]]])
+    piece, span = np.concatenate([piece, rest.piece[run]]), np.concatenate([span, t])
     quads, tri, strips, layers = cells.quads, cells.triangles, cells.triangle_strip, cells.triangle_layer
     side = scene.walls.region[scene.rays.side]
     if triangles:
@@ -136,7 +133,7 @@ def union_of(
 
 
 def _layered(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integers, Integers, Array]:
-    """The subsegments that only layers touch: those of walls, and the parts of pieces along which rays slid."""
+    """The subsegments that only layers touch: of walls, and of pieces along which rays slid."""
     free, layer = bare(scene, level)
     rows = np.flatnonzero(layer & ~free)
     segments, piece, span = [scene.ends[rows]], [scene.piece[rows]], [scene.span[rows]]
@@ -189,4 +186,3 @@ def _sides(c: PlanarComplex) -> tuple[Integers, Integers]:
     begins = c.vertex[np.where(e % 3 == 2, e - 2, e + 1)] == c.ends[: c.segments, 0]
     one, two = c.region[e // 3], c.region[c.twin[e].astype(np.int64) // 3]
     return np.where(begins, one, two).astype(np.int64), np.where(begins, two, one).astype(np.int64)
-

@@ -18,7 +18,16 @@ from ...sizing import as_size
 from ..refinement.account import TEXTS
 from ..refinement.state import FINEST_SPAN, KEPT
 from . import steps as k
-from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, small_angles, smooth_poor
+from .finishing import (
+    HOPED_ANGLE,
+    PASSES,
+    PROMISED_ANGLE,
+    TRIED_ANGLE,
+    figures,
+    refine_angles,
+    small_angles,
+    smooth_poor,
+)
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 
 COUNT_NAMES = (

@@ -85,7 +85,7 @@ class RefineRun:
         begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32), limits.fraction, thrifty)
 
     def keep(self, kept: NDArray[np.uint8]) -> None:
-        """Split no subsegment of the pieces with a 1, and guard those with a 2, too; before the first step."""
+        """Split no subsegment of pieces with a 1, and guard those with a 2, too; before the first step."""
         own = kept[self.complex.piece[: self.complex.segments]]
         self.lock[: len(own)][own == 1] = KEPT
         self.lock[: len(own)][own > 1] = GUARDED
