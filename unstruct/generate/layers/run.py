@@ -129,7 +129,8 @@ class LayersRun:
         """Lower the rays beside poor cells of the rest; False if there are none."""
         filled, rest, scene = self.filled, self.rest, self.scene
         corners = np.unique(filled.simplices[poor])
-        for _ in range(repeat):  # and those a little farther away
+        last = repeat >= MOST_REPEATS - 2
+        for _ in range(0 if last else min(repeat, 2)):  # and those a little farther away
             beside = np.isin(filled.simplices, corners).any(axis=1)
             corners = np.unique(filled.simplices[beside])
         origin = np.asarray(filled.origin)[corners]
@@ -140,7 +141,7 @@ class LayersRun:
         if not len(rows):
             return False
         lower, why = level.copy(), self.stops.reason.copy()
-        lower[rows] = np.maximum(lower[rows] - 1 - repeat, 1 if repeat < MOST_REPEATS - 2 else 0)
+        lower[rows] = np.maximum(lower[rows] - 1 - repeat, 0 if last else 1)
         why[rows] = SHAPE
         self.stops, rounds = freed(scene, Stops(lower, why))
         self.rounds += rounds

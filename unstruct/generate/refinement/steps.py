@@ -40,6 +40,8 @@ from .encroachment import (
     sharper_than_input,
     split_arc,
     split_straight,
+    spoils,
+    too_short,
 )
 from .free_vertices import MOST_CORNERS, clear_disc
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, FRACTION, SIZE, largest_radius2
@@ -229,30 +231,6 @@ def shortest_first(xy, vertex, t):
 
 
 @inline
-def _too_short(w, a, b, across):
-    """Whether half of a-b is much shorter than an edge whose square is ``across``, 0 for no such edge."""
-    return (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2 < 3.2 * across
-
-
-@inline
-def _least_sine(ax, ay, bx, by, cx, cy):
-    """The squared sine of the smallest angle of a triangle."""
-    ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
-    p, q, s = ux * ux + uy * uy, vx * vx + vy * vy, (vx - ux) ** 2 + (vy - uy) ** 2
-    longest = max(p, q, s)
-    double, rest = ux * vy - uy * vx, longest * (p + q + s - longest - min(p, q, s))
-    return double * double / rest if rest > 0.0 else 0.0
-
-
-@inline
-def _spoils(w, t, a, b, px, py):
-    """Whether the triangle of a subsegment a-b that stays and p would have a smaller angle than t has."""
-    xy, c, d, e = w.xy, w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2]
-    now = _least_sine(xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], xy[e, 0], xy[e, 1])
-    return _least_sine(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) < now
-
-
-@inline
 def _in_the_way(w, tally, limits, t, k, center, by, floor):
     """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
 
@@ -273,13 +251,13 @@ def _in_the_way(w, tally, limits, t, k, center, by, floor):
             if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
                 continue
             if w.lock[s] == GUARDED:
-                if by == BY_ANGLE and _spoils(w, t, a, b, px, py):
+                if by == BY_ANGLE and spoils(w.xy, w.vertex, t, a, b, px, py):
                     found += 1
                     why = KEPT
                 continue
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
-                if _too_short(w, a, b, across):
+                if too_short(w.xy, a, b, across):
                     why = SMALL_ANGLE
                 elif ask(w, tally, s, by, floor):
                     asked += 1
@@ -324,7 +302,7 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
         s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
-            if _too_short(w, w.ends[s, 0], w.ends[s, 1], across):
+            if too_short(w.xy, w.ends[s, 0], w.ends[s, 1], across):
                 why = SMALL_ANGLE
             elif ask(w, tally, s, by, floor):
                 asked = 1
