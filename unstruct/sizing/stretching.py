@@ -23,8 +23,8 @@ MOST_LAYERS = 10_000
 SAME_THICKNESS = 1e-6  # relative: four values that agree so well are consistent
 HALVINGS_OF_BRACKETS = 64
 STEEPEST = 300.0  # the largest stretching parameter of the hyperbolic tangent that is tried
-NAMES = ("first", "growth", "count", "thickness")
-FUNCTIONS = ("geometric", "exponential", "tanh")
+LAYER_VALUES = ("first", "growth", "count", "thickness")
+STRETCHINGS = ("geometric", "exponential", "tanh")
 
 
 class Stretching(NamedTuple):
@@ -85,9 +85,9 @@ class Layers:
         *,
         function: str | Callable[[Array], ArrayLike] = "geometric",
     ):
-        if not (callable(function) or (isinstance(function, str) and function in FUNCTIONS)):
+        if not (callable(function) or (isinstance(function, str) and function in STRETCHINGS)):
             raise InputError(
-                f"function must be one of {', '.join(map(repr, FUNCTIONS))}, or a function of shares, not "
+                f"function must be one of {', '.join(map(repr, STRETCHINGS))}, or a function of shares, not "
                 f"{function!r}"
             )
         if count is not None:
@@ -97,7 +97,7 @@ class Layers:
         self.function = function
         self.given = {
             name: value if name == "count" or callable(value) else _values(value, name)
-            for name, value in zip(NAMES, (first, growth, count, thickness))
+            for name, value in zip(LAYER_VALUES, (first, growth, count, thickness))
             if value is not None
         }
         _enough(set(self.given), function)
@@ -170,7 +170,7 @@ class Layers:
         return f"<Layers: {', '.join(parts)}, {self.function}>"
 
     def _known(self) -> list[tuple[str, Any]]:
-        values = [(name, getattr(self, name)) for name in NAMES]
+        values = [(name, getattr(self, name)) for name in LAYER_VALUES]
         return [(n, "function" if callable(v) else float(f"{v:.6g}") if np.ndim(v) == 0 and v else v)
                 for n, v in values]  # fmt: skip
 

@@ -18,9 +18,9 @@ from ..boundary.pairs import paired
 from ..front.advancing_front import advancing_front
 from ..rebay.voronoi_segment import voronoi_segment
 from ..refinement.refine import refine
-from .rays import FAN, SLIDING
+from .rays import FAN_RAY, SLIDING_RAY
 from .run import LayersRun
-from .stops import END, REASONS
+from .stops import BY_END, STOP_REASONS
 from .walls import wall_pieces
 
 __all__ = ["FILLS", "advancing_layers"]
@@ -171,21 +171,21 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         "place": numbers.points[rays.base],
         "level": level,
         "height": np.hypot(*(scene.fronts.places[row, level] - scene.fronts.places[row, 0]).T),
-        "reason": np.array(REASONS)[reason],
+        "reason": np.array(STOP_REASONS)[reason],
         "cell_layer": union.layer,
         "envelope": union.place[run.top],
     }
     counts = {
         "rays": len(level),
-        "fan rays": int((rays.kind == FAN).sum()),
-        "sliding rays": int((rays.kind == SLIDING).sum()),
-        "refused": int(((level == 0) & (reason != END)).sum()),
+        "fan rays": int((rays.kind == FAN_RAY).sum()),
+        "sliding rays": int((rays.kind == SLIDING_RAY).sum()),
+        "refused": int(((level == 0) & (reason != BY_END)).sum()),
         "layer cells": int((union.layer > 0).sum()),
         "rest cells": int((union.layer == 0).sum()),
         "rounds": run.rounds,
         "repeats": run.repeats,
     }
-    counts |= {f"stopped: {name}": int((reason == i).sum()) for i, name in enumerate(REASONS)}
+    counts |= {f"stopped: {name}": int((reason == i).sum()) for i, name in enumerate(STOP_REASONS)}
     mesh = DomainMesh(
         union.points, None, cells=union.cells, origin=union.origin, markers=markers, segments=segments,
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,

@@ -21,7 +21,7 @@ from ...geometry.segment_pairs import meetings
 from .rays import Rays, neighbors_of
 from .scene import Scene, rest_of
 from .spacing import nearest_places
-from .stops import EXACT, SHAPE, Stops, chains_of
+from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
 from .strips import Numbering, numbered, positive, tops
 
 __all__ = ["freed", "short_fans"]
@@ -49,7 +49,7 @@ def freed(scene: Scene, stops: Stops) -> tuple[Stops, int]:
             return stops, rounds
         rounds += 1
         level, why = stops.level.copy(), stops.reason.copy()
-        faster = np.where(reason[rows] == EXACT, rounds // ROUNDS_OF_ROOM, 0)
+        faster = np.where(reason[rows] == BY_EXACTNESS, rounds // ROUNDS_OF_ROOM, 0)
         level[rows] = np.maximum(lower[rows] - faster, 0)
         why[rows] = reason[rows]
         stops = positive(points, scene.rays, scene.fronts, Stops(level, why))
@@ -79,7 +79,7 @@ def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
     rays = scene.rays
     numbers = numbered(scene.walls.points, rays, scene.fronts, level)
     strip, top = tops(rays, level, numbers)
-    lower, reason = level.copy(), np.full(len(level), SHAPE, dtype=np.int8)
+    lower, reason = level.copy(), np.full(len(level), BY_SHAPE, dtype=np.int8)
     if not len(strip):
         return lower, reason
     rest = rest_of(scene, level, numbers)
@@ -88,21 +88,21 @@ def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
 
     def down(rows: Integers, why: int) -> None:
         for r in (ends[rows, 0], ends[rows, 1]):
-            r = r[level[r] > (why == SHAPE)]
+            r = r[level[r] > (why == BY_SHAPE)]
             lower[r] = np.minimum(lower[r], level[r] - 1)
             reason[r] = why
 
     pairs = meetings(x, edges)[0]
     if len(pairs):
         hit = np.unique(pairs.ravel())
-        down(hit[hit < len(top)], EXACT)
+        down(hit[hit < len(top)], BY_EXACTNESS)
         return lower, reason
     swallowed = _swallowed(scene, level, numbers, strip, rest)
     if len(swallowed):
-        down(swallowed, EXACT)
+        down(swallowed, BY_EXACTNESS)
         return lower, reason
     _open_angles(rays, level, x, numbers, lower)
-    down(_without_room(x, top, rest), SHAPE)
+    down(_without_room(x, top, rest), BY_SHAPE)
     return lower, reason
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...sizing.stretching import Layers
-from .rays import SLIDING, TAPER, Rays, neighbors_of
+from .rays import SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
 from .walls import Walls
 
 __all__ = ["Fronts", "fronts_of"]
@@ -62,8 +62,8 @@ def fronts_of(
     places[:, 0] = x
     parameter = np.zeros(heights.shape)
     most = np.full(len(x), heights.shape[1] - 1, dtype=np.int64)
-    most[rays.kind == TAPER] = 0
-    sliding = np.flatnonzero(rays.kind == SLIDING)
+    most[rays.kind == TAPER_RAY] = 0
+    sliding = np.flatnonzero(rays.kind == SLIDING_RAY)
     ends, piece, span = subsegments
     users = np.bincount(piece[rays.slide[sliding]], minlength=len(domain.pieces))
     for r in sliding.tolist():
@@ -121,7 +121,7 @@ def _apart(places: Array, rays: Rays) -> Array:
     before, after = neighbors_of(rays)
     total, count = np.zeros(places.shape[:2]), np.zeros(len(places))
     for other in (before, after):
-        rows = np.flatnonzero((other >= 0) & (rays.kind[np.maximum(other, 0)] != TAPER))
+        rows = np.flatnonzero((other >= 0) & (rays.kind[np.maximum(other, 0)] != TAPER_RAY))
         total[rows] += np.hypot(*(places[rows] - places[other[rows]]).transpose(2, 0, 1))
         count[rows] += 1
     found = total / np.maximum(count, 1)[:, None]

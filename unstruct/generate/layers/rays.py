@@ -15,18 +15,28 @@ from numpy.typing import NDArray
 from ...domain.domain import Domain
 from .walls import Walls
 
-__all__ = ["FAN", "FIXED", "FREE", "SLIDING", "TAPER", "Rays", "directed", "neighbors_of", "rays_of"]
+__all__ = [
+    "FAN_RAY",
+    "FREE_RAY",
+    "HELD_RAY",
+    "SLIDING_RAY",
+    "TAPER_RAY",
+    "Rays",
+    "directed",
+    "neighbors_of",
+    "rays_of",
+]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-FREE, FIXED, FAN, SLIDING, TAPER = range(5)  # kinds of rays
+FREE_RAY, HELD_RAY, FAN_RAY, SLIDING_RAY, TAPER_RAY = range(5)  # kinds of rays
 FAN_FROM = np.radians(230.0)  # the angle of the fluid from which on a vertex has a fan
 FAN_STEP = np.radians(20.0)  # the largest angle between two rays of a fan
 SLIDES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
 SHARPEST = np.radians(30.0)  # corners of the fluid below this get no layers
 SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray may stand for a fan
-ROUNDS = 10  # of smoothing
+SMOOTHING_ROUNDS = 10  # of smoothing
 VISIBLE = 0.35  # the least cosine between a smoothed ray and the normals beside it
 MOST_SCALE = 1.6  # the largest factor by which heights along an oblique ray are longer
 CORNER_SCALE = 4.0  # in concave corners, where the front of both walls meets farther away
@@ -44,7 +54,8 @@ class Rays(NamedTuple):
     scale : (r,) float64
         Heights along the ray are multiplied by it.
     kind : (r,) int8
-        FREE; FIXED, which is not smoothed; FAN; SLIDING along a piece; TAPER, which gets no layer.
+        FREE_RAY; HELD_RAY, which is not smoothed; FAN_RAY; SLIDING_RAY along a piece; TAPER_RAY, which gets no
+        layer.
     slide : (r,) int64
         The subsegment that a sliding ray follows from its vertex on; else -1.
     cosine : (r,) float64
@@ -141,7 +152,9 @@ def rays_of(
         fan &= ~alone
         tapered |= alone & (angle > SHARPEST_BODY)
     plain = ~fan
-    kind = np.where(tapered, TAPER, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), FIXED, FREE))
+    kind = np.where(
+        tapered, TAPER_RAY, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), HELD_RAY, FREE_RAY)
+    )
     half = angle / 2
     back = -along[joined]
     bisector = np.column_stack([
@@ -189,7 +202,7 @@ def _fans(
         n[:, 0] * np.cos(turn) - n[:, 1] * np.sin(turn), n[:, 0] * np.sin(turn) + n[:, 1] * np.cos(turn)
     ])  # fmt: skip
     base = walls.ends[sides[owner], 1]
-    number = rows.add(base, direction, np.full(len(owner), FAN), np.full(len(owner), -1, dtype=np.int64))
+    number = rows.add(base, direction, np.full(len(owner), FAN_RAY), np.full(len(owner), -1, dtype=np.int64))
     right[sides] = number[place == 0]
     left[follow] = number[place == parts[owner]]
     inner = place < parts[owner]
@@ -227,14 +240,14 @@ def _open_ends(
     shared = np.flatnonzero(slides)
     first = np.unique(group[shared], return_index=True)[1]
     some = shared[first]
-    kinds = np.full(len(some), SLIDING)
+    kinds = np.full(len(some), SLIDING_RAY)
     number = np.full(len(values), -1, dtype=np.int64)
     number[group[some]] = rows.add(vertex[some], away[some], kinds, bound[some])
     ray = number[group]
     rest = np.flatnonzero(~slides)
     mean = np.where(is_end[rest, None], -along[side[rest]], along[side[rest]]) + away[rest]
     mean[np.hypot(*mean.T) == 0.0] = 1.0
-    ray[rest] = rows.add(vertex[rest], mean, np.full(len(rest), TAPER), np.full(len(rest), -1))
+    ray[rest] = rows.add(vertex[rest], mean, np.full(len(rest), TAPER_RAY), np.full(len(rest), -1))
     right[ends], left[starts] = ray[: len(ends)], ray[len(ends) :]
 
 
@@ -252,18 +265,18 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
 
     def cosine(d: Array) -> Array:
         found = np.minimum((d * n1).sum(axis=1), (d * n2).sum(axis=1))
-        return np.where(known & (rays.kind != FAN), found, 1.0)
+        return np.where(known & (rays.kind != FAN_RAY), found, 1.0)
 
     direction, x = rays.direction.copy(), walls.points[rays.base]
-    free = np.flatnonzero((rays.kind == FREE) & (before >= 0) & (after >= 0))
+    free = np.flatnonzero((rays.kind == FREE_RAY) & (before >= 0) & (after >= 0))
     p, q = before[free], after[free]
     to_p, to_q = np.hypot(*(x[p] - x[free]).T), np.hypot(*(x[q] - x[free]).T)
     share = (to_q / np.maximum(to_p + to_q, 1e-300))[:, None]
     least = np.minimum(cosine(direction), VISIBLE)
     # Tapered rays have no say.
-    keep_p = (rays.kind[p] == TAPER)[:, None]
-    keep_q = (rays.kind[q] == TAPER)[:, None]
-    for _ in range(ROUNDS):
+    keep_p = (rays.kind[p] == TAPER_RAY)[:, None]
+    keep_q = (rays.kind[q] == TAPER_RAY)[:, None]
+    for _ in range(SMOOTHING_ROUNDS):
         own = direction[free]
         mean = share * np.where(keep_p, own, direction[p]) + (1 - share) * np.where(keep_q, own, direction[q])
         mean += own
@@ -273,10 +286,10 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
         good = (size > 1e-9) & (cosine(trial)[free] >= np.maximum(least[free], VISIBLE * 0.5))
         direction[free[good]] = trial[free[good]]
     towards = np.where(
-        known & (rays.kind != FAN), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0
+        known & (rays.kind != FAN_RAY), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0
     )
     most = np.where(
-        (n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == FIXED), CORNER_SCALE, MOST_SCALE
+        (n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == HELD_RAY), CORNER_SCALE, MOST_SCALE
     )
     scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, most)
     beside = np.minimum(scale, MOST_SCALE)

@@ -19,7 +19,7 @@ from .heights import fronts_of
 from .rays import rays_of
 from .scene import Scene
 from .spacing import spaced_walls
-from .stops import SHAPE, Stops, stops_of
+from .stops import BY_SHAPE, Stops, stops_of
 from .strips import cells_of, numbered, positive, tops
 from .union import Union, union_of
 
@@ -142,7 +142,7 @@ class LayersRun:
             return False
         lower, why = level.copy(), self.stops.reason.copy()
         lower[rows] = np.maximum(lower[rows] - 1 - repeat, 0 if last else 1)
-        why[rows] = SHAPE
+        why[rows] = BY_SHAPE
         self.stops, rounds = freed(scene, Stops(lower, why))
         self.rounds += rounds
         return True

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...domain.domain import Domain
 from .heights import Fronts
-from .rays import SLIDING, Rays
+from .rays import SLIDING_RAY, Rays
 from .strips import Numbering
 from .walls import Walls
 
@@ -51,7 +51,7 @@ class Scene(NamedTuple):
     def slides(self) -> Integers:
         """The piece that each ray slides along, -1 for none: (r,)."""
         found = np.full(len(self.rays.base), -1, dtype=np.int64)
-        rows = np.flatnonzero(self.rays.kind == SLIDING)
+        rows = np.flatnonzero(self.rays.kind == SLIDING_RAY)
         found[rows] = self.piece[self.rays.slide[rows]]
         return found
 

@@ -29,7 +29,7 @@ Integers = NDArray[np.int64]
 OF_A_GAP = 0.4  # edges along walls are at most so long, in units of the gap before them
 TOO_LONG = 1.4  # edges are halved if they exceed this length by this factor
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
-FINEST = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
+FINEST_SHARE = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
 SPACING_ROUNDS = 16
 
 
@@ -59,7 +59,7 @@ def spaced_walls(
             break
         long, length = _too_long(domain, walls, c)
         if floor < 0.0:
-            floor = FINEST * float(length.min())
+            floor = FINEST_SHARE * float(length.min())
         long &= (length > floor) & free[c.piece[walls.segment]]
         if not long.any():
             break

@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 from ...geometry.boxes import BoxTree
 from .heights import Fronts
-from .rays import FAN, SLIDING, TAPER, Rays, neighbors_of
+from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
 from .spring import nearest_stops, spring_stops
 
 __all__ = [
-    "COUNTED",
-    "END",
-    "EXACT",
-    "MATCH",
-    "NEAR",
-    "REASONS",
-    "SHAPE",
-    "STEP",
+    "BY_COUNT",
+    "BY_END",
+    "BY_EXACTNESS",
+    "BY_FRONT",
+    "BY_MATCH",
+    "BY_SHAPE",
+    "BY_STEP",
+    "STOP_REASONS",
     "Stops",
     "chains_of",
     "leveled",
@@ -31,14 +31,14 @@ __all__ = [
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-COUNTED, MATCH, NEAR, STEP, EXACT, SHAPE, END = range(7)
-REASONS = ("count", "match", "near", "step", "exactness", "shape", "end")
+BY_COUNT, BY_MATCH, BY_FRONT, BY_STEP, BY_EXACTNESS, BY_SHAPE, BY_END = range(7)
+STOP_REASONS = ("count", "match", "near", "step", "exactness", "shape", "end")
 MATCHED = 0.95  # a ray stops before a step of so many spacings
 SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
 STRETCHED = 1.5  # ... or so many wanted sizes
 ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
 AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
-OWN = 4  # vertices of a wall: what is nearer along it is no opposing front
+OWN_VERTICES = 4  # vertices of a wall: what is nearer along it is no opposing front
 
 
 class Stops(NamedTuple):
@@ -59,7 +59,7 @@ def leveled(stops: Stops, rays: Rays) -> Stops:
         rows = np.flatnonzero(lowest < level)
         if not len(rows):
             return Stops(level, reason)
-        level[rows], reason[rows] = lowest[rows], STEP
+        level[rows], reason[rows] = lowest[rows], BY_STEP
 
 
 def stops_of(
@@ -82,7 +82,7 @@ def stops_of(
         The piece that each sliding ray follows, else -1.
     """
     level, reason = _matched(rays, fronts, size)
-    level[rays.kind == TAPER], reason[rays.kind == TAPER] = 0, END
+    level[rays.kind == TAPER_RAY], reason[rays.kind == TAPER_RAY] = 0, BY_END
     stops = leveled(Stops(level, reason), rays)
     return leveled(_near(rays, fronts, stops, rest, spring, slides), rays)
 
@@ -91,7 +91,7 @@ def _matched(rays: Rays, fronts: Fronts, size: Callable[[Array], Array]) -> tupl
     """The first layer of each ray whose step would match the spacing or the size."""
     apart, steps = fronts.apart, fronts.steps
     wall = _wall_spacing(rays, apart)
-    fan = rays.kind == FAN
+    fan = rays.kind == FAN_RAY
     here = np.where(fan[:, None], np.maximum(apart, wall[:, None]), apart)[:, :-1]
     stop = steps >= MATCHED * here
     stop |= (apart[:, 1:] < SHRUNK * wall[:, None]) & ~fan[:, None]
@@ -105,15 +105,15 @@ def _matched(rays: Rays, fronts: Fronts, size: Callable[[Array], Array]) -> tupl
         )
     first = np.where(stop.any(axis=1), np.argmax(stop, axis=1), steps.shape[1])
     level = np.minimum(first, fronts.most)
-    reason = np.where(first <= fronts.most, MATCH, np.where(rays.kind == SLIDING, END, COUNTED))
-    reason[first == steps.shape[1]] = MATCH if fronts.endless else COUNTED
+    reason = np.where(first <= fronts.most, BY_MATCH, np.where(rays.kind == SLIDING_RAY, BY_END, BY_COUNT))
+    reason[first == steps.shape[1]] = BY_MATCH if fronts.endless else BY_COUNT
     return level, reason.astype(np.int8)
 
 
 def _wall_spacing(rays: Rays, apart: Array) -> Array:
     """The mean length of the sides at each ray's base; rays of a fan share that of their vertex."""
     found = np.where(np.isfinite(apart[:, 0]), apart[:, 0], 0.0)
-    fan = np.flatnonzero(rays.kind == FAN)
+    fan = np.flatnonzero(rays.kind == FAN_RAY)
     if len(fan):
         values, group = np.unique(rays.base[fan], return_inverse=True)
         most = np.zeros(len(values))
@@ -186,13 +186,13 @@ def _near(
                 fresh = new[rows], places[j, np.minimum(k + 1, every[j])]
                 hit[rows] |= spring_stops(edge, fresh, at[rows])
         else:
-            apart = np.where(rays.kind[p] == FAN, fronts.apart[p, k + 1], fronts.apart[p, k])
+            apart = np.where(rays.kind[p] == FAN_RAY, fronts.apart[p, k + 1], fronts.apart[p, k])
             hit = ahead & nearest_stops(new, fronts.steps[p, k], apart, at)
         stop = np.unique(p[hit])
-        every[stop], reason[stop] = k, NEAR
+        every[stop], reason[stop] = k, BY_FRONT
         both = np.unique(q[hit & (q < n)])  # both fronts stop
         both = both[every[both] > k]
-        every[both], reason[both] = k, NEAR
+        every[both], reason[both] = k, BY_FRONT
     return Stops(every[:n], reason)
 
 
@@ -220,11 +220,11 @@ def _candidates(
     gap = np.where(around[i] > 0, np.minimum(gap, around[i] - gap), gap)
     # Rays of one front, and rays that do not face each other.
     facing = _ahead(base[j] - base[i], rays.direction[i]) & _ahead(base[i] - base[j], rays.direction[j])
-    own[ray] = ((chain[i] == chain[j]) & (gap <= OWN)) | ~facing
+    own[ray] = ((chain[i] == chain[j]) & (gap <= OWN_VERTICES)) | ~facing
     # Points of the piece along which a neighboring ray slides.
     for s in np.flatnonzero(slides >= 0).tolist():
         gap = np.abs(place[p] - place[s])
         gap = np.where(around[p] > 0, np.minimum(gap, around[p] - gap), gap)
-        beside = (chain[p] == chain[s]) & (gap <= OWN) & ~ray
+        beside = (chain[p] == chain[s]) & (gap <= OWN_VERTICES) & ~ray
         own |= beside & (np.append(rest[1], -2)[np.where(ray, len(rest[1]), q - n)] == slides[s])
     return p[~own], q[~own]

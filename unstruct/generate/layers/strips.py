@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...predicates.batch import orient_rows
 from .heights import Fronts
 from .rays import Rays
-from .stops import EXACT, Stops, leveled
+from .stops import BY_EXACTNESS, Stops, leveled
 
 __all__ = ["Cells", "Numbering", "cells_of", "numbered", "positive", "tops"]
 
@@ -118,7 +118,7 @@ def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
             over = np.minimum(level[left], level[right]) > whole
             rows = ray[over & (level[ray] > whole)]
             np.minimum.at(level, rows, whole[over & (level[ray] > whole)])
-            reason[rows] = EXACT
+            reason[rows] = BY_EXACTNESS
         stops = leveled(Stops(level, reason), rays)
         level = stops.level
         numbers = Numbering(numbers.points, numbers.start, numbers.base)
@@ -132,5 +132,5 @@ def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
             return stops
         level, reason = stops.level.copy(), stops.reason.copy()
         np.minimum.at(level, up[bad], m[bad])
-        reason[up[bad]] = EXACT
+        reason[up[bad]] = BY_EXACTNESS
         stops = Stops(level, reason)
