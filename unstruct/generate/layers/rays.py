@@ -54,8 +54,8 @@ class Rays(NamedTuple):
     scale : (r,) float64
         Heights along the ray are multiplied by it.
     kind : (r,) int8
-        FREE_RAY; HELD_RAY, which is not smoothed; FAN_RAY; SLIDING_RAY along a piece; TAPER_RAY, which gets no
-        layer.
+        FREE_RAY; HELD_RAY, which is not smoothed; FAN_RAY; SLIDING_RAY along a piece; TAPER_RAY, which gets
+        no layer.
     slide : (r,) int64
         The subsegment that a sliding ray follows from its vertex on; else -1.
     cosine : (r,) float64
