@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
+from ..base.elementary import exponentials
 from ..base.errors import InputError
 
 __all__ = ["DEFAULT_GROWTH", "Layers"]
@@ -274,9 +275,8 @@ def _possible(growth: Array, n: int | None, function: Any) -> None:
 
 def _units(n: int, growth: Array, function: Any) -> Array:
     """Total heights after 0 to n layers in units of the first height: (rows, n + 1)."""
-    k = np.arange(n + 1)
     if callable(function):
-        shares = np.asarray(function(k / n), dtype=np.float64)
+        shares = np.asarray(function(np.arange(n + 1) / n), dtype=np.float64)
         if shares.shape != (n + 1,) or not np.isfinite(shares).all() or not (np.diff(shares) > 0).all():
             raise InputError(
                 f"the function of shares must return {n + 1} finite, increasing values for the shares 0, "
@@ -285,14 +285,26 @@ def _units(n: int, growth: Array, function: Any) -> Array:
         return np.broadcast_to((shares - shares[0]) / (shares[1] - shares[0]), (len(growth), n + 1))
     if function == "tanh":
         return _tanh_units(n, _steepness(n, growth)) if n > 1 else np.tile([0.0, 1.0], (len(growth), 1))
-    return _sums(k, growth[:, None])
+    return _sums(n, growth)
 
 
-def _sums(k: NDArray, growth: Array) -> Array:
-    """1 + g + ... + g^(k - 1)."""
-    even = np.abs(growth - 1.0) < 1e-12
-    rate = np.log(np.where(even, 2.0, growth))
-    return np.where(even, k * 1.0, np.expm1(np.minimum(k * rate, 700.0)) / np.expm1(rate))
+def _sums(n: int, growth: Array) -> Array:
+    """1 + g + ... + g^(k - 1) for k from 0 to n, (rows, n + 1): products alone, the same on every machine."""
+    steps = np.ones((len(growth), n + 1))
+    steps[:, 0] = 0.0
+    steps[:, 2:] = growth[:, None]
+    with np.errstate(over="ignore"):
+        steps[:, 1:] = np.cumprod(steps[:, 1:], axis=1)
+        return np.cumsum(steps, axis=1)
+
+
+def _below_one(x: Array) -> Array:
+    """1 - e^(-x) for x >= 0, without loss of digits where x is small."""
+    series = np.ones_like(x)
+    small = np.minimum(x, 0.1)
+    for k in range(12, 1, -1):
+        series = 1.0 - small / k * series
+    return np.where(x < 0.1, small * series, 1.0 - exponentials(-np.maximum(x, 0.1)))
 
 
 def _tanh_units(n: int, b: Array) -> Array:
@@ -300,7 +312,8 @@ def _tanh_units(n: int, b: Array) -> Array:
     s = np.arange(n + 1) / n
     b = b[:, None]
     # 1 + tanh(b (s - 1)) / tanh(b) = sinh(b s) / (sinh(b) cosh(b (s - 1))), with factors e^b taken out.
-    total = -np.expm1(-2 * b * s) / (1.0 + np.exp(-2 * b * (1.0 - s))) * np.exp(-2 * b * (1.0 - s))
+    rest = exponentials(-2 * b * (1.0 - s))
+    total = _below_one(2 * b * s) / (1.0 + rest) * rest
     return total / total[:, 1:2]
 
 
@@ -363,7 +376,7 @@ def _growth(first: Array, thickness: Array, n: int, function: Any) -> Array:
     least = float(n) if function == "tanh" else 1.0
     if (ratio <= least * (1.0 + 1e-12) - (least > 1) * 1e-9).any():
         row = int(np.argmin(ratio))
-        fits = first[row] * float(_sums(np.array(n), np.array([DEFAULT_GROWTH]))[0])
+        fits = first[row] * float(_sums(n, np.array([DEFAULT_GROWTH]))[0, -1])
         raise InputError(
             f"thickness = {thickness[row]:.6g} is too small for {n} layers from first = {first[row]:.6g} on"
             f"{' by the hyperbolic tangent' if function == 'tanh' else ''}: it must exceed "
@@ -378,4 +391,4 @@ def _growth(first: Array, thickness: Array, n: int, function: Any) -> Array:
         return _tanh_units(n, b)[:, 2] - 1.0
     # The last of n terms alone is at most the sum, and so is the mean of all.
     high = np.maximum(ratio ** (1.0 / (n - 1)), 1.0) * (1.0 + 1e-12)
-    return _bisected(np.zeros(len(first)) + 1e-300, high, lambda g: _sums(np.array(n), g) < ratio)
+    return _bisected(np.zeros(len(first)) + 1e-300, high, lambda g: _sums(n, g)[:, -1] < ratio)

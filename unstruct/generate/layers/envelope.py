@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import turns
 from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
@@ -168,7 +169,7 @@ def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lowe
 def _opening(back: Array, out: Array) -> Array:
     """The angle clockwise from ``back`` to ``out``."""
     cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
-    angle = np.arctan2(cross, (back * out).sum(axis=1))
+    angle = turns(cross, (back * out).sum(axis=1))
     return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
 
 

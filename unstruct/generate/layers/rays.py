@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.elementary import cosines, sines, turns
 from ...domain.domain import Domain
 from .walls import Walls
 
@@ -89,7 +90,7 @@ def directed(walls: Walls) -> tuple[Array, Array, Array]:
 def _clockwise(back: Array, out: Array) -> Array:
     """The angle from ``back`` clockwise to ``out``, in (0, 2 pi]."""
     cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
-    angle = np.arctan2(cross, (back * out).sum(axis=1))
+    angle = turns(cross, (back * out).sum(axis=1))
     return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
 
 
@@ -158,8 +159,8 @@ def rays_of(
     half = angle / 2
     back = -along[joined]
     bisector = np.column_stack([
-        back[:, 0] * np.cos(half) + back[:, 1] * np.sin(half),
-        back[:, 1] * np.cos(half) - back[:, 0] * np.sin(half),
+        back[:, 0] * cosines(half) + back[:, 1] * sines(half),
+        back[:, 1] * cosines(half) - back[:, 0] * sines(half),
     ])  # fmt: skip
     number = rows.add(
         walls.ends[joined[plain], 1], bisector[plain], kind[plain], np.full(plain.sum(), -1, dtype=np.int64)
@@ -199,7 +200,7 @@ def _fans(
     turn = -(angle[owner] - np.pi) * place / np.maximum(parts[owner], 1)
     n = normal[sides[owner]]
     direction = np.column_stack([
-        n[:, 0] * np.cos(turn) - n[:, 1] * np.sin(turn), n[:, 0] * np.sin(turn) + n[:, 1] * np.cos(turn)
+        n[:, 0] * cosines(turn) - n[:, 1] * sines(turn), n[:, 0] * sines(turn) + n[:, 1] * cosines(turn)
     ])  # fmt: skip
     base = walls.ends[sides[owner], 1]
     number = rows.add(base, direction, np.full(len(owner), FAN_RAY), np.full(len(owner), -1, dtype=np.int64))
