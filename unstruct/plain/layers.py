@@ -54,9 +54,14 @@ def least_force(candidates: Sequence[Point], a: Point, b: Point) -> int:
 
 
 def near(a: Point, b: Point, new: tuple[Point, Point], others: Sequence[Point]) -> bool:
-    """Whether an existing point that the edge ab faces takes less force than both of its new points."""
+    """Whether an existing point that the edge ab faces takes less force than both of its new points.
+
+    So does one that stretches neither spring: in a very narrow gap compressed springs would push it away.
+    """
     facing = [q for q in others if (b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) > 0]
-    return least_force([*new, *facing], a, b) > 1
+    rest = hypot(b[0] - a[0], b[1] - a[1])
+    slack = any(all(hypot(q[0] - p[0], q[1] - p[1]) <= rest for p in (a, b)) for q in facing)
+    return slack or least_force([*new, *facing], a, b) > 1
 
 
 def march(

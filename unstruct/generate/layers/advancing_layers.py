@@ -111,7 +111,7 @@ def advancing_layers(
     up to the lower level of two rays, and one triangle where levels differ. *Opposing fronts*: "nearest"
     stops both where a point of the other is within two steps and one spacing. "spring" imagines springs of
     the length of the front edge from its ends to candidates, and stops where an existing point takes less
-    force than the new ones.
+    force than the new ones, or stretches neither spring.
 
     *Validity* is exact: all cells are positive, quadrilaterals convex, and the envelope meets neither itself
     nor the rest; so nothing overlaps. Where this fails, the fronts step back; without any layer the rest is

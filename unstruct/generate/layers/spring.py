@@ -44,11 +44,16 @@ def spring_stops(edge: tuple[Array, Array], new: tuple[Array, Array], existing: 
     point at the height g above the middle takes less if it is nearer than about 1.4 s, for small d: that is
     the "local cell size" within which fronts are to stop. With a rest length of 0 it would be within
     sqrt(d s / 2), so near that the rest between two fronts could not be filled well.
+
+    The least force alone fails in a gap much narrower than the edge: springs to a point nearer than about
+    sqrt(d s / 2) are compressed to half their length and take more force than the new points do. So a point
+    that stretches neither spring is near in any case.
     """
     a, b = edge
     rest = np.hypot(*(b - a).T)
     own = np.minimum(spring_force(new[0], a, b, rest), spring_force(new[1], a, b, rest))
-    return spring_force(existing, a, b, rest) < own
+    slack = np.maximum(np.hypot(*(existing - a).T), np.hypot(*(existing - b).T)) <= rest
+    return slack | (spring_force(existing, a, b, rest) < own)
 
 
 def nearest_stops(new: Array, step: Array, apart: Array, existing: Array) -> NDArray[np.bool_]:
