@@ -4,8 +4,8 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 `interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
-`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`,
-`smooth`.
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
+`advancing_layers` with `Layers`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -49,6 +49,7 @@ from .generate.centers.circumcenters import circumcenter_insertion as circumcent
 from .generate.front.advancing_front import advancing_front as advancing_front
 from .generate.front.delaunay_front import front_delaunay as front_delaunay
 from .generate.improve.smoothing import smooth as smooth
+from .generate.layers.advancing_layers import advancing_layers as advancing_layers
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .geometry.curves import Arc as Arc
@@ -58,6 +59,7 @@ from .mesh.curved import CurvedMesh as CurvedMesh
 from .mesh.curved import second_order as second_order
 from .mesh.domain_mesh import DomainMesh as DomainMesh
 from .mesh.mesh import Mesh as Mesh
+from .sizing.stretching import Layers as Layers
 
 __version__ = "0.1.0"
 
@@ -72,6 +74,7 @@ __all__ = [
     "DomainMesh",
     "IncompleteWarning",
     "InputError",
+    "Layers",
     "Mesh",
     "MeshError",
     "Report",
@@ -80,6 +83,7 @@ __all__ = [
     "UnstructError",
     "Voronoi",
     "advancing_front",
+    "advancing_layers",
     "check",
     "circumcenter_insertion",
     "compare",

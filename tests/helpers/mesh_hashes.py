@@ -119,6 +119,15 @@ def shore_size() -> Any:
 
 
 @case
+def advancing_layers() -> Arrays:
+    domain, layers = examples.wing_with_flap(), unstruct.Layers(first=1e-3, growth=1.25)
+    size = sizing.sources([[0.5, 0.0], [1.1, -0.15]], 0.04, growth=0.3, far=1.0)
+    for stop in ("nearest", "spring"):
+        walls = ["upper", "lower"]
+        yield from of(unstruct.advancing_layers(domain, size, layers=layers, walls=walls, stop=stop))
+
+
+@case
 def delaunay() -> Arrays:
     for d, n in ((2, 3000), (3, 800), (4, 120), (5, 40)):
         yield from of(unstruct.delaunay(points(n, d)))

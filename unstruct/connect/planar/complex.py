@@ -212,6 +212,17 @@ class PlanarComplex:
         self.xy, self.vertex, self.twin, self.mark, self.region = xy, vertex, twin, mark, region
         self.ends, self.piece, self.span, self.where = ends, piece, span, where
 
+    def saved(self) -> tuple[NDArray, ...]:
+        """Copies of all arrays, for `restore`."""
+        return tuple(array.copy() for array in self.plane())
+
+    def restore(self, saved: tuple[NDArray, ...]) -> None:
+        """Go back to the state in which `saved` was called."""
+        plane = Plane(*saved)
+        self.xy, self.vertex, self.twin, self.mark, self.region = plane[:5]
+        self.where, self.ends, self.piece, self.span = plane[5:9]
+        self.state[:] = plane.state
+
     def scratch(self) -> Scratch:
         """Arrays that fit any cavity of the present triangulation."""
         # A search that runs in a circle ends when the cells are full. There are two more edges than cells.

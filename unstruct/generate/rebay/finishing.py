@@ -132,6 +132,16 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
     }
 
 
+def small_angles(c: PlanarComplex, least: float) -> NDArray[np.int64]:
+    """The slots of triangles with an angle below ``least`` degrees."""
+    slots = np.flatnonzero(c.kept())
+    x = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]]
+    sides = np.sort(((x - np.roll(x, 1, axis=1)) ** 2).sum(axis=2), axis=1)
+    double = (x[:, 1, 0] - x[:, 0, 0]) * (x[:, 2, 1] - x[:, 0, 1])
+    double -= (x[:, 1, 1] - x[:, 0, 1]) * (x[:, 2, 0] - x[:, 0, 0])
+    return slots[double**2 < np.sin(np.radians(least)) ** 2 * sides[:, 1] * sides[:, 2]]
+
+
 def refine_angles(
     domain: Domain,
     complex_: PlanarComplex,

@@ -15,9 +15,19 @@ from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
-from ..refinement.state import FINEST_SPAN
+from ..refinement.account import TEXTS
+from ..refinement.state import FINEST_SPAN, KEPT
 from . import steps as k
-from .finishing import HOPED_ANGLE, PASSES, PROMISED_ANGLE, TRIED_ANGLE, figures, refine_angles, smooth_poor
+from .finishing import (
+    HOPED_ANGLE,
+    PASSES,
+    PROMISED_ANGLE,
+    TRIED_ANGLE,
+    figures,
+    refine_angles,
+    small_angles,
+    smooth_poor,
+)
 from .queue import ACCEPTED, ASIDE, BATCH, STATUS, WAITING, empty_queue, grown_links, unlink
 from .sharpening import SPARE_VERTICES, sharpen_worst
 
@@ -188,17 +198,22 @@ class VoronoiSegmentRun:
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
         allowed = np.full((len(self.kept), 2), -1, dtype=np.int64)  # splits of pieces for the angle
-        queued = False  # whether triangles wait in the queue
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
+        slots: list[int] = []
+        reasons: list[str] = []
+        best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
+        if self.kept.any():
+            best = figures(c)["minimum angle"], c.saved()
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since)
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
-                # what did not change has kept its class; but triangles that were given up are tried again,
-                # and after a refinement the queue is full
-                if not (self.spent or queued) and (since or not self.counts[k.GIVEN_UP]):
+                # What did not change has kept its class; but triangles that were given up are tried again.
+                # What `refine_angles` could not change waits again; `start` needs an empty queue.
+                fresh = since or not self.counts[k.GIVEN_UP]
+                if fresh and not self.spent and (self.gates < 0).all():
                     self.start(moved)
                 else:
                     self.restart()
@@ -212,25 +227,33 @@ class VoronoiSegmentRun:
                     self.domain, c, self.front(), self.first, self.kept, most is None
                 )
             self.counts, after = counted, figures(c)
-            queued = after["minimum angle"] < HOPED_ANGLE
+            if self.kept.any() and after["minimum angle"] > best[0]:
+                best = after["minimum angle"], c.saved()
+            elif best[1] is not None and 0 < number < PASSES:
+                break
             refined, top = False, ceiling + done["removed"]  # a vertex that was removed is no growth
-            slots: list[int] = []
-            reasons: list[str] = []
+            slots, reasons = [], []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
-                every = np.ones_like(self.kept)
+                every = 1 + self.kept
                 found, _, _ = refine_angles(
                     self.domain, c, self.first, most, every, top, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(
-                    self.domain, c, self.first, most, self.kept, top, allowed
+                    self.domain, c, self.first, most, 2 * self.kept, top, allowed
                 )
                 more, after = self._refined(found, done, after)
                 refined = refined or more
             if not refined and (not again or number > 0):
                 break
             since = 0 if refined else size
+        if best[1] is not None and after["minimum angle"] <= best[0]:
+            c.restore(best[1])
+            self.restart()
+            after = figures(c)
+            slots = small_angles(c, PROMISED_ANGLE).tolist()
+            reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}

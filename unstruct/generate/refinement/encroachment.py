@@ -129,3 +129,27 @@ def sharper_than_input(xy, apex, a, b, c):
     thousandth is no difference: below two degrees all of them would be split for nothing.
     """
     return _sine_square(xy, c, a, b) < SAME_ANGLE * _sine_square(xy, apex, a, b)
+
+
+@inline
+def _least_sine(ax, ay, bx, by, cx, cy):
+    """The squared sine of the smallest angle of a triangle."""
+    ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+    p, q, s = ux * ux + uy * uy, vx * vx + vy * vy, (vx - ux) ** 2 + (vy - uy) ** 2
+    longest = max(p, q, s)
+    double, rest = ux * vy - uy * vx, longest * (p + q + s - longest - min(p, q, s))
+    return double * double / rest if rest > 0.0 else 0.0
+
+
+@inline
+def spoils(xy, vertex, t, a, b, px, py):
+    """Whether the triangle of a subsegment a-b that stays and p would have a smaller angle than t has."""
+    c, d, e = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+    now = _least_sine(xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], xy[e, 0], xy[e, 1])
+    return _least_sine(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) < now
+
+
+@inline
+def too_short(xy, a, b, across):
+    """Whether half of a-b is much shorter than an edge whose square is ``across``, 0 for no such edge."""
+    return (xy[a, 0] - xy[b, 0]) ** 2 + (xy[a, 1] - xy[b, 1]) ** 2 < 3.2 * across

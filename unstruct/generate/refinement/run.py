@@ -23,6 +23,7 @@ from .state import (
     CIRCUMCENTERS,
     CURVES,
     EVENTS,
+    GUARDED,
     KEPT,
     LARGE,
     REMOVED,
@@ -84,9 +85,10 @@ class RefineRun:
         begin(self.work(), np.array(planned.rest["inputs"], dtype=np.int32), limits.fraction, thrifty)
 
     def keep(self, kept: NDArray[np.uint8]) -> None:
-        """Split no subsegment of the pieces with a 1; before the first step."""
-        s = self.complex.segments
-        self.lock[:s][kept[self.complex.piece[:s]] > 0] = KEPT
+        """Split no subsegment of pieces with a 1, and guard those with a 2, too; before the first step."""
+        own = kept[self.complex.piece[: self.complex.segments]]
+        self.lock[: len(own)][own == 1] = KEPT
+        self.lock[: len(own)][own > 1] = GUARDED
 
     def _allocate(self, n: int, s: int, t: int) -> None:
         """Make arrays for so many vertices, subsegments and slots."""

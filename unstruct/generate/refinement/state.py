@@ -28,6 +28,7 @@ from .limits import ANGLE, BY_ANGLE, BY_SIZE, largest_radius2, misses, misses_of
 OPEN, LARGE = 0, 249
 # Otherwise the status is the reason why the triangle was given up. Subsegments have the same reasons.
 KEPT, SMALL_ANGLE, FLOOR, PRECISION, CURVE, NARROW = 250, 251, 252, 253, 254, 255
+GUARDED = 249  # a lock like KEPT, but no point for the angle comes so near that it would make the angle worse
 STACKED = 256  # a bit besides: the slot has an entry on the stack of triangles that are too large
 CURVES, BUDGET = 8, 9  # results of `advance`, besides DONE, MORE and ROOM
 # Entries of the tally: first the state of stacks and queue (heights, numbers of waiting ones, the highest

@@ -40,6 +40,8 @@ from .encroachment import (
     sharper_than_input,
     split_arc,
     split_straight,
+    spoils,
+    too_short,
 )
 from .free_vertices import MOST_CORNERS, clear_disc
 from .limits import ANGLE, BY_ANGLE, BY_SIZE, FRACTION, SIZE, largest_radius2
@@ -54,6 +56,7 @@ from .state import (
     EVENTS,
     FINEST_SPAN,
     FLOOR,
+    GUARDED,
     KEPT,
     LARGE_ONES,
     LINKED,
@@ -228,13 +231,7 @@ def shortest_first(xy, vertex, t):
 
 
 @inline
-def _too_short(w, a, b, across):
-    """Whether half of a-b is much shorter than an edge whose square is ``across``, 0 for no such edge."""
-    return (w.xy[a, 0] - w.xy[b, 0]) ** 2 + (w.xy[a, 1] - w.xy[b, 1]) ** 2 < 3.2 * across
-
-
-@inline
-def _in_the_way(w, tally, limits, k, center, by, floor):
+def _in_the_way(w, tally, limits, t, k, center, by, floor):
     """Ask for splits of the subsegments of the cavity's boundary on which p encroaches.
 
     Those that are not twice as long as the edge across a small angle, if it is about one, are left alone.
@@ -250,12 +247,17 @@ def _in_the_way(w, tally, limits, k, center, by, floor):
         s = w.mark[e]
         if s >= 0:
             marked += 1
+            a, b = start_of(w.vertex, e), end_of(w.vertex, e)
             if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
                 continue
-            a, b = start_of(w.vertex, e), end_of(w.vertex, e)
+            if w.lock[s] == GUARDED:
+                if by == BY_ANGLE and spoils(w.xy, w.vertex, t, a, b, px, py):
+                    found += 1
+                    why = KEPT
+                continue
             if encroaches(w.xy[a, 0], w.xy[a, 1], w.xy[b, 0], w.xy[b, 1], px, py, limits.lens):
                 found += 1
-                if _too_short(w, a, b, across):
+                if too_short(w.xy, a, b, across):
                     why = SMALL_ANGLE
                 elif ask(w, tally, s, by, floor):
                     asked += 1
@@ -293,19 +295,19 @@ def _step_aside(w, tally, limits, t, k, center, by, floor):
     need not be tested.
     """
     px, py, sure, across = center
-    marked, found, asked, why = _in_the_way(w, tally, limits, k, center, by, floor)
+    marked, found, asked, why = _in_the_way(w, tally, limits, t, k, center, by, floor)
     if found == 0:
         if (marked == 0 and sure) or blocked_by(w.xy, w.vertex, w.rim, k, px, py) < 0:
             return True
         s = _hidden_by(plane_of(w), w.rim, k, t, px, py)
         why = PRECISION
         if s >= 0:
-            if _too_short(w, w.ends[s, 0], w.ends[s, 1], across):
+            if too_short(w.xy, w.ends[s, 0], w.ends[s, 1], across):
                 why = SMALL_ANGLE
             elif ask(w, tally, s, by, floor):
                 asked = 1
             else:
-                why = w.lock[s]
+                why = max(w.lock[s], KEPT)
     if asked > 0:
         tally[REJECTED] += 1
         corners = (w.vertex[3 * t], w.vertex[3 * t + 1], w.vertex[3 * t + 2])

@@ -1,0 +1,196 @@
+"""Is the envelope of the layers free: does it meet neither itself nor the rest, and leave enough room?
+
+The layers are embedded if all their cells are positive and their outline does not meet itself: the map from
+the strips, taken as abstract cells, to the plane then has degree one. What else could lie under a layer is a
+part of the rest that the envelope encloses as a whole. All three are decided by exact signs. Where one fails,
+the rays concerned get fewer layers. Without any layer the rest is the domain itself, so this ends.
+
+Two more tests look after the cells of the rest. Edges of the envelope are not split, so a front that is
+nearer to one than a share of its length, or a sharp angle between two ramps in a concave corner, would give
+cells with small angles. There, too, the fronts step back.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.elementary import turns
+from ...geometry.boxes import BoxTree
+from ...geometry.parity import even_odd
+from ...geometry.segment_pairs import meetings
+from .rays import Rays, neighbors_of
+from .scene import Scene, rest_of
+from .spacing import nearest_places
+from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
+from .strips import Numbering, numbered, positive, tops
+
+__all__ = ["freed", "short_fans"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be away
+FACING = 0.35  # the sine of the angle under which edges see each other's middles at least, if they face
+LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
+SAME_OPENING = 0.93  # ... by this factor
+SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
+ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
+
+
+def freed(scene: Scene, stops: Stops) -> tuple[Stops, int]:
+    """The levels lowered until the envelope is free; and how many rounds it took."""
+    rounds = 0
+    points = scene.walls.points
+    stops = positive(points, scene.rays, scene.fronts, stops)
+    while True:
+        lower, reason = _faults(scene, stops.level)
+        rows = np.flatnonzero(lower < stops.level)
+        if not len(rows):
+            return stops, rounds
+        rounds += 1
+        level, why = stops.level.copy(), stops.reason.copy()
+        faster = np.where(reason[rows] == BY_EXACTNESS, rounds // ROUNDS_OF_ROOM, 0)
+        level[rows] = np.maximum(lower[rows] - faster, 0)
+        why[rows] = reason[rows]
+        stops = positive(points, scene.rays, scene.fronts, Stops(level, why))
+
+
+def short_fans(scene: Scene, level: Integers) -> Integers:
+    """Vertices whose fans end so early that their edges are much shorter than those beside them."""
+    rays = scene.rays
+    side = len(scene.walls.ends)
+    fan = np.arange(side, len(rays.left))
+    i, j = rays.left[fan], rays.right[fan]
+    x = scene.fronts.places
+    length = np.hypot(*(x[i, level[i]] - x[j, level[j]]).T)
+    some = np.flatnonzero(np.maximum(level[i], level[j]) > 0)
+    before, after = neighbors_of(rays)
+    wide = np.zeros(len(scene.walls.points))
+    for ray, other in ((i, before), (j, after)):
+        rows = np.flatnonzero((other[ray] >= 0) & (rays.base[np.maximum(other[ray], 0)] != rays.base[ray]))
+        r, o = ray[rows], other[ray[rows]]
+        np.maximum.at(wide, rays.base[r], np.hypot(*(x[r, level[r]] - x[o, level[o]]).T))
+    base = rays.base[i[some]]
+    return np.unique(base[length[some] < SHORT_FAN * wide[base]])
+
+
+def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
+    """The levels that rays must go down to, and why."""
+    rays = scene.rays
+    numbers = numbered(scene.walls.points, rays, scene.fronts, level)
+    strip, top = tops(rays, level, numbers)
+    lower, reason = level.copy(), np.full(len(level), BY_SHAPE, dtype=np.int8)
+    if not len(strip):
+        return lower, reason
+    rest = rest_of(scene, level, numbers)
+    edges, x = np.concatenate([top, rest]), numbers.points
+    ends = np.stack([rays.left[strip], rays.right[strip]], axis=1)
+
+    def down(rows: Integers, why: int) -> None:
+        for r in (ends[rows, 0], ends[rows, 1]):
+            r = r[level[r] > (why == BY_SHAPE)]
+            lower[r] = np.minimum(lower[r], level[r] - 1)
+            reason[r] = why
+
+    pairs = meetings(x, edges)[0]
+    if len(pairs):
+        hit = np.unique(pairs.ravel())
+        down(hit[hit < len(top)], BY_EXACTNESS)
+        return lower, reason
+    swallowed = _swallowed(scene, level, numbers, strip, rest)
+    if len(swallowed):
+        down(swallowed, BY_EXACTNESS)
+        return lower, reason
+    _open_angles(rays, level, x, numbers, lower)
+    down(_without_room(x, top, rest), BY_SHAPE)
+    return lower, reason
+
+
+def _swallowed(
+    scene: Scene, level: Integers, numbers: Numbering, strip: Integers, rest: Integers
+) -> Integers:
+    """The strips (their places in ``strip``) under which a vertex of the rest, or another front, lies.
+
+    Nothing crosses the envelope, so that one vertex of each front tells where all of it is.
+    """
+    rays = scene.rays
+    used = np.unique(scene.walls.ends)
+    chain = chains_of(rays)[0]
+    one = rays.base[np.unique(chain, return_index=True)[1]]
+    vertices = np.concatenate([np.setdiff1d(np.concatenate([rest.ravel(), scene.loose]), used), one])
+    vertices = np.unique(vertices[vertices < len(scene.walls.points)])
+    i, j = rays.left[strip], rays.right[strip]
+    tips = numbers.points[np.stack([
+        numbers.at(i, level[i]), numbers.at(j, level[j]), rays.base[i], rays.base[j]
+    ], axis=1)]  # fmt: skip
+    tree = BoxTree(tips.min(axis=1), tips.max(axis=1))
+    x = numbers.points[vertices]
+    query, hit = tree.pairs(x, x)
+    away = (vertices[query] != rays.base[i[hit]]) & (vertices[query] != rays.base[j[hit]])
+    found = []
+    for q, h in zip(query[away].tolist(), hit[away].tolist()):
+        up, back = np.arange(level[j[h]] + 1), np.arange(level[i[h]], -1, -1)
+        ring = numbers.points[np.concatenate([
+            numbers.at(np.full(len(up), j[h]), up), numbers.at(np.full(len(back), i[h]), back)
+        ])]  # fmt: skip
+        sides = np.column_stack([np.arange(len(ring)), np.roll(np.arange(len(ring)), -1)])
+        inside, on = even_odd(ring, sides[(ring[sides[:, 0]] != ring[sides[:, 1]]).any(axis=1)], x[q : q + 1])
+        if inside[0] or on[0]:
+            found.append(h)
+    return np.unique(np.array(found, dtype=np.int64))
+
+
+def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lower: Integers) -> None:
+    """Lower rays beside a vertex at which two edges of the envelope open too little."""
+    n = len(rays.base)
+    before, after = np.full(n, -1), np.full(n, -1)
+    after[rays.left], before[rays.right] = rays.right, rays.left
+    v = np.flatnonzero((before >= 0) & (after >= 0))
+    p, q = before[v], after[v]
+    at = numbers.at(np.arange(n), level)
+    angle = _opening(x[at[p]] - x[at[v]], x[at[q]] - x[at[v]])
+    own = _opening(x[rays.base[p]] - x[rays.base[v]], x[rays.base[q]] - x[rays.base[v]])
+    own = np.where((rays.base[p] == rays.base[v]) | (rays.base[q] == rays.base[v]), np.pi, own)
+    top = np.maximum(level[v], np.maximum(level[p], level[q])) > 0
+    sharp = top & (angle < np.minimum(LEAST_OPENING, SAME_OPENING * own))
+    v, p, q = v[sharp], p[sharp], q[sharp]
+    higher = np.zeros(len(v), dtype=bool)
+    for other in (p, q):
+        up = level[other] > level[v]
+        np.minimum.at(lower, other[up], np.maximum(level[v][up], 1))
+        higher |= up
+    alone = ~higher
+    for row in (v[alone], p[alone], q[alone]):
+        some = row[level[row] > 1]
+        np.minimum.at(lower, some, level[some] - 1)
+
+
+def _opening(back: Array, out: Array) -> Array:
+    """The angle clockwise from ``back`` to ``out``."""
+    cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
+    angle = turns(cross, (back * out).sum(axis=1))
+    return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
+
+
+def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:
+    """Edges of the envelope that another edge faces at less than a share of the length of either."""
+    edges = np.concatenate([top, rest])
+    a, b = x[edges[:, 0]], x[edges[:, 1]]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    length = np.hypot(*(b - a).T)
+    grown = (LEAST_ROOM * length[: len(top)])[:, None]
+    i, j = BoxTree(low, high).pairs(low[: len(top)] - grown, high[: len(top)] + grown)
+    apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
+    i, j = i[apart], j[apart]
+    middle = (a + b) / 2
+    left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
+    away = middle[j] - middle[i]
+    far = FACING * np.hypot(*away.T)
+    facing = (away * left[i]).sum(axis=1) > far * length[i]
+    facing &= (j >= len(top)) | ((away * left[j]).sum(axis=1) < -far * length[j])
+    i, j = i[facing], j[facing]
+    distance = nearest_places(a[i], b[i], a[j], b[j])[2]
+    near = distance < LEAST_ROOM * length[i]
+    both = np.concatenate([i[near], j[near & (j < len(top))]])
+    return np.unique(both)

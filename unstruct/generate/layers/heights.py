@@ -1,0 +1,129 @@
+"""All points that rays could make: a table of places by ray and layer, on the curve where a ray slides."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...domain.domain import Domain
+from ...sizing.stretching import Layers
+from .rays import SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
+from .walls import Walls
+
+__all__ = ["Fronts", "fronts_of"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+MOST_LEVELS = 400  # layers of a sequence without an end
+BEYOND = 3.0  # it is followed until a step is so many times the longest side of a wall
+SLIDE_SAMPLES = 513  # points along a curve to measure it
+SLIDE_SHARE = 0.85  # how much of a piece a sliding ray may use
+
+
+class Fronts(NamedTuple):
+    """The places of rays after 0, 1, ..., k layers.
+
+    Attributes
+    ----------
+    places : (r, k + 1, 2) float64
+    steps : (r, k) float64
+        The distances between places that follow each other.
+    parameter : (r, k + 1) float64
+        Where the places of sliding rays are on their pieces.
+    most : (r,) int64
+        The largest number of layers that a ray can have.
+    apart : (r, k + 1) float64
+        The mean distance to the neighbors at the same layer.
+    endless : bool
+        Whether the layers have no count of their own.
+    """
+
+    places: Array
+    steps: Array
+    parameter: Array
+    most: Integers
+    apart: Array
+    endless: bool
+
+
+def fronts_of(
+    domain: Domain, walls: Walls, rays: Rays, layers: Layers, subsegments: tuple[Integers, Integers, Array]
+) -> Fronts:
+    """The table for all rays; ``subsegments`` are the ends, pieces and spans of all subsegments."""
+    x = walls.points[rays.base]
+    side = np.hypot(*(walls.points[walls.ends[:, 1]] - walls.points[walls.ends[:, 0]]).T)
+    heights = _heights(layers, x, float(side.max()))
+    heights = heights * rays.scale[:, None]
+    places = x[:, None] + rays.direction[:, None] * heights[:, :, None]
+    places[:, 0] = x
+    parameter = np.zeros(heights.shape)
+    most = np.full(len(x), heights.shape[1] - 1, dtype=np.int64)
+    most[rays.kind == TAPER_RAY] = 0
+    sliding = np.flatnonzero(rays.kind == SLIDING_RAY)
+    ends, piece, span = subsegments
+    users = np.bincount(piece[rays.slide[sliding]], minlength=len(domain.pieces))
+    for r in sliding.tolist():
+        s = int(rays.slide[r])
+        k, base = int(piece[s]), int(rays.base[r])
+        start = float(span[s, 0] if ends[s, 0] == base else span[s, 1])
+        share = SLIDE_SHARE / max(int(users[k]), 1)
+        t, length = _along(domain, k, start < 0.5, heights[r])
+        fits = heights[r] <= share * length
+        many = int(fits.sum()) - 1
+        most[r] = min(many, int(most[r]))
+        parameter[r] = np.where(fits, t, t[many])
+        places[r] = domain.points_at(np.full(len(t), k), parameter[r])
+        places[r, 0] = x[r]
+    steps = np.hypot(*np.diff(places, axis=1).transpose(2, 0, 1))
+    return Fronts(places, steps, parameter, most, _apart(places, rays), layers.count is None)
+
+
+def _heights(layers: Layers, x: Array, longest: float) -> Array:
+    """Total heights at each base, (r, k + 1), as many as could be needed."""
+    given = [
+        np.size(value) for name, value in layers.given.items() if name != "count" and not callable(value)
+    ]
+    if max(given, default=1) > 1:
+        raise InputError(
+            "layers in the plane take one value for all, or functions of the place (k, 2) -> (k,): the "
+            "vertices of the walls follow only from the size"
+        )
+    at = x if layers.varies else None
+    count = layers.count
+    if count is None:
+        probe = layers.heights(MOST_LEVELS, at=at).reshape(-1, MOST_LEVELS)
+        count = int(min((probe < BEYOND * longest).sum(axis=1).max() + 1, MOST_LEVELS))
+    found = layers.cumulative(count, at=at)
+    return np.broadcast_to(found, (len(x), found.shape[-1]))
+
+
+def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[Array, float]:
+    """Parameters at these lengths along a piece from its first vertex or its last, and its whole length."""
+    if piece in domain.curves:
+        t = np.linspace(0.0, 1.0, SLIDE_SAMPLES)
+        if not forward:
+            t = t[::-1]
+        x = domain.points_at(np.full(len(t), piece), t)
+        total = np.append(0.0, np.cumsum(np.hypot(*np.diff(x, axis=0).T)))
+        return np.interp(heights, total, t), float(total[-1])
+    a, b = domain.points[domain.pieces[piece]]
+    length = float(np.hypot(*(b - a)))
+    share = np.minimum(heights / length, 1.0)
+    return share if forward else 1.0 - share, length
+
+
+def _apart(places: Array, rays: Rays) -> Array:
+    """The mean distance of each place to those of the neighbors at the same layer."""
+    before, after = neighbors_of(rays)
+    total, count = np.zeros(places.shape[:2]), np.zeros(len(places))
+    for other in (before, after):
+        rows = np.flatnonzero((other >= 0) & (rays.kind[np.maximum(other, 0)] != TAPER_RAY))
+        total[rows] += np.hypot(*(places[rows] - places[other[rows]]).transpose(2, 0, 1))
+        count[rows] += 1
+    found = total / np.maximum(count, 1)[:, None]
+    found[count == 0] = np.inf
+    return found

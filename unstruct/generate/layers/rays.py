@@ -1,0 +1,298 @@
+"""The directions along which the points of layers advance: one ray from a vertex of a wall, or a fan of them.
+
+At a vertex the ray is the mean of the normals of both sides. Where a body has a sharp corner, so that the
+angle of the fluid is large, a fan of rays starts at one vertex. Ordinary rays are then smoothed, as long as
+both sides stay well visible along them. At an open end of a wall a ray follows the neighboring piece.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.elementary import cosines, sines, turns
+from ...domain.domain import Domain
+from .walls import Walls
+
+__all__ = [
+    "FAN_RAY",
+    "FREE_RAY",
+    "HELD_RAY",
+    "SLIDING_RAY",
+    "TAPER_RAY",
+    "Rays",
+    "directed",
+    "neighbors_of",
+    "rays_of",
+]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+FREE_RAY, HELD_RAY, FAN_RAY, SLIDING_RAY, TAPER_RAY = range(5)  # kinds of rays
+FAN_FROM = np.radians(230.0)  # the angle of the fluid from which on a vertex has a fan
+FAN_STEP = np.radians(20.0)  # the largest angle between two rays of a fan
+SLIDES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
+SHARPEST = np.radians(30.0)  # corners of the fluid below this get no layers
+SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray may stand for a fan
+SMOOTHING_ROUNDS = 10  # of smoothing
+VISIBLE = 0.35  # the least cosine between a smoothed ray and the normals beside it
+MOST_SCALE = 1.6  # the largest factor by which heights along an oblique ray are longer
+CORNER_SCALE = 4.0  # in concave corners, where the front of both walls meets farther away
+
+
+class Rays(NamedTuple):
+    """Rays, and the strips of cells between them.
+
+    Attributes
+    ----------
+    base : (r,) int64
+        The vertex where a ray starts.
+    direction : (r, 2) float64
+        Of unit length.
+    scale : (r,) float64
+        Heights along the ray are multiplied by it.
+    kind : (r,) int8
+        FREE_RAY; HELD_RAY, which is not smoothed; FAN_RAY; SLIDING_RAY along a piece; TAPER_RAY, which gets
+        no layer.
+    slide : (r,) int64
+        The subsegment that a sliding ray follows from its vertex on; else -1.
+    cosine : (r,) float64
+        The least cosine between the ray and the normals of its sides.
+    left, right : (t,) int64
+        The rays of each strip, at the start and at the end of its side. Strips of fans come last.
+    side : (t,) int64
+        The side of each strip; strips of a fan belong to the side before it.
+    """
+
+    base: Integers
+    direction: Array
+    scale: Array
+    kind: NDArray[np.int8]
+    slide: Integers
+    cosine: Array
+    left: Integers
+    right: Integers
+    side: Integers
+
+
+def directed(walls: Walls) -> tuple[Array, Array, Array]:
+    """The unit vectors along sides, the normals to their left, and their lengths."""
+    a, b = walls.points[walls.ends].transpose(1, 0, 2)
+    along = b - a
+    length = np.hypot(*along.T)
+    along = along / length[:, None]
+    return along, np.column_stack([-along[:, 1], along[:, 0]]), length
+
+
+def _clockwise(back: Array, out: Array) -> Array:
+    """The angle from ``back`` clockwise to ``out``, in (0, 2 pi]."""
+    cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
+    angle = turns(cross, (back * out).sum(axis=1))
+    return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
+
+
+def neighbors_of(rays: Rays) -> tuple[Integers, Integers]:
+    """For each ray the one before and the one after it, through the strips; -1 for none."""
+    before = np.full(len(rays.base), -1, dtype=np.int64)
+    after = before.copy()
+    after[rays.left], before[rays.right] = rays.right, rays.left
+    return before, after
+
+
+class _Rows:
+    """Rays while they are collected."""
+
+    def __init__(self) -> None:
+        self.base: list[Integers] = []
+        self.direction: list[Array] = []
+        self.kind: list[Integers] = []
+        self.slide: list[Integers] = []
+        self.count = 0
+
+    def add(self, base: Integers, direction: Array, kind: Integers, slide: Integers) -> Integers:
+        """Append rows; their numbers."""
+        self.base.append(base)
+        self.direction.append(direction)
+        self.kind.append(kind)
+        self.slide.append(slide)
+        self.count += len(base)
+        return np.arange(self.count - len(base), self.count)
+
+
+def rays_of(
+    domain: Domain, walls: Walls, other: Integers, piece: Integers, single: NDArray[np.bool_] | None = None
+) -> Rays:
+    """The rays of all sides.
+
+    Parameters
+    ----------
+    domain : Domain
+    walls : Walls
+    other : (s, 2) int64
+        The ends of all subsegments.
+    piece : (s,) int64
+        The pieces of all subsegments.
+    single : (n,) bool, optional
+        Vertices that get one ray in place of a fan, or none if the body is sharper than a right angle there.
+    """
+    along, normal, _ = directed(walls)
+    rows, m = _Rows(), len(walls.ends)
+    left, right = np.full(m, -1, dtype=np.int64), np.full(m, -1, dtype=np.int64)
+    joined = np.flatnonzero(walls.after >= 0)
+    follow = walls.after[joined]
+    angle = _clockwise(-along[joined], along[follow])
+    fan = angle > FAN_FROM
+    end = walls.wake[joined] & walls.wake[follow] & (walls.segment[joined] == walls.segment[follow])
+    fan &= ~end
+    tapered = end | (angle < SHARPEST)
+    if single is not None:
+        alone = fan & single[walls.ends[joined, 1]]
+        fan &= ~alone
+        tapered |= alone & (angle > SHARPEST_BODY)
+    plain = ~fan
+    kind = np.where(
+        tapered, TAPER_RAY, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), HELD_RAY, FREE_RAY)
+    )
+    half = angle / 2
+    back = -along[joined]
+    bisector = np.column_stack([
+        back[:, 0] * cosines(half) + back[:, 1] * sines(half),
+        back[:, 1] * cosines(half) - back[:, 0] * sines(half),
+    ])  # fmt: skip
+    number = rows.add(
+        walls.ends[joined[plain], 1], bisector[plain], kind[plain], np.full(plain.sum(), -1, dtype=np.int64)
+    )
+    right[joined[plain]] = number
+    left[follow[plain]] = number
+    strips = _fans(walls, (joined[fan], follow[fan], angle[fan]), normal, rows, (left, right))
+    _open_ends(domain, walls, along, other, piece, rows, (left, right))
+    direction = np.concatenate([*rows.direction, np.empty((0, 2))])
+    found = Rays(
+        np.concatenate([*rows.base, np.empty(0, dtype=np.int64)]).astype(np.int64),
+        direction / np.hypot(*direction.T)[:, None],
+        np.ones(rows.count),
+        np.concatenate([*rows.kind, np.empty(0, dtype=np.int64)]).astype(np.int8),
+        np.concatenate([*rows.slide, np.empty(0, dtype=np.int64)]).astype(np.int64),
+        np.ones(rows.count),
+        np.concatenate([left, strips[0]]),
+        np.concatenate([right, strips[1]]),
+        np.concatenate([np.arange(m), strips[2]]),
+    )
+    return _smoothed(walls, found, normal)
+
+
+def _fans(
+    walls: Walls,
+    corners: tuple[Integers, Integers, Array],
+    normal: Array,
+    rows: _Rows,
+    rays: tuple[Integers, Integers],
+) -> tuple[Integers, Integers, Integers]:
+    """Add the rays of fans; the strips between them."""
+    sides, follow, angle = corners
+    left, right = rays
+    parts = np.ceil((angle - np.pi) / FAN_STEP - 1e-9).astype(np.int64)
+    owner = np.repeat(np.arange(len(sides)), parts + 1)
+    place = np.arange(len(owner)) - np.repeat(np.cumsum(parts + 1) - parts - 1, parts + 1)
+    turn = -(angle[owner] - np.pi) * place / np.maximum(parts[owner], 1)
+    n = normal[sides[owner]]
+    direction = np.column_stack([
+        n[:, 0] * cosines(turn) - n[:, 1] * sines(turn), n[:, 0] * sines(turn) + n[:, 1] * cosines(turn)
+    ])  # fmt: skip
+    base = walls.ends[sides[owner], 1]
+    number = rows.add(base, direction, np.full(len(owner), FAN_RAY), np.full(len(owner), -1, dtype=np.int64))
+    right[sides] = number[place == 0]
+    left[follow] = number[place == parts[owner]]
+    inner = place < parts[owner]
+    return number[inner], number[inner] + 1, sides[owner[inner]]
+
+
+def _open_ends(
+    domain: Domain,
+    walls: Walls,
+    along: Array,
+    other: Integers,
+    piece: Integers,
+    rows: _Rows,
+    rays: tuple[Integers, Integers],
+) -> None:
+    """Add the rays where walls end at other pieces: along these, where that is possible."""
+    left, right = rays
+    ends = np.flatnonzero(walls.after < 0)
+    starts = np.flatnonzero(walls.before < 0)
+    side = np.concatenate([ends, starts])
+    vertex = np.concatenate([walls.ends[ends, 1], walls.ends[starts, 0]])
+    bound = np.concatenate([walls.bound_after[ends], walls.bound_before[starts]])
+    far = np.where(other[bound, 0] == vertex, other[bound, 1], other[bound, 0])
+    away = walls.points[far] - walls.points[vertex]
+    away = away / np.hypot(*away.T)[:, None]
+    is_end = np.arange(len(side)) < len(ends)
+    angle = np.where(is_end, _clockwise(-along[side], away), _clockwise(away, along[side]))
+    slides = (angle >= SLIDES[0]) & (angle <= SLIDES[1]) & ~domain.held()[piece[bound]]
+    inner = piece[bound] >= len(domain.facets)
+    # Points on an inner piece are seen from both sides: both must be walls along which layers end there.
+    key = bound * 2 + (other[bound, 0] == vertex)
+    values, group = np.unique(key, return_inverse=True)
+    good = np.bincount(group, weights=slides, minlength=len(values))
+    slides &= ~inner | (good[group] == 2)
+    shared = np.flatnonzero(slides)
+    first = np.unique(group[shared], return_index=True)[1]
+    some = shared[first]
+    kinds = np.full(len(some), SLIDING_RAY)
+    number = np.full(len(values), -1, dtype=np.int64)
+    number[group[some]] = rows.add(vertex[some], away[some], kinds, bound[some])
+    ray = number[group]
+    rest = np.flatnonzero(~slides)
+    mean = np.where(is_end[rest, None], -along[side[rest]], along[side[rest]]) + away[rest]
+    mean[np.hypot(*mean.T) == 0.0] = 1.0
+    ray[rest] = rows.add(vertex[rest], mean, np.full(len(rest), TAPER_RAY), np.full(len(rest), -1))
+    right[ends], left[starts] = ray[: len(ends)], ray[len(ends) :]
+
+
+def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
+    """The rays with smoothed directions, and the factors of their heights."""
+    before, after = neighbors_of(rays)
+    sides = len(walls.ends)
+    coming, going = np.full((2, len(rays.base)), -1, dtype=np.int64)
+    coming[rays.right[:sides]] = np.arange(sides)
+    going[rays.left[:sides]] = np.arange(sides)
+    coming, going = np.where(coming < 0, going, coming), np.where(going < 0, coming, going)
+    # The inner rays of a fan have no side of their own and look at none.
+    known = coming >= 0
+    n1, n2 = normal[np.maximum(coming, 0)], normal[np.maximum(going, 0)]
+
+    def cosine(d: Array) -> Array:
+        found = np.minimum((d * n1).sum(axis=1), (d * n2).sum(axis=1))
+        return np.where(known & (rays.kind != FAN_RAY), found, 1.0)
+
+    direction, x = rays.direction.copy(), walls.points[rays.base]
+    free = np.flatnonzero((rays.kind == FREE_RAY) & (before >= 0) & (after >= 0))
+    p, q = before[free], after[free]
+    to_p, to_q = np.hypot(*(x[p] - x[free]).T), np.hypot(*(x[q] - x[free]).T)
+    share = (to_q / np.maximum(to_p + to_q, 1e-300))[:, None]
+    least = np.minimum(cosine(direction), VISIBLE)
+    # Tapered rays have no say.
+    keep_p = (rays.kind[p] == TAPER_RAY)[:, None]
+    keep_q = (rays.kind[q] == TAPER_RAY)[:, None]
+    for _ in range(SMOOTHING_ROUNDS):
+        own = direction[free]
+        mean = share * np.where(keep_p, own, direction[p]) + (1 - share) * np.where(keep_q, own, direction[q])
+        mean += own
+        size = np.hypot(*mean.T)
+        trial = direction.copy()
+        trial[free] = mean / np.maximum(size, 1e-300)[:, None]
+        good = (size > 1e-9) & (cosine(trial)[free] >= np.maximum(least[free], VISIBLE * 0.5))
+        direction[free[good]] = trial[free[good]]
+    towards = np.where(
+        known & (rays.kind != FAN_RAY), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0
+    )
+    most = np.where(
+        (n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == HELD_RAY), CORNER_SCALE, MOST_SCALE
+    )
+    scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, most)
+    beside = np.minimum(scale, MOST_SCALE)
+    scale[free] = (2 * scale[free] + beside[p] + beside[q]) / 4
+    return rays._replace(direction=direction, scale=scale, cosine=cosine(direction))

@@ -1,0 +1,230 @@
+"""Where each ray stops: by match, by proximity, or because its neighbors have stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.boxes import BoxTree
+from .heights import Fronts
+from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
+from .spring import nearest_stops, spring_stops
+
+__all__ = [
+    "BY_COUNT",
+    "BY_END",
+    "BY_EXACTNESS",
+    "BY_FRONT",
+    "BY_MATCH",
+    "BY_SHAPE",
+    "BY_STEP",
+    "STOP_REASONS",
+    "Stops",
+    "chains_of",
+    "leveled",
+    "stops_of",
+]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+BY_COUNT, BY_MATCH, BY_FRONT, BY_STEP, BY_EXACTNESS, BY_SHAPE, BY_END = range(7)
+STOP_REASONS = ("count", "match", "near", "step", "exactness", "shape", "end")
+MATCHED = 0.95  # a ray stops before a step of so many spacings
+SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
+STRETCHED = 1.5  # ... or so many wanted sizes
+ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
+AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
+OWN_VERTICES = 4  # vertices of a wall: what is nearer along it is no opposing front
+
+
+class Stops(NamedTuple):
+    """For each ray the number of its layers, and the reason why it has no more."""
+
+    level: Integers
+    reason: NDArray[np.int8]
+
+
+def leveled(stops: Stops, rays: Rays) -> Stops:
+    """Levels of neighbors differ by at most 1."""
+    before, after = neighbors_of(rays)
+    level, reason = stops.level.copy(), stops.reason.copy()
+    far = np.iinfo(np.int64).max // 2
+    while True:
+        padded = np.append(level, far)
+        lowest = np.minimum(padded[before], padded[after]) + 1
+        rows = np.flatnonzero(lowest < level)
+        if not len(rows):
+            return Stops(level, reason)
+        level[rows], reason[rows] = lowest[rows], BY_STEP
+
+
+def stops_of(
+    rays: Rays, fronts: Fronts, size: Callable[[Array], Array], rest: tuple[Array, Integers], spring: bool,
+    slides: Integers,
+) -> Stops:  # fmt: skip
+    """Where rays stop, before the exact tests.
+
+    Parameters
+    ----------
+    rays : Rays
+    fronts : Fronts
+    size : callable
+        The wanted edge length.
+    rest : (j, 2) float64 and (j,) int64
+        Points of what is no wall, and their pieces (-1: loose).
+    spring : bool
+        Whether springs decide, or the nearest point.
+    slides : (r,) int64
+        The piece that each sliding ray follows, else -1.
+    """
+    level, reason = _matched(rays, fronts, size)
+    level[rays.kind == TAPER_RAY], reason[rays.kind == TAPER_RAY] = 0, BY_END
+    stops = leveled(Stops(level, reason), rays)
+    return leveled(_near(rays, fronts, stops, rest, spring, slides), rays)
+
+
+def _matched(rays: Rays, fronts: Fronts, size: Callable[[Array], Array]) -> tuple[Integers, NDArray[np.int8]]:
+    """The first layer of each ray whose step would match the spacing or the size."""
+    apart, steps = fronts.apart, fronts.steps
+    wall = _wall_spacing(rays, apart)
+    fan = rays.kind == FAN_RAY
+    here = np.where(fan[:, None], np.maximum(apart, wall[:, None]), apart)[:, :-1]
+    stop = steps >= MATCHED * here
+    stop |= (apart[:, 1:] < SHRUNK * wall[:, None]) & ~fan[:, None]
+    ask = (steps >= ASK_SIZE_FROM * here) | (here > STRETCHED * wall[:, None])
+    ask &= np.cumsum(stop, axis=1) == 0
+    rows, k = np.nonzero(ask)
+    if len(rows):
+        wanted = size(fronts.places[rows, k])
+        stop[rows, k] |= (steps[rows, k] >= MATCHED * wanted) | (
+            (apart[rows, k + 1] > STRETCHED * np.maximum(wanted, wall[rows])) & ~fan[rows]
+        )
+    first = np.where(stop.any(axis=1), np.argmax(stop, axis=1), steps.shape[1])
+    level = np.minimum(first, fronts.most)
+    reason = np.where(first <= fronts.most, BY_MATCH, np.where(rays.kind == SLIDING_RAY, BY_END, BY_COUNT))
+    reason[first == steps.shape[1]] = BY_MATCH if fronts.endless else BY_COUNT
+    return level, reason.astype(np.int8)
+
+
+def _wall_spacing(rays: Rays, apart: Array) -> Array:
+    """The mean length of the sides at each ray's base; rays of a fan share that of their vertex."""
+    found = np.where(np.isfinite(apart[:, 0]), apart[:, 0], 0.0)
+    fan = np.flatnonzero(rays.kind == FAN_RAY)
+    if len(fan):
+        values, group = np.unique(rays.base[fan], return_inverse=True)
+        most = np.zeros(len(values))
+        np.maximum.at(most, group, 2 * found[fan])  # only one neighbor of an outer ray is elsewhere
+        found[fan] = most[group]
+    return found
+
+
+# ---------------------------------------------------------------------- opposing fronts
+
+
+def chains_of(rays: Rays) -> tuple[Integers, Integers, Integers]:
+    """The chain of each ray, its place counted in vertices of the wall, and the length of closed chains."""
+    before, after = neighbors_of(rays)
+    n, sides = len(rays.base), len(rays.left)
+    side_of = np.full(n, -1, dtype=np.int64)
+    side_of[rays.left] = np.arange(sides)
+    fan = np.zeros(sides, dtype=bool)
+    fan[rays.base[rays.left] == rays.base[rays.right]] = True
+    step = np.where(side_of >= 0, ~fan[side_of], False).tolist()
+    following, leading = after.tolist(), before.tolist()
+    chain, place, around = [-1] * n, [0] * n, [0] * n
+    count = 0
+    for start in sorted(range(n), key=lambda r: leading[r] >= 0):  # open chains from their starts
+        if chain[start] >= 0:
+            continue
+        members, r, at = [], start, 0
+        while r >= 0 and chain[r] < 0:
+            chain[r], place[r] = count, at
+            members.append(r)
+            at += step[r]
+            r = following[r]
+        for member in members if r == start else ():
+            around[member] = at
+        count += 1
+    return np.array(chain), np.array(place), np.array(around)
+
+
+def _ahead(away: Array, direction: Array) -> NDArray[np.bool_]:
+    """Whether places are ahead: more than beside, or else both sides of a thin wall would stop each other."""
+    return (away * direction).sum(axis=1) > AHEAD * np.hypot(*away.T)
+
+
+def _near(
+    rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], spring: bool, slides: Integers
+) -> Stops:
+    """Let rays stop, layer by layer, where a point of another front or of the rest is near."""
+    n = len(rays.base)
+    level, reason = stops.level.copy(), stops.reason.copy()
+    places = np.concatenate([fronts.places, np.repeat(rest[0][:, None], fronts.places.shape[1], axis=1)])
+    p, q = _candidates(rays, fronts, stops, rest, slides)
+    before, after = neighbors_of(rays)
+    every = np.append(level, np.zeros(len(rest[0]), dtype=np.int64))
+    for k in range(int(level.max(initial=0))):
+        live = every[p] > k
+        p, q = p[live], q[live]
+        if not len(p):
+            break
+        at = places[q, np.minimum(k, every[q])]
+        new, here = places[p, k + 1], places[p, k]
+        away = at - here
+        ahead = _ahead(away, rays.direction[p])
+        if spring:
+            hit = np.zeros(len(p), dtype=bool)
+            for other in (before, after):
+                o = other[p]
+                rows = np.flatnonzero(ahead & (o >= 0))
+                j = o[rows]
+                edge = here[rows], places[j, np.minimum(k, every[j])]
+                fresh = new[rows], places[j, np.minimum(k + 1, every[j])]
+                hit[rows] |= spring_stops(edge, fresh, at[rows])
+        else:
+            apart = np.where(rays.kind[p] == FAN_RAY, fronts.apart[p, k + 1], fronts.apart[p, k])
+            hit = ahead & nearest_stops(new, fronts.steps[p, k], apart, at)
+        stop = np.unique(p[hit])
+        every[stop], reason[stop] = k, BY_FRONT
+        both = np.unique(q[hit & (q < n)])  # both fronts stop
+        both = both[every[both] > k]
+        every[both], reason[both] = k, BY_FRONT
+    return Stops(every[:n], reason)
+
+
+def _candidates(
+    rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], slides: Integers
+) -> tuple[Integers, Integers]:
+    """Pairs of a ray and a ray of another front, or a point of the rest, that may come near."""
+    n = len(rays.base)
+    top = stops.level
+    row = np.arange(n)
+    tip, base = fronts.places[row, top], fronts.places[:, 0]
+    low, high = np.minimum(base, tip), np.maximum(base, tip)
+    step = fronts.steps[row, np.minimum(top, fronts.steps.shape[1] - 1)]
+    wide = np.where(np.isfinite(fronts.apart), fronts.apart, 0.0)
+    reach = (2.5 * step + 2.0 * np.maximum(wide[row, top], wide[:, 0]))[:, None]
+    tree = BoxTree(np.concatenate([low, rest[0]]), np.concatenate([high, rest[0]]))
+    p, q = tree.pairs(low - reach, high + reach)
+    keep = (top[p] > 0) & (p != q)
+    p, q = p[keep], q[keep]
+    chain, place, around = chains_of(rays)
+    ray = q < n
+    own = np.zeros(len(p), dtype=bool)
+    i, j = p[ray], q[ray]
+    gap = np.abs(place[i] - place[j])
+    gap = np.where(around[i] > 0, np.minimum(gap, around[i] - gap), gap)
+    # Rays of one front, and rays that do not face each other.
+    facing = _ahead(base[j] - base[i], rays.direction[i]) & _ahead(base[i] - base[j], rays.direction[j])
+    own[ray] = ((chain[i] == chain[j]) & (gap <= OWN_VERTICES)) | ~facing
+    # Points of the piece along which a neighboring ray slides.
+    for s in np.flatnonzero(slides >= 0).tolist():
+        gap = np.abs(place[p] - place[s])
+        gap = np.where(around[p] > 0, np.minimum(gap, around[p] - gap), gap)
+        beside = (chain[p] == chain[s]) & (gap <= OWN_VERTICES) & ~ray
+        own |= beside & (np.append(rest[1], -2)[np.where(ray, len(rest[1]), q - n)] == slides[s])
+    return p[~own], q[~own]

@@ -1,0 +1,136 @@
+"""The cells of the strips between rays, and the edges that they leave to the rest."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...predicates.batch import orient_rows
+from .heights import Fronts
+from .rays import Rays
+from .stops import BY_EXACTNESS, Stops, leveled
+
+__all__ = ["Cells", "Numbering", "cells_of", "numbered", "positive", "tops"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Numbering(NamedTuple):
+    """The numbers of the points: those of the boundary first, then ray by ray.
+
+    Attributes
+    ----------
+    points : (n, 2) float64
+    start : (r,) int64
+        The number of the first new point of each ray.
+    base : (r,) int64
+    """
+
+    points: Array
+    start: Integers
+    base: Integers
+
+    def at(self, ray: Integers, layer: Integers) -> Integers:
+        """The number of the point of a ray after so many layers."""
+        return np.where(layer > 0, self.start[ray] + layer - 1, self.base[ray])
+
+
+class Cells(NamedTuple):
+    """Cells of layers: corners, with the strip and the layer (from 0) of each."""
+
+    quads: Integers
+    quad_strip: Integers
+    quad_layer: Integers
+    triangles: Integers
+    triangle_strip: Integers
+    triangle_layer: Integers
+
+
+def numbered(points: Array, rays: Rays, fronts: Fronts, level: Integers) -> Numbering:
+    """The points of all rays up to their levels, after those of the boundary."""
+    start = len(points) + np.cumsum(level) - level
+    ray, layer = _counted(level)
+    return Numbering(np.concatenate([points, fronts.places[ray, layer + 1]]), start, rays.base)
+
+
+def _counted(counts: Integers) -> tuple[Integers, Integers]:
+    """For counts (2, 0, 3) the pairs of a row and a number below its count: (0, 0), (0, 1), (2, 0), ..."""
+    row = np.repeat(np.arange(len(counts)), counts)
+    return row, np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def cells_of(rays: Rays, level: Integers, numbers: Numbering) -> Cells:
+    """Quadrilaterals up to the lower of two levels, and one triangle where levels differ.
+
+    The first cells of a strip in a fan are triangles, because both rays start at one vertex.
+    """
+    left, right = rays.left, rays.right
+    lower = np.minimum(level[left], level[right])
+    strip, layer = _counted(lower)
+    i, j = left[strip], right[strip]
+    rows = np.column_stack(
+        [numbers.at(i, layer), numbers.at(j, layer), numbers.at(j, layer + 1), numbers.at(i, layer + 1)]
+    )
+    pointed = rows[:, 0] == rows[:, 1]
+    ramp = np.flatnonzero(
+        (level[left] != level[right]) & ((lower > 0) | (rays.base[left] != rays.base[right]))
+    )
+    m, up = lower[ramp], np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])
+    top = np.column_stack([numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)])
+    return Cells(
+        rows[~pointed], strip[~pointed], layer[~pointed],
+        np.concatenate([rows[pointed][:, 1:], top]),
+        np.concatenate([strip[pointed], ramp]), np.concatenate([layer[pointed], m]),
+    )  # fmt: skip
+
+
+def tops(rays: Rays, level: Integers, numbers: Numbering) -> tuple[Integers, Integers]:
+    """The strips that have cells and the edges on top of them, with the rest on the left: (t,), (t, 2)."""
+    left, right = rays.left, rays.right
+    strip = np.flatnonzero(np.maximum(level[left], level[right]) > 0)
+    i, j = left[strip], right[strip]
+    return strip, np.column_stack([numbers.at(i, level[i]), numbers.at(j, level[j])])
+
+
+def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
+    """The levels lowered until all cells are positively oriented and all quadrilaterals are convex; exact."""
+    stops = leveled(stops, rays)
+    first = stops.level
+    numbers = numbered(points, rays, fronts, first)
+    left, right = rays.left, rays.right
+    lower = np.minimum(first[left], first[right])
+    strip, layer = _counted(lower)
+    i, j = left[strip], right[strip]
+    a, b = numbers.at(i, layer), numbers.at(j, layer)
+    d, c = numbers.at(i, layer + 1), numbers.at(j, layer + 1)
+    corners = np.concatenate([np.column_stack(v) for v in ((a, b, c), (b, c, d), (c, d, a), (d, a, b))])
+    signs = orient_rows(numbers.points, corners).reshape(4, -1)
+    pointed = a == b
+    good = np.where(pointed, signs[2] > 0, signs.min(axis=0, initial=1) > 0)
+    whole = np.full(len(left), np.iinfo(np.int64).max)  # how many cells of a strip are good
+    np.minimum.at(whole, strip[~good], layer[~good])
+    while True:
+        level, reason = stops.level.copy(), stops.reason.copy()
+        for ray in (left, right):
+            over = np.minimum(level[left], level[right]) > whole
+            rows = ray[over & (level[ray] > whole)]
+            np.minimum.at(level, rows, whole[over & (level[ray] > whole)])
+            reason[rows] = BY_EXACTNESS
+        stops = leveled(Stops(level, reason), rays)
+        level = stops.level
+        numbers = Numbering(numbers.points, numbers.start, numbers.base)
+        low = np.minimum(level[left], level[right])
+        ramp = np.flatnonzero((level[left] != level[right]) & (rays.base[left] != rays.base[right]))
+        up = np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])
+        m = low[ramp]
+        top = np.column_stack([numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)])
+        bad = orient_rows(numbers.points, top) <= 0
+        if not bad.any() and not (low > whole).any():
+            return stops
+        level, reason = stops.level.copy(), stops.reason.copy()
+        np.minimum.at(level, up[bad], m[bad])
+        reason[up[bad]] = BY_EXACTNESS
+        stops = Stops(level, reason)

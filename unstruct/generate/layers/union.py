@@ -1,0 +1,188 @@
+"""Layers and the mesh of the rest as one mesh, with names, regions and the pieces of the boundary."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import inline, kernel
+from ...connect.planar.complex import PlanarComplex
+from ...mesh.domain_mesh import DomainMesh
+from .filling import Remainder
+from .scene import Scene, bare
+from .strips import Cells, Numbering
+
+__all__ = ["Union", "split_quads", "union_of"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Union(NamedTuple):
+    """The arrays of the whole mesh.
+
+    Attributes
+    ----------
+    points, origin : (n, 2) float64, (n,) int32
+    cells : dict of str to ndarray
+    region, layer, strip : (m,) int64
+        Per cell, in the order of the cells: the region; the layer, from 1 on, 0 in the rest; the strip.
+    segments, piece, span : ndarray
+        The subsegments of all pieces.
+    place : (p,) int64
+        The number in the mesh of each numbered point, -1 for those that are not used.
+    fill : (f,) int64
+        The cells that came from the rest, in its order.
+    """
+
+    points: Array
+    origin: NDArray[np.int32]
+    cells: dict[str, Integers]
+    region: Integers
+    layer: Integers
+    strip: Integers
+    segments: Integers
+    piece: Integers
+    span: Array
+    place: Integers
+    fill: Integers
+
+
+def split_quads(points: Array, quads: Integers) -> Integers:
+    """Convex quadrilaterals as two triangles each, (2 q, 3): the diagonal with the smaller largest angle."""
+    made = np.empty((2 * len(quads), 3), dtype=np.int64)
+    _split(np.ascontiguousarray(points), np.ascontiguousarray(quads), made)
+    return made
+
+
+@inline
+def _cosine(points, a, b, c):
+    """The cosine of the angle at a of the triangle abc."""
+    ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+    vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
+    return (ux * vx + uy * vy) / np.sqrt(max((ux * ux + uy * uy) * (vx * vx + vy * vy), 1e-300))
+
+
+@inline
+def _least_cosine(points, a, b, c):
+    return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
+
+
+@kernel
+def _split(points, quads, made):
+    for i in range(quads.shape[0]):
+        a, b, c, d = quads[i, 0], quads[i, 1], quads[i, 2], quads[i, 3]
+        one = min(_least_cosine(points, a, b, c), _least_cosine(points, a, c, d))
+        two = min(_least_cosine(points, a, b, d), _least_cosine(points, b, c, d))
+        made[2 * i, 0], made[2 * i, 1], made[2 * i, 2] = a, b, c
+        made[2 * i + 1, 0], made[2 * i + 1, 1], made[2 * i + 1, 2] = a, c, d
+        if two > one:
+            made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
+
+
+def union_of(
+    scene: Scene, c: PlanarComplex, level: Integers, numbers: Numbering, cells: Cells,
+    rest: Remainder, fill: DomainMesh, triangles: bool,
+) -> Union:  # fmt: skip
+    """Join the layers and the mesh of the rest at their common points."""
+    many = len(numbers.points)
+    segments, piece, span = _layered(scene, level, numbers)
+    origin = np.asarray(fill.origin)
+    fresh = origin < 0
+    known = np.where(fresh, many + np.cumsum(fresh) - 1, rest.vertex[np.maximum(origin, 0)])
+    new = fill.points[fresh]
+    fill_cells = known[fill.simplices]
+    fill_region = _regions(scene, c, rest, fill)
+    rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
+    run = fill.piece[rows]
+    t0, t1 = rest.span[run].T
+    s = fill.span[rows]
+    t = np.where(s == 1.0, t1[:, None], t0[:, None] + s * (t1 - t0)[:, None])
+    segments = np.concatenate([segments, known[fill.segments[rows]]])
+    piece, span = np.concatenate([piece, rest.piece[run]]), np.concatenate([span, t])
+    quads, tri, strips, layers = cells.quads, cells.triangles, cells.triangle_strip, cells.triangle_layer
+    side = scene.walls.region[scene.rays.side]
+    if triangles:
+        tri = np.concatenate([split_quads(numbers.points, quads), tri])
+        strips = np.concatenate([np.repeat(cells.quad_strip, 2), strips])
+        layers = np.concatenate([np.repeat(cells.quad_layer, 2), layers])
+        quads = quads[:0]
+    both = {"triangle": np.concatenate([tri, fill_cells]), "quad": quads}
+    beyond = np.full(len(fill_cells), -1)
+    q_strip = cells.quad_strip[: len(quads)]
+    strip = np.concatenate([strips, beyond, q_strip])
+    layer = np.concatenate([layers + 1, beyond + 1, cells.quad_layer[: len(quads)] + 1])
+    region = np.concatenate([side[strips], fill_region, side[q_strip]])
+    fill_rows = len(tri) + np.arange(len(fill_cells))
+    points = np.concatenate([numbers.points, new])
+    used = np.zeros(len(points), dtype=bool)
+    for block in both.values():
+        used[block.ravel()] = True
+    place = np.where(used, np.cumsum(used) - 1, -1)
+    origin_of = np.full(len(points), -1, dtype=np.int32)
+    vertices = len(scene.domain.points)
+    origin_of[:vertices] = np.arange(vertices)
+    kept = {name: place[block] for name, block in both.items() if len(block)}
+    order = np.lexsort((span[:, 0], piece))
+    return Union(
+        points[used], origin_of[used], kept, region, layer, strip, place[segments][order], piece[order],
+        span[order], place[:many], fill_rows,
+    )  # fmt: skip
+
+
+def _layered(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integers, Integers, Array]:
+    """The subsegments that only layers touch: of walls, and of pieces along which rays slid."""
+    free, layer = bare(scene, level)
+    rows = np.flatnonzero(layer & ~free)
+    segments, piece, span = [scene.ends[rows]], [scene.piece[rows]], [scene.span[rows]]
+    slides = scene.slides()
+    for r in np.flatnonzero((slides >= 0) & (level > 0)).tolist():
+        k = np.arange(level[r] + 1)
+        chain, t = numbers.at(np.full(len(k), r), k), scene.fronts.parameter[r, : level[r] + 1].copy()
+        t[0] = round(float(t[0]))
+        if t[0] > 0.5:
+            chain, t = chain[::-1], t[::-1]
+        segments.append(np.column_stack([chain[:-1], chain[1:]]))
+        piece.append(np.full(len(k) - 1, slides[r]))
+        span.append(np.column_stack([t[:-1], t[1:]]))
+    return np.concatenate(segments), np.concatenate(piece), np.concatenate(span)
+
+
+def _regions(scene: Scene, c: PlanarComplex, rest: Remainder, fill: DomainMesh) -> Integers:
+    """The region of each cell of the rest in the whole domain, by an edge of a piece or of the envelope."""
+    part = np.asarray(fill.markers["region"]).astype(np.int64)
+    n = len(fill.points)
+    t = fill.simplices.astype(np.int64)
+    keys = np.concatenate([t[:, i] * n + t[:, (i + 1) % 3] for i in range(3)])
+    cell = np.tile(np.arange(len(t)), 3)
+    order = np.argsort(keys, kind="stable")
+    keys, cell = keys[order], cell[order]
+    left, right = _sides(c)
+    number = np.full(int(part.max(initial=-1)) + 1, -1, dtype=np.int64)
+    start = np.searchsorted(scene.piece, np.arange(len(scene.domain.pieces) + 1))
+    run = fill.piece
+    middle = rest.span[run, 0] + fill.span.mean(axis=1) * (rest.span[run, 1] - rest.span[run, 0])
+    source = rest.piece[run]
+    # The subsegment that holds the middle of each segment.
+    along = scene.piece + np.minimum(scene.span[:, 0], 1.0 - 1e-9)
+    row = np.searchsorted(along, source + np.minimum(middle, 1.0 - 1e-12), side="right") - 1
+    row = np.clip(row, start[np.maximum(source, 0)], start[np.maximum(source, 0) + 1] - 1)
+    a, b = fill.segments.T.astype(np.int64)
+    for first, second, region in ((a, b, left), (b, a, right)):
+        key = first * n + second
+        at = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
+        found = keys[at] == key
+        value = np.where(source < 0, rest.region[run], region[row])
+        found &= (source >= 0) | (first is a)
+        number[part[cell[at[found]]]] = value[found]
+    return number[part]
+
+
+def _sides(c: PlanarComplex) -> tuple[Integers, Integers]:
+    """The regions on the left and on the right of each subsegment, seen along its piece."""
+    e = c.where[: c.segments].astype(np.int64)
+    begins = c.vertex[np.where(e % 3 == 2, e - 2, e + 1)] == c.ends[: c.segments, 0]
+    one, two = c.region[e // 3], c.region[c.twin[e].astype(np.int64) // 3]
+    return np.where(begins, one, two).astype(np.int64), np.where(begins, two, one).astype(np.int64)
