@@ -9,7 +9,19 @@ import numpy as np
 import pytest
 from regions import KINDS, random_region
 
-from unstruct import Arc, Domain, InputError, Mesh, check, constrained_delaunay, refine
+from unstruct import (
+    Arc,
+    Domain,
+    DomainMesh,
+    InputError,
+    Mesh,
+    check,
+    constrained_delaunay,
+    refine,
+    voronoi_segment,
+)
+from unstruct.assess.region import scatter_of
+from unstruct.examples import running_domain, running_size
 from unstruct.geometry import parity
 from unstruct.geometry.parity import cells_area, enclosed_area
 from unstruct.mesh.topology import boundary, neighbors
@@ -333,3 +345,22 @@ def test_areas_of_very_many_exponents() -> None:
     assert parity._twice_area(points, cells, np.zeros(2200)) > 200
     found = cells_area(points, cells)
     assert found == float(exact / 2)
+
+
+def test_functions_for_curves_may_scatter() -> None:
+    """The shore of the lake scatters by 118 units of rounding; that is no fault of a vertex on it."""
+    domain = running_domain()
+    piece = np.repeat(list(domain.curves), 500)
+    t = np.random.default_rng(0).random(len(piece))
+    x = domain.points_at(piece, t)
+    scatter = scatter_of(domain, piece, t)
+    assert 50 * 2.0**-53 < scatter.max() < 1e-13
+    mesh = voronoi_segment(domain, running_size)
+    assert check(mesh, domain=domain)
+    moved = mesh.points.copy()
+    new = np.setdiff1d(mesh.segments[mesh.piece == 5], np.flatnonzero(mesh.origin >= 0))[3]
+    moved[new] += 1e-12
+    options = {"markers": mesh.markers, "segments": mesh.segments, "piece": mesh.piece, "span": mesh.span}
+    off = DomainMesh(moved, mesh.simplices, origin=mesh.origin, regions=mesh.regions, **options)
+    assert [p.kind for p in check(off, domain=domain).problems] == ["off the curve"]
+    assert np.isfinite(x).all()

@@ -18,9 +18,10 @@ from ..mesh.marked import marked_sides, parts
 from ..mesh.mesh import Mesh
 from .chains import Chains, among, assigned, chains_of, keys_of
 
-__all__ = ["check_domain", "pinch_points"]
+__all__ = ["check_domain", "pinch_points", "scatter_of"]
 
 ULPS = 64  # the most that a new vertex may be off its true curve, in 2^-53 of the largest coordinate
+NEARBY = np.arange(-8, 9) * 2.0**-52  # steps of a parameter over which a function for a curve scatters
 
 
 def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
@@ -137,7 +138,12 @@ def _curves_met(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> N
     scale = np.abs(ends).max(axis=(1, 2))
     if domain.curves:
         _onto_curves(domain, piece, x, away, t, scale)
-    ulps = away / (np.maximum(scale, 1e-300) * 2.0**-53)
+    unit = np.maximum(scale, 1e-300) * 2.0**-53
+    far = np.flatnonzero(away > ULPS * unit)
+    far = far[np.isin(piece[far], list(domain.curves))]
+    if len(far):
+        away[far] = np.maximum(away[far] - 2 * scatter_of(domain, piece[far], t[far]), 0.0)
+    ulps = away / unit
     along = np.zeros(len(owner))
     along[chains.start[1:] - 1] = 1.0
     along[inner] = t
@@ -156,6 +162,16 @@ def _curves_met(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> N
         problem("off the curve", text, vertices=rows[ulps > ULPS]),
         problem("order", "vertices of a chain that go back along their piece", vertices=rows[back]),
     )
+
+
+def scatter_of(domain: Domain, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """How much a function for a curve scatters by rounding near a parameter: the deviation from a line."""
+    at = np.clip(t[:, None] + NEARBY, 0.0, 1.0)
+    places = domain.points_at(np.repeat(piece, len(NEARBY)), at.ravel()).reshape(len(t), len(NEARBY), 2)
+    places = places - places.mean(axis=1, keepdims=True)
+    slope = (NEARBY[:, None] * places).sum(axis=1, keepdims=True) / (NEARBY**2).sum()
+    rest = places - NEARBY[:, None] * slope
+    return np.hypot(rest[..., 0], rest[..., 1]).max(axis=1)
 
 
 def _onto_curves(
