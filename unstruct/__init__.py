@@ -4,7 +4,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 `interpolate`.
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
-`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `smooth`.
+`refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -86,6 +86,7 @@ __all__ = [
     "constrained_delaunay",
     "delaunay",
     "examples",
+    "front_delaunay",
     "gift_wrap",
     "insert",
     "interpolate",

@@ -14,7 +14,7 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
-from .classical import classical_front, classical_mesh
+from .classical import SEARCHES, classical_front, classical_mesh
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
@@ -128,6 +128,8 @@ def advancing_front(
     """
     if method not in METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
+    if not (isinstance(search, str) and search in SEARCHES):
+        raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
     if method == "classical":
         return _classical(
             domain, size, order or "smallest", placement or "equal sides", search, finish, split_boundary,
