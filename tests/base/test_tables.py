@@ -47,6 +47,14 @@ def test_large_whole_numbers_stay_what_they_are() -> None:
     assert read("1 1\n0 99999999999999999999\n")[1].tolist() == [[1e20]]
 
 
+@pytest.mark.parametrize(
+    "head", ["999999999 99999999", "999999999 1", "1 999999999", "9999999999999999999 1"]
+)
+def test_headers_that_announce_more_than_memory_holds(head: str) -> None:
+    with pytest.raises(InputError, match=r"a\.txt"):
+        read(f"{head}\n0 1\n")
+
+
 def test_rows_one_by_one() -> None:
     rows = Rows(PATH, "3\n\n1.5 x\n")
     assert rows.count("a count") == [3] and not rows.end()

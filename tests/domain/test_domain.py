@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from fractions import Fraction
 from itertools import combinations, pairwise
 from unittest import mock
@@ -485,6 +486,22 @@ def test_extreme_scales() -> None:
     for scale in (2.0**600, 2.0**-600, 2.0**1000):
         domain = Domain.polygon(scale * np.array(SQUARE, dtype=float))
         assert len(domain.sampled(scale * 0.5).ends) == 32
+
+
+@pytest.mark.parametrize("scale", [2.0**-700, 2.0**700])
+def test_extreme_scales_of_curves(scale: float) -> None:
+    """No square of a coordinate is a double: every answer is that of the unit scale, without a warning."""
+    x = np.random.default_rng(3).uniform(-1.2, 1.2, (500, 2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        disc = Domain.disc((0, 0), scale)
+        assert np.array_equal(disc.contains(scale * x), np.hypot(*x.T) <= 1)
+        assert disc.area == (0.0 if scale < 1 else np.inf)
+        bite = disc.with_holes(Domain.disc((0.9 * scale, 0), 0.5 * scale), resolve=True)
+        plain = Domain.disc((0, 0), 1).with_holes(Domain.disc((0.9, 0), 0.5), resolve=True)
+        assert np.array_equal(bite.facets, plain.facets) and len(bite.curves) == len(plain.curves)
+        with pytest.raises(InputError, match="cross or touch"):
+            disc.with_holes(Domain.disc((0.9 * scale, 0), 0.5 * scale))
 
 
 def test_a_straight_piece_that_rounding_would_let_touch_stays_whole() -> None:

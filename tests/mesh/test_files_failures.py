@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 import pytest
 
-from unstruct import InputError, Mesh, UnstructError
+from unstruct import InputError, Mesh, UnstructError, delaunay
 from unstruct.mesh import files
 
 SQUARE = Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
@@ -203,3 +203,17 @@ def test_names_of_regions(tmp_path: Path, name: str, options: dict) -> None:
     mesh.write(tmp_path / name, **options)
     again = Mesh.read(tmp_path / name)
     assert again.regions == names and again.markers["region"].tolist() == [3, 0]
+
+
+@pytest.mark.parametrize("suffix", [".dat", ".tec"])
+def test_files_of_tecplot_that_end_too_early(tmp_path: Path, suffix: str) -> None:
+    """The reader of meshio waits for lines that never come."""
+    path = tmp_path / f"a{suffix}"
+    mesh = delaunay(np.random.default_rng(2).random((20, 2)))
+    mesh.write(path)
+    assert (Mesh.read(path).simplices == mesh.simplices).all()
+    text = path.read_text()
+    for part in (text[: len(text) // 2], text.replace("20", "2000")):
+        path.write_text(part)
+        with pytest.raises(InputError, match=r"cannot read a\..*: is it whole"):
+            Mesh.read(path)

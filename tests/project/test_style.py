@@ -251,6 +251,8 @@ def test_nothing_at_the_top_is_called_like_a_public_function() -> None:
 def test_the_face() -> None:
     shown = {name for name in dir(unstruct) if name[0] != "_"}
     assert set(unstruct.__all__) <= shown
+    given = {name for name, value in vars(unstruct).items() if name[0] != "_" and callable(value)}
+    assert given <= set(unstruct.__all__), f"imported, but not in __all__: {given - set(unstruct.__all__)}"
     for name in shown:
         assert getattr(unstruct, name) is not None
     assert not {name for name in shown if inspect.ismodule(getattr(unstruct, name))} - {

@@ -149,15 +149,15 @@ def _one_row_a_line(text: str, n: int, columns: int) -> bool:
 def _line_by_line(rows: Rows, n: int, columns: int, what: str) -> tuple[np.ndarray, int]:
     """The same, with the first line that is wrong named; rows may have more entries than announced."""
     rows.next(1, "a header")
-    values = np.empty((n, columns))
+    read: list[list[float]] = []  # no array before its rows are there: n and the columns may be any numbers
     for i in range(n):
         if rows.end():
             raise InputError(f"{rows.path.name} announces {n} rows but contains {i}: each is a {what}")
         words = rows.next(columns, f"a {what}")
-        values[i] = [rows.number(word, f"the entries of a {what}") for word in words[:columns]]
-        if i and values[i, 0] != values[0, 0] + i:
+        read.append([rows.number(word, f"the entries of a {what}") for word in words[:columns]])
+        if i and read[i][0] != read[0][0] + i:
             raise InputError(
-                f"{rows.place}: the {what} number {words[0]} follows number {values[i - 1, 0]:.0f}; they "
+                f"{rows.place}: the {what} number {words[0]} follows number {read[i - 1][0]:.0f}; they "
                 "must be numbered one by one"
             )
     if not rows.end():
@@ -165,4 +165,5 @@ def _line_by_line(rows: Rows, n: int, columns: int, what: str) -> tuple[np.ndarr
         raise InputError(
             f"{rows.place}: {' '.join(words)!r} follows the last {what}; the header announces {n} rows"
         )
+    values = np.array(read).reshape(n, columns)
     return values[:, 1:], int(values[0, 0]) if n else 0

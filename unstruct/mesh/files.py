@@ -38,6 +38,7 @@ __all__ = ["read", "to_meshio", "to_skfem", "write"]
 
 SKFEM_HEX = [0, 4, 3, 1, 7, 5, 2, 6]  # the corners of a hexahedron in the order of scikit-fem
 WITH_DATA = {".vtu", ".vtk", ".msh", ".xdmf", ".xmf"}  # formats that keep data at points and cells
+LINES_BEYOND = 10  # after so many empty answers a reader has not noticed that a file has ended
 MESHIO_READS_MSH = ("4.0", "4")  # versions of Gmsh's format that are left to meshio
 
 
@@ -251,7 +252,11 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said), _without_mark(path, data) as plain:
-            other = meshio.read(plain, file_format=file_format)
+            if meshio.extension_to_filetypes[suffix] == ["tecplot"]:
+                text = _EndingText(plain.read_text(encoding="utf-8"))
+                other = meshio.read(text, file_format="tecplot")
+            else:
+                other = meshio.read(plain, file_format=file_format)
     except (Exception, SystemExit) as error:  # meshio exits on what it cannot read
         why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else str(error)
         raise InputError(
@@ -266,6 +271,19 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
         dict(other.cell_data),
         dict(other.field_data),
     )
+
+
+class _EndingText(StringIO):
+    """A text that raises EOFError for whoever reads on after its end: meshio's reader of Tecplot never stops."""
+
+    beyond = 0
+
+    def readline(self, size: int | None = -1, /) -> str:
+        line = super().readline(size)
+        self.beyond = 0 if line else self.beyond + 1
+        if self.beyond > LINES_BEYOND:
+            raise EOFError("it ends too early")
+        return line
 
 
 @contextmanager

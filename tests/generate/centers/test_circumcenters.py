@@ -397,6 +397,9 @@ def test_another_field_as_priority() -> None:
         ({"size": 0.1, "budget": 1.5}, "budget = 1.5 must be a whole number"),
         ({"size": 0.1, "budget": "many"}, "budget = 'many' must be a whole number"),
         ({"priority": "area", "limit": "small"}, "limit must be a number"),
+        ({"size": 0.1, "limit": -1}, "limit = -1 must be positive: no triangle is better"),
+        ({"priority": "area", "limit": 0.0}, "limit = 0.0 must be positive"),
+        ({"priority": "min_angle", "limit": 60}, "limit = 60 must be positive and below 60 degrees"),
     ],
 )
 def test_bad_arguments(arguments: dict, words: str) -> None:

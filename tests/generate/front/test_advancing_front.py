@@ -218,6 +218,12 @@ def test_a_function_that_places_nothing(answer: Any) -> None:
         advancing_front(SQUARE, 0.2, placement=lambda *_: answer)
 
 
+@pytest.mark.parametrize("place", [lambda p: p, lambda p, a, b, n, h: 1 / 0])
+def test_a_function_that_raises(place: Any) -> None:
+    with pytest.raises(InputError, match="placement raised .*Error .* from .* to .*; it is called as"):
+        advancing_front(SQUARE, 0.2, placement=place)
+
+
 def test_points_far_away_or_on_vertices_do_no_harm() -> None:
     for answer in ((1e300, 1e300), (0.0, 0.0), (0.5, 0.0), (-3.0, 0.2)):
         raw = advancing_front(SQUARE, 0.3, placement=lambda *_, x=answer: x, finish=False)
@@ -225,7 +231,15 @@ def test_points_far_away_or_on_vertices_do_no_harm() -> None:
 
 
 @pytest.mark.parametrize(
-    "options", [{"order": "largest"}, {"placement": "ideal"}, {"placement": 3}, {"split_boundary": "outer"}]
+    "options",
+    [
+        {"order": "largest"},
+        {"placement": "ideal"},
+        {"placement": 3},
+        {"search": "far"},
+        {"search": ["ideal"]},
+        {"split_boundary": "outer"},
+    ],
 )
 def test_unknown_options(options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(options))):

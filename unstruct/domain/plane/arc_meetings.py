@@ -154,7 +154,8 @@ def _apart(outline: Outline, arcs: np.ndarray, tree: BoxTree, scale: float) -> l
     u, w = b - a, np.column_stack([x, y]) - a
     straight = kind[j] == 0
     with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.abs(w[:, 0] * u[:, 1] - w[:, 1] * u[:, 0]) / np.hypot(*u.T)
+        u /= np.hypot(*u.T)[:, None]  # first, as products of large or small coordinates may be no doubles
+        distance = np.abs(w[:, 0] * u[:, 1] - w[:, 1] * u[:, 0])
     centers = np.hypot(arc[j, 0] - x, arc[j, 1] - y)
     depth = np.where(straight, r - distance, np.minimum(r + s - centers, centers - np.abs(r - s)))
     slack = 2 * GAP * scale + 2.0**-48 * (r + s + np.abs(x) + np.abs(y) + np.abs(arc[j, :2]).sum(axis=1))

@@ -50,7 +50,7 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     vertex, scale = outline.points[at], np.abs(outline.points).max()
     away = np.hypot(*(place - vertex).T)
     found = np.isfinite(place).all(axis=1) & (away > SAME_VERTEX * scale)
-    found &= away * away * difference > 8 * SHALLOW * scale
+    found &= away * (away * difference) > 8 * SHALLOW * scale
     for column in (0, 1):
         found &= on_piece(outline, pairs[:, column], place, SAME_VERTEX * scale)
         for end in outline.pieces[pairs[:, column]].T:  # a second common end is not a crossing
@@ -89,7 +89,7 @@ def _bends(outline: Outline, piece: np.ndarray, at: np.ndarray) -> np.ndarray:
     kind, arc = outline.cuts()
     to_center = arc[piece, :2] - outline.points[at]
     radius = np.where(kind[piece] == 1, arc[piece, 2], np.inf)
-    return to_center / (radius * radius)[:, None]
+    return to_center / radius[:, None] / radius[:, None]  # the square may not be a double
 
 
 def _mirrored(outline: Outline, pairs: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -113,7 +113,7 @@ def on_piece(outline: Outline, piece: np.ndarray, x: np.ndarray, slack: float) -
     kind, arc = outline.cuts()
     a, b = outline.points[outline.pieces[piece]].transpose(1, 0, 2)
     length = np.hypot(*(b - a).T)
-    along = ((x - a) * (b - a)).sum(axis=1) / np.where(length > 0, length, 1.0)
+    along = ((x - a) * ((b - a) / np.where(length > 0, length, 1.0)[:, None])).sum(axis=1)
     on_line = (along >= -slack) & (along <= length + slack)
     cx, cy, radius, start, sweep = arc[piece].T
     turned = np.sign(sweep) * (turns(x[:, 1] - cy, x[:, 0] - cx) - start)

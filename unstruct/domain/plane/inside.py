@@ -8,6 +8,7 @@ import numpy as np
 
 from ...geometry.outline import Outline
 from ...geometry.parity import enclosed_area, even_odd, left_parity
+from ...predicates.batch import power_of_two
 from .lunes import areas_beyond_chords, lunes_hold
 from .sample import Sampled
 
@@ -30,10 +31,10 @@ def area(outline: Outline, sampled: Sampled) -> float:
     rows = np.nonzero(sampled.piece < len(outline.facets))[0]
     ends = sampled.ends[rows]
     left = left_parity(sampled.points, ends)
-    straight = enclosed_area(sampled.points, np.where(left[:, None], ends, ends[:, ::-1]))
-    if not outline.curves:
-        return straight
-    return fsum([straight, *areas_beyond_chords(outline, sampled, rows, left)])
+    factor = power_of_two(sampled.points)  # squares of very large or small coordinates are no doubles
+    straight = enclosed_area(sampled.points * factor, np.where(left[:, None], ends, ends[:, ::-1]))
+    beyond = areas_beyond_chords(outline, sampled, rows, left, factor)
+    return fsum([straight, *beyond]) / factor / factor
 
 
 def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:

@@ -51,7 +51,7 @@ def in_lunes(
         middle = outline.points_at(piece, t)
         corners = np.stack([first, middle, last], axis=1)
         np.logical_xor.at(odd, pair, _in_triangles(corners, x[query]))
-        away = np.linalg.norm(middle - (first + last) / 2, axis=1)
+        away = np.hypot(*(middle - (first + last) / 2).T)
         query, piece, pair = np.repeat(query, 2), np.repeat(piece, 2), np.repeat(pair, 2)
         span = np.stack([span[:, 0], t, t, span[:, 1]], axis=1).reshape(-1, 2)
         first, last = np.stack([corners[:, :2], corners[:, 1:]], axis=2).reshape(-1, 2, 2).transpose(1, 0, 2)
@@ -78,35 +78,38 @@ def _in_triangles(corners: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def areas_beyond_chords(
-    outline: Outline, sampled: Sampled, rows: np.ndarray, left: np.ndarray
+    outline: Outline, sampled: Sampled, rows: np.ndarray, left: np.ndarray, factor: float
 ) -> list[float]:
     """For each curved facet the area between its chords and the curve, positive if it adds to the inside.
 
-    ``rows`` are the subsegments of facets; ``left`` says whether each has the inside on its left.
+    ``rows`` are the subsegments of facets; ``left`` says whether each has the inside on its left. Coordinates
+    are multiplied by ``factor``, a power of two.
     """
     parts = []
     for piece, curve in outline.curves.items():
         mine = np.nonzero(sampled.piece[rows] == piece)[0]
         if len(mine) == 0:
             continue
-        a, b = outline.points[outline.pieces[piece]]
-        (x, y), (u, v) = (sampled.points[sampled.ends[rows[mine], k]].T - a[:, None] for k in (0, 1))
+        a, b = factor * outline.points[outline.pieces[piece]]
+        (x, y), (u, v) = (factor * sampled.points[sampled.ends[rows[mine], k]].T - a[:, None] for k in (0, 1))
         chords = fsum(0.5 * (x * v - y * u))
-        parts.append((lune_area(curve, a, b) - chords) * (1 if left[mine[0]] else -1))
+        parts.append((lune_area(curve, a, b, factor) - chords) * (1 if left[mine[0]] else -1))
     return parts
 
 
-def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray) -> float:
+def lune_area(curve: CurveLike, first: np.ndarray, last: np.ndarray, factor: float = 1.0) -> float:
     """Signed area between a curve and its chord: positive if the curve runs on the right of the chord.
+
+    The curve is multiplied by ``factor``; its ends ``first`` and ``last`` are so already.
 
     For an arc there is a formula. Otherwise areas of polygons on the curve, of up to 2^15 sides, are
     extrapolated (Romberg).
     """
     if isinstance(curve, Arc):
-        return 0.5 * curve.radius**2 * (curve.sweep - sine(curve.sweep))
+        return 0.5 * (factor * curve.radius) ** 2 * (curve.sweep - sine(curve.sweep))
     areas: list[list[float]] = []
     for level in range(4, 16):
-        chain = curve.point(np.linspace(0, 1, 2**level + 1))
+        chain = factor * curve.point(np.linspace(0, 1, 2**level + 1))
         chain[0], chain[-1] = first, last
         (x, y), (dx, dy) = (chain[:-1] - first).T, np.diff(chain, axis=0).T
         row = [fsum(0.5 * (x * dy - y * dx))]

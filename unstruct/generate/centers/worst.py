@@ -260,7 +260,7 @@ def make_rule(
     Raises
     ------
     InputError
-        For an unknown name, a limit that is not a finite number, or "alpha" without a size.
+        For an unknown name, a limit that no triangle meets or that is not finite, or "alpha" without a size.
     """
     if priority is None:
         priority = "circumradius" if size is None else "alpha"
@@ -275,6 +275,9 @@ def make_rule(
     test[KIND], test[HAS_SIZE], test[HAS_LIMIT] = PRIORITIES[name], size is not None, limit is not None
     if limit is not None:
         most = finite(limit, "limit")
+        if not 0.0 < most < (60.0 if name == "min_angle" else np.inf):
+            below = " and below 60 degrees" if name == "min_angle" else ""
+            raise InputError(f"limit = {limit!r} must be positive{below}: no triangle is better")
         scale = {"circumradius": factor, "area": factor * factor, "min_angle": -1.0}
         test[LIMIT_ENTRY] = most * scale.get(name, 1.0)
     tables = [as_size(1.0 if f is None else f).table(*box, factor=factor).nodes for f in (size, field)]

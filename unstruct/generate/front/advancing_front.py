@@ -17,7 +17,7 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
-from .classical import classical_front, classical_mesh
+from .classical import SEARCHES, classical_front, classical_mesh
 from .metric_front import MetricRun
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
@@ -146,6 +146,8 @@ def advancing_front(
     """
     if method not in FRONT_METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
+    if not (isinstance(search, str) and search in SEARCHES):
+        raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
     if method == "classical":
         if _has_metric(size):
             raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")

@@ -132,7 +132,14 @@ class FrontRun:
             vertex[first + (e + 2) % 3], vertex[after - after % 3 + (after + 2) % 3],
         )  # fmt: skip
         p, a, b, n = (c.xy[int(v)] / c.factor for v in corners)
-        point = self.place(p, a, b, n, self._length((a + b) / 2)) if self.place is not None else None
+        h = self._length((a + b) / 2)
+        try:
+            point = self.place(p, a, b, n, h) if self.place is not None else None
+        except Exception as error:
+            raise InputError(
+                f"placement raised {type(error).__name__} ({error}) for the front edge from {a} to {b}; it is "
+                "called as placement(p, a, b, n, h) and returns a point (x, y) or None"
+            ) from error
         if point is None:
             return np.full(2, np.nan)
         try:
