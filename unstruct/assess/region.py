@@ -21,7 +21,7 @@ from .chains import Chains, among, assigned, chains_of, keys_of
 __all__ = ["check_domain", "pinch_points", "scatter_of"]
 
 ULPS = 64  # the most that a new vertex may be off its true curve, in 2^-53 of the largest coordinate
-NEARBY = np.arange(-8, 9) * 2.0**-52  # steps of a parameter over which a function for a curve scatters
+SCATTER_STEPS = np.arange(-8, 9) * 2.0**-52  # steps of a parameter over which a function for a curve scatters
 
 
 def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
@@ -166,11 +166,13 @@ def _curves_met(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> N
 
 def scatter_of(domain: Domain, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
     """How much a function for a curve scatters by rounding near a parameter: the deviation from a line."""
-    at = np.clip(t[:, None] + NEARBY, 0.0, 1.0)
-    places = domain.points_at(np.repeat(piece, len(NEARBY)), at.ravel()).reshape(len(t), len(NEARBY), 2)
+    at = np.clip(t[:, None] + SCATTER_STEPS, 0.0, 1.0)
+    places = domain.points_at(np.repeat(piece, len(SCATTER_STEPS)), at.ravel()).reshape(
+        len(t), len(SCATTER_STEPS), 2
+    )
     places = places - places.mean(axis=1, keepdims=True)
-    slope = (NEARBY[:, None] * places).sum(axis=1, keepdims=True) / (NEARBY**2).sum()
-    rest = places - NEARBY[:, None] * slope
+    slope = (SCATTER_STEPS[:, None] * places).sum(axis=1, keepdims=True) / (SCATTER_STEPS**2).sum()
+    rest = places - SCATTER_STEPS[:, None] * slope
     return np.hypot(rest[..., 0], rest[..., 1]).max(axis=1)
 
 

@@ -274,7 +274,7 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
 
 
 class _EndingText(StringIO):
-    """A text that raises EOFError for whoever reads on after its end: meshio's reader of Tecplot never stops."""
+    """A text that raises EOFError when it is read on after its end: meshio's reader of Tecplot goes on."""
 
     beyond = 0
 

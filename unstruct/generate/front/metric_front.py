@@ -35,7 +35,7 @@ MOST_TIMES, MOST_MORE = (
     20.0,
     10_000,
 )  # a metric that takes more points than so many times the expected is rough
-TOO_LONG = 2.0  # triangles with a longer edge, in the metric, are reported
+REPORTED_LENGTH = 2.0  # triangles with a longer edge, in the metric, are reported
 
 
 class MetricRun:
@@ -240,7 +240,7 @@ class MetricRun:
         """The triangles with an edge that is too long in the metric, and why."""
         c = self.complex
         long = np.zeros(c.triangles, dtype=bool)
-        improving.find_long(c.xy, c.vertex, c.region, c.triangles, self.table, TOO_LONG, long)
+        improving.find_long(c.xy, c.vertex, c.region, c.triangles, self.table, REPORTED_LENGTH, long)
         return dict.fromkeys(np.flatnonzero(long).tolist(), self.spent or "too large: no room for a point")
 
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:

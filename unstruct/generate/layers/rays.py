@@ -34,7 +34,7 @@ Integers = NDArray[np.int64]
 FREE_RAY, HELD_RAY, FAN_RAY, SLIDING_RAY, TAPER_RAY = range(5)  # kinds of rays
 FAN_FROM = np.radians(230.0)  # the angle of the fluid from which on a vertex has a fan
 FAN_STEP = np.radians(20.0)  # the largest angle between two rays of a fan
-SLIDES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
+SLIDING_ANGLES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
 SHARPEST = np.radians(30.0)  # corners of the fluid below this get no layers
 SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray may stand for a fan
 SMOOTHING_ROUNDS = 10  # of smoothing
@@ -231,7 +231,7 @@ def _open_ends(
     away = away / np.hypot(*away.T)[:, None]
     is_end = np.arange(len(side)) < len(ends)
     angle = np.where(is_end, _clockwise(-along[side], away), _clockwise(away, along[side]))
-    slides = (angle >= SLIDES[0]) & (angle <= SLIDES[1]) & ~domain.held()[piece[bound]]
+    slides = (angle >= SLIDING_ANGLES[0]) & (angle <= SLIDING_ANGLES[1]) & ~domain.held()[piece[bound]]
     inner = piece[bound] >= len(domain.facets)
     # Points on an inner piece are seen from both sides: both must be walls along which layers end there.
     key = bound * 2 + (other[bound, 0] == vertex)

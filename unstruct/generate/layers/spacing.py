@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 OF_A_GAP = 0.4  # edges along walls are at most so long, in units of the gap before them
-TOO_LONG = 1.4  # edges are halved if they exceed this length by this factor
+HALVED_BEYOND = 1.4  # edges are halved if they exceed this length by this factor
 UNEVEN = 2.2  # so many times longer than its neighbor an edge may be
 FINEST_SHARE = 1.0 / 128.0  # of the length that the size asks for: in narrower gaps there are no layers
 SPACING_ROUNDS = 16
@@ -80,7 +80,7 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[n
     m = len(walls.ends)
     a, b = x[edges[:, 0]], x[edges[:, 1]]
     length = np.hypot(*(b - a).T)
-    grown = (length[:m] / (OF_A_GAP * TOO_LONG))[:, None]
+    grown = (length[:m] / (OF_A_GAP * HALVED_BEYOND))[:, None]
     low, high = np.minimum(a, b), np.maximum(a, b)
     i, j = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
     apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
@@ -94,7 +94,7 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[n
     facing = (away * left[i]).sum(axis=1) > 0.0
     facing &= (j >= m) | ((away * left[j]).sum(axis=1) < 0.0)
     long = np.zeros(m, dtype=bool)
-    long[i[facing & (length[i] > TOO_LONG * OF_A_GAP * distance)]] = True
+    long[i[facing & (length[i] > HALVED_BEYOND * OF_A_GAP * distance)]] = True
     for side in (walls.after, walls.before):
         rows = np.flatnonzero(side >= 0)
         long[side[rows[length[side[rows]] > UNEVEN * length[rows]]]] = True
