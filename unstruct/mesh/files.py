@@ -274,11 +274,11 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
 
 
 class _EndingText(StringIO):
-    """A text that raises EOFError for whoever reads on after its end: meshio's reader of Tecplot never stops."""
+    """A text that raises EOFError for whoever reads on after its end, as meshio's reader of Tecplot does."""
 
     beyond = 0
 
-    def readline(self, size: int | None = -1, /) -> str:
+    def readline(self, size: int = -1, /) -> str:  # type: ignore[override]
         line = super().readline(size)
         self.beyond = 0 if line else self.beyond + 1
         if self.beyond > LINES_BEYOND:

@@ -496,7 +496,7 @@ def test_energy_never_rises(points, iterations):
 
 @pytest.mark.parametrize("iterations", [-1, 1.5, None, True, ((0, 0), (1, 1))])
 def test_relaxation_counts_its_steps(iterations):
-    with pytest.raises(InputError, match="iterations = .* must be a whole number that is not negative"):
+    with pytest.raises(InputError, match=r"iterations = .* must be a whole number that is not negative"):
         voronoi(uniform(9, 2)).relax(iterations)
 
 

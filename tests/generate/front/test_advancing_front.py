@@ -220,7 +220,7 @@ def test_a_function_that_places_nothing(answer: Any) -> None:
 
 @pytest.mark.parametrize("place", [lambda p: p, lambda p, a, b, n, h: 1 / 0])
 def test_a_function_that_raises(place: Any) -> None:
-    with pytest.raises(InputError, match="placement raised .*Error .* from .* to .*; it is called as"):
+    with pytest.raises(InputError, match=r"placement raised .*Error .* from .* to .*; it is called as"):
         advancing_front(SQUARE, 0.2, placement=place)
 
 
