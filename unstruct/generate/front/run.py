@@ -137,8 +137,8 @@ class FrontRun:
             point = self.place(p, a, b, n, h) if self.place is not None else None
         except Exception as error:
             raise InputError(
-                f"placement raised {type(error).__name__} ({error}) for the front edge from {a} to {b}; it is "
-                "called as placement(p, a, b, n, h) and returns a point (x, y) or None"
+                f"placement raised {type(error).__name__} ({error}) for the front edge from {a} to {b}; "
+                "it is called as placement(p, a, b, n, h) and returns a point (x, y) or None"
             ) from error
         if point is None:
             return np.full(2, np.nan)
