@@ -57,6 +57,9 @@ def test_places_that_cannot_be_written(tmp_path: Path) -> None:
         pass
     with pytest.raises(InputError, match="a path must be a string or a Path, not int"):
         as_path(3)
+    for name in ("", "a\0b.msh"):
+        with pytest.raises(InputError, match="is no path: give the name of a file"):
+            as_path(name)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from unstruct import Domain, DomainMesh, UnstructError, advancing_layers, check, sizing
-from unstruct.sizing import Layers
+from unstruct import Layers
 
 Rng = np.random.Generator
 

@@ -19,9 +19,12 @@ __all__ = ["as_path", "bytes_of", "replacing", "suffix_of", "text_of"]
 def as_path(value: Any) -> Path:
     """A path from a string or anything path-like, or an error that says what was given."""
     try:
-        return Path(value)
+        path = Path(value)
     except TypeError:
         raise InputError(f"a path must be a string or a Path, not {type(value).__name__}") from None
+    if value == "" or "\0" in str(path):
+        raise InputError(f"{value!r} is no path: give the name of a file, without a zero byte")
+    return path
 
 
 def suffix_of(path: Path) -> str:

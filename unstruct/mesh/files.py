@@ -278,7 +278,7 @@ class _EndingText(StringIO):
 
     beyond = 0
 
-    def readline(self, size: int | None = -1, /) -> str:
+    def readline(self, size: int = -1, /) -> str:  # type: ignore[override]
         line = super().readline(size)
         self.beyond = 0 if line else self.beyond + 1
         if self.beyond > LINES_BEYOND:

@@ -38,14 +38,12 @@ from .source_sizes import lines as lines
 from .source_sizes import points as points
 from .source_sizes import polygons as polygons
 from .source_sizes import sources as sources
-from .stretching import Layers as Layers
 from .table import SizeTable as SizeTable
 
 __all__ = [
     "Background",
     "BackgroundMetric",
     "FeatureSize",
-    "Layers",
     "LimitedSize",
     "Metric",
     "MetricTable",

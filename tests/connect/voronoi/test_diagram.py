@@ -494,6 +494,12 @@ def test_energy_never_rises(points, iterations):
         assert (np.diff(energies) <= 1e-13 * energies[:-1]).all()
 
 
+@pytest.mark.parametrize("iterations", [-1, 1.5, None, True, ((0, 0), (1, 1))])
+def test_relaxation_counts_its_steps(iterations):
+    with pytest.raises(InputError, match=r"iterations = .* must be a whole number that is not negative"):
+        voronoi(uniform(9, 2)).relax(iterations)
+
+
 def test_relaxation_keeps_account():
     points = np.vstack([uniform(30, 2), uniform(30, 2)[:2], [[7.0, 7.0], [8.0, 8.0]]])
     result = voronoi(points).relax(2, clip=((0, 0), (1, 1)))

@@ -280,7 +280,7 @@ def test_nasty_regions(kind):
         rng = np.random.default_rng([77, seed])
         domain = KINDS[kind](rng)
         for work in (conforming, guarded):
-            outcome, _, fault = work(domain, rng)
+            outcome, _, fault, _ = work(domain, rng)
             assert not fault, f"{outcome}: {fault}"
 
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import as_count
 from ...base.arrays import as_points, as_weights
 from ...base.doors import door
 from ...base.errors import DegenerateInputError, InputError
@@ -266,8 +267,7 @@ class Voronoi(VoronoiComplex):
         The site moves there all the same, as the energy demands. Weights, if there are any, stay with their
         sites, and w times the area of the cell is subtracted from the energy.
         """
-        if iterations < 0:
-            raise InputError(f"iterations = {iterations} must be at least 0")
+        iterations = as_count(iterations, "iterations")
         if clip is None:
             clip = np.stack([self.points.min(axis=0), self.points.max(axis=0)])
         window = as_window(clip)

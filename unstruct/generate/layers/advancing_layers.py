@@ -32,7 +32,7 @@ FILLS: dict[str, Callable[..., DomainMesh]] = {
     "refine": refine,
 }
 DEFAULT_FILL = "advancing_front"
-CELLS, STOP_RULES = ("triangle", "quad"), ("nearest", "spring")
+LAYER_CELLS, STOP_RULES = ("triangle", "quad"), ("nearest", "spring")
 
 
 def advancing_layers(
@@ -124,7 +124,7 @@ def advancing_layers(
     """
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., growth=...), not {type(layers).__name__}")
-    for name, value, known in (("cells", cells, CELLS), ("stop", stop, STOP_RULES)):
+    for name, value, known in (("cells", cells, LAYER_CELLS), ("stop", stop, STOP_RULES)):
         if value not in known:
             raise InputError(f"{name} must be {known[0]!r} or {known[1]!r}, not {value!r}")
     method = FILLS.get(fill) if isinstance(fill, str) else fill
