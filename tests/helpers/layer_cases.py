@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from unstruct import Domain, DomainMesh, UnstructError, advancing_layers, check, sizing
-from unstruct import Layers
+from unstruct import Domain, DomainMesh, Layers, UnstructError, advancing_layers, check, sizing
 
 Rng = np.random.Generator
 
