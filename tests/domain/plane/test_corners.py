@@ -94,7 +94,8 @@ def test_an_arc_that_cuts_the_side_it_starts_from(x0: float) -> None:
     start, stop = math.atan2(-2, -x0 / 2), -math.pi / 2 + 0.7
     last = center + radius * np.array([math.cos(stop), math.sin(stop)])
     arc = Arc(center, radius, stop, start - stop)
-    with pytest.raises(InputError, match=r"facet 0 and facet 2 (cross or touch|touch at their common vertex) near"):
+    told = r"facet 0 and facet 2 (cross or touch|touch at their common vertex) near"
+    with pytest.raises(InputError, match=told):
         Domain([[0, 0], [1.5, 0], last], [[0, 1], [1, 2], [2, 0]], curves={2: arc})
 
 
