@@ -39,6 +39,7 @@ from .scenes.fronts import empty_circle_frames as empty_circle_frames
 from .scenes.fronts import front_frames as front_frames
 from .scenes.fronts import front_length as front_length
 from .scenes.fronts import fronts_of as fronts_of
+from .scenes.gaps import gap_state as gap_state
 from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
