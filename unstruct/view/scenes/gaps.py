@@ -11,7 +11,7 @@ from ..draw import frames as fr
 
 __all__ = ["gap_state"]
 
-LONG, WIDE_END, SPACING = 4.0, 1.2, 0.25
+CHANNEL_LENGTH, LEFT_END, CHANNEL_SPACING = 4.0, 1.2, 0.25
 
 
 def gap_state(gap: float = 0.4, first: float = 0.02, stop: str = "nearest") -> fr.Frame:
@@ -31,15 +31,18 @@ def gap_state(gap: float = 0.4, first: float = 0.02, stop: str = "nearest") -> f
     dict
         The layers, the rest, and how many layers there are at both ends.
     """
-    domain = Domain.polygon([(0, 0), (LONG, 0), (LONG, gap), (0, WIDE_END)])
+    domain = Domain.polygon([(0, 0), (CHANNEL_LENGTH, 0), (CHANNEL_LENGTH, gap), (0, LEFT_END)])
     layers = Layers(first=first, growth=1.3)
-    mesh = advancing_layers(domain, SPACING, layers=layers, walls=[0, 2], cells="quad", stop=stop)
+    mesh = advancing_layers(domain, CHANNEL_SPACING, layers=layers, walls=[0, 2], cells="quad", stop=stop)
     steps = mesh.steps
     assert steps is not None
     kinds = [mesh.points[cell] for cells in mesh.cells.values() for cell in cells]
     inside = steps["cell_layer"] > 0
     x, level = steps["place"][:, 0], steps["level"]
-    left, right = level[(x > 0.3) & (x < 0.7)].max(), level[(x > LONG - 0.7) & (x < LONG - 0.3)].max()
+    left, right = (
+        level[(x > 0.3) & (x < 0.7)].max(),
+        level[(x > CHANNEL_LENGTH - 0.7) & (x < CHANNEL_LENGTH - 0.3)].max(),
+    )
     near = int((steps["reason"] == "near").sum())
     items = [
         fr.polygons("cell", [cell for cell, layer in zip(kinds, inside) if not layer]),
