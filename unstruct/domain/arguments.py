@@ -113,6 +113,11 @@ def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 def as_ring(ring: Any, name: str, least: int = 3) -> np.ndarray:
     """The corners of a ring, (k, 2), without a repeated last one; at least ``least`` of them."""
+    if isinstance(ring, Mapping) or hasattr(ring, "__geo_interface__"):
+        raise InputError(
+            f"{name} is a geometry and not an array of corners: use Domain.from_geojson(geometry), which reads "
+            "polygons with their holes"
+        )
     rows = as_points(ring, name)
     if rows.shape[1] != 2:
         raise InputError(f"{name} must have shape (k, 2), not {rows.shape}")

@@ -15,6 +15,21 @@ from unstruct.examples.running import running_region, running_size
 # ---------------------------------------------------------------------- shapes
 
 
+class Geometry:
+    """What a geometry of shapely shows of itself."""
+
+    __geo_interface__ = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}
+
+
+@pytest.mark.parametrize("given", [Geometry(), Geometry.__geo_interface__])
+def test_a_geometry_is_no_array_of_corners(given: object) -> None:
+    with pytest.raises(InputError, match="from_geojson"):
+        Domain.polygon(given)
+    with pytest.raises(InputError, match="from_geojson"):
+        Domain.polygon([(0, 0), (1, 0), (0, 1)], holes=[given])
+    assert Domain.from_geojson(given).area == 0.5
+
+
 def test_polygons_discs_rectangles() -> None:
     closed = Domain.polygon([[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], [[[1, 1], [2, 1], [2, 2], [1, 2]]])
     assert len(closed.points) == 8 and closed.area == 15
