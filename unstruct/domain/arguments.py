@@ -115,8 +115,8 @@ def as_ring(ring: Any, name: str, least: int = 3) -> np.ndarray:
     """The corners of a ring, (k, 2), without a repeated last one; at least ``least`` of them."""
     if isinstance(ring, Mapping) or hasattr(ring, "__geo_interface__"):
         raise InputError(
-            f"{name} is a geometry and not an array of corners: use Domain.from_geojson(geometry), which reads "
-            "polygons with their holes"
+            f"{name} is a geometry and not an array of corners: use Domain.from_geojson(geometry), which "
+            "reads polygons with their holes"
         )
     rows = as_points(ring, name)
     if rows.shape[1] != 2:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,13 +16,10 @@ from unstruct.examples.running import running_region, running_size
 # ---------------------------------------------------------------------- shapes
 
 
-class Geometry:
-    """What a geometry of shapely shows of itself."""
-
-    __geo_interface__ = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}
+TRIANGLE = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}
 
 
-@pytest.mark.parametrize("given", [Geometry(), Geometry.__geo_interface__])
+@pytest.mark.parametrize("given", [SimpleNamespace(__geo_interface__=TRIANGLE), TRIANGLE])
 def test_a_geometry_is_no_array_of_corners(given: object) -> None:
     with pytest.raises(InputError, match="from_geojson"):
         Domain.polygon(given)
