@@ -18,7 +18,7 @@ from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
 from . import metric_resize as resizing
 from . import metric_steps as k
-from .run import FRONT_COUNT_NAMES, FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS
+from .run import FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted
 from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 
 __all__ = ["MetricRun"]
@@ -218,22 +218,9 @@ class MetricRun:
         else:
             undone = np.flatnonzero(self.links[: c.triangles, STATUS] != ACCEPTED)
             order = np.concatenate([made, undone])
-        missed = self.missed()
-        used = np.zeros(c.size, dtype=bool)
-        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
-        slots = sorted(missed)
-        return c.mesh(
-            facets=len(self.domain.facets),
-            markers=self.domain.markers,
-            origin=np.arange(len(self.domain.points), dtype=np.int32),
-            points=self.domain.points,
-            order=order,
-            steps=self.steps(place) if self.history else None,
-            unrefined=np.array(slots, dtype=np.int64),
-            reasons=np.array([missed[slot] for slot in slots], dtype=str),
-            counts=dict(zip(FRONT_COUNT_NAMES, self.counts[: len(FRONT_COUNT_NAMES)].tolist())) | more,
-            figures=figures,
+        steps = self.steps if self.history else None
+        return accounted(
+            self.domain, c, steps, self.missed(), self.counts, more, order=order, figures=figures
         )
 
     def missed(self) -> dict[int, str]:

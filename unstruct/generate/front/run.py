@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...base.codes import DONE, ROOM
 from ...base.errors import InputError
+from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import Stars, legalize_all
+from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..rebay.finishing import figures
 from ..rebay.queue import ACCEPTED, BATCH, STATUS, WAITING, empty_queue
@@ -18,7 +20,7 @@ from ..rebay.run import FRONT_STEPS_A_CALL, VoronoiSegmentRun
 from . import placing
 from . import steps as k
 
-__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun"]
+__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun", "accounted"]
 
 Placement = Callable[[NDArray, NDArray, NDArray, NDArray, float], ArrayLike | None]
 ORDERS = ("widest", "smallest", "shortest", "oldest")
@@ -30,6 +32,49 @@ FRONT_COUNT_NAMES = (
 )  # fmt: skip
 WIDTHS, LENGTHS = 13, 97  # buckets for R / f, and for sizes and lengths; one is for triangles set aside
 SPARE_NUMBERS = 8  # rows after those of the subsegments, one of which all edges of the front share
+
+
+def accounted(
+    domain: Domain,
+    complex_: PlanarComplex,
+    steps: Callable[[NDArray[np.int32]], dict[str, NDArray]] | None,
+    missed: dict[int, str],
+    counts: NDArray[np.int64],
+    more: dict[str, int],
+    **rest: Any,
+) -> DomainMesh:
+    """The mesh of a front with its account.
+
+    Parameters
+    ----------
+    domain, complex_
+        Of the run.
+    steps : function, optional
+        The record, from the final numbers of the vertices (-1 for those that are not used).
+    missed : dict of int to str
+        The slots of triangles that are not as asked for, and why.
+    counts : ndarray of int64
+        What the kernels counted, in the order of `FRONT_COUNT_NAMES`.
+    more : dict of str to int
+        Further counts, of the finishing pass.
+    **rest
+        ``order`` and ``figures``, as for `PlanarComplex.mesh`.
+    """
+    c, slots = complex_, sorted(missed)
+    used = np.zeros(c.size, dtype=bool)
+    used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+    place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+    return c.mesh(
+        facets=len(domain.facets),
+        markers=domain.markers,
+        origin=np.arange(len(domain.points), dtype=np.int32),
+        points=domain.points,
+        steps=None if steps is None else steps(place),
+        unrefined=np.array(slots, dtype=np.int64),
+        reasons=np.array([missed[slot] for slot in slots], dtype=str),
+        counts=dict(zip(FRONT_COUNT_NAMES, counts[: len(FRONT_COUNT_NAMES)].tolist())) | more,
+        **rest,
+    )
 
 
 class FrontRun:
@@ -190,22 +235,9 @@ class FrontRun:
             undone = np.flatnonzero(base.links[: c.triangles, STATUS] != ACCEPTED)
             order = np.concatenate([made, undone])
             missed = dict.fromkeys(undone.tolist(), "budget") | self._large()
-        used = np.zeros(c.size, dtype=bool)
-        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
-        slots = sorted(missed)
-        return c.mesh(
-            facets=len(base.domain.facets),
-            markers=base.domain.markers,
-            origin=np.arange(len(base.domain.points), dtype=np.int32),
-            points=base.domain.points,
-            order=order,
-            steps=self.steps(place) if self.history else None,
-            unrefined=np.array(slots, dtype=np.int64),
-            reasons=np.array([missed[slot] for slot in slots], dtype=str),
-            counts=dict(zip(FRONT_COUNT_NAMES, self.counts[: len(FRONT_COUNT_NAMES)].tolist()))
-            | rest["counts"],
-            figures=rest["figures"],
+        steps = self.steps if self.history else None
+        return accounted(
+            base.domain, c, steps, missed, self.counts, rest["counts"], order=order, figures=rest["figures"]
         )
 
     def _large(self) -> dict[int, str]:
