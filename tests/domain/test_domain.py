@@ -325,7 +325,7 @@ def test_resolve_iterates_where_rounded_crossings_touch_others() -> None:
     ("arguments", "message"),
     [
         (([[0, 0], [1, float("nan")], [1, 1]], [[0, 1], [1, 2], [2, 0]]), r"points\[1\]"),
-        (([[0, 0, 0]], []), r"shape \(n, 2\)"),
+        (([[0, 0, 0, 0]], []), r"shape \(n, 2\)"),
         ((SQUARE, [[0, 1, 2]]), r"facets must have shape \(s, 2\)"),
         ((SQUARE, [[0.0, 1.0]]), "facets must be integers"),
         ((SQUARE, [[0, 2**40]]), "beyond 32 bits"),

@@ -74,7 +74,7 @@ def check(
 
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
-    domain = domain if domain is None else as_domain(domain)
+    domain = domain if domain is None else as_domain(domain, None)
     report = Report(repr(mesh))
     if not _arrays(mesh, report):
         return report

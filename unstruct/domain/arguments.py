@@ -95,8 +95,8 @@ def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
     return result
 
 
-def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Seeds (r, 2) by name; a single point is one seed."""
+def as_seeds(regions: Mapping[str, Any], dimension: int = 2) -> dict[str, np.ndarray]:
+    """Seeds (r, d) by name; a single point is one seed."""
     as_mapping(regions, "regions")
     result = {}
     for name, seeds in regions.items():
@@ -105,8 +105,8 @@ def as_seeds(regions: Mapping[str, Any]) -> dict[str, np.ndarray]:
         except ValueError:  # ragged: the rows are judged below
             single = False
         rows = as_points([seeds] if single else seeds, f"regions[{name!r}]")
-        if rows.shape[1] != 2:
-            raise InputError(f"regions[{name!r}] must have shape (r, 2), not {rows.shape}")
+        if rows.shape[1] != dimension:
+            raise InputError(f"regions[{name!r}] must have shape (r, {dimension}), not {rows.shape}")
         result[str(name)] = frozen(rows)
     return result
 

@@ -19,7 +19,7 @@ from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
 
-__all__ = ["followed", "held_by", "matched", "must_be_free", "plot", "simplified", "spaced"]
+__all__ = ["followed", "held_by", "matched", "must_be_free", "must_be_planar", "plot", "simplified", "spaced"]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
 
@@ -59,6 +59,7 @@ def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -
     Whyatt, *Line generalisation by repeated elimination of points*, 1993). Book: 2.6d.
     """
     old: Any = domain
+    must_be_planar(old, "simplified")
     must_be_free(old, "simplified")
     found = SIDES[old.dimension].simplified(old, old.sampled(), tolerance, size)
     make: Any = type(domain)
@@ -87,6 +88,7 @@ def spaced(domain: D, spacing: Mapping[Any, Any]) -> D:
         For unknown names, spacings that no number of edges fits, and different ones of pieces that match.
     """
     old: Any = domain
+    must_be_planar(old, "spaced")
     found = dict(old.spacings)
     for key, value in as_mapping(spacing, "spacing").items():
         one = value if isinstance(value, Spacing) else Spacing(count=value)
@@ -138,6 +140,7 @@ def matched(
         If the pieces do not match, with the place; or if one has an image already.
     """
     old: Any = domain
+    must_be_planar(old, "matched")
     slack = None if tolerance is None else finite(tolerance, "tolerance")
     found = matching(old, first, second, _motion(shift, rotation, center), slack)
     new = old
@@ -199,6 +202,12 @@ def held_by(domain: Any, spacings: dict[int, np.ndarray], matches: list[Match]) 
     return new
 
 
+def must_be_planar(domain: Any, what: str) -> None:
+    """Raise if the domain is a body in space."""
+    if domain.dimension != 2:
+        raise InputError(f"a body in space cannot be {what}; this is for planar domains")
+
+
 def must_be_free(domain: Any, what: str) -> None:
     """Raise if pieces have given points or images, which another domain would not have."""
     if domain.spacings or domain.matches:
@@ -252,4 +261,5 @@ def plot(
     -------
     matplotlib.axes.Axes
     """
+    must_be_planar(domain, "drawn with matplotlib")
     return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)

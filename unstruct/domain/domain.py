@@ -1,6 +1,6 @@
-"""Domain: a planar region to be meshed, bounded by segments, arcs and curves, even-odd.
+"""Domain: what is to be meshed, bounded by segments and curves in the plane, by polygons in space, even-odd.
 
-See the book, chapters 2.5 and 2.6d.
+See the book, chapters 2.5, 2.6d and 2.8b.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..base.options import like, named
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
 from . import card, derived, making
-from .arguments import DomainOptions, as_curves, as_markers, as_seeds, as_segments, joined
+from .arguments import DomainOptions, as_curves, as_markers, as_seeds, joined
 from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
@@ -34,32 +34,34 @@ __all__ = ["Domain", "as_domain"]
 
 
 NO_SEEDS = frozen(np.empty((0, 2)))
-NO_PIECES = frozen(np.empty((0, 2), dtype=np.int32))
 
 
 class Domain(Outline):
-    """A planar region that is to be meshed.
+    """A region in the plane, or a body in space, that is to be meshed.
 
-    *Facets* and *inner segments* are called *pieces* and numbered together: facets 0 to f - 1, then inner
-    segments f to f + g - 1. A piece is straight unless ``curves`` has a curve for it.
+    *Facets* and *inner* pieces are called *pieces* and numbered together: facets 0 to f - 1, then inner
+    pieces f to f + g - 1. In the plane a piece is straight unless ``curves`` has a curve for it.
 
     Parameters
     ----------
-    points : array_like, shape (n, 2)
+    points : array_like, shape (n, 2) or (n, 3)
         Vertices. Those that no piece uses are `loose`: they become vertices of the mesh if they lie inside.
-    facets : array_like of int, shape (f, 2)
+    facets : array_like of int, shape (f, 2); in space (f, k), or a list of rows
         Pieces that bound the region. A point is inside if an odd number of them separates it from infinity;
         so chains within chains are holes, islands, and so on, in any order and direction. At every vertex an
-        even number of facets must meet.
-    inner : array_like of int, shape (g, 2), optional
+        even number of facets must meet; in space, at every edge. In space a facet is a polygon, a row of its
+        vertices in order, or a list of rows: its outline and its holes. Vertices must lie in its plane up
+        to 1/1000 of its extent; if they do not exactly, the facet is the triangles into which it is cut.
+    inner : array_like of int, shape (g, 2), optional; in space a list of rows
         Interfaces, cracks, loose segments. They are edges of the mesh where they lie inside. They may have
-        loose ends or be closed, and never make holes.
+        loose ends or be closed, and never make holes. In space they are polygons, and rows of two vertices
+        are segments.
     curves : dict of int to curve, optional
         Piece -> `Arc`, `Curve`, `Bezier` or another object with ``point(t)``, from the first vertex of
-        the piece to its second.
+        the piece to its second. In the plane only.
     markers : dict of str to array_like of int, optional
         Name -> pieces.
-    regions : dict of str to array_like, shape (r, 2), optional
+    regions : dict of str to array_like, shape (r, d), optional
         Name -> seeds, points inside. A part of the region (as facets and inner pieces divide it) takes the
         name of the seed in it.
     resolve : bool, optional
@@ -68,9 +70,10 @@ class Domain(Outline):
     Raises
     ------
     InputError
-        For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length,
-        repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a vertex,
-        curves that miss their ends, cross or touch, and seeds outside. The message names the first fault, its
+        For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length or
+        area, repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a
+        vertex (in space at an edge), polygons that are not flat or touch themselves, curves that miss their
+        ends, cross or touch, and seeds outside. The message names the first fault, its
         place and the remedy.
 
     Attributes
@@ -91,7 +94,7 @@ class Domain(Outline):
 
     Notes
     -----
-    Faults are found by exact signs in O(n log n), without tolerances. Book: 2.5, 2.6d.
+    Faults are found by exact signs in O(n log n), without tolerances. Book: 2.5, 2.6d, 2.8b.
     """
 
     def __init__(
@@ -107,9 +110,10 @@ class Domain(Outline):
     ):
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
-            raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
-        rows = as_segments(facets, "facets")
-        others = NO_PIECES if inner is None else as_segments(inner, "inner")
+            raise InputError(f"points must have shape (n, 2) or (n, 3), not {coordinates.shape}")
+        rows, others = SIDES[coordinates.shape[1]].rows(facets, inner)
+        if curves and coordinates.shape[1] == 3:
+            raise InputError("curves are for planar domains; in space give more facets where a body is round")
         many = len(rows) + len(others)
         super().__init__(
             frozen(coordinates.copy()),  # a copy: later changes of the caller's array must not matter
@@ -117,7 +121,7 @@ class Domain(Outline):
             others,
             as_curves(curves, many) if curves else {},
             as_markers(markers, many) if markers else {},
-            as_seeds(regions) if regions else {},
+            as_seeds(regions, coordinates.shape[1]) if regions else {},
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
@@ -130,13 +134,13 @@ class Domain(Outline):
         if self.curves:
             self._side.check_ends(self)
         if self.regions:
-            self._side.check_seeds_off_pieces(self)
+            self._side.check_seeds_off_pieces(self, None if self.dimension == 2 else self._coarse)
         if self.curves or self.regions:  # the chords show where curves meet
             self._side.check_seeds(self, self._coarse)
 
     @property
     def dimension(self) -> int:
-        """The number of coordinates: 2."""
+        """The number of coordinates: 2 or 3."""
         return self.points.shape[1]
 
     @property
@@ -144,7 +148,7 @@ class Domain(Outline):
         return SIDES[self.dimension]
 
     @cached_property
-    def _coarse(self) -> Sampled:
+    def _coarse(self) -> Any:
         return self._side.coarse(self)
 
     # ------------------------------------------------------------------ domains of something else than arrays
@@ -241,6 +245,7 @@ class Domain(Outline):
         InputError
             For sizes that are not positive and finite, with the place.
         """
+        derived.must_be_planar(self, "sampled")
         if size is None:
             return self._coarse
         return self._side.sized(self, size, positive(step, "step"))
@@ -270,11 +275,20 @@ class Domain(Outline):
     @cached_property
     def area(self) -> float:
         """The area inside: correctly rounded for straight facets; for curves with some rounding errors."""
-        return self._side.area(self, self._coarse)
+        if self.dimension != 2:
+            raise InputError("a body in space has a volume, not an area: ask for domain.volume")
+        return self._side.measure(self, self._coarse)
+
+    @cached_property
+    def volume(self) -> float:
+        """The volume inside of a body in space, correctly rounded."""
+        if self.dimension != 3:
+            raise InputError("a planar domain has an area, not a volume: ask for domain.area")
+        return self._side.measure(self, self._coarse)
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """((smallest x, smallest y), (largest x, largest y)) of the points and, approximately, of curves."""
+        """((smallest x, ...), (largest x, ...)) of the points and, approximately, of curves: (2, d)."""
         return self._side.bounds(self, self._coarse)
 
     # ------------------------------------------------------------------ files and differences
@@ -318,6 +332,7 @@ class Domain(Outline):
         Markers and regions are numbers in this format. A name that is not a number is replaced by a free
         number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
         """
+        derived.must_be_planar(self, "written to .poly")
         poly.write_poly(self, self._coarse, self.max_areas, self.hole_seeds, as_path(path))
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
@@ -332,6 +347,7 @@ class Domain(Outline):
         """
         domains: list[Domain] = [self, *map(as_domain, others)]
         for domain in domains:
+            derived.must_be_planar(domain, "combined")
             derived.must_be_free(domain, "combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]
@@ -358,8 +374,14 @@ class Domain(Outline):
         return f"<Domain: {len(self.points)} points, {len(self.facets)} facets{inner}{loose}{curves}>"
 
 
-def as_domain(value: Any) -> Domain:
-    """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place."""
+def as_domain(value: Any, dimension: int | None = 2) -> Domain:
+    """The domain itself, that of `Sampled` pieces, or an error that says what was given in its place.
+
+    Parameters
+    ----------
+    dimension : int or None
+        What it must have; None for any.
+    """
     if isinstance(value, Sampled):
         old = as_domain(value.outline)
         new = derived.followed(old, Domain(**value.parts()), value.origin, value.piece)
@@ -367,4 +389,7 @@ def as_domain(value: Any) -> Domain:
         return new
     if not isinstance(value, Domain):
         raise InputError(f"domain must be a Domain, not {type(value).__name__}")
+    if dimension not in (None, value.dimension):
+        kind = "planar domains" if dimension == 2 else "bodies in space"
+        raise InputError(f"this is for {kind}; the domain has points of {value.dimension} coordinates")
     return value

@@ -1,6 +1,6 @@
-"""Outline: what bounds a region in the plane, as arrays and curves. `Domain` stores its boundary in one.
+"""Outline: what bounds a region in the plane or a body in space, as arrays and curves; part of a `Domain`.
 
-Nothing is checked here. See the book, chapters 2.5 and 2.6d.
+Nothing is checked here. See the book, chapters 2.5, 2.6d and 2.8b.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from ..base.arrays import as_numbers, frozen
 from ..base.errors import InputError
 from ..base.jit import kernel
 from .curves import Batch, CurveLike
+from .polygons import Polygons
 
 __all__ = ["Cuts", "Outline", "piece_name"]
 
@@ -36,15 +37,16 @@ class Cuts(NamedTuple):
 class Outline:
     """Vertices and pieces, straight or curved, with names; the functions that work on a `Domain` read it.
 
-    Pieces are numbered consecutively: facets 0 to f - 1, then inner segments f to f + g - 1.
+    Pieces are numbered consecutively: facets 0 to f - 1, then inner pieces f to f + g - 1.
 
     Parameters
     ----------
-    points : ndarray, shape (n, 2)
+    points : ndarray, shape (n, 2) or (n, 3)
     facets : ndarray of int32, shape (f, 2)
-        Pieces that bound the region, by the even-odd rule.
+        Pieces that bound the region, by the even-odd rule. In space they are triangles, shape (f, 3), or
+        `Polygons`.
     inner : ndarray of int32, shape (g, 2)
-        Pieces that do not bound the region.
+        Pieces that do not bound the region. In space they are `Polygons`, segments among them.
     curves : dict of int to curve
         Piece -> the curve from its first vertex to its second; all other pieces are straight.
     markers : dict of str to ndarray of int
@@ -60,8 +62,8 @@ class Outline:
     def __init__(
         self,
         points: np.ndarray,
-        facets: np.ndarray,
-        inner: np.ndarray,
+        facets: Any,
+        inner: Any,
         curves: dict[int, CurveLike],
         markers: dict[str, np.ndarray],
         regions: dict[str, np.ndarray],
@@ -72,12 +74,14 @@ class Outline:
         self.matches: list[Any] = []  # pairs of pieces of which one is the other, moved
 
     @property
-    def pieces(self) -> np.ndarray:
-        """Facets, then inner segments: (f + g, 2) int32."""
+    def pieces(self) -> Any:
+        """Facets, then inner pieces: (f + g, 2) int32; in space `Polygons`."""
         return self._pieces
 
     @cached_property
-    def _pieces(self) -> np.ndarray:
+    def _pieces(self) -> Any:
+        if self.points.shape[1] == 3:
+            return Polygons.joined(Polygons.of(self.facets), Polygons.of(self.inner))
         return frozen(np.concatenate([self.facets, self.inner])) if len(self.inner) else self.facets
 
     @cached_property
@@ -94,8 +98,10 @@ class Outline:
         return found
 
     def name(self, piece: int) -> str:
-        """The name of a piece in messages: "facet 3", "inner segment 0"."""
-        return piece_name(piece, len(self.facets))
+        """The name of a piece in messages: "facet 3", "inner segment 0", "inner facet 2"."""
+        polygon = self.points.shape[1] == 3 and self.pieces.corners[piece] > 2
+        name = piece_name(piece, len(self.facets))
+        return name.replace("segment", "facet") if polygon else name
 
     def at(self, piece: int, t: Any) -> np.ndarray:
         """Points of one piece by parameter.

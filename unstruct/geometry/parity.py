@@ -12,7 +12,15 @@ from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
 from .boxes import BoxTree, bounding_boxes
 
-__all__ = ["cells_area", "enclosed_area", "even_odd", "left_parity", "on_the_right", "right_parity"]
+__all__ = [
+    "cells_area",
+    "enclosed_area",
+    "even_odd",
+    "left_parity",
+    "on_the_right",
+    "products",
+    "right_parity",
+]
 
 
 POINTS_AT_ONCE = 1 << 14  # how many points are processed at a time
@@ -157,7 +165,7 @@ def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
     factor = power_of_two(points)
     xa, ya = (points[segments[:, 0]] * factor).T
     xb, yb = (points[segments[:, 1]] * factor).T
-    parts = [*_products(xa, yb), *_products(-ya, xb)]
+    parts = [*products(xa, yb), *products(-ya, xb)]
     return fsum(np.concatenate(parts).tolist()) / 2 / factor / factor
 
 
@@ -196,7 +204,7 @@ def _twice_area(xy, triangles, partials):
     return count
 
 
-def _products(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def products(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Split a b into high + low, exactly (Dekker), for moderate exponents."""
     high = a * b
     ah, al = _split(a)

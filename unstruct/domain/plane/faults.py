@@ -27,7 +27,7 @@ class Fault:
 
     kind: str
     text: str
-    place: tuple[float, float]
+    place: tuple[float, ...]
     pieces: tuple[int, ...] = ()
     vertices: tuple[int, ...] = ()
 

@@ -1,0 +1,1 @@
+"""Bodies in space: polygons that bound them, cut into triangles and checked exactly; files; made bodies."""

@@ -1,0 +1,318 @@
+"""Faults of the pieces of a body: an exact search, in stages; each fault names its pieces and its place.
+
+Which way a facet is turned does not matter: by the even-odd rule its inside follows from all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ...geometry.outline import Outline
+from ...geometry.polygons import Polygons
+from ...geometry.triangle_pairs import (
+    EDGES_CROSS,
+    OVERLAP,
+    PIERCES,
+    VERTEX_ON_EDGE,
+    Meetings,
+    clear_view,
+    crossing_segments,
+    edges_of,
+    meetings_in_space,
+    points_on_edges,
+    points_on_triangles,
+    unit_points,
+)
+from ..plane.faults import Fault
+from .cutting import Shell, at, cut, place
+
+__all__ = ["find_faults", "first_copies", "shell_of"]
+
+NOWHERE = (float("nan"),) * 3
+
+
+def shell_of(outline: Outline) -> Shell:
+    """The triangles of a body without faults."""
+    polygons: Any = outline.pieces
+    return cut(outline.points, polygons, len(outline.facets))[0]
+
+
+def find_faults(outline: Outline) -> list[Fault]:
+    """All faults, in stages: a stage is the last if it finds any."""
+    for stage in (_indices, _duplicates, _repeated_vertices):
+        faults = stage(outline)
+        if faults:
+            return faults
+    polygons: Any = outline.pieces
+    shell, faults = cut(outline.points, polygons, len(outline.facets))
+    if faults:
+        return [replace(f, text=f.text.format(name=outline.name(f.pieces[0]))) for f in faults]
+    for later in (_flat, _repeated, _meetings, _loose, _open_edges):
+        faults = later(outline, shell)
+        if faults:
+            return faults
+    return []
+
+
+def first_copies(points: np.ndarray) -> np.ndarray:
+    """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
+    rows = points + 0.0
+    order = np.lexsort(rows.T[::-1])
+    head = np.ones(len(rows), dtype=bool)
+    head[1:] = (rows[order[1:]] != rows[order[:-1]]).any(axis=1)
+    first = np.empty(len(rows), dtype=np.int64)
+    first[order] = order[np.maximum.accumulate(np.where(head, np.arange(len(rows)), 0))]
+    return first
+
+
+# ---------------------------------------------------------------------- what the arrays show
+
+
+def _indices(outline: Outline) -> list[Fault]:
+    polygons: Any = outline.pieces
+    n, flat = len(outline.points), polygons.vertices
+    bad = np.flatnonzero((flat < 0) | (flat >= n))
+    owner = np.repeat(np.arange(len(polygons)), polygons.corners)[bad]
+    return [
+        Fault(
+            "index out of range",
+            f"{outline.name(i)} refers to points outside 0..{n - 1}: {v}; correct the index, or let "
+            "resolve=True drop the facet",
+            NOWHERE,
+            (i,),
+        )
+        for i, v in dict(zip(owner.tolist()[::-1], flat[bad].tolist()[::-1])).items()
+    ][::-1]
+
+
+def _duplicates(outline: Outline) -> list[Fault]:
+    first, points = first_copies(outline.points), outline.points
+    return [
+        Fault(
+            "duplicate points",
+            f"points {first[copy]} and {copy} are equal, {at(points[copy])}; use only one of them, or let "
+            "resolve=True merge them",
+            place(points[copy]),
+            vertices=(int(first[copy]), copy),
+        )
+        for copy in np.flatnonzero(first != np.arange(len(first))).tolist()
+    ]
+
+
+def _repeated_vertices(outline: Outline) -> list[Fault]:
+    """Polygons in which a vertex stands twice: sides without length, rings that touch themselves."""
+    polygons: Any = outline.pieces
+    owner = np.repeat(np.arange(len(polygons)), polygons.corners)
+    key = (owner << 32) | polygons.vertices
+    order = np.argsort(key, kind="stable")
+    twice = np.flatnonzero(np.diff(key[order]) == 0)
+    result = []
+    for i, v in zip(owner[order[twice]].tolist(), polygons.vertices[order[twice]].tolist()):
+        text = (
+            f"{outline.name(i)} has point {v} twice, {at(outline.points[v])}; leave one out, or let "
+            "resolve=True do so"
+        )
+        result.append(Fault("repeated vertex", text, place(outline.points[v]), (i,), (v,)))
+    return result
+
+
+# ---------------------------------------------------------------------- what the triangles show
+
+
+def _rows(outline: Outline, shell: Shell, t: int) -> str:
+    """The name of the piece of a triangle, with its vertices."""
+    i = int(shell.piece[t])
+    polygons: Any = outline.pieces
+    row = "" if polygons.corners[i] > 8 else f" = {polygons.vertices_of(i).tolist()}"
+    return f"{outline.name(i)}{row}"
+
+
+def _flat(outline: Outline, shell: Shell) -> list[Fault]:
+    """Triangles whose vertices lie on a line."""
+    xyz = unit_points(shell.points)
+    a, b, c = (xyz[shell.triangles[:, k]] for k in range(3))
+    area = np.abs(np.cross(b - a, c - a)).max(axis=1)
+    suspects = np.flatnonzero(area <= 2.0**-48 * np.abs(np.stack([b - a, c - a])).max(axis=(0, 2)))
+    result = []
+    for t in suspects.tolist():
+        row = shell.triangles[t]
+        if clear_view(xyz, *row) < 0:
+            text = (
+                f"{_rows(outline, shell, t)} has no area: its vertices lie on a line, "
+                f"{at(shell.points[row[0]])}; leave it out, or let resolve=True do so"
+            )
+            result.append(
+                Fault(
+                    "zero area",
+                    text,
+                    place(shell.points[row[0]]),
+                    (int(shell.piece[t]),),
+                    tuple(row.tolist()),
+                )
+            )
+    return result
+
+
+def _repeated(outline: Outline, shell: Shell) -> list[Fault]:
+    """Facets, or inner segments, with the same vertices."""
+    result = []
+    for rows, piece in (
+        (np.sort(shell.triangles, axis=1), shell.piece),
+        (np.sort(shell.segments, axis=1), shell.segment_piece),
+    ):
+        order = np.lexsort(rows.T[::-1])
+        same = np.flatnonzero((rows[order[1:]] == rows[order[:-1]]).all(axis=1))
+        for one, two in zip(order[same].tolist(), order[same + 1].tolist()):
+            i, j = int(piece[one]), int(piece[two])
+            text = (
+                f"{outline.name(i)} and {outline.name(j)} have the same points {rows[one].tolist()}, "
+                f"{at(shell.points[rows[one][0]])}; drop one, or let resolve=True do so (by the even-odd "
+                "rule it drops both of two equal facets)"
+            )
+            result.append(Fault("repeated facet", text, place(shell.points[rows[one][0]]), (i, j)))
+    return result
+
+
+def _meetings(outline: Outline, shell: Shell) -> list[Fault]:
+    """Edges and inner segments that meet a triangle outside of common vertices."""
+    own = edges_of(shell.triangles) if len(shell.triangles) else np.empty((0, 2), dtype=np.int32)
+    edges = np.concatenate([own, shell.segments]).astype(np.int32)
+    met = meetings_in_space(shell.points, shell.triangles, edges)
+    found: dict[Any, Fault] = {}
+    for k in range(len(met.edge)):
+        fault = _meeting(outline, shell, edges, len(own), met, k)
+        found.setdefault((fault.kind, tuple(sorted(fault.pieces)), fault.vertices), fault)
+    return [*found.values(), *_crossing_segments(outline, shell, own)]
+
+
+def _meeting(outline: Outline, shell: Shell, edges: np.ndarray, own: int, met: Meetings, k: int) -> Fault:
+    """One meeting as a fault."""
+    e, t, kind, v = int(met.edge[k]), int(met.triangle[k]), int(met.kind[k]), int(met.vertex[k])
+    p, q = edges[e].tolist()
+    i = int(shell.piece[t])
+    if e < own:
+        of = np.flatnonzero((shell.triangles == p).any(axis=1) & (shell.triangles == q).any(axis=1))
+        j = int(shell.piece[of[0]])
+        one = f"{outline.name(j)} (edge {p}-{q})"
+    else:
+        j = int(shell.segment_piece[e - own])
+        one = f"{outline.name(j)} = [{p}, {q}]"
+    two = _rows(outline, shell, t)
+    if v >= 0:
+        where = place(shell.points[v])
+        if kind == VERTEX_ON_EDGE:
+            on = f"an edge of {two}" if v in (p, q) else f"the edge {p}-{q} of {outline.name(j)}"
+            name = "vertex on an edge"
+        else:
+            on, name = two, "vertex on a facet"
+        text = (
+            f"point {v} lies on {on}, {at(shell.points[v])}; split the facet there, or let resolve=True do so"
+        )
+        return Fault(name, text, where, (i, j), (v,))
+    if kind in (PIERCES, EDGES_CROSS):
+        where = _crossing_place(shell.points, p, q, shell.triangles[t])
+        text = (
+            f"{one} crosses {two} {at(np.array(where))}; the facets of a body must not cross: "
+            "unite the bodies first"
+        )
+        return Fault("crossing", text, where, (i, j))
+    assert kind == OVERLAP
+    where = place(shell.points[[p, q]].mean(axis=0))
+    text = (
+        f"{one} and {two} overlap in a plane, near {at(np.array(where))[3:]}; cut both along the outline of "
+        "what they have in common, and drop what is there twice"
+    )
+    return Fault("overlap", text, where, (i, j))
+
+
+def _crossing_place(points: np.ndarray, p: int, q: int, triangle: np.ndarray) -> tuple[float, ...]:
+    """Where a segment crosses the plane of a triangle, in rational arithmetic and rounded once."""
+    rows = [[Fraction(x) for x in points[v].tolist()] for v in (p, q, *triangle.tolist())]
+    a, b, o, u, v = rows
+    u, v = ([x - y for x, y in zip(w, o)] for w in (u, v))
+    n = [u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3] for k in range(3)]
+    one, two = (sum(x * (y - z) for x, y, z in zip(n, w, o)) for w in (a, b))
+    share = one / (one - two)
+    return tuple(float(x + share * (y - x)) for x, y in zip(a, b))
+
+
+def _crossing_segments(outline: Outline, shell: Shell, own: np.ndarray) -> list[Fault]:
+    """Inner segments that meet another inner segment, or an end of one, apart from facets."""
+    rows = shell.segments
+    if len(rows) == 0:
+        return []
+    result = []
+    for v, s in zip(*map(np.ndarray.tolist, points_on_edges(shell.points, np.unique(rows), rows))):
+        i = int(shell.segment_piece[s])
+        text = (
+            f"point {v} lies on {outline.name(i)}, {at(shell.points[v])}; split the segment there, or let "
+            "resolve=True do so"
+        )
+        result.append(Fault("vertex on a segment", text, place(shell.points[v]), (i,), (v,)))
+    for s, t in zip(*map(np.ndarray.tolist, crossing_segments(shell.points, rows))):
+        i, j = int(shell.segment_piece[s]), int(shell.segment_piece[t])
+        where = _nearest(shell.points, rows[s], rows[t])
+        text = f"{outline.name(i)} and {outline.name(j)} cross, {at(np.array(where))}; put a vertex there"
+        result.append(Fault("crossing", text, where, (i, j)))
+    return result
+
+
+def _nearest(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, ...]:
+    """Where two segments that cross meet, up to rounding."""
+    a, b, c, d = points[[*s, *t]]
+    sides = np.column_stack([b - a, c - d])
+    share = np.linalg.lstsq(sides, c - a, rcond=None)[0]
+    return place(a + share[0] * (b - a))
+
+
+def _loose(outline: Outline, shell: Shell) -> list[Fault]:
+    """Vertices of no piece that lie on a facet or a segment."""
+    loose = np.asarray(outline.loose)
+    if len(loose) == 0:
+        return []
+    result: list[Fault] = []
+    if len(shell.triangles):
+        for v, t, _ in zip(
+            *map(np.ndarray.tolist, points_on_triangles(shell.points, loose, shell.triangles))
+        ):
+            i = int(shell.piece[t])
+            text = (
+                f"point {v} lies on {_rows(outline, shell, t)}, {at(shell.points[v])}; split the facet "
+                "there, or move the point"
+            )
+            result.append(Fault("vertex on a facet", text, place(shell.points[v]), (i,), (v,)))
+    if len(shell.segments):
+        for v, s in zip(*map(np.ndarray.tolist, points_on_edges(shell.points, loose, shell.segments))):
+            i = int(shell.segment_piece[s])
+            text = (
+                f"point {v} lies on {outline.name(i)}, {at(shell.points[v])}; split the segment there, or "
+                "move the point"
+            )
+            result.append(Fault("vertex on a segment", text, place(shell.points[v]), (i,), (v,)))
+    return [*{(f.kind, f.pieces, f.vertices): f for f in result}.values()]
+
+
+def _open_edges(outline: Outline, shell: Shell) -> list[Fault]:
+    """Edges at which an odd number of facets meets."""
+    facets = Polygons.of(outline.facets)
+    ends, owner = facets.sides
+    sides = np.sort(ends, axis=1).astype(np.int64)
+    key, at_key, count = np.unique((sides[:, 0] << 32) | sides[:, 1], return_inverse=True, return_counts=True)
+    result = []
+    order = np.argsort(at_key, kind="stable")
+    start = np.cumsum(count) - count
+    for k in np.flatnonzero(count % 2).tolist():
+        a, b = int(key[k] >> 32), int(key[k] & (2**32 - 1))
+        touching = tuple(owner[order[start[k] : start[k] + count[k]]].tolist())
+        middle = outline.points[[a, b]].mean(axis=0)
+        text = (
+            f"the boundary is open: {count[k]} facet{'s meet' if count[k] > 1 else ' ends'} at the edge "
+            f"{a}-{b}, near {at(middle)[3:]} (facets {', '.join(map(str, touching))}), but an even number "
+            "must meet. Close the hole, or give facets that bound nothing as inner"
+        )
+        result.append(Fault("open boundary", text, place(middle), touching, (a, b)))
+    return result

@@ -1,0 +1,254 @@
+"""Inside or outside of triangles in space by the even-odd rule, exactly, and the volume that they enclose.
+
+A ray runs from a point in the direction of x. It may meet vertices and edges. So the point is thought to be
+moved by (0, e, e^2) with an infinitesimal e > 0: the ray then meets no edge, and each sign that is 0 takes
+that of its derivative. Triangles that are seen edge-on are never met. See the book, 2.8b.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import fsum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.arrays import fill
+from ..base.jit import inline, kernel
+from ..predicates.batch import power_of_two
+from ..predicates.kernels import orient2
+from .boxes import BoxTree, bounding_boxes
+from .parity import products
+from .triangle_pairs import place_in_triangle, side, turn, unit_points
+
+__all__ = ["enclosed_volume", "even_odd_in_space", "front_inside", "triangle_components"]
+
+RAYS_AT_ONCE = 1 << 14
+SURELY = 2.0**-45  # sums of three determinants of numbers up to 1 err by less than 2^-46
+
+
+# ---------------------------------------------------------------------- rays from given points
+
+
+@inline
+def _to_the_left(xyz, p, u, v):
+    """The side of u v, seen along x, on which p moved by (0, e, e^2) lies; 0 if u v is seen end-on."""
+    sign = orient2(xyz[u, 1], xyz[u, 2], xyz[v, 1], xyz[v, 2], xyz[p, 1], xyz[p, 2])
+    if sign != 0:
+        return sign
+    if xyz[u, 2] != xyz[v, 2]:
+        return 1 if xyz[u, 2] > xyz[v, 2] else -1
+    return 1 if xyz[v, 1] > xyz[u, 1] else (-1 if xyz[v, 1] < xyz[u, 1] else 0)
+
+
+@kernel
+def _rays(xyz, first, triangles, query, hit, odd, on):
+    """Count, for each query point, the triangles to its right, and note whether it lies on one.
+
+    Query q is the row ``first + q`` of the coordinates.
+    """
+    for i in range(query.shape[0]):
+        q, t = query[i], hit[i]
+        p, a, b, c = first + q, triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        above = side(xyz, a, b, c, p)
+        if above == 0 and place_in_triangle(xyz, a, b, c, p) > 0:
+            on[q] = True
+            continue
+        facing = turn(xyz, 1, 2, a, b, c)
+        if facing == 0 or above * facing >= 0:
+            continue
+        if (
+            _to_the_left(xyz, p, a, b) * facing > 0
+            and _to_the_left(xyz, p, b, c) * facing > 0
+            and _to_the_left(xyz, p, c, a) * facing > 0
+        ):
+            odd[q] ^= True
+
+
+def even_odd_in_space(
+    points: np.ndarray, triangles: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether rays from ``x`` meet an odd number of triangles, and whether x is on one; both exact.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    triangles : (t, 3) int
+        None of them flat; an even number at each edge.
+    x : (k, 3) float64
+
+    Returns
+    -------
+    odd, on : (k,) bool
+    """
+    odd, on = np.zeros(len(x), dtype=np.bool_), np.zeros(len(x), dtype=np.bool_)
+    if len(x) == 0 or len(triangles) == 0:
+        return odd, on
+    xyz = unit_points(np.concatenate([points, x]))
+    n = len(points)
+    low, high = bounding_boxes(xyz[triangles])
+    tree, far = BoxTree(low, high), high[:, 0].max()
+    for i in range(0, len(x), RAYS_AT_ONCE):
+        part = xyz[n + i : n + i + RAYS_AT_ONCE]
+        reach = part.copy()
+        reach[:, 0] = np.maximum(far, part[:, 0])
+        query, hit = tree.pairs(part, reach)
+        _rays(xyz, n + i, triangles, query, hit, odd[i : i + RAYS_AT_ONCE], on[i : i + RAYS_AT_ONCE])
+    return odd, on
+
+
+# ---------------------------------------------------------------------- which side of a triangle is inside
+
+
+def _mates(triangles: np.ndarray) -> NDArray[np.int64]:
+    """For side 3 t + k, opposite vertex k: the other side at this edge if exactly two meet there, else -1."""
+    ends = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2).astype(np.int64)
+    key = (ends.min(axis=1) << 32) | ends.max(axis=1)
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0])) if len(key) else order
+    double = first[np.diff(np.append(first, len(key))) == 2]
+    mates = np.full(len(key), -1, dtype=np.int64)
+    mates[order[double]], mates[order[double + 1]] = order[double + 1], order[double]
+    return mates
+
+
+@kernel
+def _components(triangles, mates, component, against):
+    """Number the parts that hang together over edges of two triangles, and compare directions in each."""
+    fill(component, -1)
+    stack = np.empty(triangles.shape[0], dtype=np.int64)
+    count = 0
+    for start in range(triangles.shape[0]):
+        if component[start] >= 0:
+            continue
+        component[start], against[start], stack[0], top = count, False, start, 1
+        while top > 0:
+            top -= 1
+            t = stack[top]
+            for k in range(3):
+                mate = mates[3 * t + k]
+                if mate < 0 or component[mate // 3] >= 0:
+                    continue
+                u, j = mate // 3, mate % 3
+                same = triangles[u, (j + 1) % 3] == triangles[t, (k + 1) % 3]
+                component[u], against[u], stack[top] = count, against[t] ^ same, u
+                top += 1
+        count += 1
+    return count
+
+
+def triangle_components(triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArray[np.bool_], int]:
+    """The parts that hang together over edges of exactly two triangles.
+
+    Returns
+    -------
+    component : (t,) int64
+    against : (t,) bool
+        Whether a triangle is turned against the first one of its part.
+    count : int
+    """
+    component, against = np.empty(len(triangles), dtype=np.int64), np.empty(len(triangles), dtype=np.bool_)
+    count = int(_components(triangles, _mates(triangles), component, against))
+    return component, against, count
+
+
+def front_inside(points: np.ndarray, triangles: np.ndarray) -> NDArray[np.bool_]:
+    """Whether the side to which the normal points is inside, for embedded triangles that bound a body; exact.
+
+    The answer is the same, up to its direction, all over a part that hangs together over edges of two
+    triangles. So one ray a part is enough; it starts in the barycenter of a triangle, which is on no other.
+    """
+    if len(triangles) == 0:
+        return np.zeros(0, dtype=bool)
+    xyz = unit_points(points)
+    component, against, count = triangle_components(triangles)
+    heads = _heads(xyz, triangles, component, count)
+    corners = xyz[triangles]
+    low, high = bounding_boxes(corners)
+    center = corners[heads].mean(axis=1)
+    reach = center + 2.0**-48
+    reach[:, 0] = np.maximum(high[:, 0].max(), reach[:, 0])
+    query, hit = BoxTree(low, high).pairs(center - 2.0**-48, reach)
+    other = heads[query] != hit
+    query, hit = query[other], hit[other]
+    met = np.empty(len(query), dtype=np.int8)
+    _center_rays(xyz, center, triangles, query, hit, met)
+    for i in np.flatnonzero(met == 2).tolist():
+        met[i] = _exactly_met(xyz, triangles[heads[query[i]]], triangles[hit[i]])
+    # an odd number of triangles to the right: the side towards larger x is inside
+    right = np.bincount(query[met == 1], minlength=count) % 2 == 1
+    facing = np.array([turn(xyz, 1, 2, *triangles[t]) > 0 for t in heads])
+    front = (right == facing) ^ against[heads]  # of the first triangle of each part
+    return front[component] ^ against
+
+
+def _heads(xyz: np.ndarray, triangles: np.ndarray, component: np.ndarray, count: int) -> NDArray[np.int64]:
+    """For each part the triangle that is largest, seen along x."""
+    a, b, c = (xyz[triangles[:, k]][:, 1:] for k in range(3))
+    seen = np.abs((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]))
+    order = np.lexsort((seen, component))
+    last = np.searchsorted(component[order], np.arange(count), side="right") - 1
+    return order[last]
+
+
+@kernel
+def _center_rays(xyz, center, triangles, query, hit, met):
+    """Whether rays from barycenters meet triangles to the right; 2 where rounding could decide."""
+    for i in range(query.shape[0]):
+        p, t = center[query[i]], triangles[hit[i]]
+        met[i] = 2
+        a, b, c = xyz[t[0]], xyz[t[1]], xyz[t[2]]
+        by, bz, cy, cz = b[1] - a[1], b[2] - a[2], c[1] - a[1], c[2] - a[2]
+        py, pz = p[1] - a[1], p[2] - a[2]
+        whole = by * cz - bz * cy
+        one, two = by * pz - bz * py, py * cz - pz * cy
+        rest = whole - one - two
+        if abs(whole) > SURELY:
+            facing = 1.0 if whole > 0.0 else -1.0
+            if min(one * facing, two * facing, rest * facing) < -SURELY:
+                met[i] = 0
+            elif min(one * facing, two * facing, rest * facing) > SURELY:
+                above = (p[0] - a[0]) * whole - (two * (b[0] - a[0]) + one * (c[0] - a[0]))
+                if abs(above) > SURELY:
+                    met[i] = 1 if above * facing < 0.0 else 0
+
+
+def _exactly_met(xyz: np.ndarray, head: np.ndarray, triangle: np.ndarray) -> bool:
+    """The same in rational arithmetic, with the barycenter moved by (0, e, e^2)."""
+    corners = [tuple(map(Fraction, xyz[v].tolist())) for v in head]
+    p = tuple(sum(column) / 3 for column in zip(*corners))
+    a, b, c = (tuple(map(Fraction, xyz[v].tolist())) for v in triangle)
+    by, bz, cy, cz = b[1] - a[1], b[2] - a[2], c[1] - a[1], c[2] - a[2]
+    whole = by * cz - bz * cy
+    if whole == 0:
+        return False
+    for u, v in ((a, b), (b, c), (c, a)):
+        y, z = v[1] - u[1], v[2] - u[2]
+        signs = (y * (p[2] - u[2]) - z * (p[1] - u[1]), -z, y)
+        if next((s for s in signs if s), Fraction(0)) * whole <= 0:
+            return False
+    py, pz = p[1] - a[1], p[2] - a[2]
+    one, two = by * pz - bz * py, py * cz - pz * cy
+    above = (p[0] - a[0]) * whole - (two * (b[0] - a[0]) + one * (c[0] - a[0]))
+    return bool(above * whole < 0)
+
+
+# ---------------------------------------------------------------------- volume
+
+
+def enclosed_volume(points: np.ndarray, triangles: np.ndarray) -> float:
+    """The volume inside of closed triangles whose normals point out; correctly rounded.
+
+    The products of three coordinates are split into exact sums of doubles and added without error. Only
+    terms that underflow, below 2^-1074 times the cube of the largest coordinate, are lost.
+    """
+    factor = power_of_two(points)
+    a, b, c = (points[triangles[:, k]] * factor for k in range(3))
+    parts: list[np.ndarray] = []
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for one, two in ((j, k), (k, j)):
+            sign = 1.0 if one == j else -1.0
+            for term in products(b[:, one], c[:, two]):
+                parts.extend(products(sign * a[:, i], term))
+    return fsum(np.concatenate(parts).tolist()) / 6 / factor / factor / factor
