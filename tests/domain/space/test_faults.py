@@ -87,9 +87,7 @@ def test_sound_bodies() -> None:
 
 
 def test_inner_pieces_and_seeds() -> None:
-    with pytest.raises(
-        DomainError, match="inner segment 0 and inner segment 1 cross"
-    ):
+    with pytest.raises(DomainError, match="inner segment 0 and inner segment 1 cross"):
         Domain(CORNERS, SIDES, inner=[(0, 7), (1, 6)])
     with pytest.raises(InputError, match="lies on inner segment 0"):
         Domain(CORNERS, SIDES, inner=[(0, 7)], regions={"a": (0.5, 0.5, 0.5)})
