@@ -1,4 +1,4 @@
-"""SpatialComplex: tetrahedra of given points, in which given segments and triangles are recovered.
+"""The arrays of a complex of tetrahedra, made from the Delaunay triangulation of its points.
 
 The hull of the points is enclosed in a box with eight further vertices. So all given segments and triangles
 are inside, and no refill ever touches the hull of the complex. See the book, 2.8b.
@@ -17,7 +17,7 @@ from ..insertion.engine import COUNT, FREE, STAMP, grown
 from ..insertion.triangulation import Triangulation
 from .records import SEED, Search, Solid, new_search
 
-__all__ = ["SpatialComplex"]
+__all__ = ["CellArrays"]
 
 BOX = 8  # vertices of the box
 
@@ -47,7 +47,7 @@ def _box(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     return center + half * signs * stretch[[0, 1, 2, 3, 2, 3, 1, 0]]
 
 
-class SpatialComplex:
+class CellArrays:
     """A triangulation of space around given points with constrained faces, as flat arrays for kernels.
 
     Parameters
