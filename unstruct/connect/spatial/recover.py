@@ -16,7 +16,7 @@ from .records import SEED, new_local
 from .recovery import SLACK, recover_all, survey
 from .refill import EDGE, FACE
 from .signs import APART, meets
-from .steiner import crossed_edges, insert_around, insert_between, on_line, on_plane
+from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
 
 __all__ = ["Recovery"]
 
@@ -163,28 +163,37 @@ class Recovery:
             return -1
         faces, edges = cells.found.faces[:count].copy(), np.empty((count, 2), dtype=np.int32)
         crossed_edges(cells.solid(), goal, cells.found, count, edges)
-        places = []
+        places: list[tuple[float, int, list[int], list[int]]] = []
         start, end = cells.xyz[a], cells.xyz[b]
-        for face, (u, v) in zip(faces.tolist(), edges.tolist(), strict=True):
-            if u >= 0:
-                where = on_line(start, end, cells.xyz[u], cells.xyz[v])
+        for face, crossed in zip(faces.tolist(), edges.tolist(), strict=True):
+            corners = [int(cells.vertex[(face & ~3) + (face + i) % 4]) for i in (1, 2, 3)]
+            if crossed[0] >= 0:
+                where = on_line(start, end, *cells.xyz[crossed])
             else:
-                t, k = face & ~3, face & 3
-                corners = [cells.xyz[cells.vertex[t + (k + i) % 4]] for i in (1, 2, 3)]
-                where = on_plane(start, end, *corners)
+                where = on_plane(start, end, *cells.xyz[corners])
             if 0.0 < where < 1.0:
-                places.append((where, face, u, v))
-        for where, face, u, v in sorted(places):
+                places.append((where, face, corners, crossed))
+        for where, face, corners, crossed in sorted(places):
             p = self._place(start + where * (end - start))
-            solid = cells.solid()
-            if u >= 0:
-                done = insert_around(solid, self.held, cells.found, u, v, p)
-            else:
-                done = insert_between(solid, cells.found, face, p)
-            if done:
+            if self._insert_at(face, corners, crossed, p):
                 cells.size += 1
                 return p
         return -1
+
+    def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int) -> bool:
+        """Insert vertex p at the crossed edge; or between the two cells at the face, or around one of its edges.
+
+        Where the segment passes by an edge more closely than coordinates are rounded, the two cells may not
+        see p, and the cells around the edge do.
+        """
+        cells, solid = self.cells, self.cells.solid()
+        if crossed[0] >= 0:
+            return bool(insert_around(solid, self.held, cells.found, crossed[0], crossed[1], p))
+        if insert_between(solid, cells.found, face, p):
+            return True
+        u, v, w = corners
+        by_distance = sorted(((u, v), (v, w), (w, u)), key=lambda ends: distance(cells.xyz[p], *cells.xyz[list(ends)]))
+        return any(insert_around(solid, self.held, cells.found, *ends, p) for ends in by_distance[:2])
 
     def _insert_on_triangle(self, t: int) -> int:
         """Insert a point of the triangle where an edge crosses it, the first possible; -1 for none."""

@@ -133,3 +133,8 @@ def on_line(a: NDArray[np.float64], b: NDArray[np.float64], p, q) -> float:
     normal = np.cross(b - a, q - p)
     square = normal @ normal
     return float(np.cross(p - a, q - p) @ normal / square) if square > 0 else np.nan
+
+
+def distance(p: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """From p to the line ab."""
+    return float(np.linalg.norm(np.cross(b - a, p - a)) / np.linalg.norm(b - a))
