@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ...base.jit import inline, kernel
+from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
 from .held import holds
-from .records import BEST, CELLS, CELLS_ROOM, CORNERS, GUARDS, HASH, KIND, ROOM, SEED
-from .refill import OPEN, SHAPE, face_cost, face_number, tet_cost
+from .records import BEST, CELLS, CELLS_ROOM, CORNERS, GUARDS, HASH, KIND, NUMBERED, SEED, TARGET
+from .refill import EDGE, FACE, OPEN, SHAPE, UNSEEN, face_cost, face_number, tet_cost
 
-__all__ = ["commit", "corner", "grow", "load", "new_slot", "reset", "wall"]
+__all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "wall"]
 
 NOTHING = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
 
@@ -23,14 +23,14 @@ def corner(k, i):
     return 2 if k == 0 else (3 if k == 1 else (1 if k == 2 else 2))
 
 
-@kernel
+@inline
 def draw(state, n):
     """A random number below n."""
     state[SEED] = (state[SEED] * 1103515245 + 12345) & 0x7FFFFFFF
     return (state[SEED] >> 12) % n
 
 
-@kernel
+@inline
 def _local(r, n, v):
     """The local number of a vertex; -1 if it is not in the cavity."""
     for i in range(n):
@@ -39,7 +39,7 @@ def _local(r, n, v):
     return -1
 
 
-@kernel
+@lean
 def _absorb(solid, r, stamp):
     """Take in all cells beyond unmarked faces whose vertices are all in the cavity; False if too many are."""
     head, n, size = 0, r.size[CORNERS], r.size[CELLS]
@@ -60,60 +60,83 @@ def _absorb(solid, r, stamp):
     return True
 
 
-@kernel
+@lean
 def _widen(solid, r, stamp, noise):
-    """Choose the next vertex: beyond as many faces as possible, plus up to ``noise`` by chance; -1 for none."""
-    n, best, chosen = r.size[CORNERS], -1, -1
+    """Take in the vertex beyond most faces, plus up to ``noise`` by chance; False if there is none."""
+    found = 0  # distinct vertices, in `guard` with their numbers of faces
     for i in range(r.size[CELLS]):
         t = r.cells[i]
         for k in range(4):
             over = solid.across[4 * t + k]
             if over < 0 or solid.mark[4 * t + k] >= 0 or solid.stamp[over >> 2] == stamp:
                 continue
-            apex = solid.vertex[over]
-            score = draw(solid.state, noise + 1)
-            for j in range(r.size[CELLS]):
-                for m in range(4):
-                    beyond = solid.across[4 * r.cells[j] + m]
-                    score += 2 * (beyond >= 0 and solid.vertex[beyond] == apex)
-            if score > best:
-                best, chosen = score, apex
+            apex, j = solid.vertex[over], 0
+            while j < found and r.guard[j, 0] != apex:
+                j += 1
+            if j == found:
+                if found == r.guard.shape[0]:
+                    continue
+                r.guard[j, 0], r.guard[j, 1] = apex, 0
+                found += 1
+            r.guard[j, 1] += 2
+    best, chosen = -1, -1
+    for j in range(found):
+        score = r.guard[j, 1] + draw(solid.state, noise + 1)
+        if score > best:
+            best, chosen = score, j
     if chosen >= 0:
-        r.label[n] = chosen
-        r.size[CORNERS] = n + 1
-    return chosen
+        r.label[r.size[CORNERS]] = r.guard[chosen, 0]
+        r.size[CORNERS] += 1
+    return chosen >= 0
 
 
-@kernel
-def grow(solid, r, face, wanted, noise):
-    """Grow a cavity of ``wanted`` vertices from the two cells at a face; False if there is none."""
-    over = solid.across[face]
-    if over < 0 or wanted > ROOM:
-        return False
-    state = solid.state
+@apart
+def grow(solid, r, count, wanted, noise):
+    """Grow a cavity of ``wanted`` vertices from the first ``count`` cells in ``r``; False if there is none."""
+    state, n = solid.state, 0
     state[STAMP] += 1
     stamp = 2 * state[STAMP]
-    t = face >> 2
-    for k in range(4):
-        r.label[k] = solid.vertex[4 * t + k]
-    r.label[4] = solid.vertex[over]
-    r.cells[0], r.cells[1] = t, over >> 2
-    solid.stamp[t] = solid.stamp[over >> 2] = stamp
-    r.size[CORNERS], r.size[CELLS] = 5, 2
+    for i in range(count):
+        t = r.cells[i]
+        solid.stamp[t] = stamp
+        for k in range(4):
+            if _local(r, n, solid.vertex[4 * t + k]) < 0:
+                if n == wanted:
+                    return False
+                r.label[n] = solid.vertex[4 * t + k]
+                n += 1
+    r.size[CORNERS], r.size[CELLS] = n, count
     if not _absorb(solid, r, stamp):
         return False
     while r.size[CORNERS] < wanted:
-        if _widen(solid, r, stamp, noise) < 0 or not _absorb(solid, r, stamp):
+        if not _widen(solid, r, stamp, noise) or not _absorb(solid, r, stamp):
             return False
     return True
 
 
-@kernel
+@lean
+def beside(solid, r, face):
+    """Write the two cells at a face; False on the hull."""
+    over = solid.across[face]
+    if over < 0:
+        return False
+    r.cells[0], r.cells[1] = face >> 2, over >> 2
+    return True
+
+
+@lean
 def reset(r):
-    """Empty the tables for ``r.size[CORNERS]`` vertices."""
+    """Empty the tables for ``r.size[CORNERS]`` vertices, and number those of the target that are none."""
     n = r.size[CORNERS]
-    for i in range(n**4):
-        r.sign[i] = 2
+    m, kind = n, r.size[KIND]
+    for k in range(2 if kind == EDGE else (3 if kind == FACE else 0)):
+        r.goal[k] = _local(r, m, r.size[TARGET + k])
+        if r.goal[k] < 0:
+            r.goal[k], r.label[m] = m, r.size[TARGET + k]
+            m += 1
+    r.size[NUMBERED] = m
+    for i in range(m**4):
+        r.sign[i] = UNSEEN
     for i in range(n**3):
         r.cost[i] = -1.0
         r.code[i] = 0
@@ -124,7 +147,7 @@ def reset(r):
     r.size[GUARDS] = r.size[HASH] = 0
 
 
-@kernel
+@lean
 def wall(r, length, x, y, z):
     """Open a face of the boundary; return how many faces are in the front."""
     n = r.size[CORNERS]
@@ -137,7 +160,7 @@ def wall(r, length, x, y, z):
     return length + 1
 
 
-@kernel
+@apart
 def load(solid, held, r):
     """Write the tables of the cavity; returns how many faces are open, and what the present cells cost.
 
@@ -179,7 +202,7 @@ def load(solid, held, r):
     return length, cost
 
 
-@kernel
+@lean
 def _find_guards(solid, held, r):
     """List the held edges inside the cavity."""
     n, count = r.size[CORNERS], 0
@@ -192,7 +215,7 @@ def _find_guards(solid, held, r):
     r.size[GUARDS] = count
 
 
-@kernel
+@lean
 def new_slot(solid):
     """A free slot for a cell. There must be room."""
     state = solid.state
@@ -203,7 +226,7 @@ def new_slot(solid):
     return state[COUNT] - 1
 
 
-@kernel
+@apart
 def commit(solid, r):
     """Replace the cells of the cavity by the best refill; ``r.cells`` then lists the new cells."""
     n, vertex, across, mark, state = r.size[CORNERS], solid.vertex, solid.across, solid.mark, solid.state

@@ -7,7 +7,7 @@ through faces with such edges.
 
 from __future__ import annotations
 
-from ...base.jit import kernel
+from ...base.jit import apart, inline
 from ..insertion.engine import STAMP
 from .refill import EDGE
 from .signs import APART, INSIDE, ON_EDGE, meets
@@ -15,12 +15,12 @@ from .signs import APART, INSIDE, ON_EDGE, meets
 __all__ = ["classify", "crossings", "mark_face", "ring", "star"]
 
 
-@kernel
+@inline
 def _has(vertex, t, v):
     return vertex[4 * t] == v or vertex[4 * t + 1] == v or vertex[4 * t + 2] == v or vertex[4 * t + 3] == v
 
 
-@kernel
+@apart
 def star(solid, found, a):
     """Write the cells with vertex a to ``found.cells``, stamped; return how many."""
     solid.state[STAMP] += 1
@@ -40,7 +40,7 @@ def star(solid, found, a):
     return size
 
 
-@kernel
+@apart
 def ring(solid, found, a, b):
     """Write the cells with the edge ab to ``found.cells``; return how many."""
     size, kept = star(solid, found, a), 0
@@ -51,7 +51,7 @@ def ring(solid, found, a, b):
     return kept
 
 
-@kernel
+@apart
 def _in_the_way(solid, kind, goal, face):
     """Whether a face, given as 4 t + k, meets the segment, or has an edge that crosses the triangle."""
     t, k = face & ~3, face & 3
@@ -65,7 +65,7 @@ def _in_the_way(solid, kind, goal, face):
     )
 
 
-@kernel
+@apart
 def _entrance(solid, kind, goal, found):
     """A cell at goal[0] whose opposite face is in the way; -1 if the goal is there, -2 if there is no cell."""
     size = star(solid, found, goal[0])
@@ -83,7 +83,7 @@ def _entrance(solid, kind, goal, found):
     return -2
 
 
-@kernel
+@apart
 def crossings(solid, kind, goal, found):
     """Write the faces in the way of the goal to ``found.faces``, and the cells beside them to ``found.cells``.
 
@@ -117,7 +117,7 @@ def crossings(solid, kind, goal, found):
     return faces
 
 
-@kernel
+@apart
 def classify(solid, goal, found, cells, counts):
     """Count how the segment crosses these cells: vertex-face, edge-edge, edge-face, face-face."""
     for i in range(cells):
@@ -141,7 +141,7 @@ def classify(solid, goal, found, cells, counts):
             counts[3] += 1
 
 
-@kernel
+@apart
 def mark_face(solid, found, goal, number):
     """Mark the face with these vertices on both sides; False if it is not there."""
     size = star(solid, found, goal[0])

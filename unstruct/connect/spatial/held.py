@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.jit import kernel
+from ...base.jit import inline, kernel, lean
 from .records import Held
 
 __all__ = ["hold", "holds", "new_held"]
@@ -18,7 +18,7 @@ def new_held(edges: int) -> Held:
     return Held(np.full(room, -1, dtype=np.int64), np.zeros(room, dtype=np.int8))
 
 
-@kernel
+@inline
 def _place(held, u, v):
     """Where the edge is in the table, or would be."""
     key = (np.int64(min(u, v)) << 32) | np.int64(max(u, v))
@@ -37,7 +37,7 @@ def hold(held, u, v, value):
     held.value[place] = value
 
 
-@kernel
+@lean
 def holds(held, u, v):
     """Whether the edge uv is held."""
     place, key = _place(held, u, v)

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "BEST", "CELLS", "CORNERS", "DEPTH", "GUARDS", "HASH", "KIND", "NODES", "ROOM", "SEED", "TARGET", "Held",
+    "BEST", "CELLS", "CORNERS", "DEPTH", "GUARDS", "HASH", "KIND", "NODES", "NUMBERED", "ROOM", "SEED", "TARGET", "Held",
     "Local", "Search", "Solid", "new_local", "new_search",
 ]  # fmt: skip
 
 ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches explode
 CELLS_ROOM = 128  # its cells
 DEPTH = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
+MEMO = 1 << 15  # exact signs that are remembered
 SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
 
 # Entries of ``size`` in a `Local`.
@@ -28,6 +29,7 @@ GUARDS = 3  # how many edges must stay
 KIND = 4  # what a refill costs
 TARGET = 5  # three entries: the vertices of the segment or triangle that is sought
 NODES = 8  # nodes that the last search has visited
+NUMBERED = 10  # how many local numbers there are: corners, then those vertices of the target that are none
 HASH = 9  # of the cells that are there, to recognize a refill that changes nothing
 
 
@@ -82,6 +84,8 @@ class Local(NamedTuple):
     total: NDArray[np.float64]  # cost of what is chosen above each depth
     best: NDArray[np.int32]  # the tetrahedra of the best refill
     guard: NDArray[np.int32]  # local ends of edges that must stay
+    memo: NDArray[np.int32]  # exact signs of vertices, see `remembered_side`
+    goal: NDArray[np.int64]  # local numbers of the target
     size: NDArray[np.int64]
 
 
@@ -89,13 +93,13 @@ def new_local() -> Local:
     """Arrays for any cavity of ROOM vertices."""
     cube = ROOM**3
     return Local(
-        np.empty(CELLS_ROOM, dtype=np.int32), np.empty(ROOM, dtype=np.int32),
-        np.empty(ROOM**4, dtype=np.int8), np.empty(cube), np.empty(ROOM**2, dtype=np.int8),
+        np.empty(CELLS_ROOM, dtype=np.int32), np.empty(ROOM + 3, dtype=np.int32),
+        np.empty((ROOM + 3) ** 4, dtype=np.int8), np.empty(cube), np.empty(ROOM**2, dtype=np.int8),
         np.empty(cube, dtype=np.uint8), np.empty(cube, dtype=np.int64), np.empty(cube, dtype=np.int32),
         np.empty(4 * (CELLS_ROOM + DEPTH), dtype=np.int32), np.empty((DEPTH, 8), dtype=np.int32),
         np.empty((DEPTH + 1, ROOM), dtype=np.int32), np.empty((DEPTH + 1, ROOM)), np.empty(DEPTH + 1),
         np.empty((DEPTH, 4), dtype=np.int32), np.empty((ROOM**2, 2), dtype=np.int32),
-        np.zeros(16, dtype=np.int64),
+        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
     )  # fmt: skip
 
 

@@ -7,17 +7,18 @@ improved, refills of equal cost (*shakes*) lead to other cavities, as long as th
 
 from __future__ import annotations
 
-from ...base.jit import kernel
+from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
-from .cavity import commit, draw, grow, load
+from .cavity import beside, commit, draw, grow, load
 from .crossing import classify, crossings, mark_face
 from .held import hold
-from .records import KIND, NODES, TARGET
+from .records import KIND, NODES, ROOM, TARGET
 from .refill import EDGE, NEVER, refill
 
 __all__ = ["LARGEST", "SHAKES", "SLACK", "recover_all", "survey"]
 
 SLACK = 128  # slots that a refill may need
+FEW = 8  # cells that a segment crosses, for cavities around all of them
 SMALLEST = 5  # vertices of two cells with a common face
 # Entries of the options.
 LARGEST = 0  # vertices of the largest cavity
@@ -26,50 +27,54 @@ BUDGET = 2  # nodes of one search
 TOTAL = 3  # nodes of all searches for one goal
 
 
-@kernel
-def _attempt(solid, held, r, face, wanted, options):
-    """Lower the crossings in a cavity grown from a face; True if that was possible."""
-    if not grow(solid, r, face, wanted, 2):
+@apart
+def _attempt(solid, held, r, count, wanted, options, noise, equal):
+    """Refill a cavity grown from ``count`` cells at lower cost, or at no higher cost; True if that is done."""
+    if not grow(solid, r, count, wanted, noise):
         return False
     faces, cost = load(solid, held, r)
-    if cost == 0.0 or cost >= NEVER:
+    if cost >= NEVER or (cost == 0.0 and not equal):
         return False
-    if refill(solid.xyz, r, solid.state, faces, cost, 0.0, options[BUDGET]) >= NEVER:
+    limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
+    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[BUDGET]) >= NEVER:
         return False
     commit(solid, r)
     return True
 
 
-@kernel
-def _shake(solid, held, r, face, wanted, options):
-    """Refill a cavity at random, at the same cost."""
-    if not grow(solid, r, face, wanted, 8):
-        return False
-    faces, cost = load(solid, held, r)
-    if cost >= NEVER or refill(solid.xyz, r, solid.state, faces, cost + 0.5, cost, options[BUDGET]) >= NEVER:
-        return False
-    commit(solid, r)
-    return True
-
-
-@kernel
+@apart
 def _lower(solid, held, r, found, count, options):
     """Try all faces in the way, with larger and larger cavities; True at the first success."""
     for wanted in range(SMALLEST, options[LARGEST] + 1):
         start = draw(solid.state, count)
         for j in range(count):
-            if _attempt(solid, held, r, found.faces[(start + j) % count], wanted, options):
-                return True
+            if beside(solid, r, found.faces[(start + j) % count]):
+                if _attempt(solid, held, r, 2, wanted, options, 2, False):
+                    return True
     return False
 
 
-@kernel
+@apart
+def _lower_all(solid, held, r, found, options):
+    """Try cavities that contain all cells in the way, if these are few; True at the first success."""
+    count = found.sizes[0]
+    if count > FEW:
+        return False
+    for wanted in range(6, ROOM + 1):
+        for i in range(count):
+            r.cells[i] = found.cells[i]
+        if _attempt(solid, held, r, count, wanted, options, 4, False):
+            return True
+    return False
+
+
+@apart
 def recover_one(solid, held, r, found, kind, goal, options):
     """Recover one segment or triangle; returns how many faces are still in the way, -2 if slots are lacking."""
     r.size[KIND], r.size[NODES] = kind, 0
     for k in range(3):
         r.size[TARGET + k] = goal[k]
-    shakes, least = options[SHAKES], 1 << 40
+    shakes = options[SHAKES]
     while True:
         if solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
             return -2
@@ -77,16 +82,17 @@ def recover_one(solid, held, r, found, kind, goal, options):
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count
         if _lower(solid, held, r, found, count, options):
-            if count < least:
-                least = count
+            continue
+        if _lower_all(solid, held, r, found, options):
             continue
         if shakes == 0:
             return count
         shakes -= 1
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[LARGEST] - 4)
-            if _shake(solid, held, r, found.faces[draw(solid.state, count)], wanted, options):
-                break
+            if beside(solid, r, found.faces[draw(solid.state, count)]):
+                if _attempt(solid, held, r, 2, wanted, options, 8, True):
+                    break
 
 
 @kernel
@@ -103,7 +109,7 @@ def survey(solid, held, found, kind, goals, left, counts):
             classify(solid, goals[i], found, found.sizes[0], counts)
 
 
-@kernel
+@apart
 def _keep(solid, held, found, kind, goal):
     """From now on this segment or triangle must stay."""
     if kind == EDGE:

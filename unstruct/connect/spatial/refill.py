@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.jit import inline, kernel
-from .records import BEST, CORNERS, DEPTH, GUARDS, HASH, KIND, NODES, SEED, TARGET
-from .signs import APART, meets, side
+from ...base.jit import apart, inline, lean
+from .records import BEST, CORNERS, DEPTH, GUARDS, HASH, KIND, NODES, NUMBERED, SEED, TARGET
+from .signs import APART, meets, remembered_side
 
 __all__ = ["ANY", "DEGREE", "EDGE", "FACE", "OPEN", "SHAPE", "face_cost", "face_number", "refill", "tet_cost"]
 
@@ -48,10 +48,17 @@ def face_number(n, x, y, z):
     return (z * n + x) * n + y
 
 
-@kernel
+@apart
+def _fill_sign(xyz, label, memo, sign, at, m):
+    """Write the sign with this place in the table."""
+    a, b, c, d = label[at // (m * m * m)], label[at // (m * m) % m], label[at // m % m], label[at % m]
+    sign[at] = remembered_side(xyz, memo, a, b, c, d)
+
+
+@inline
 def _sign(xyz, r, a, b, c, d):
     """Orientation of four local vertices, from the table if it is there."""
-    n = r.size[CORNERS]
+    m = r.size[NUMBERED]
     sign = 1
     if a > b:
         a, b, sign = b, a, -sign
@@ -63,47 +70,81 @@ def _sign(xyz, r, a, b, c, d):
         b, d, sign = d, b, -sign
     if b > c:
         b, c, sign = c, b, -sign
-    at = ((a * n + b) * n + c) * n + d
+    at = ((a * m + b) * m + c) * m + d
     if r.sign[at] == UNSEEN:
-        label = r.label
-        r.sign[at] = side(xyz, label[a], label[b], label[c], label[d])
+        _fill_sign(xyz, r.label, r.memo, r.sign, at, m)
     return sign * r.sign[at]
 
 
-@kernel
+@apart
+def _in_the_way(xyz, r, a, b, u, v, w):
+    """Whether the open segment ab meets the closed triangle uvw, all local: `meets` by the table of signs."""
+    label = r.label
+    s = o = y = z = -1
+    if a == u or a == v or a == w:
+        s, o = a, b
+    if b == u or b == v or b == w:
+        if s >= 0:
+            return False
+        s, o = b, a
+    if s >= 0:
+        y, z = (v, w) if s == u else ((w, u) if s == v else (u, v))
+        if _sign(xyz, r, s, y, z, o) != 0:
+            return False
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+    above, below = _sign(xyz, r, u, v, w, a), _sign(xyz, r, u, v, w, b)
+    if above == 0 and below == 0:
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+    if above * below >= 0:
+        return False
+    first, second = _sign(xyz, r, a, b, u, v), _sign(xyz, r, a, b, v, w)
+    if first * second < 0:
+        return False
+    third = _sign(xyz, r, a, b, w, u)
+    return not min(first, second, third) < 0 < max(first, second, third)
+
+
+@lean
 def _edge_cost(xyz, r, i, j):
     """1 if the edge between local vertices meets the triangle that is sought, otherwise 0."""
     at = min(i, j) * r.size[CORNERS] + max(i, j)
     known = r.edge[at] >> 1
     if known == 0:
-        u, v, t = r.label[i], r.label[j], r.size
-        known = 1 + (meets(xyz, u, v, t[TARGET], t[TARGET + 1], t[TARGET + 2]) != APART)
+        goal = r.goal
+        known = 2 if _in_the_way(xyz, r, i, j, goal[0], goal[1], goal[2]) else 1
         r.edge[at] |= known << 1
     return known - 1
 
 
-@kernel
-def face_cost(xyz, r, x, y, z):
-    """What the face costs: NEVER if an edge that must stay meets it."""
-    at = face_number(r.size[CORNERS], min(x, y, z), x + y + z - min(x, y, z) - max(x, y, z), max(x, y, z))
-    if r.cost[at] >= 0:
-        return r.cost[at]
-    u, v, w = r.label[x], r.label[y], r.label[z]
+@apart
+def _fill_cost(xyz, r, at):
+    """Write what the face with this number costs."""
+    n, kind = r.size[CORNERS], r.size[KIND]
+    x, y, z = at // (n * n), at // n % n, at % n
     cost = 0.0
-    kind = r.size[KIND]
     if kind == EDGE:
-        cost = 1.0 if meets(xyz, r.size[TARGET], r.size[TARGET + 1], u, v, w) != APART else 0.0
+        cost = 1.0 if _in_the_way(xyz, r, r.goal[0], r.goal[1], x, y, z) else 0.0
     elif kind == FACE:
         cost = float(_edge_cost(xyz, r, x, y) + _edge_cost(xyz, r, y, z) + _edge_cost(xyz, r, z, x))
     for i in range(r.size[GUARDS]):
-        if meets(xyz, r.label[r.guard[i, 0]], r.label[r.guard[i, 1]], u, v, w) != APART:
+        if _in_the_way(xyz, r, r.guard[i, 0], r.guard[i, 1], x, y, z):
             cost = NEVER
             break
     r.cost[at] = cost
-    return cost
 
 
-@kernel
+@inline
+def face_cost(xyz, r, x, y, z):
+    """What the face costs: NEVER if an edge that must stay meets it."""
+    low, high = min(x, y, z), max(x, y, z)
+    n = r.size[CORNERS]
+    at = (low * n + x + y + z - low - high) * n + high
+    if r.cost[at] < 0:
+        _fill_cost(xyz, r, at)
+    return r.cost[at]
+
+
+@apart
 def badness(xyz, a, b, c, d):
     """Between 0 for a regular tetrahedron and 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
@@ -118,7 +159,7 @@ def badness(xyz, a, b, c, d):
     return 1.0 if mean <= 0.0 else 1.0 - np.sqrt(2.0) * six / (mean * np.sqrt(mean))
 
 
-@kernel
+@inline
 def tet_cost(xyz, r, a, b, c, d):
     """What the tetrahedron on local vertices costs beside its faces."""
     kind, label = r.size[KIND], r.label
@@ -130,7 +171,7 @@ def tet_cost(xyz, r, a, b, c, d):
     return 0.0
 
 
-@kernel
+@inline
 def _gain(xyz, r, x, y, z, d):
     """What it costs to set the apex d on the open face x, y, z; NEVER if it does not fit."""
     n = r.size[CORNERS]
@@ -149,7 +190,7 @@ def _gain(xyz, r, x, y, z, d):
     return cost + tet_cost(xyz, r, x, y, z, d)
 
 
-@kernel
+@apart
 def _choose(xyz, r, depth, length, limit):
     """Choose the open face that the fewest vertices fit; write them at this depth, and return how many.
 
@@ -184,7 +225,7 @@ def _choose(xyz, r, depth, length, limit):
     return fewest
 
 
-@kernel
+@lean
 def _sort(r, state, depth, count):
     """The cheapest candidates first; of several equal ones, by chance."""
     seed = state[SEED]
@@ -203,7 +244,7 @@ def _sort(r, state, depth, count):
         r.apex[depth, j], r.gain[depth, j] = apex, gain
 
 
-@kernel
+@lean
 def _set(r, depth, length):
     """Set the chosen tetrahedron; return how many faces are in the front and by how many more are open."""
     n = r.size[CORNERS]
@@ -227,7 +268,7 @@ def _set(r, depth, length):
     return length, more
 
 
-@kernel
+@lean
 def _unset(r, depth):
     """Take the chosen tetrahedron away; return by how many fewer faces are open."""
     n = r.size[CORNERS]
@@ -246,7 +287,7 @@ def _unset(r, depth):
     return fewer
 
 
-@kernel
+@lean
 def _complete(r, depth):
     """Whether the tetrahedra of depths 0 to ``depth`` use all vertices, and their hash."""
     used, mixed = 0, 0
@@ -259,7 +300,7 @@ def _complete(r, depth):
     return used == (1 << r.size[CORNERS]) - 1, mixed
 
 
-@kernel
+@apart
 def refill(xyz, r, state, faces, limit, goal, budget):
     """Search the cheapest refill below ``limit``, or one of cost <= ``goal``; its cost, or NEVER.
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import commit, corner, grow, load, new_slot, reset, wall
+from .cavity import beside, commit, corner, grow, load, new_slot, reset, wall
 from .crossing import star
 from .given import Split
 from .records import BEST, CORNERS, HASH, KIND, ROOM, TARGET, Local
@@ -69,7 +69,9 @@ def lower_degree(solid, held, r, found, p):
         for wanted in range(5, 9):
             for i in range(4 * size):
                 face = 4 * found.cells[i >> 2] + (i & 3)
-                if solid.vertex[face] == p or solid.mark[face] >= 0 or not grow(solid, r, face, wanted, 2):
+                if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
+                    continue
+                if not grow(solid, r, 2, wanted, 2):
                     continue
                 faces, cost = load(solid, held, r)
                 if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, 200) < NEVER:
