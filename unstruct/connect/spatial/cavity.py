@@ -6,7 +6,7 @@ from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
 from .held import holds
 from .records import BEST, CELLS, CELLS_ROOM, CORNERS, GUARDS, HASH, KIND, NUMBERED, SEED, TARGET
-from .refill import EDGE, FACE, OPEN, SHAPE, UNSEEN, face_cost, face_number, tet_cost
+from .refill import DEGREE, EDGE, FACE, OPEN, SHAPE, UNSEEN, face_cost, face_number, tet_cost
 
 __all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "wall"]
 
@@ -129,7 +129,8 @@ def reset(r):
     """Empty the tables for ``r.size[CORNERS]`` vertices, and number those of the target that are none."""
     n = r.size[CORNERS]
     m, kind = n, r.size[KIND]
-    for k in range(2 if kind == EDGE else (3 if kind == FACE else 0)):
+    wanted = 2 if kind == EDGE else (3 if kind == FACE or (kind == DEGREE and r.size[TARGET + 1] >= 0) else 0)
+    for k in range(wanted):
         r.goal[k] = _local(r, m, r.size[TARGET + k])
         if r.goal[k] < 0:
             r.goal[k], r.label[m] = m, r.size[TARGET + k]

@@ -29,7 +29,7 @@ ANY = 0  # nothing: any refill is as good as another
 EDGE = 1  # faces that the segment TARGET meets
 FACE = 2  # edges of faces that meet the triangle TARGET
 SHAPE = 3  # the badness of the worst tetrahedron
-DEGREE = 4  # tetrahedra at the vertex TARGET
+DEGREE = 4  # tetrahedra at the vertex TARGET; other faces must not meet the segment of the two next entries
 
 OPEN, CLOSED = 1, 2
 NEVER = 1e300  # more than any cost
@@ -126,6 +126,10 @@ def _fill_cost(xyz, r, at):
         cost = 1.0 if _in_the_way(xyz, r, r.goal[0], r.goal[1], x, y, z) else 0.0
     elif kind == FACE:
         cost = float(_edge_cost(xyz, r, x, y) + _edge_cost(xyz, r, y, z) + _edge_cost(xyz, r, z, x))
+    elif kind == DEGREE and r.size[TARGET + 1] >= 0:
+        p = r.goal[0]  # what is between the segment and the point on it is not in the way
+        if x != p and y != p and z != p and _in_the_way(xyz, r, r.goal[1], r.goal[2], x, y, z):
+            cost = NEVER
     for i in range(r.size[GUARDS]):
         if _in_the_way(xyz, r, r.guard[i, 0], r.guard[i, 1], x, y, z):
             cost = NEVER

@@ -58,9 +58,16 @@ def refill_walls(solid, r, walls, budget):
 
 
 @kernel
-def lower_degree(solid, held, r, found, p):
-    """Refill around vertex p so that fewer cells have it, as long as that is possible; returns how many do."""
-    r.size[KIND], r.size[TARGET] = DEGREE, p
+def lower_degree(solid, held, r, found, goal):
+    """Refill around vertex goal[0] so that fewer cells have it, as long as that is possible.
+
+    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how many
+    cells have the vertex in the end.
+    """
+    p = goal[0]
+    r.size[KIND] = DEGREE
+    for k in range(3):
+        r.size[TARGET + k] = goal[k]
     while True:
         size = star(solid, found, p)
         if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
@@ -125,9 +132,11 @@ class Release:
 
     # ------------------------------------------------------------------ one point
 
-    def _star(self, p: int) -> list[int]:
+    def _star(self, p: int, segment: tuple[int, int] | None) -> list[int]:
+        """The cells at p, after refills that have made them few."""
+        goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SLACK)
-        lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, p)
+        lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal)
         size = star(self.cells.solid(), self.cells.found, p)
         return self.cells.found.cells[:size].tolist()
 
@@ -135,7 +144,7 @@ class Release:
         given, p = self.recovery.given, split.point
         if not all(given.alive[t] for t in split.children):
             return False
-        around = self._star(p)
+        around = self._star(p, split.segment)
         marks = {
             int(self.cells.mark[4 * t + k])
             for t in around
@@ -167,7 +176,7 @@ class Release:
 
     def _remove(self, p: int) -> bool:
         """Take a point away that is not on the surface."""
-        around = self._star(p)
+        around = self._star(p, None)
         found = self._without(self._link(around, p), None)
         if found is None or not self._replace(around, found, {}):
             return False
