@@ -23,6 +23,7 @@ __all__ = ["Recovery"]
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
 # Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
 ROUNDS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+GENERATIONS = 8  # how often parts of a segment are split
 AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
 
 
@@ -113,18 +114,26 @@ class Recovery:
     # ------------------------------------------------------------------ points
 
     def _split_segments(self, waiting: list[tuple[int, int]]) -> None:
-        """Split these segments, and what comes of them, until all are there or the budget is used up."""
-        while waiting:
-            a, b = waiting.pop(0)
-            if self._one(a, b):
-                continue
-            p = self._insert_on_segment(a, b)
-            if p < 0:
-                self.lost_edges.append((a, b))
-                continue
-            split = self.given.split_segment(a, b, p)
-            self.splits.append(split)
-            waiting = list(split.edges()) + waiting
+        """Split these segments, then what comes of them, until all are there.
+
+        Those that came of one split are split only after all others have been tried: in the meantime refills may
+        find them. After some generations, or when the budget is used up, what is left is lost.
+        """
+        for generation in range(GENERATIONS):
+            following: list[tuple[int, int]] = []
+            for a, b in waiting:
+                if self._one(a, b):
+                    continue
+                p = self._insert_on_segment(a, b) if generation < GENERATIONS - 1 else -1
+                if p < 0:
+                    self.lost_edges.append((a, b))
+                    continue
+                split = self.given.split_segment(a, b, p)
+                self.splits.append(split)
+                following += split.edges()
+            waiting = [ends for ends in following if edge(*ends) in self.given.beside()]
+            if not waiting:
+                return
 
     def _split_triangles(self, rows: list[int], tried: set[int]) -> bool:
         """Split these triangles; whether that was possible for one."""
