@@ -156,10 +156,10 @@ class Release:
         tets: list[Cell] = []
         moved, before = [], self.cells.size
         for sector in self._sectors(around, p):
-            walls = self._walls(sector, split)
-            found = self._without(walls, None if split.children else split.segment)
+            link, whole = _cancelled(self._link(sector, p), self._restored(sector, split))
+            found = self._without(link + whole, None if split.children else split.segment)
             if found is None and split.children:
-                found = self._moved(walls, p, len(self._link(sector, p)))
+                found = self._moved(link, whole, p)
                 moved.append(self.cells.size - 1)
             if found is None:
                 self.cells.size = before
@@ -203,11 +203,11 @@ class Release:
         walls = []
         for t in sector:
             v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
-            walls.append(tuple(v[i] for i in POSITIVE[v.index(p)]))
+            walls.append(_turned([v[i] for i in POSITIVE[v.index(p)]]))
         return walls
 
-    def _walls(self, sector: list[int], split: Split) -> list[Face]:
-        """The faces of a sector opposite the point, and the triangles that it has split, seen from within."""
+    def _restored(self, sector: list[int], split: Split) -> list[Face]:
+        """The triangles that the point has split and that bound a sector, seen from within."""
         p, given = split.point, self.recovery.given
         parent_of = {child: self._parent(child, split) for child in split.children}
         restored: dict[tuple[int, Face], Face] = {}
@@ -220,10 +220,8 @@ class Release:
                     face = [v[i] for i in POSITIVE[k]]
                     (lacking,) = set(given.corner[parent].tolist()) - set(face)
                     face = [lacking if x == p else x for x in face]
-                    turned = face.index(min(face))
-                    whole = (face[turned], face[(turned + 1) % 3], face[(turned + 2) % 3])
-                    restored[parent, whole] = whole
-        return self._link(sector, p) + list(restored.values())
+                    restored[parent, _turned(face)] = _turned(face)
+        return list(restored.values())
 
     def _parent(self, child: int, split: Split) -> int:
         """The triangle that a part belongs to: the one that has all its vertices but the point."""
@@ -239,22 +237,26 @@ class Release:
         size[KIND] = ANY if segment is None else EDGE
         if segment is not None:
             size[TARGET : TARGET + 2] = segment
+        if not walls:
+            return []
         rows = np.array(walls, dtype=np.int32)
         if len(np.unique(rows)) > ROOM or not refill_walls(self.cells.solid(), self.local, rows, NODES_WITHOUT):
             return None
         return [tuple(row) for row in self.local.label[self.local.best[: size[BEST]]].tolist()]
 
-    def _moved(self, walls: list[Face], p: int, link: int) -> list[Cell] | None:
-        """The star of a new point close to p that sees all walls; the first ``link`` do not contain p."""
-        cells, rows = self.cells, np.array(walls, dtype=np.int32)
+    def _moved(self, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
+        """The star of a new point close to p that sees all walls: those of the star of p, and whole triangles."""
+        cells, walls = self.cells, link + whole
+        rows = np.array(walls, dtype=np.int32)
         here, q = cells.xyz[p].copy(), cells.size
         corners = cells.xyz[rows]
-        normals = np.cross(corners[link:, 1] - corners[link:, 0], corners[link:, 2] - corners[link:, 0])
+        flat = corners[len(link) :]
+        normals = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
         normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-        away = corners[:link].reshape(-1, 3) - here
+        away = corners.reshape(-1, 3) - here
         center, reach = away.mean(axis=0), float(np.linalg.norm(away, axis=1).mean())
         cells.size += 1
-        for step in [*(_inward(normals) * reach * f for f in (1.0,)), center]:
+        for step in (_inward(normals) * reach, center):
             length = 1.0
             for _ in range(HALVINGS):
                 cells.xyz[q] = here + length * step
@@ -300,7 +302,7 @@ class Release:
             cells.at[list(v)], cells.region[t] = t, region
         for face, places in faces.items():
             ends = [4 * slots[i] + k for i, k in places]
-            mark = border[face][1] if face in border else restored.get(face, -1)
+            mark = restored.get(face, border[face][1] if face in border else -1)
             over = border[face][0] if face in border else ends[1]
             cells.across[ends[0]], cells.mark[ends[0]] = over, mark
             if over >= 0:
@@ -316,3 +318,15 @@ def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
             break
         step = step + normals[int(products.argmin())]
     return step / max(float(np.linalg.norm(step)), 1e-300)
+
+
+def _turned(face: list[int]) -> Face:
+    """The same oriented face, its lowest vertex first."""
+    k = face.index(min(face))
+    return face[k], face[(k + 1) % 3], face[(k + 2) % 3]
+
+
+def _cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Face]]:
+    """The walls without those that bound nothing, because they are there in both orientations."""
+    both = {(x, z, y) for x, y, z in link} & set(whole)
+    return [(x, y, z) for x, y, z in link if (x, z, y) not in both], [face for face in whole if face not in both]
