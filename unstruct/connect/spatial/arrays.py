@@ -146,6 +146,18 @@ class CellArrays:
             )  # fmt: skip
             self.found = new_search(slots)
 
+    def saved(self) -> tuple[NDArray, ...]:
+        """Copies of all arrays, for `restore`."""
+        return (*(array.copy() for array in self.solid()), np.array(self.size))
+
+    def restore(self, saved: tuple[NDArray, ...]) -> None:
+        """Go back to the state in which `saved` was called; it may be used again."""
+        solid = Solid(*(array.copy() for array in saved[:-1]))
+        self.xyz, self.vertex, self.across, self.mark = solid.xyz, solid.vertex, solid.across, solid.mark
+        self.region, self.stamp, self.free, self.at = solid.region, solid.stamp, solid.free, solid.at
+        self.state, self.size = solid.state, int(saved[-1])
+        self.found = new_search(len(self.stamp))
+
     # ------------------------------------------------------------------ results
 
     def used(self) -> NDArray[np.bool_]:
