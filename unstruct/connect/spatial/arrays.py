@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import as_points
-from ...base.errors import InputError
+from ...base.errors import InputError, MeshError
 from ...base.jit import kernel
-from ...predicates.batch import power_of_two
+from ...predicates.batch import orient_rows, power_of_two
 from ..insertion.engine import COUNT, FREE, STAMP, grown
 from ..insertion.triangulation import Triangulation
 from .records import SEED, Search, Solid, new_search
@@ -45,6 +45,11 @@ def _box(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     signs = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(BOX)]) * 2.0 - 1.0
     stretch = 3.0 + np.array([[0.13, 0.29, 0.07], [0.31, 0.03, 0.19], [0.02, 0.23, 0.37], [0.17, 0.11, 0.05]])
     return center + half * signs * stretch[[0, 1, 2, 3, 2, 3, 1, 0]]
+
+
+def _report(culprits: NDArray, what: str) -> None:
+    if len(culprits):
+        raise MeshError(f"{int(culprits[0])} {what}")
 
 
 class CellArrays:
@@ -167,6 +172,34 @@ class CellArrays:
     def cells(self) -> NDArray[np.int32]:
         """The vertices of all cells, shape (m, 4)."""
         return self.vertex[: 4 * self.slots].reshape(-1, 4)[self.used()]
+
+    def validate(self) -> None:
+        """Check the arrays: positive cells by exact signs, faces in pairs, marks on both sides, the box as hull.
+
+        Positive cells whose faces cancel to the hull are a triangulation of it, so there is nothing else to check.
+
+        Raises
+        ------
+        MeshError
+            Names the first slot at fault.
+        """
+        slots = np.flatnonzero(self.used())
+        cell = self.vertex[: 4 * self.slots].reshape(-1, 4)
+        _report(slots[orient_rows(self.xyz, cell[slots]) <= 0], "is not positive")
+        place = 4 * slots[:, None] + np.arange(4)
+        over = self.across[place]
+        inner = over >= 0
+        back = np.where(inner, self.across[over], place)
+        _report(place[(back != place) | (self.mark[np.where(inner, over, place)] != self.mark[place])] >> 2, "has a face whose other side does not know it")
+        ours = np.sort(np.stack([np.delete(cell[slots], k, axis=1) for k in range(4)], axis=1), axis=2)
+        others = cell[over >> 2].copy()
+        np.put_along_axis(others, (over & 3)[..., None], -1, axis=2)
+        others = np.sort(others, axis=2)[..., 1:]
+        _report(place[inner & (ours != others).any(axis=2)] >> 2, "and its neighbor have different faces")
+        hull = ours[~inner]
+        _report(place[~inner][(hull < self.given).any(axis=1) | (hull >= self.given + BOX).any(axis=1)] >> 2, "is on the hull")
+        vertices = np.unique(cell[slots])
+        _report(vertices[(cell[self.at[vertices]] != vertices[:, None]).all(axis=1)], "is a vertex not in its cell")
 
     def points(self) -> NDArray[np.float64]:
         """The coordinates of all vertices in the units of the input."""
