@@ -27,7 +27,7 @@ base plain predicates geometry mesh
 connect/insertion connect/planar connect/voronoi connect/wrapping connect/baker connect
 sizing
 domain/arguments domain/plane domain/space domain
-generate/boundary generate/refinement generate/centers generate/improve generate/rebay
+generate/volume generate/boundary generate/refinement generate/centers generate/improve generate/rebay
 generate/front generate/layers
 assess examples
 view/draw view/scenes view/widgets view
