@@ -24,10 +24,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
-from unstruct.base.errors import MeshError
+from unstruct.base.errors import InputError, MeshError
 from unstruct.plain.predicates import orient
 
 __all__ = [
@@ -152,16 +152,22 @@ def advancing_front(
     key : function of the front, an edge and the size
         The edge with the lowest value is next; of several, the oldest.
     reach : float
-        The radius of the search, in heights of the ideal triangle; above 1, so that X is in the circle.
+        The radius of the search, in heights of an equilateral triangle with the sides of the ideal one. From
+        sqrt(5)/2 = 1.118 on the circle always contains X: its sides are at most 2 |AB|. X is a candidate in
+        any case; with a smaller radius vertices nearer than X are missed, and the search is widened more often.
     tests : dict of str to function
         What a triangle must pass.
 
     Raises
     ------
+    InputError
+        For a ``reach`` that is not positive and finite.
     MeshError
         If no vertex passes all tests, which happens only if the boundary crosses itself or a test is missing.
         Then the march may also never end.
     """
+    if not 0 < reach < inf:
+        raise InputError(f"reach must be positive and finite, not {reach!r}: it is the radius of the search")
     front = boundary_front(points, facets, inner)
     while front.edges:
         edge = min(front.edges, key=lambda one: key(front, one, size))  # the first of several: the oldest

@@ -34,6 +34,9 @@ from .scenes.centers import circumcenter_state as circumcenter_state
 from .scenes.constraints import principal_component_state as principal_component_state
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
+from .scenes.front_presets import FRONT_PRESETS as FRONT_PRESETS
+from .scenes.front_presets import FRONT_WINDOW as FRONT_WINDOW
+from .scenes.front_presets import front_state as front_state
 from .scenes.fronts import candidate_frames as candidate_frames
 from .scenes.fronts import empty_circle_frames as empty_circle_frames
 from .scenes.fronts import front_frames as front_frames
