@@ -8,7 +8,7 @@ import pytest
 
 from unstruct import InputError
 from unstruct.view import check_frame
-from unstruct.view.scenes.front_presets import FRONT_PRESETS, FRONT_WINDOW, RULES, front_state
+from unstruct.view.scenes.front_presets import FRONT_PRESETS, FRONT_WINDOW, FRONT_KEYS, front_state
 
 SWALLOWED = "a hole, without the third test"
 
@@ -16,7 +16,7 @@ SWALLOWED = "a hole, without the third test"
 @pytest.mark.parametrize("preset", FRONT_PRESETS)
 def test_the_whole_range(preset: str) -> None:
     low_x, high_x, low_y, high_y = FRONT_WINDOW
-    for order in RULES:
+    for order in FRONT_KEYS:
         frames = front_state(preset, order)
         for one in frames:
             check_frame(one)
@@ -33,7 +33,8 @@ def test_the_whole_range(preset: str) -> None:
 @pytest.mark.parametrize(
     ("preset", "said"),
     [
-        ("a hole", "contains; 3 is taken in a wider search"), (SWALLOWED, "edge 0 1: 4, 3 not round; 5 is taken"),
+        ("a hole", "contains; 3 is taken in a wider search"),
+        (SWALLOWED, "edge 0 1: 4, 3 not round; 5 is taken"),
         ("no vertex in the circle", "edge 1 2: X too near; 7 is taken in a wider search"),
         ("X beyond the opposite front", "edge 1 2: X crosses; 7 is taken in a wider search"),
         ("a line and a loose vertex", "X too near; 13 crosses; 14 not round; 1 crosses; 2 is taken"),
