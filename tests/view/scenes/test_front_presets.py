@@ -8,7 +8,7 @@ import pytest
 
 from unstruct import InputError
 from unstruct.view import check_frame
-from unstruct.view.scenes.front_presets import FRONT_PRESETS, FRONT_WINDOW, FRONT_KEYS, front_state
+from unstruct.view.scenes.front_presets import FRONT_KEYS, FRONT_PRESETS, FRONT_WINDOW, front_state
 
 SWALLOWED = "a hole, without the third test"
 

@@ -53,13 +53,17 @@ def cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:
     return (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
 
 
-TEN_POINTS = [(0, 0), (1, -0.1), (2, 0), (2.9, 0.4), (3.2, 1.35), (2.7, 2.2), (1.8, 2.5), (0.8, 2.6), (-0.1, 2.1),
-       (-0.6, 1.1)]  # fmt: skip
+TEN_POINTS = [
+    (0, 0), (1, -0.1), (2, 0), (2.9, 0.4), (3.2, 1.35), (2.7, 2.2), (1.8, 2.5), (0.8, 2.6), (-0.1, 2.1),
+    (-0.6, 1.1),
+]  # fmt: skip
 HOLE_POINTS = [(0.3 * x, 0.3 * y) for x, y in [(0, 0), (10, 0), (5, 9), (4, 2), (6, 2), (5, 4)]]
 FLOOR_POINTS = [(x, 0.0) for x in range(6)]
 GRID_POINTS = [(0, 0), (1, 0), (2, 0), (3, 0), (3, 1), (3, 2), (2, 2), (1, 2), (0, 2), (0, 1)]
-FRAME_POINTS = [(0, 0), (1, 0), (2, 0), (3, 0), (4, 0), (4, 1), (4, 2), (4, 3), (3, 3), (2, 3), (1, 3), (0, 3),
-         (0, 2), (0, 1)]  # fmt: skip
+FRAME_POINTS = [
+    (0, 0), (1, 0), (2, 0), (3, 0), (4, 0), (4, 1), (4, 2), (4, 3), (3, 3), (2, 3), (1, 3), (0, 3), (0, 2),
+    (0, 1),
+]  # fmt: skip
 TOUCHING_RING = [(2 + sin(k * pi / 3), 1 - cos(k * pi / 3)) for k in range(1, 6)]
 ACUTE_RAY = [(r * cos(radians(1)), r * sin(radians(1))) for r in (4, 3, 2, 1)]
 FRONT_PRESETS: dict[str, Preset] = {
@@ -73,8 +77,12 @@ FRONT_PRESETS: dict[str, Preset] = {
     "X beyond the opposite front": Preset([*FLOOR_POINTS, (5, 0.4), (0, 0.4)], ring(8)),
     "ties on a grid": Preset([*FLOOR_POINTS, *((5 - x, 1.0) for x in range(6))], ring(12), lambda x: 1.3),
     "sizes that grow": widening(),
-    "a line and a loose vertex": Preset([*GRID_POINTS, (1, 1), (2, 1), (1.5, 1.5)], ring(10), inner=[(10, 11)]),
-    "fronts that touch": Preset([*FRAME_POINTS, *TOUCHING_RING], [*ring(14), (2, 14), *ring(5, 14)[:4], (18, 2)]),
+    "a line and a loose vertex": Preset(
+        [*GRID_POINTS, (1, 1), (2, 1), (1.5, 1.5)], ring(10), inner=[(10, 11)]
+    ),
+    "fronts that touch": Preset(
+        [*FRAME_POINTS, *TOUCHING_RING], [*ring(14), (2, 14), *ring(5, 14)[:4], (18, 2)]
+    ),
     "a corner of 1 degree": Preset([*FLOOR_POINTS[:5], *ACUTE_RAY], ring(9)),
 }  # fmt: skip
 
