@@ -43,7 +43,7 @@ def advance(ring: Sequence[Point], rays: Sequence[Point], height: float) -> list
 
 
 def spring_force(x: Point, a: Point, b: Point, rest: float) -> float:
-    """The forces of two springs from x to the ends of the front edge ab, added up."""
+    """The forces of two springs from x to the ends of the edge ab, added up."""
     return sum(abs(dist(x, p) - rest) for p in (a, b))
 
 
@@ -59,13 +59,13 @@ def near(
     new: tuple[Point, Point],
     others: Sequence[Point],
 ) -> bool:
-    """Whether an existing point that the edge ab faces takes less force than both new ones.
+    """Whether an existing point that ab faces takes less force than both new ones.
 
-    So does one that stretches neither spring: in a very narrow gap compressed springs
+    Or whether it stretches neither spring: in a very narrow gap compressed springs
     would push it away.
     """
     (ax, ay), (bx, by) = a, b
-    facing = [q for q in others if (bx - ax) * (q[1] - ay) > (by - ay) * (q[0] - ax)]
+    facing = [(x, y) for x, y in others if (bx - ax) * (y - ay) > (by - ay) * (x - ax)]
     slack = any(max(dist(q, a), dist(q, b)) <= dist(a, b) for q in facing)
     return slack or least_force([*new, *facing], a, b) > 1
 
@@ -76,10 +76,10 @@ def march(
     others: Sequence[Point],
     wanted: Callable[[Point], float],
 ) -> list[int]:
-    """How many layers each corner of a ring gets; heights are totals after 1, 2, ...
+    """How many layers each corner gets; heights are totals after 1, 2, ... layers.
 
-    A corner stops before a step that is as long as the front beside it or as the wanted
-    size, before an opposing front, and one layer after a neighbor at the latest.
+    A corner stops before a step that is as long as the front beside it or as the
+    wanted size, before an opposing front, and one layer after a neighbor at the latest.
     """
     n, rays = len(ring), wall_rays(ring)
     level, live = [0] * n, [True] * n
@@ -93,7 +93,8 @@ def march(
             beside = [dist(old[u], old[v]) for u, v in edges]
             if step >= sum(beside) / 2 or step >= wanted(old[i]):
                 live[i] = False
-            if any(near(old[u], old[v], (new[u], new[v]), others) for u, v in edges):
+            tests = (near(old[u], old[v], (new[u], new[v]), others) for u, v in edges)
+            if any(tests):
                 live[i] = False
         for i in range(n):
             live[i] = live[i] and min(level[i - 1], level[(i + 1) % n]) >= k

@@ -55,6 +55,10 @@ from .scenes.rebay import chain_frame as chain_frame
 from .scenes.rebay import cobweb_state as cobweb_state
 from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
+from .scenes.springs import SPRING_X as SPRING_X
+from .scenes.springs import SPRING_Y as SPRING_Y
+from .scenes.springs import spring_state as spring_state
+from .scenes.springs import stretch_state as stretch_state
 from .scenes.states import bowyer_watson_history as bowyer_watson_history
 from .scenes.states import bowyer_watson_state as bowyer_watson_state
 from .scenes.states import empty_circle_state as empty_circle_state
