@@ -118,7 +118,7 @@ def crosses(front: Front, edge: Edge, c: int) -> bool:
 
 
 def holds(front: Front, edge: Edge, c: int) -> bool:
-    """Whether the closed triangle holds a vertex of the front besides its corners."""
+    """Whether the closed triangle holds another vertex of the front."""
     a, b = edge
     sides = [(a, b), (b, c), (c, a)]
     rest = front.vertices() - {a, b, c}
@@ -230,7 +230,7 @@ def search(
         if v == new and is_crowded(front, edge, v, CLEARANCE * side):
             verdict = "too near"
         else:
-            failed = (name for name, fails in tests.items() if fails(front, edge, v))
+            failed = (k for k, fails in tests.items() if fails(front, edge, v))
             verdict = next(failed, "")
         if not verdict and v != new and roundness(front, edge, v) < ROUND_ENOUGH:
             verdict = "not round"

@@ -78,9 +78,9 @@ def apex(
 ) -> int | None:
     """The vertex whose circle with the edge has no other vertex inside, or None.
 
-    With ``visible`` only the visible ones count, as apexes and as others. Without it,
-    all vertices of the front on the left are tried, and all vertices count as others,
-    those given as ``behind`` too.
+    With ``visible`` only the visible ones count, as apexes and as others. Without
+    it, all vertices of the front on the left are tried, and all vertices count as
+    others, those given as ``behind`` too.
     """
     left = candidates(front, edge)
     others = sorted((front.vertices() | set(behind)) - set(edge))

@@ -16,7 +16,7 @@ __all__ = ["angle_at", "by_angle", "equal_sides", "on_circle", "parts", "toward"
 
 
 def toward(a: Point, b: Point, distance: float) -> Point:
-    """The point on the left of AB, at this distance from its middle, at right angles."""
+    """The point on the left of AB, so far from its middle, at right angles."""
     u, v = b[0] - a[0], b[1] - a[1]
     length = hypot(u, v)
     if length == 0.0:
@@ -33,7 +33,7 @@ def equal_sides(a: Point, b: Point, h: float) -> Point:
 
 
 def on_circle(a: Point, b: Point, h: float) -> Point:
-    """X such that the circle ABX has the radius h / sqrt(3), or the least possible."""
+    """X such that the circle ABX has the radius h / sqrt(3), or the least one."""
     p = hypot(b[0] - a[0], b[1] - a[1]) / 2
     radius = max(h / sqrt(3), p)
     return toward(a, b, radius + sqrt(radius**2 - p**2))

@@ -64,8 +64,8 @@ def near(
     Or whether it stretches neither spring: in a very narrow gap compressed springs
     would push it away.
     """
-    (ax, ay), (bx, by) = a, b
-    facing = [(x, y) for x, y in others if (bx - ax) * (y - ay) > (by - ay) * (x - ax)]
+    u, v = b[0] - a[0], b[1] - a[1]
+    facing = [q for q in others if u * (q[1] - a[1]) > v * (q[0] - a[0])]
     slack = any(max(dist(q, a), dist(q, b)) <= dist(a, b) for q in facing)
     return slack or least_force([*new, *facing], a, b) > 1
 
@@ -79,7 +79,7 @@ def march(
     """How many layers each corner gets; heights are totals after 1, 2, ... layers.
 
     A corner stops before a step that is as long as the front beside it or as the
-    wanted size, before an opposing front, and one layer after a neighbor at the latest.
+    wanted size, before an opposing front, and one layer after a neighbor.
     """
     n, rays = len(ring), wall_rays(ring)
     level, live = [0] * n, [True] * n
@@ -93,9 +93,9 @@ def march(
             beside = [dist(old[u], old[v]) for u, v in edges]
             if step >= sum(beside) / 2 or step >= wanted(old[i]):
                 live[i] = False
-            tests = (near(old[u], old[v], (new[u], new[v]), others) for u, v in edges)
-            if any(tests):
-                live[i] = False
+            for u, v in edges:
+                if near(old[u], old[v], (new[u], new[v]), others):
+                    live[i] = False
         for i in range(n):
             live[i] = live[i] and min(level[i - 1], level[(i + 1) % n]) >= k
         level = [level[i] + live[i] for i in range(n)]
