@@ -37,8 +37,8 @@ def constrained_delaunay(
     domain : Domain
         Vertices, facets and inner pieces. Curves are replaced by chords, as coarsely as is safe.
     hull : bool or "holes"
-        In the plane: whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores holes.
-        "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
+        In the plane: whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores
+        holes. "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
         `Domain.read` finds them in a file, and those that are outside and enclosed by pieces.
     progress : bool
         Show a bar while segments are inserted.

@@ -5,6 +5,7 @@ See the book, 2.8b.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -43,8 +44,8 @@ def filled(domain: Domain, *, seed: int = 0, budget: int | None = None, progress
     shell = domain.triangulated
     if len(domain.facets) == 0:
         raise InputError(
-            "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) fills "
-            "the convex hull of points"
+            "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
+            "fills the convex hull of points"
         )
     complex_ = SpatialComplex(domain.points, progress=progress)
     found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
@@ -123,8 +124,8 @@ def _chains(
         on = np.flatnonzero((off <= scale) & (share > 0) & (share < 1))
         on = on[np.argsort(share[on])]
         chain, places = [a, *added[on].tolist(), b], [0.0, *share[on].tolist(), 1.0]
-        ends += list(zip(chain[:-1], chain[1:]))
-        span += list(zip(places[:-1], places[1:]))
+        ends += pairwise(chain)
+        span += pairwise(places)
         owner += [i] * (len(chain) - 1)
     return (
         np.array(ends, dtype=np.int32).reshape(-1, 2),
