@@ -22,8 +22,8 @@ def space_frame(
 ) -> fr.Frame:
     """A scene of `item3` as a frame, seen from a direction given in degrees.
 
-    Faces are painted by the depths of their middles, edges and points a little in front of faces there, labels
-    and spheres last. A sphere is a circle.
+    Faces are painted by the depths of their middles, edges and points a little in front of faces there; last
+    come labels, spheres, and what is being inserted, so that it is seen inside of cells. A sphere is a circle.
     """
     turn = axes3(azimuth, elevation)
     lift = 0.02 * max((float(np.abs(row).max()) for i in items for row in i["points"]), default=1.0)
@@ -39,7 +39,8 @@ def space_frame(
                 parts = [(kind, np.array([row[:3]]))]
             for name, corners in parts:
                 depth = float(corners.mean(axis=0) @ turn[2])
-                depth += {"polygons": 0.0, "segments": lift, "points": 3 * lift}.get(name, np.inf)
+                raised = {"polygons": 0.0, "segments": lift, "points": 3 * lift}.get(name, np.inf)
+                depth += np.inf if item["role"] == "inserted" else raised
                 flat = (corners @ turn[:2].T).tolist()
                 if name == "labels":
                     flat = [*flat[0], item["text"][row_index]]

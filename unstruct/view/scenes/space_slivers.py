@@ -52,6 +52,7 @@ def sliver_state(latitude: float = 40.0, longitude: float = 270.0, seen_from: fl
         item3("labels", "vertex", corners, text="ABCD"),
         item3("spheres", "circumcircle", [[0, 0, 0, 1]]),
     ]
-    name = "flat" if flat else "a sliver" if bad and shortest > 0.5 else "a cell"
+    near = shortest < 0.5
+    name = "flat" if flat else "a short edge" if near else "a sliver" if bad else "a cell"
     text = f"R/l = {1 / shortest:.2f}, smallest dihedral angle {angle:.1f}°, volume {size:.3f}"
     return space_frame(scene, f"{name} in its sphere", number=text, azimuth=seen_from, elevation=24)
