@@ -1,8 +1,8 @@
-"""Bowyer and Watson's insertion in space, from a large tetrahedron or a large cube (section 2.8a of the book).
+"""Bowyer and Watson's insertion in space, from a large tetrahedron or cube (section 2.8a of the book).
 
 All points lie inside of an artificial start, so every point lies in some cell. Afterwards all cells with an
-artificial vertex are removed. What remains can lack a part of the convex hull: a cell whose sphere contains an
-artificial vertex was never made. ``unstruct.plain.bowyer_watson`` has vertices at infinity instead.
+artificial vertex are removed. What remains can lack a part of the convex hull: a cell whose sphere contains
+an artificial vertex was never made. ``unstruct.plain.bowyer_watson`` has vertices at infinity instead.
 
 Sources: A. Bowyer, The Computer Journal 24 (1981) 162-166; D. F. Watson, ibid. 167-172; the cube of five
 tetrahedra: N. P. Weatherill and O. Hassan, Int. J. Numer. Methods Eng. 37 (1994) 2005-2039.
@@ -93,7 +93,7 @@ def big_cube(points: Sequence[Point], size: Any) -> tuple[list[Point], tuple[Tet
 
 
 def big_tetrahedron(points: Sequence[Point], size: Any) -> tuple[list[Point], tuple[Tetrahedron, ...]]:
-    """The tetrahedron of four corners of a cube; it contains the middle third of the cube, in each direction."""
+    """The tetrahedron of four corners of a cube; it contains the middle third of the cube each way."""
     corners, _ = big_cube(points, 3 * Fraction(size))
     return [corners[v] for v in FIVE[0]], ((0, 1, 2, 3),)
 
@@ -118,9 +118,7 @@ def insert_in_space(points: Sequence[Point], cells: frozenset[Tetrahedron], vert
     return Insertion(vertex, cavity, star, (cells - cavity) | star)
 
 
-def cavity_of(
-    points: Sequence[Point], cells: Iterable[Tetrahedron], vertex: int
-) -> frozenset[Tetrahedron]:
+def cavity_of(points: Sequence[Point], cells: Iterable[Tetrahedron], vertex: int) -> frozenset[Tetrahedron]:
     """The cells whose open circumspheres contain the vertex."""
     return frozenset(c for c in cells if in_sphere([points[v] for v in c], points[vertex]) > 0)
 
