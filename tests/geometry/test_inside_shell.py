@@ -1,4 +1,4 @@
-"""Inside, outside and volume of triangles in space, beside rational arithmetic and bodies of cells of a grid."""
+"""Inside, outside and volume of triangles in space, beside rational arithmetic and cells of a grid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rational_space import cross, dot, in_triangle, minus, parity, rational
+from rational_space import cross, dot, in_triangle, parity, rational
 
 from unstruct.geometry.inside_shell import (
     enclosed_volume,

@@ -53,7 +53,7 @@ def corners(draw: st.DrawFn) -> np.ndarray:
 
 
 def wanted(points: list, p: int, q: int, triangle: tuple[int, ...]) -> set[tuple[int, int]]:
-    """The answers that are right: pairs of a kind and a vertex; empty if they only meet in common vertices."""
+    """The answers that are right: kind and vertex; none if they only meet in common vertices."""
     x, y, (a, b, c) = points[p], points[q], (points[v] for v in triangle)
     share = share_in_triangle(x, y, a, b, c)
     if share is None:
@@ -167,7 +167,8 @@ from unstruct.geometry.triangle_pairs import meetings_in_space, crossing_segment
 points = np.random.default_rng(5).integers(0, 3, (40, 3)).astype(float)
 points = np.unique(points, axis=0)[::2]
 triangles = np.array(list(combinations(range(8), 3)), dtype=np.int32)
-flat = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
+a, b, c = (points[triangles[:, k]] for k in range(3))
+flat = np.cross(b - a, c - a)
 triangles = triangles[flat.any(axis=1)]
 edges = np.array(list(combinations(range(8), 2)), dtype=np.int32)
 print(*(part.tolist() for part in meetings_in_space(points, triangles, edges)))
