@@ -31,9 +31,11 @@ __all__ = [
     "edges_of",
     "meetings_in_space",
     "place_in_triangle",
+    "places_on_triangles",
     "points_on_edges",
     "points_on_triangles",
     "side",
+    "sides_index",
     "turn",
     "unit_points",
 ]
@@ -279,6 +281,14 @@ def _once(ends: np.ndarray) -> np.ndarray:
     return np.column_stack([key >> 32, key & (2**32 - 1)]).astype(np.int32)
 
 
+def sides_index(triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The sides of triangles as sorted keys, and the triangle of each."""
+    ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1).astype(np.int64)
+    key = (ends[:, 0] << 32) | ends[:, 1]
+    order = np.argsort(key, kind="stable")
+    return key[order], order // 3
+
+
 def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> Meetings:
     """All edges that meet a triangle outside of common vertices.
 
@@ -315,7 +325,7 @@ def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarr
 
 
 @kernel
-def _on_triangles(xyz, rows, triangles, query, hit, where):
+def places_on_triangles(xyz, rows, triangles, query, hit, where):
     """For each pair 0 apart, 1 inside, 2 + k on the edge opposite vertex k, 5 at a vertex."""
     for i in range(query.shape[0]):
         p, t = rows[query[i]], hit[i]
@@ -341,7 +351,7 @@ def points_on_triangles(
     xyz = unit_points(points)
     query, hit = BoxTree(*bounding_boxes(xyz[triangles])).pairs(xyz[rows], xyz[rows])
     where = np.empty(len(query), dtype=np.int8)
-    _on_triangles(xyz, rows, triangles, query, hit, where)
+    places_on_triangles(xyz, rows, triangles, query, hit, where)
     on = (where > 0) & (where < 5)
     return rows[query[on]], hit[on], where[on]
 

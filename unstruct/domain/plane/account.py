@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 __all__ = ["Place", "Repair"]
 
-Place = tuple[float, float]
+Place = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Repair:
     text : str
         What was found and what was done. Pieces and points have the numbers of the input; new points are
         named by their coordinates.
-    place : (float, float)
+    place : tuple of float
         Coordinates; NaN if there are none.
     pieces, vertices : tuple of int
         Pieces and points of the input that had the fault.
