@@ -19,7 +19,17 @@ from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
 
-__all__ = ["followed", "held_by", "matched", "must_be_free", "must_be_planar", "plot", "simplified", "spaced"]
+__all__ = [
+    "followed",
+    "held_by",
+    "matched",
+    "must_be_free",
+    "must_be_planar",
+    "must_be_spatial",
+    "plot",
+    "simplified",
+    "spaced",
+]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
 
@@ -206,6 +216,12 @@ def must_be_planar(domain: Any, what: str) -> None:
     """Raise if the domain is a body in space."""
     if domain.dimension != 2:
         raise InputError(f"a body in space cannot be {what}; this is for planar domains")
+
+
+def must_be_spatial(domain: Any, what: str) -> None:
+    """Raise if the domain is planar."""
+    if domain.dimension != 3:
+        raise InputError(f"a planar domain does not have {what}")
 
 
 def must_be_free(domain: Any, what: str) -> None:
