@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from .plane.account import Repair
 from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
+from .space.inside import turned_facets
 
 __all__ = [
     "followed",
@@ -29,6 +31,7 @@ __all__ = [
     "plot",
     "simplified",
     "spaced",
+    "turned",
 ]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
@@ -228,6 +231,16 @@ def must_be_free(domain: Any, what: str) -> None:
     """Raise if pieces have given points or images, which another domain would not have."""
     if domain.spacings or domain.matches:
         raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
+
+
+@cached_property
+def turned(domain: Any) -> np.ndarray:
+    """The facets of a body in space whose normals point into it, by their numbers: (k,) int64.
+
+    Nothing depends on the directions of facets; ``resolve=True`` turns all outward.
+    """
+    must_be_spatial(domain, "facets with two sides")
+    return turned_facets(domain.triangulated)
 
 
 def followed(domain: Any, new: Any, origin: Any, pieces: Any, repairs: Any = ()) -> Any:

@@ -65,7 +65,8 @@ class Domain(Outline):
         Name -> seeds, points inside. A part of the region (as facets and inner pieces divide it) takes the
         name of the seed in it.
     resolve : bool, optional
-        Repair what can be repaired instead of raising; `repairs` gives an account.
+        Repair what can be repaired instead of raising; `repairs` gives an account. In space all facets are
+        turned outward; holes of the surface, and facets that cross each other, remain errors.
 
     Raises
     ------
@@ -73,8 +74,7 @@ class Domain(Outline):
         For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length or
         area, repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a
         vertex (in space at an edge), polygons that are not flat or touch themselves, curves that miss their
-        ends, cross or touch, and seeds outside. The message names the first fault, its
-        place and the remedy.
+        ends, cross or touch, and seeds outside. The message names the first fault, its place, the remedy.
 
     Attributes
     ----------
@@ -217,6 +217,7 @@ class Domain(Outline):
     spaced = derived.spaced
     matched = derived.matched
     plot = derived.plot
+    turned = derived.turned
 
     # ------------------------------------------------------------------ subsegments
 

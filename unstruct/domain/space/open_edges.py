@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.inside_shell import triangle_components
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
@@ -14,7 +16,9 @@ from ...geometry.triangle_pairs import side, unit_points
 from ..plane.faults import Fault
 from .cutting import Shell, at, place
 
-__all__ = ["flat_sheets", "open_edges"]
+__all__ = ["flat_sheets", "open_edges", "seams"]
+
+SEAM = 1e-6  # a vertex is on an open edge if it is nearer; unit: the extent of the points
 
 
 def open_edges(outline: Outline, _: Any = None) -> list[Fault]:
@@ -40,6 +44,39 @@ def open_edges(outline: Outline, _: Any = None) -> list[Fault]:
             "facets that bound nothing as inner"
         )
         result.append(Fault("open boundary", text, place(middle), touching, (a, b)))
+    return result
+
+
+def seams(points: np.ndarray, facets: Polygons) -> dict[tuple[int, int], list[int]]:
+    """Open edges (a, b), a < b, with the vertices of other open edges that lie on them up to rounding.
+
+    Vertices that a program has put on an edge are seldom on it exactly. They count if one of the parts into
+    which they divide the edge is an open edge, too.
+    """
+    key, _, count = _edges(facets.sides[0])
+    key = key[count % 2 == 1]
+    if len(key) == 0:
+        return {}
+    pairs = np.column_stack([key >> 32, key & (2**32 - 1)])
+    is_open = {*map(tuple, pairs.tolist())}
+    rows = np.unique(pairs)
+    near = SEAM * float((points[rows].max(axis=0) - points[rows].min(axis=0)).max())
+    low, high = bounding_boxes(points[pairs])
+    query, hit = BoxTree(low - near, high + near).pairs(points[rows], points[rows])
+    a, b, x = points[pairs[hit, 0]], points[pairs[hit, 1]], points[rows[query]]
+    square = ((b - a) ** 2).sum(axis=1)
+    share = ((x - a) * (b - a)).sum(axis=1) / square
+    away = np.linalg.norm(x - a - share[:, None] * (b - a), axis=1)
+    end = (rows[query] == pairs[hit, 0]) | (rows[query] == pairs[hit, 1])
+    on = ~end & (away <= near) & (share > 0.0) & (share < 1.0)
+    found: dict[tuple[int, int], list[tuple[float, int]]] = {}
+    for e, t, v in zip(hit[on].tolist(), share[on].tolist(), rows[query[on]].tolist()):
+        found.setdefault(tuple(pairs[e].tolist()), []).append((t, v))
+    result = {}
+    for (p, q), inside in found.items():
+        chain = [p, *(v for _, v in sorted(inside)), q]
+        if any((min(pair), max(pair)) in is_open for pair in pairwise(chain)):
+            result[p, q] = chain[1:-1]
     return result
 
 

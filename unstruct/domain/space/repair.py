@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NoReturn
 
 import numpy as np
@@ -26,7 +27,7 @@ from ..plane.faults import Fault, refuse
 from ..plane.name_sets import name_sets
 from .cutting import Shell, cut, place
 from .faults import crossing_faults, first_copies, flat_triangles, meeting_faults
-from .open_edges import flat_sheets, open_edges
+from .open_edges import flat_sheets, open_edges, seams
 from .rings import cleaned, untangled, without_area
 from .same_facets import same_facets
 from .splitting import Splitting
@@ -89,7 +90,7 @@ class SpaceRepairer:
         for _ in range(REPAIR_ROUNDS_IN_SPACE):
             self._clean()
             self._cancel_repeated()
-            if not self._split():
+            if not self._split() and not self._join_seams():
                 break
         else:
             raise InputError(
@@ -326,6 +327,39 @@ class SpaceRepairer:
 
     # ------------------------------------------------------------------ open edges, direction
 
+    def _join_seams(self) -> bool:
+        """Split facets at vertices that lie on open edges of them up to rounding; return whether any did."""
+        facets = self.polygons.select(np.flatnonzero(self.facet))
+        found = seams(self.points, facets)
+        gone = np.zeros(len(self.polygons), dtype=bool)
+        rings: list[Any] = []
+        sources: list[int] = []
+        ends, owner = facets.sides
+        at: dict[tuple[int, int], list[int]] = {}
+        for (u, w), row in zip(ends.tolist(), owner.tolist()) if found else ():
+            at.setdefault((min(u, w), max(u, w)), []).append(row)
+        for edge, inside in found.items():
+            # not a facet with such a vertex; and none twice, as there is another round
+            free = [r for r in at[edge] if not gone[r] and not np.isin(facets.vertices_of(r), inside).any()]
+            if not free:
+                continue
+            row = free[0]
+            gone[row] = True
+            new = [_with_inserted(ring.tolist(), edge, inside) for ring in facets.rings(row)]
+            if len(new) == 1 and self.polygons.corners[row] == 3:
+                k = next(k for k, v in enumerate(new[0]) if v not in (*edge, *inside))
+                top, *rest = new[0][k:] + new[0][:k]
+                parts = [[[top, *pair]] for pair in pairwise(rest)]
+            else:
+                parts = [new]
+            rings, sources = [*rings, *parts], [*sources, *[row] * len(parts)]
+            names = ", ".join(map(self.point, inside))
+            text = f"{names} lies on an open edge of {self.called(row)} up to rounding; it was split there"
+            self.account("vertex near an edge", text, self._at(inside[0]), [row], inside)
+        if sources:
+            self.exchange(gone, rings, sources)
+        return bool(sources)
+
     def _set_sheets_apart(self) -> None:
         """Make flat sheets that end at open edges inner pieces; refuse other open surfaces."""
         while True:
@@ -377,3 +411,13 @@ def _not_exact(fault: Fault) -> str:
         f"{what}; sides cross there at places that are no doubles, so that this cannot be mended exactly: "
         "unite the bodies first"
     )
+
+
+def _with_inserted(ring: list[int], edge: tuple[int, ...], inside: list[int]) -> list[int]:
+    """A ring with these vertices between the ends of an edge, if it is a side of the ring."""
+    result = []
+    for u, w in zip(ring, ring[1:] + ring[:1]):
+        result.append(u)
+        if (min(u, w), max(u, w)) == edge:
+            result += inside if u < w else inside[::-1]
+    return result

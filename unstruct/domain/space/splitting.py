@@ -170,8 +170,8 @@ class Splitting:
             if all(x == y for x, y in zip(exact, where)) and where not in self.fresh:
                 self.fresh[where] = len(points) + len(self.fresh)
                 text = (
-                    f"edges cross {at(np.array(where))}; a vertex was put there (inside is what an odd number "
-                    "of facets encloses)"
+                    f"edges cross {at(np.array(where))}; a vertex was put there (inside is what an odd "
+                    "number of facets encloses)"
                 )
                 rows = [int(self.shell.piece[t])]
                 self.repairer.account("crossing", text, where, rows)
