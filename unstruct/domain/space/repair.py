@@ -12,22 +12,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any, NoReturn
 
 import numpy as np
 
 from ...base.errors import InputError
-from ...geometry.inside_shell import front_inside, triangle_components
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ...geometry.triangle_pairs import PIERCES, edges_of, meetings_in_space, unit_points
 from ..plane.account import Place, Repair
 from ..plane.faults import Fault, refuse
 from ..plane.name_sets import name_sets
+from .closing import join_seams, set_sheets_apart, turn_outward
 from .cutting import Shell, cut, place
 from .faults import crossing_faults, first_copies, flat_triangles, meeting_faults
-from .open_edges import flat_sheets, open_edges, seams
 from .rings import cleaned, untangled, without_area
 from .same_facets import same_facets
 from .splitting import Splitting
@@ -90,7 +88,7 @@ class SpaceRepairer:
         for _ in range(REPAIR_ROUNDS_IN_SPACE):
             self._clean()
             self._cancel_repeated()
-            if not self._split() and not self._join_seams():
+            if not self._split() and not join_seams(self):
                 break
         else:
             raise InputError(
@@ -98,8 +96,8 @@ class SpaceRepairer:
                 "yourself"
             )
         self._refuse_nothing()
-        self._set_sheets_apart()
-        self.turn()
+        set_sheets_apart(self)
+        turn_outward(self)
 
     # ------------------------------------------------------------------ the account
 
@@ -172,7 +170,12 @@ class SpaceRepairer:
         self.sets.append(frozenset().union(*(self.sets[k] for k in labels)))
         return len(self.sets) - 1
 
-    def _shell(self) -> tuple[Shell, list[Fault]]:
+    def standing(self) -> Standing:
+        """The pieces as they stand, for messages."""
+        return Standing(self)
+
+    def shell(self) -> tuple[Shell, list[Fault]]:
+        """The triangles of the pieces, and what is wrong with their rings."""
         return cut(self.points, self.polygons, int(self.facet.sum()))
 
     # ------------------------------------------------------------------ points and rings
@@ -203,10 +206,10 @@ class SpaceRepairer:
     def _clean(self) -> None:
         """Mend rings, and drop what has no area."""
         self._clean_repeated_vertices()
-        shell, faults = self._shell()
+        shell, faults = self.shell()
         if faults:
             self._cut_rings(faults)
-            shell, faults = self._shell()
+            shell, faults = self.shell()
             if faults:
                 self.refuse([replace(f, text=f.text.format(name=self.called(f.pieces[0]))) for f in faults])
         gone = np.zeros(len(self.polygons), dtype=bool)
@@ -245,13 +248,15 @@ class SpaceRepairer:
                 continue
             flat = [v for ring in kept for v in ring]
             if len(set(flat)) == len(flat):
-                rings, sources = [*rings, kept], [*sources, i]
+                rings.append(kept)
+                sources.append(i)
                 did = f"it has {len(flat)} vertices now"
             else:
                 found = untangled(xyz, kept)
                 if found is None:
                     self._refuse_ring(i, twice)
-                rings, sources = [*rings, *([t] for t in found)], [*sources, *[i] * len(found)]
+                rings += [[t] for t in found]
+                sources += [i] * len(found)
                 did = f"it was cut into {len(found)} triangles"
             text = f"{self.called(i)} has {self.point(twice)} twice; {did}"
             self.account("repeated vertex", text, self._at(twice), [i], [twice])
@@ -280,7 +285,8 @@ class SpaceRepairer:
             if found is None:
                 continue
             gone[row] = True
-            rings, sources = [*rings, *([t] for t in found)], [*sources, *[row] * len(found)]
+            rings += [[t] for t in found]
+            sources += [row] * len(found)
             why = "is not flat" if fault.kind == "not flat" else "touches itself"
             text = f"{self.called(row)} {why}; it was cut into {len(found)} triangles"
             self.account(fault.kind, text, fault.place, [row], fault.vertices)
@@ -308,10 +314,10 @@ class SpaceRepairer:
 
     def _split(self) -> bool:
         """Split pieces where others touch them in their plane; return whether there were any."""
-        shell, _ = self._shell()
+        shell, _ = self.shell()
         edges = np.concatenate([edges_of(shell.triangles), shell.segments]).astype(np.int32)
         met = meetings_in_space(self.points, shell.triangles, edges)
-        standing = Standing(self)
+        standing = self.standing()
         through = met.kind == PIERCES
         if through.any():
             hard = type(met)(*(part[through] for part in met))
@@ -324,75 +330,6 @@ class SpaceRepairer:
             found = [*meeting_faults(standing, shell, edges, met), *crossed]
             self.refuse([replace(fault, text=_not_exact(fault)) for fault in found])
         return False
-
-    # ------------------------------------------------------------------ open edges, direction
-
-    def _join_seams(self) -> bool:
-        """Split facets at vertices that lie on open edges of them up to rounding; return whether any did."""
-        facets = self.polygons.select(np.flatnonzero(self.facet))
-        found = seams(self.points, facets)
-        gone = np.zeros(len(self.polygons), dtype=bool)
-        rings: list[Any] = []
-        sources: list[int] = []
-        ends, owner = facets.sides
-        at: dict[tuple[int, int], list[int]] = {}
-        for (u, w), row in zip(ends.tolist(), owner.tolist()) if found else ():
-            at.setdefault((min(u, w), max(u, w)), []).append(row)
-        for edge, inside in found.items():
-            # not a facet with such a vertex; and none twice, as there is another round
-            free = [r for r in at[edge] if not gone[r] and not np.isin(facets.vertices_of(r), inside).any()]
-            if not free:
-                continue
-            row = free[0]
-            gone[row] = True
-            new = [_with_inserted(ring.tolist(), edge, inside) for ring in facets.rings(row)]
-            if len(new) == 1 and self.polygons.corners[row] == 3:
-                k = next(k for k, v in enumerate(new[0]) if v not in (*edge, *inside))
-                top, *rest = new[0][k:] + new[0][:k]
-                parts = [[[top, *pair]] for pair in pairwise(rest)]
-            else:
-                parts = [new]
-            rings, sources = [*rings, *parts], [*sources, *[row] * len(parts)]
-            names = ", ".join(map(self.point, inside))
-            text = f"{names} lies on an open edge of {self.called(row)} up to rounding; it was split there"
-            self.account("vertex near an edge", text, self._at(inside[0]), [row], inside)
-        if sources:
-            self.exchange(gone, rings, sources)
-        return bool(sources)
-
-    def _set_sheets_apart(self) -> None:
-        """Make flat sheets that end at open edges inner pieces; refuse other open surfaces."""
-        while True:
-            rows, still = flat_sheets(self._shell()[0])
-            if len(rows) == 0 or len(rows) == int(self.facet.sum()):
-                if still:
-                    self.refuse(open_edges(Standing(self)))
-                return
-            text = (
-                f"{self.called_all(rows.tolist())} cannot bound (a flat sheet that ends where an odd number "
-                "of facets meets), and became inner"
-            )
-            vertices = self.polygons.vertices_of(int(rows[0]))
-            middle = place(self.points[vertices].mean(axis=0))
-            self.account("open boundary", text, middle, rows)
-            self.facet[rows] = False
-            self.sort()
-
-    def turn(self) -> None:
-        """Turn facets whose normals point into the body."""
-        shell, _ = self._shell()
-        rows, piece = shell.bounding, shell.piece[shell.piece < shell.facets]
-        front = front_inside(self.points, rows)
-        if not front.any():
-            return
-        component = triangle_components(rows)[0]
-        for part in np.unique(component[front]).tolist():
-            found = np.unique(piece[front & (component == part)])
-            some = f"{len(found)} facets" if len(found) > 1 else "a facet"
-            text = f"{some} of a shell ({self.called_all(found.tolist())}) faced into the body; turned"
-            middle = place(self.points[self.polygons.vertices_of(int(found[0]))].mean(axis=0))
-            self.account("turned facets", text, middle, found.tolist())
-        self.polygons = self.polygons.turned(np.unique(piece[front]))
 
     def _refuse_nothing(self) -> None:
         if len(self.outline.facets) and not self.facet.any():
@@ -411,13 +348,3 @@ def _not_exact(fault: Fault) -> str:
         f"{what}; sides cross there at places that are no doubles, so that this cannot be mended exactly: "
         "unite the bodies first"
     )
-
-
-def _with_inserted(ring: list[int], edge: tuple[int, ...], inside: list[int]) -> list[int]:
-    """A ring with these vertices between the ends of an edge, if it is a side of the ring."""
-    result = []
-    for u, w in zip(ring, ring[1:] + ring[:1]):
-        result.append(u)
-        if (min(u, w), max(u, w)) == edge:
-            result += inside if u < w else inside[::-1]
-    return result

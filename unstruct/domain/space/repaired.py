@@ -10,6 +10,7 @@ from ...base.arrays import counted_off, frozen
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ..plane.repaired import PARTS, Repaired
+from .closing import turn_outward
 from .faults import find_faults
 from .repair import SpaceRepairer
 
@@ -24,7 +25,7 @@ def repaired_in_space(outline: Outline) -> Repaired:
     if find_faults(outline):
         mended.run()
     else:
-        mended.turn()
+        turn_outward(mended)
     if not mended.repairs:
         n, many = len(outline.points), len(outline.pieces)
         whole = outline.points, outline.facets, outline.inner, {}, outline.markers
