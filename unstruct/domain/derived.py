@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -233,7 +232,6 @@ def must_be_free(domain: Any, what: str) -> None:
         raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
 
 
-@cached_property
 def turned(domain: Any) -> np.ndarray:
     """The facets of a body in space whose normals point into it, by their numbers: (k,) int64.
 

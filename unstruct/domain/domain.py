@@ -217,7 +217,7 @@ class Domain(Outline):
     spaced = derived.spaced
     matched = derived.matched
     plot = derived.plot
-    turned = derived.turned
+    turned = cached_property(derived.turned)
 
     # ------------------------------------------------------------------ subsegments
 

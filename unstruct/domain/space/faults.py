@@ -43,6 +43,11 @@ __all__ = [
 ]
 
 NOWHERE = (float("nan"),) * 3
+CROSSING_BODIES = (
+    "the facets of a body must not cross: unite the bodies first (with manifold3d, for example; here only "
+    "crossings at doubles are cut, by resolve=True)"
+)
+CROSSING_INNER = "put a vertex of both there, or leave the inner piece out"
 
 
 def shell_of(outline: Outline) -> Shell:
@@ -239,17 +244,23 @@ def _meeting(
         return Fault(name, text, where, (i, j), (v,))
     if kind in (PIERCES, EDGES_CROSS):
         where = tuple(map(float, crossing_place(shell.points, p, q, shell.triangles[t])))
-        text = (
-            f"{one} crosses {two} {at(np.array(where))}; the facets of a body must not cross: "
-            "unite the bodies first"
+        bodies = max(i, j) < shell.facets
+        text = f"{one} crosses {two} {at(np.array(where))}; " + (
+            CROSSING_BODIES if bodies else CROSSING_INNER
         )
         return Fault("crossing", text, where, (i, j))
     assert kind == OVERLAP
     where = place(shell.points[[p, q]].mean(axis=0))
-    text = (
-        f"{one} and {two} overlap in a plane, near {at(np.array(where))[3:]}; cut both along the outline of "
-        "what they have in common, and drop what is there twice"
-    )
+    if e < len(edges) - len(shell.segments):
+        text = (
+            f"{one} and {two} overlap in a plane, near {at(np.array(where))[3:]}; cut both along the outline "
+            "of what they have in common, and drop what is there twice, or let resolve=True do so"
+        )
+    else:
+        text = (
+            f"{one} lies in {two} and crosses an edge of it, or ends inside, near {at(np.array(where))[3:]}; "
+            "split the facet and the segment there, or let resolve=True do so"
+        )
     return Fault("overlap", text, where, (i, j))
 
 
@@ -259,7 +270,7 @@ def crossing_place(points: np.ndarray, p: int, q: int, triangle: np.ndarray) -> 
     a, b, o, u, v = rows
     u, v = ([x - y for x, y in zip(w, o)] for w in (u, v))
     n = [u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3] for k in range(3)]
-    one, two = (sum(x * (y - z) for x, y, z in zip(n, w, o)) for w in (a, b))
+    one, two = (sum((x * (y - z) for x, y, z in zip(n, w, o)), Fraction(0)) for w in (a, b))
     share = one / (one - two)
     return tuple(x + share * (y - x) for x, y in zip(a, b))
 

@@ -160,9 +160,10 @@ def arranged(points: np.ndarray, polygons: Polygons, group: Group, on: np.ndarra
         if len(crossing) == 0:
             break
         places = {_crossing(local, axes, segments[s], segments[t]) for s, t in crossing.tolist()}
-        if None in places:
+        exact = {where for where in places if where is not None}
+        if len(exact) < len(places):
             return None
-        more = np.array(sorted(places))
+        more = np.array(sorted(exact))
         local, fresh = np.concatenate([local, more]), np.concatenate([fresh, more])
     found, wrong = triangulated(
         unit_points(local), NO_ENDS, view, chords=segments, also=np.arange(len(local))

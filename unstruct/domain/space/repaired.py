@@ -28,8 +28,8 @@ def repaired_in_space(outline: Outline) -> Repaired:
         turn_outward(mended)
     if not mended.repairs:
         n, many = len(outline.points), len(outline.pieces)
-        whole = outline.points, outline.facets, outline.inner, {}, outline.markers
-        return Repaired(*whole, counted_off(n), counted_off(many), [])
+        parts: Any = outline.points, outline.facets, outline.inner, {}, outline.markers
+        return Repaired(*parts, counted_off(n), counted_off(many), [])
     points, origin, polygons = _compressed(mended)
     rows, facets = np.arange(len(polygons)), int(mended.facet.sum())
     facet_rows: Any = polygons.select(rows[:facets])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ def without_area(xyz: np.ndarray, vertices: np.ndarray) -> bool:
     return not rest or all(clear_view(xyz, first, rest[0], v) < 0 for v in rest[1:])
 
 
-def untangled(xyz: np.ndarray, rings: Sequence[Sequence[int]]) -> NDArray[np.int32] | None:
+def untangled(xyz: np.ndarray, rings: Sequence[Any]) -> NDArray[np.int32] | None:
     """The triangles inside of rings that touch themselves or each other, in the direction of the whole.
 
     Sides are split at vertices on them, and sides that are there twice cancel. None if sides cross, which

@@ -230,7 +230,7 @@ class Splitting:
     def _split_triangle(self, t: int, touches: list[tuple[int, int]]) -> list[Any] | NDArray[np.int32]:
         corners = self.shell.triangles[t].tolist()
         on: list[list[int]] = [[], [], []]
-        inside = []
+        inside: list[int] = []
         for v, where in touches:
             (inside if where == 1 else on[where - 2]).append(v)
         if not inside and sum(map(bool, on)) <= 1:  # a fan, seen from the vertex opposite
