@@ -7,20 +7,27 @@ see edits in other files.
 
 from __future__ import annotations
 
+import gc
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 __all__ = [
     "KNOWN",
+    "CopiedCode",
+    "CopiedPipeline",
     "Record",
     "ShortPipeline",
     "one_type",
 ]
 
 try:
+    from llvmlite import binding
     from numba.core import types
-    from numba.core.caching import FunctionCache, IndexDataCacheFile
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+    from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder, compile_result
     from numba.core.cpu import CPUContext, CPUTargetOptions
     from numba.core.datamodel.models import TupleModel
     from numba.core.dispatcher import Dispatcher
@@ -29,6 +36,7 @@ try:
     from numba.extending import lower_cast, register_model
 except (ImportError, AttributeError):  # another numba, or none: then the kernels run as plain Python
     FunctionCache = IndexDataCacheFile = Dispatcher = object  # type: ignore[assignment, misc]
+    CopiedCode = CopiedPipeline = ShortPipeline = None  # type: ignore[assignment, misc]
     rtsys = types = None  # type: ignore[assignment]
     INNER_PARTS: dict[Any, str] = {object: "a part that is missing"}
 else:
@@ -38,7 +46,10 @@ else:
         IndexDataCacheFile: "_load_index load save",
         CPUContext: "insert_user_function remove_user_function",
         CPUTargetOptions: "nogil forceinline _nrt no_cpython_wrapper no_cfunc_wrapper",
-        CompilerBase: "define_pipelines",
+        CompilerBase: "define_pipelines compile_extra",
+        CompileResultCacheImpl: "reduce rebuild check_cachable",
+        JITCodeLibrary: "codegen enable_object_caching get_pointer_to_function _finalize_final_module "
+        "_finalize_dynamic_globals _verify_declare_only_symbols _get_module_for_linking _optimize_functions",
         DefaultPassBuilder: "define_nopython_pipeline",
         TupleModel: "as_argument from_argument get_argument_type get_value_type",
         types.NamedTuple: "can_convert_to can_convert_from",
@@ -101,15 +112,117 @@ if KNOWN:
     def _unchanged(context: Any, builder: Any, before: Any, after: Any, value: Any) -> Any:
         return value
 
+    class _Library(JITCodeLibrary):
+        """The code of a kernel, of which numba also optimized the functions that are only declared."""
+
+        def _optimize_functions(self, ll_module: Any) -> None:
+            ll_module.data_layout = self._codegen._data_layout
+            for function in ll_module.functions:
+                if not function.is_declaration:
+                    passes, options = self._codegen._function_pass_manager()
+                    passes.run(function, options)
+
+    class _CopiedLibrary(_Library):
+        """The code of a kernel that is copied into its callers: no machine code is made of it."""
+
+        @property
+        def codegen(self) -> Any:
+            return _NoMachineCode
+
+        def _finalize_final_module(self) -> None:
+            self._finalize_dynamic_globals()
+            self._verify_declare_only_symbols()
+            self._finalized = True
+
+        def get_pointer_to_function(self, name: str) -> int:
+            self._ensure_finalized()
+            return 0
+
+        def _get_module_for_linking(self) -> Any:
+            """The code itself, with functions that are dropped where they have been inlined."""
+            self._ensure_finalized()
+            if self._shared_module is None:
+                self._shared_module = self._final_module
+                for function in self._final_module.functions:
+                    if not function.is_declaration and function.linkage == binding.Linkage.external:
+                        function.linkage = "linkonce_odr"
+            return self._shared_module
+
+    class _NoMachineCode:
+        """What numba asks for the place of machine code, to store there what kernels never use."""
+
+        @staticmethod
+        def set_env(name: str, env: Any) -> None:
+            pass
+
+    class CopiedCode(CompileResultCacheImpl):
+        """How a kernel that is copied into its callers is written to the disk, and read."""
+
+        def reduce(self, result: Any) -> Any:
+            result.fndesc.typemap = result.fndesc.calltypes = None
+            code = result.library._get_module_for_linking().as_bitcode()
+            kept = (result.fndesc, result.environment, result.signature, result.reload_init)
+            return result.library.name, code, kept
+
+        def rebuild(self, target_context: Any, payload: Any) -> Any:
+            name, code, (fndesc, environment, signature, references) = payload
+            for refer in references:
+                refer()
+            library = _CopiedLibrary(target_context.codegen(), name)
+            library._final_module = binding.parse_bitcode(code)
+            library._finalize_final_module()
+            return compile_result(
+                typing_context=target_context.typing_context,
+                target_context=target_context,
+                entry_point=target_context.get_executable(library, fndesc, environment),
+                signature=signature,
+                objectmode=False,
+                lifted=(),
+                fndesc=fndesc,
+                library=library,
+                environment=environment,
+                reload_init=references,
+                referenced_envs=(),
+            )
+
     class ShortPipeline(CompilerBase):
         """numba's compiler without the passes that kernels do not need, a tenth of the time."""
+
+        library_class = _Library
+
+        def compile_extra(self, function: Any) -> Any:
+            with _without_collector():
+                return super().compile_extra(function)
 
         def define_pipelines(self) -> list[Any]:
             passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
             passes.passes[:] = [p for p in passes.passes if p[0].__name__ not in NOT_NEEDED]
             passes.finalize()
+            codegen = self.state.targetctx.codegen()
+            self.state.library = self.library_class(codegen, self.state.func_id.func_qualname)
+            self.state.library.enable_object_caching()
             return [passes]
 
+    class CopiedPipeline(ShortPipeline):
+        """The compiler of kernels that are copied into their callers."""
+
+        library_class = _CopiedLibrary
+
+    _compiling: list[bool] = []  # of the kernels being compiled, each for the one before: was the collector on?
+
+    @contextmanager
+    def _without_collector() -> Iterator[None]:
+        """Python's search for cycles of garbage, an eighth of the time, waits until the outermost is compiled.
+
+        numba's lock is held meanwhile, so that no two threads are in here at once.
+        """
+        _compiling.append(gc.isenabled())
+        gc.disable()
+        try:
+            yield
+        finally:
+            if _compiling.pop():
+                gc.enable()
 
 def one_type(kind: Any) -> Any:
     """One type for all integers, for which numba would compile a kernel several times, and for a record."""

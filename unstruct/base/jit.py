@@ -91,8 +91,10 @@ class _Inner:
     def compiler(self) -> Any:
         if self._compiler is None:
             options: Any = BARE | self.options
+            if not self.apart:
+                options["pipeline_class"] = inside_numba.CopiedPipeline
             found = numba.njit(**options)(self.outer.py_func)
-            found._cache = KernelCache(self.outer, "-inner")
+            found._cache = KernelCache(self.outer, "-inner", None if self.apart else inside_numba.CopiedCode)
             self._insert, found.add_overload = found.add_overload, self.add_overload
             self._compiler = found
         return self._compiler
