@@ -26,7 +26,7 @@ try:
     from llvmlite import binding
     from numba.core import types
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
-    from numba.core.codegen import JITCodeLibrary
+    from numba.core.codegen import CPUCodegen, JITCodeLibrary
     from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_result
     from numba.core.compiler_machinery import PassManager
     from numba.core.cpu import CPUContext, CPUTargetOptions
@@ -50,6 +50,7 @@ else:
         CPUTargetOptions: "nogil forceinline _nrt no_cpython_wrapper no_cfunc_wrapper",
         CompilerBase: "define_pipelines compile_extra",
         CompileResultCacheImpl: "reduce rebuild check_cachable",
+        CPUCodegen: "_function_pass_manager",
         JITCodeLibrary: "codegen enable_object_caching get_pointer_to_function _finalize_final_module "
         "_finalize_dynamic_globals _verify_declare_only_symbols _get_module_for_linking _optimize_functions",
         DefaultPassBuilder: "define_nopython_pipeline",
@@ -167,12 +168,14 @@ if KNOWN:
         """
 
         def reduce(self, result: Any) -> Any:
+            """What is written."""
             result.fndesc.typemap = result.fndesc.calltypes = None
             code = result.library._get_module_for_linking().as_bitcode()
             kept = (result.fndesc, result.environment, result.signature, result.reload_init)
             return result.library.name, code, kept
 
         def rebuild(self, target_context: Any, payload: Any) -> Any:
+            """The result of the compiler, from what was read."""
             name, code, (fndesc, environment, signature, references) = payload
             for refer in references:
                 refer()
@@ -199,6 +202,7 @@ if KNOWN:
         library_class = _Library
 
         def compile_extra(self, function: Any) -> Any:
+            """Compile a kernel."""
             state = self.state
             state.typingctx = state.targetctx.typing_context = _types_of(state.typingctx)
             state.targetctx.get_abi_sizeof = _SizeOf(state.targetctx)
@@ -207,6 +211,7 @@ if KNOWN:
                 return super().compile_extra(function)
 
         def define_pipelines(self) -> list[Any]:
+            """The passes, and the library that takes the code."""
             passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
             passes.passes[:] = [p for p in passes.passes if p[0].__name__ not in NOT_NEEDED]
             passes.finalize()
@@ -276,7 +281,7 @@ if KNOWN:
                 found = super().get_call_type(context, args, kws)
                 # what is compiled for the purpose depends on more than the types
                 ours = all(isinstance(kind, (types.Number, types.Boolean, types.Array)) for kind in key)
-                if ours and not kws and self.get_impl_key(found) is self.key[0]:
+                if ours and not kws and found is not None and self.get_impl_key(found) is self.key[0]:
                     self.known[key] = found
             return found
 
