@@ -106,7 +106,7 @@ def _search(x, tree, growth, best, which):
     """
     low, high, least, order, segments, weights = tree
     leaves = low.shape[0] // 2
-    stack = np.empty(128, dtype=np.int64)
+    stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
     for q in range(x.shape[0]):
         i = which[q - 1] if q > 0 else -1
         if i >= 0:
@@ -114,19 +114,22 @@ def _search(x, tree, growth, best, which):
             if value < best[q]:
                 best[q], which[q] = value, i
         top = 1
-        stack[0] = 1
+        stack[0], bound[0] = 1, least[1] + growth * to_box(x, q, low, high, 1)
         while top > 0:
             top -= 1
             node = stack[top]
-            if least[node] + growth * to_box(x, q, low, high, node) >= best[q]:
+            if bound[top] >= best[q]:
                 continue
             if node < leaves:
                 left = least[2 * node] + growth * to_box(x, q, low, high, 2 * node)
                 right = least[2 * node + 1] + growth * to_box(x, q, low, high, 2 * node + 1)
                 near = 0 if left <= right else 1
-                stack[top] = 2 * node + 1 - near
-                stack[top + 1] = 2 * node + near
-                top += 2
+                if max(left, right) < best[q]:
+                    stack[top], bound[top] = 2 * node + 1 - near, max(left, right)
+                    top += 1
+                if min(left, right) < best[q]:
+                    stack[top], bound[top] = 2 * node + near, min(left, right)
+                    top += 1
                 continue
             first = (node - leaves) * BOXES_IN_LEAF
             for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):

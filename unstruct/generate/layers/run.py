@@ -14,8 +14,9 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.stretching import Layers
 from .envelope import freed, short_fans
-from .filling import Remainder, matched_size, remainder
+from .filling import Remainder, remainder
 from .heights import fronts_of
+from .matched import matched_size
 from .rays import rays_of
 from .scene import Scene
 from .spacing import spaced_walls
