@@ -52,10 +52,31 @@ def ours(domain: Any, size: Any, first: float, stop: str = "nearest") -> Any:
     return advancing_layers(domain, size, layers=layers, walls=["upper", "lower"], stop=stop)
 
 
-def gmsh(
-    domain: Any, size: Any, first: float, spacing: float
-) -> tuple[float, NDArray[np.float64], NDArray[np.int64]]:
-    """The time of Gmsh's mesh with a BoundaryLayer field, its points and triangles."""
+class Outline(NamedTuple):
+    """What Gmsh is given, prepared before its time starts."""
+
+    points: NDArray[np.float64]
+    ends: NDArray[np.int32]
+    wall: NDArray[np.bool_]
+    loops: list[list[tuple[int, int]]]
+    sharp: list[int]
+
+
+def outline(domain: Any, size: Any) -> Outline:
+    """The subsegments of the boundary, as `advancing_layers` has them, and which of them are walls."""
+    sampled = domain.sampled(size)
+    wall = np.isin(sampled.piece, np.concatenate([domain.markers["upper"], domain.markers["lower"]]))
+    return Outline(
+        sampled.points, sampled.ends, wall, rings(sampled.ends), trailing(domain, sampled, wall)
+    )
+
+
+def gmsh(given: Outline, first: float, spacing: float) -> tuple[float, NDArray, NDArray]:
+    """The time of Gmsh's mesh with a BoundaryLayer field, its points and triangles.
+
+    The size is that of `wing`: sources at the vertices of the walls. A Distance field of the lines between
+    them, with Sampling 2, would have no point at all, and the rest would be as coarse as ``FAR`` permits.
+    """
     import gmsh as peer
 
     if not peer.isInitialized():
@@ -63,36 +84,30 @@ def gmsh(
         peer.option.setNumber("General.Terminal", 0)
     before = time.process_time()
     peer.clear()
-    sampled = domain.sampled(size)
-    on_wall = np.isin(sampled.piece, np.concatenate([domain.markers["upper"], domain.markers["lower"]]))
-    geo, field, used = peer.model.geo, peer.model.mesh.field, np.unique(sampled.ends)
-    tag = {v: geo.addPoint(*sampled.points[v].tolist(), 0) for v in used.tolist()}
-    lines = [geo.addLine(tag[a], tag[b]) for a, b in sampled.ends.tolist()]
-    loops = rings(sampled.ends)
-    geo.addPlaneSurface([geo.addCurveLoop([int(s * lines[i]) for i, s in loop]) for loop in loops])
+    geo, field, used = peer.model.geo, peer.model.mesh.field, np.unique(given.ends)
+    tag = {v: geo.addPoint(*given.points[v].tolist(), 0) for v in used.tolist()}
+    lines = [geo.addLine(tag[a], tag[b]) for a, b in given.ends.tolist()]
+    geo.addPlaneSurface([geo.addCurveLoop([int(s * lines[i]) for i, s in loop]) for loop in given.loops])
     for line in lines:
         geo.mesh.setTransfiniteCurve(line, 2)
     geo.synchronize()
     for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
         peer.option.setNumber(f"Mesh.MeshSize{name}", 0)
-    walls = [line for line, wall in zip(lines, on_wall) if wall]
-    distance = field.add("Distance")
-    field.setNumbers(distance, "CurvesList", walls)
-    field.setNumber(distance, "Sampling", 2)
-    wanted = field.add("MathEval")
-    field.setString(wanted, "F", f"Min({spacing} + {SIZE_GROWTH} * F{distance}, {FAR})")
+    distance, wanted = field.add("Distance"), field.add("Threshold")
+    field.setNumbers(distance, "PointsList", [tag[v] for v in np.unique(given.ends[given.wall]).tolist()])
+    for name, value in (
+        ("InField", distance), ("SizeMin", spacing), ("SizeMax", FAR), ("DistMin", 0),
+        ("DistMax", (FAR - spacing) / SIZE_GROWTH),
+    ):  # fmt: skip
+        field.setNumber(wanted, name, value)
     field.setAsBackgroundMesh(wanted)
     layer = field.add("BoundaryLayer")
-    field.setNumbers(layer, "CurvesList", walls)
+    field.setNumbers(layer, "CurvesList", [line for line, wall in zip(lines, given.wall) if wall])
     for name, value in (
-        ("Size", first),
-        ("Ratio", RATIO),
-        ("Thickness", spacing * RATIO / (RATIO - 1)),
-        ("Quads", 0),
-    ):
+        ("Size", first), ("Ratio", RATIO), ("Thickness", spacing * RATIO / (RATIO - 1)), ("Quads", 0),
+    ):  # fmt: skip
         field.setNumber(layer, name, value)
-    sharp = [tag[v] for v in trailing(domain, sampled, on_wall)]
-    field.setNumbers(layer, "FanPointsList", sharp)
+    field.setNumbers(layer, "FanPointsList", [tag[v] for v in given.sharp])
     field.setAsBoundaryLayer(layer)
     peer.option.setNumber("Mesh.Algorithm", 6)
     peer.model.mesh.generate(2)
@@ -164,6 +179,7 @@ def rows(repeats: int = 5) -> list[dict[str, Any]]:
     found = []
     for spacing, first in product(SPACINGS, FIRST):
         domain, size, _ = wing(spacing)
+        given = outline(domain, size)
         ours(domain, size, first)  # compiled before it is timed
         times: dict[str, list[float]] = {"nearest": [], "spring": [], "gmsh": []}
         meshes: dict[str, Judged] = {}
@@ -173,7 +189,7 @@ def rows(repeats: int = 5) -> list[dict[str, Any]]:
                 mesh = ours(domain, size, first, stop)
                 times[stop].append(time.process_time() - before)
                 meshes[stop] = judged(mesh.points, mesh.simplices, mesh.steps["cell_layer"] == 0)
-            taken, points, triangles = gmsh(domain, size, first, spacing)
+            taken, points, triangles = gmsh(given, first, spacing)
             times["gmsh"].append(taken)
             meshes["gmsh"] = judged(points, triangles)
         peer = statistics.median(times["gmsh"])

@@ -28,12 +28,14 @@ class MatchedSize(SizeField):
     ----------
     given : SizeField
     ends : (e, 2, 2) float64
-        The edges of the envelope.
+        The edges of the envelope, with the rest on their left.
     """
+
+    thorough = False
 
     def __init__(self, given: SizeField, ends: Array):
         length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-        self.given, self.tree = given, SegmentTree(ends, length)
+        self.given, self.ends, self.tree = given, ends, SegmentTree(ends, length)
         known = given.growth if given.constant is None else 0.0
         marks = [ends.mean(axis=1), *([given.landmarks] if len(given.landmarks) else [])]
         super().__init__(
@@ -41,13 +43,21 @@ class MatchedSize(SizeField):
             growth=None if known is None else max(known, FILL_GROWTH),
         )  # fmt: skip
 
-    def least(self, x: Array, bound: Array) -> tuple[Array, Array]:
-        """The size at points x, where the given one is at least ``bound``; and a better such bound."""
-        found = self.tree.least(x, FILL_GROWTH)[0]
+    def least(self, x: Array, bound: Array) -> tuple[Array, Array, Integers]:
+        """The size at points x, where the given one is at least ``bound``; a better such bound; the edge."""
+        found, edge = self.tree.least(x, FILL_GROWTH)
         rows = np.flatnonzero(bound < found)
         bound = bound.copy()
         bound[rows] = self.given(x[rows])
-        return np.minimum(found, bound, where=bound < found, out=found), bound
+        return np.minimum(found, bound), bound, edge
+
+    def behind(self, x: Array, edge: Integers, far: float) -> NDArray[np.bool_]:
+        """Which points are on the right of these edges, opposite them, and so far away."""
+        a, b = self.ends[edge].transpose(1, 0, 2)
+        side, away = b - a, x - a
+        along, square = (side * away).sum(axis=1), (side * side).sum(axis=1)
+        cross = side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0]
+        return (along >= 0.0) & (along <= square) & (cross < -far * np.sqrt(square))
 
     def table(
         self, lower: ArrayLike, upper: ArrayLike, *, factor: float = 1.0, tolerance: float = COARSE,
@@ -57,8 +67,8 @@ class MatchedSize(SizeField):
 
         The size changes by no more than its growth in a unit of length. So a leaf that is not larger than
         some wanted edge lengths cannot hide much, and it is judged by its middle alone. Only leaves that are
-        divided need values at other places; and the given size is asked for only where it may be less than
-        that of the envelope.
+        divided need values at other places, and the given size is asked for only where it may be less than
+        that of the envelope. Leaves within layers or bodies stay large.
         """
         tolerance = max(tolerance, COARSE)
         if self.growth is None:
@@ -67,12 +77,11 @@ class MatchedSize(SizeField):
         box = box_of(lower, upper, factor, tolerance)
         span, change = box[1] - box[0], self.given.growth or 0.0
 
-        def at(place: Array, bound: Array) -> tuple[Array, Array]:  # relative coordinates
+        def at(place: Array, bound: Array) -> tuple[Array, Array, Integers]:  # relative coordinates
             x = np.minimum(box[0] + place.reshape(-1, 2) * span, box[1])
-            values, better = self.least(x, bound.ravel())
-            return values.reshape(bound.shape), better.reshape(bound.shape)
+            return tuple(one.reshape(bound.shape) for one in self.least(x, bound.ravel()))
 
-        blocks, child, place, middle, bound = self._first(at)
+        blocks, child, place, (middle, bound, edge) = self._first(at)
         worst, count, values = 0.0, sum(map(len, blocks)), blocks[-1]
         away = change * np.hypot(*((FRESH - 0.5) * span).T)
         for depth in range(FIRST_LEVELS, max_depth + 1):
@@ -81,6 +90,9 @@ class MatchedSize(SizeField):
             error = np.abs(values.mean(axis=1) / middle - 1.0)
             divide = (error > tolerance) | (length > BROADEST * middle)
             divide &= length > RESOLVED * np.minimum(middle, values.min(axis=1))
+            divide[divide] = ~self.behind(
+                box[0] + (place[divide] + 0.5) * side * span, edge[divide], side / 2 * np.hypot(*span)
+            )
             divide &= (depth < max_depth) & (count + 4 * int(divide.sum()) <= max_nodes)
             worst = max(worst, float(error[~divide].max(initial=0.0)))
             rows = np.flatnonzero(divide)
@@ -88,9 +100,10 @@ class MatchedSize(SizeField):
             if not len(rows):
                 break
             child[-1][rows] = count + 4 * np.arange(len(rows))
-            probes, bound = at((place[rows, None] + FRESH) * side, bound[rows, None] - side * away)
+            probes, better, edges = at((place[rows, None] + FRESH) * side, bound[rows, None] - side * away)
             known = np.concatenate([values[rows], middle[rows, None], probes[:, :4]], axis=1)
-            values, middle, bound = known[:, CHILD].reshape(-1, 4), probes[:, 4:].ravel(), bound[:, 4:].ravel()
+            values, middle = known[:, CHILD].reshape(-1, 4), probes[:, 4:].ravel()
+            bound, edge = better[:, 4:].ravel(), edges[:, 4:].ravel()
             place = (2 * place[rows, None] + CORNERS).reshape(-1, 2)
             blocks.append(values)
             child.append(np.empty(len(values), dtype=np.int64))
@@ -98,8 +111,8 @@ class MatchedSize(SizeField):
         capped = {"resolved": 0, "depth": 0, "nodes": 0}
         return table_of(blocks, np.concatenate(child), box, factor, worst, capped)
 
-    def _first(self, at: Any) -> tuple[list[Array], list[Integers], Integers, Array, Array]:
-        """The first levels: values and children by level, then of the last one places, middles and bounds."""
+    def _first(self, at: Any) -> tuple[list[Array], list[Integers], Integers, list[Any]]:
+        """The first levels: values and children by level; of the last one places, and what is in the middles."""
         many = 1 << FIRST_LEVELS
         lattice = np.arange(2 * many + 1) / (2 * many)
         corner, center = (
@@ -116,7 +129,7 @@ class MatchedSize(SizeField):
             count += len(place)
             child.append(count + 4 * np.arange(len(place)))
         i, j = place.T
-        return blocks, child, place, center[0][i, j], center[1][i, j]
+        return blocks, child, place, [one[i, j] for one in center]
 
 
 def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
