@@ -21,6 +21,7 @@ from ..refinement.refine import refine
 from .rays import FAN_RAY, SLIDING_RAY
 from .run import LayersRun
 from .stops import BY_END, STOP_REASONS
+from .union import largest_angle
 from .walls import wall_pieces
 
 __all__ = ["FILLS", "advancing_layers"]
@@ -191,7 +192,5 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
         unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
     )  # fmt: skip
-    least = float(run.filled.quality("min_angle").min(initial=180.0))
-    largest = float(mesh.quality("max_angle").max())
-    mesh.figures.update({"minimum angle of the rest": least, "largest angle": largest})
+    mesh.figures.update({"minimum angle of the rest": run.least, "largest angle": largest_angle(mesh)})
     return mesh

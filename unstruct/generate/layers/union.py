@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...connect.planar.complex import PlanarComplex
+from ...geometry.triangle_shapes import planar_angles
 from ...mesh.domain_mesh import DomainMesh
 from .filling import Remainder
 from .scene import Scene, bare
 from .strips import Cells, Numbering
 
-__all__ = ["Union", "split_quads", "union_of"]
+__all__ = ["Union", "largest_angle", "split_quads", "union_of"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+SHORT_EDGE = 1e-70  # products of squares of longer ones are above the least doubles
 
 
 class Union(NamedTuple):
@@ -80,6 +82,28 @@ def _split(points, quads, made):
         made[2 * i + 1, 0], made[2 * i + 1, 1], made[2 * i + 1, 2] = a, c, d
         if two > one:
             made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
+
+
+@kernel
+def _bluntest(points, cells):
+    """The triangle with the least cosine of an angle; -1 if there is none, or an edge is very short."""
+    best, found = 2.0, np.int64(-1)
+    for t in range(cells.shape[0]):
+        a, b, c = cells[t, 0], cells[t, 1], cells[t, 2]
+        cosine = _least_cosine(points, a, b, c)
+        if cosine < best:
+            best, found = cosine, np.int64(t)
+        x, y = abs(points[b, 0] - points[a, 0]), abs(points[b, 1] - points[a, 1])
+        if max(x, y) < SHORT_EDGE:
+            return np.int64(-1)
+    return found
+
+
+def largest_angle(mesh: DomainMesh) -> float:
+    """The largest angle of a cell, in degrees; only one arctangent is taken."""
+    at = int(_bluntest(mesh.points, mesh.simplices)) if set(mesh.cells) == {"triangle"} else -1
+    found = planar_angles(mesh.points, mesh.simplices[at : at + 1]) if at >= 0 else None
+    return float(mesh.quality("max_angle").max() if found is None else found[1][0])
 
 
 def union_of(
@@ -153,6 +177,8 @@ def _layered(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integer
 def _regions(scene: Scene, c: PlanarComplex, rest: Remainder, fill: DomainMesh) -> Integers:
     """The region of each cell of the rest in the whole domain, by an edge of a piece or of the envelope."""
     part = np.asarray(fill.markers["region"]).astype(np.int64)
+    if not c.region.max(initial=0):  # there is but one
+        return np.zeros(len(part), dtype=np.int64)
     n = len(fill.points)
     t = fill.simplices.astype(np.int64)
     keys = np.concatenate([t[:, i] * n + t[:, (i + 1) % 3] for i in range(3)])
