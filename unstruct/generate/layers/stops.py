@@ -13,7 +13,7 @@ from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField
 from .heights import Fronts
 from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
-from .spring import nearest_stops, spring_stops
+from .spring import AHEAD, meet
 
 __all__ = [
     "BY_COUNT",
@@ -39,7 +39,6 @@ MATCHED = 0.95  # a ray stops before a step of so many spacings
 SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
 STRETCHED = 1.5  # ... or so many wanted sizes
 ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
-AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
 OWN_VERTICES = 4  # vertices of a wall: what is nearer along it is no opposing front
 
 
@@ -216,39 +215,19 @@ def _near(
     rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], spring: bool, slides: Integers
 ) -> Stops:
     """Let rays stop, layer by layer, where a point of another front or of the rest is near."""
-    n = len(rays.base)
     level, reason = stops.level.copy(), stops.reason.copy()
-    places = np.concatenate([fronts.places, np.repeat(rest[0][:, None], fronts.places.shape[1], axis=1)])
-    p, q = _candidates(rays, fronts, stops, rest, slides)
-    before, after = neighbors_of(rays)
-    every = np.append(level, np.zeros(len(rest[0]), dtype=np.int64))
-    for k in range(int(level.max(initial=0))):
-        live = every[p] > k
-        p, q = p[live], q[live]
-        if not len(p):
-            break
-        at = places[q, np.minimum(k, every[q])]
-        new, here = places[p, k + 1], places[p, k]
-        away = at - here
-        ahead = _ahead(away, rays.direction[p])
-        if spring:
-            hit = np.zeros(len(p), dtype=bool)
-            for other in (before, after):
-                o = other[p]
-                rows = np.flatnonzero(ahead & (o >= 0))
-                j = o[rows]
-                edge = here[rows], places[j, np.minimum(k, every[j])]
-                fresh = new[rows], places[j, np.minimum(k + 1, every[j])]
-                hit[rows] |= spring_stops(edge, fresh, at[rows])
-        else:
-            apart = np.where(rays.kind[p] == FAN_RAY, fronts.apart[p, k + 1], fronts.apart[p, k])
-            hit = ahead & nearest_stops(new, fronts.steps[p, k], apart, at)
-        stop = np.unique(p[hit])
-        every[stop], reason[stop] = k, BY_FRONT
-        both = np.unique(q[hit & (q < n)])  # both fronts stop
-        both = both[every[both] > k]
-        every[both], reason[both] = k, BY_FRONT
-    return Stops(every[:n], reason)
+    stopped = np.zeros(len(level), dtype=bool)
+    fan = rays.kind == FAN_RAY
+    apart = fronts.apart
+    if fan.any():
+        apart = apart.copy()
+        apart[fan, :-1] = fronts.apart[fan, 1:]
+    meet(
+        (fronts.places, fronts.steps, apart), (rays.direction, *neighbors_of(rays)),
+        _candidates(rays, fronts, stops, rest, slides), np.ascontiguousarray(rest[0]), spring, level, stopped,
+    )  # fmt: skip
+    reason[stopped] = BY_FRONT
+    return Stops(level, reason)
 
 
 def _candidates(
