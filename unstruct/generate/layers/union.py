@@ -28,7 +28,7 @@ class Union(NamedTuple):
     Attributes
     ----------
     points, origin : (n, 2) float64, (n,) int32
-    cells : dict of str to ndarray
+    cells : dict of str to ndarray of int32
     region, layer, strip : (m,) int64
         Per cell, in the order of the cells: the region; the layer, from 1 on, 0 in the rest; the strip.
     segments, piece, span : ndarray
@@ -41,7 +41,7 @@ class Union(NamedTuple):
 
     points: Array
     origin: NDArray[np.int32]
-    cells: dict[str, Integers]
+    cells: dict[str, NDArray[np.int32]]
     region: Integers
     layer: Integers
     strip: Integers
@@ -106,6 +106,22 @@ def largest_angle(mesh: DomainMesh) -> float:
     return float(mesh.quality("max_angle").max() if found is None else found[1][0])
 
 
+@kernel
+def _mark(cells, used):
+    """Mark the points that cells use."""
+    for t in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            used[cells[t, k]] = True
+
+
+@kernel
+def _renumber(cells, place, found):
+    """Write the numbers of the same points in the mesh."""
+    for t in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            found[t, k] = place[cells[t, k]]
+
+
 def union_of(
     scene: Scene, c: PlanarComplex, level: Integers, numbers: Numbering, cells: Cells,
     rest: Remainder, fill: DomainMesh, triangles: bool,
@@ -143,12 +159,14 @@ def union_of(
     points = np.concatenate([numbers.points, new])
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
-        used[block.ravel()] = True
+        _mark(block, used)
     place = np.where(used, np.cumsum(used) - 1, -1)
     origin_of = np.full(len(points), -1, dtype=np.int32)
     vertices = len(scene.domain.points)
     origin_of[:vertices] = np.arange(vertices)
-    kept = {name: place[block] for name, block in both.items() if len(block)}
+    kept = {name: np.empty(block.shape, dtype=np.int32) for name, block in both.items() if len(block)}
+    for name, block in kept.items():
+        _renumber(both[name], place, block)
     order = np.lexsort((span[:, 0], piece))
     return Union(
         points[used], origin_of[used], kept, region, layer, strip, place[segments][order], piece[order],
