@@ -112,7 +112,7 @@ class MatchedSize(SizeField):
         return table_of(blocks, np.concatenate(child), box, factor, worst, capped)
 
     def _first(self, at: Any) -> tuple[list[Array], list[Integers], Integers, list[Any]]:
-        """The first levels: values and children by level; of the last one places, and what is in the middles."""
+        """The first levels: values and children by level; of the last one places and the middles."""
         many = 1 << FIRST_LEVELS
         lattice = np.arange(2 * many + 1) / (2 * many)
         corner, center = (

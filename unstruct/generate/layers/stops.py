@@ -105,7 +105,9 @@ def _matched(rays: Rays, fronts: Fronts, size: SizeField) -> tuple[Integers, NDA
         change = np.inf if size.growth is None else size.growth
         ray, layer = np.empty((2, int((first - asked)[rows].sum())), dtype=np.int64)
         wanted = np.empty(len(ray))
-        many = _to_ask((fronts.places, steps, apart), wall, fan, (first, asked), last, change, (ray, layer), wanted)
+        many = _to_ask(
+            (fronts.places, steps, apart), wall, fan, (first, asked), last, change, (ray, layer), wanted
+        )
         ray, layer, wanted = ray[:many], layer[:many], wanted[:many]
         open_ = np.flatnonzero(wanted < 0.0)
         if len(open_):

@@ -105,7 +105,7 @@ def _point(start, base, ray, layer):
 
 @kernel
 def _good_layers(xy, start, base, left, right, whole):
-    """Lower ``whole``, the number of layers of each strip, to those before the first cell that is not good."""
+    """Lower ``whole``, the number of layers of each strip, to those before the first bad cell."""
     for s in range(len(whole)):
         for m in range(whole[s]):
             i, j = left[s], right[s]

@@ -49,7 +49,8 @@ class Effort(NamedTuple):
 
 THOROUGH = Effort(POOR, SEARCH_ROUNDS, IMPROVED_BELOW, SHARP_ROUNDS, 60.0)
 # Where a size grows by a fifth of the distance, most stars have a triangle below 0.93: to raise the least of
-# each costs more than all else, and lowers the mean. This has a larger mean, and angles a few degrees smaller.
+# each costs more than all else, and lowers the mean. This has a larger mean, and least angles that are a few
+# degrees smaller.
 QUICK = Effort(0.85, 2, 0.85, 4, 30.0)
 
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
