@@ -136,7 +136,7 @@ def recut(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The parameter intervals (piece, t0, t1), with those of some pieces between given parameters."""
     old = ~np.isin(piece, list(given))
-    many = np.array([len(t) for t in given.values()], dtype=np.int64)
+    many = np.fromiter(map(len, given.values()), dtype=np.int64, count=len(given))
     place = np.concatenate(list(given.values()))
     last = np.cumsum(many) - 1
     owner = np.concatenate([piece[old], np.repeat(np.array(list(given), dtype=np.int64), many - 1)])
