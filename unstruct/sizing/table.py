@@ -320,6 +320,22 @@ def box_of(lower: ArrayLike, upper: ArrayLike, factor: float, tolerance: float) 
 def table_of(
     blocks: list[Array], child: Integers, box: Array, factor: float, error: float, capped: dict[str, int]
 ) -> SizeTable:
+    """A table of nodes level by level, scaled by a factor.
+
+    Parameters
+    ----------
+    blocks : list of (q, 4) ndarray
+        The sizes at the corners of the nodes of each level.
+    child : (n,) int64
+    box : (2, 2) float64
+    factor, error, capped
+        As for `SizeTable`.
+
+    Raises
+    ------
+    InputError
+        If scaled sizes leave the range of doubles.
+    """
     with np.errstate(over="ignore", under="ignore"):
         values, scaled = np.concatenate(blocks) * factor, box.ravel() * factor
     tiny = np.finfo(np.float64).tiny

@@ -72,14 +72,16 @@ class MatchedSize(SizeField):
         """
         tolerance = max(tolerance, COARSE)
         if self.growth is None:
-            options = {"factor": factor, "max_depth": max_depth, "max_nodes": max_nodes}
-            return super().table(lower, upper, tolerance=tolerance, **options)
+            return super().table(
+                lower, upper, factor=factor, tolerance=tolerance, max_depth=max_depth, max_nodes=max_nodes
+            )
         box = box_of(lower, upper, factor, tolerance)
         span, change = box[1] - box[0], self.given.growth or 0.0
 
         def at(place: Array, bound: Array) -> tuple[Array, Array, Integers]:  # relative coordinates
             x = np.minimum(box[0] + place.reshape(-1, 2) * span, box[1])
-            return tuple(one.reshape(bound.shape) for one in self.least(x, bound.ravel()))
+            values, better, edges = self.least(x, bound.ravel())
+            return values.reshape(bound.shape), better.reshape(bound.shape), edges.reshape(bound.shape)
 
         blocks, child, place, (middle, bound, edge) = self._first(at)
         worst, count, values = 0.0, sum(map(len, blocks)), blocks[-1]

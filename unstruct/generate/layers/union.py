@@ -19,7 +19,7 @@ __all__ = ["Union", "largest_angle", "split_quads", "union_of"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-SHORT_EDGE = 1e-70  # products of squares of longer ones are above the least doubles
+MEASURED_EDGE = 1e-70  # products of squares of edges above it are far above the least doubles
 
 
 class Union(NamedTuple):
@@ -94,7 +94,7 @@ def _bluntest(points, cells):
         if cosine < best:
             best, found = cosine, np.int64(t)
         x, y = abs(points[b, 0] - points[a, 0]), abs(points[b, 1] - points[a, 1])
-        if max(x, y) < SHORT_EDGE:
+        if max(x, y) < MEASURED_EDGE:
             return np.int64(-1)
     return found
 
