@@ -244,10 +244,8 @@ def _meeting(
         return Fault(name, text, where, (i, j), (v,))
     if kind in (PIERCES, EDGES_CROSS):
         where = tuple(map(float, crossing_place(shell.points, p, q, shell.triangles[t])))
-        bodies = max(i, j) < shell.facets
-        text = f"{one} crosses {two} {at(np.array(where))}; " + (
-            CROSSING_BODIES if bodies else CROSSING_INNER
-        )
+        remedy = CROSSING_BODIES if max(i, j) < shell.facets else CROSSING_INNER
+        text = f"{one} crosses {two} {at(np.array(where))}; {remedy}"
         return Fault("crossing", text, where, (i, j))
     assert kind == OVERLAP
     where = place(shell.points[[p, q]].mean(axis=0))

@@ -28,8 +28,10 @@ def repaired_in_space(outline: Outline) -> Repaired:
         turn_outward(mended)
     if not mended.repairs:
         n, many = len(outline.points), len(outline.pieces)
-        parts: Any = outline.points, outline.facets, outline.inner, {}, outline.markers
-        return Repaired(*parts, counted_off(n), counted_off(many), [])
+        origin, pieces = counted_off(n), counted_off(many)
+        return Repaired(
+            outline.points, outline.facets, outline.inner, {}, outline.markers, origin, pieces, []
+        )
     points, origin, polygons = _compressed(mended)
     rows, facets = np.arange(len(polygons)), int(mended.facet.sum())
     facet_rows: Any = polygons.select(rows[:facets])
