@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
-from ...geometry.triangle_pairs import PIERCES, edges_of, meetings_in_space, unit_points
+from ...geometry.triangle_pairs import PIERCES, Meetings, edges_of, meetings_in_space, unit_points
 from ..plane.account import Place, Repair
 from ..plane.faults import Fault, refuse
 from ..plane.name_sets import name_sets
@@ -45,11 +45,20 @@ class Standing(Outline):
         rows = np.arange(len(polygons))
         parts = polygons.select(rows[:facets]), polygons.select(rows[facets:])
         super().__init__(repairer.points, *parts, {}, {}, {})
-        self.called = repairer.called
+        self.given, self.origin_of = repairer.outline, repairer.piece.copy()
 
     def name(self, piece: int) -> str:
         """The name of the piece of the input."""
-        return self.called(piece)
+        return self.given.name(int(self.origin_of[piece]))
+
+
+class Met(NamedTuple):
+    """What met what in a round."""
+
+    standing: Standing
+    shell: Shell
+    edges: np.ndarray
+    met: Meetings
 
 
 class SpaceRepairer:
@@ -79,6 +88,8 @@ class SpaceRepairer:
         self.gone = np.zeros(self.given, dtype=bool)  # copies of other points
         self.used = np.zeros(self.given, dtype=bool)  # vertices that have had pieces; others stay loose
         self.repairs: list[Repair] = []
+        self.first: Met | None = None  # what met what at the beginning, and in the end
+        self.met: Met | None = None
 
     def run(self) -> None:
         """Repair until nothing changes; raise for what cannot be repaired."""
@@ -91,6 +102,7 @@ class SpaceRepairer:
             if not self._split() and not join_seams(self):
                 break
         else:
+            self._refuse_meetings(self.met)
             raise InputError(
                 f"the surface could not be repaired in {REPAIR_ROUNDS_IN_SPACE} rounds; correct the facets "
                 "yourself"
@@ -124,12 +136,13 @@ class SpaceRepairer:
     def _at(self, vertex: int) -> Place:
         return place(self.points[vertex])
 
-    def refuse(self, found: list[Fault]) -> NoReturn:
-        """Raise for faults of the pieces as they stand, with the numbers of the input."""
+    def refuse(self, found: list[Fault], standing: Standing | None = None) -> NoReturn:
+        """Raise for faults of the pieces as they stand, or stood, with the numbers of the input."""
+        piece = self.piece if standing is None else standing.origin_of
         here = [
             replace(
                 fault,
-                pieces=tuple(sorted({int(self.piece[i]) for i in fault.pieces})),
+                pieces=tuple(sorted({int(piece[i]) for i in fault.pieces})),
                 vertices=tuple(v for v in fault.vertices if v < self.given),
             )
             for fault in found
@@ -317,19 +330,31 @@ class SpaceRepairer:
         shell, _ = self.shell()
         edges = np.concatenate([edges_of(shell.triangles), shell.segments]).astype(np.int32)
         met = meetings_in_space(self.points, shell.triangles, edges)
-        standing = self.standing()
-        through = met.kind == PIERCES
-        if through.any():
-            hard = type(met)(*(part[through] for part in met))
-            self.refuse(meeting_faults(standing, shell, edges, hard))
-        splitting = Splitting(self, shell, edges, met)
-        if splitting.run():
+        self.met = Met(self.standing(), shell, edges, met)
+        self.first = self.first or self.met
+        if (met.kind == PIERCES).any():
+            self._refuse_meetings(self.met)
+        if Splitting(self, shell, edges, met).run():
             return True
-        crossed = crossing_faults(standing, shell)
-        if len(met.edge) or crossed:
-            found = [*meeting_faults(standing, shell, edges, met), *crossed]
-            self.refuse([replace(fault, text=_not_exact(fault)) for fault in found])
+        self._refuse_meetings(self.met)
         return False
+
+    def _refuse_meetings(self, now: Met | None) -> None:
+        """Raise if pieces meet now: for crossings of the input, if there were any, which has its numbers."""
+        if now is None:
+            return
+        found = meeting_faults(*now) + crossing_faults(now.standing, now.shell)
+        if not found:
+            return
+        for here in (self.first or now, now):
+            if here is now:
+                faults = found
+            else:
+                faults = meeting_faults(*here) + crossing_faults(here.standing, here.shell)
+            crossings = [fault for fault in faults if fault.kind == "crossing"]
+            if crossings:
+                self.refuse(crossings, here.standing)
+        self.refuse([replace(fault, text=_not_exact(fault)) for fault in found], now.standing)
 
     def _refuse_nothing(self) -> None:
         if len(self.outline.facets) and not self.facet.any():
@@ -341,8 +366,6 @@ class SpaceRepairer:
 
 def _not_exact(fault: Fault) -> str:
     """What is said of a fault that only rounded vertices would mend."""
-    if fault.kind == "crossing":
-        return fault.text
     what = fault.text.partition(";")[0]
     return (
         f"{what}; sides cross there at places that are no doubles, so that this cannot be mended exactly: "
