@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull
 
 from unstruct import Domain, UnstructError
 
-__all__ = ["MUTATIONS", "examine", "mutated"]
+__all__ = ["MUTATIONS", "examine", "inside", "mutated", "overlapping"]
 
 Surface = tuple[np.ndarray, list[list[int]]]
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -67,6 +67,27 @@ def nested(rng: np.random.Generator) -> Surface:
 
 
 BODIES: list[Callable[[np.random.Generator], Surface]] = [box, hull, torus, plate, nested]
+
+
+def overlapping(seed: int) -> Surface:
+    """One to four boxes, sheared boxes or tetrahedra with corners on a grid, wherever they may lie."""
+    rng = np.random.default_rng(seed)
+    corners = np.array(list(product((0.0, 1.0), repeat=3)))
+    points: list[list[float]] = []
+    rows: list[list[int]] = []
+    unit = rng.choice([1, 0.25, 0.1, 1 / 3])
+    for _ in range(rng.integers(1, 5)):
+        kind, low, n = rng.integers(3), rng.integers(0, 5, 3), len(points)
+        if kind == 0:
+            x, sides = rng.integers(0, 4, (4, 3)), [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
+            if round(np.linalg.det(x[1:] - x[0])) == 0:
+                continue
+        else:
+            shear = np.array([[1, 0, 0], [kind - 1, 1, 0], [0, 0, 1]])
+            x, sides = (corners @ shear) * rng.integers(1, 5, 3) + low, SIDES
+        points += (x * unit).tolist()
+        rows += [[n + v for v in side] for side in sides]
+    return np.array(points).reshape(-1, 3), rows
 
 
 # ---------------------------------------------------------------------- mutations: in place, or a new surface

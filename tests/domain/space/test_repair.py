@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from surface_mutations import examine
+from surface_mutations import examine, inside, overlapping
 
 from unstruct import Domain, DomainError, InputError, UnstructError
 
@@ -40,9 +40,30 @@ def test_nothing_is_done_where_all_is_well() -> None:
     assert [*map(tuple, domain.facets)] == SIDES
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", [*range(200), 1668, 2037])  # two with a polygon that has two sides inside
 def test_mutations(seed: int) -> None:
     examine(seed)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_bodies_wherever_they_lie(seed: int) -> None:
+    """They are refused for a crossing, or what an odd number of them covers is inside."""
+    points, rows = overlapping(seed)
+    if len(rows) == 0:
+        return
+    try:
+        domain = Domain(points, rows, resolve=True)
+    except DomainError as error:
+        assert "unite the bodies first" in str(error)
+        return
+    except InputError as error:  # bodies that are equal
+        assert "no facet is left" in str(error)
+        return
+    again = Domain(domain.points, domain.facets, inner=domain.inner)
+    assert again.volume == domain.volume and len(again.turned) == len(domain.inner) == 0
+    x = np.random.default_rng(seed).uniform(points.min(axis=0), points.max(axis=0), (100, 3))
+    wanted, sure = inside((points, rows), x)
+    assert (domain.contains(x) == wanted)[sure].all()
 
 
 def test_copies_of_points() -> None:
