@@ -18,8 +18,8 @@ from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
 from . import metric_resize as resizing
 from . import metric_steps as k
+from .bookkeeping import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 from .run import FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted
-from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
 
 __all__ = ["MetricRun"]
 

@@ -17,6 +17,7 @@ from ...mesh.domain_mesh import DomainMesh
 from ..rebay.finishing import figures
 from ..rebay.queue import ACCEPTED, BATCH, STATUS, WAITING, empty_queue
 from ..rebay.run import FRONT_STEPS_A_CALL, VoronoiSegmentRun
+from . import bookkeeping as book
 from . import placing
 from . import steps as k
 
@@ -60,16 +61,17 @@ def accounted(
     **rest
         ``order`` and ``figures``, as for `PlanarComplex.mesh`.
     """
-    c, slots = complex_, sorted(missed)
-    used = np.zeros(c.size, dtype=bool)
-    used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-    place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+    c, slots, record = complex_, sorted(missed), None
+    if steps is not None:
+        used = np.zeros(c.size, dtype=bool)
+        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+        record = steps(np.where(used, np.cumsum(used) - 1, -1).astype(np.int32))
     return c.mesh(
         facets=len(domain.facets),
         markers=domain.markers,
         origin=np.arange(len(domain.points), dtype=np.int32),
         points=domain.points,
-        steps=None if steps is None else steps(place),
+        steps=record,
         unrefined=np.array(slots, dtype=np.int64),
         reasons=np.array([missed[slot] for slot in slots], dtype=str),
         counts=dict(zip(FRONT_COUNT_NAMES, counts[: len(FRONT_COUNT_NAMES)].tolist())) | more,
@@ -101,11 +103,11 @@ class FrontRun:
         rank = ORDERS.index(order)
         kind = placing.AS_ASKED if not isinstance(placement, str) else PLACEMENTS.index(placement)
         constant = base.rule.constant
-        self.rule = k.FrontRule(rank, kind, self._scale(rank), c.segments, constant)
-        buckets = WIDTHS if rank == k.WIDEST else LENGTHS
-        even = constant > 0.0 and rank == k.WIDEST and self.place is None
+        self.rule = book.FrontRule(rank, kind, self._scale(rank), c.segments, constant)
+        buckets = WIDTHS if rank == book.WIDEST else LENGTHS
+        even = constant > 0.0 and rank == book.WIDEST and self.place is None
         _, self.gates, self.turn = empty_queue(0, buckets, BATCH if even else 0)
-        self.counts = np.zeros(k.FRONT_COUNTS, dtype=np.int64)
+        self.counts = np.zeros(book.FRONT_COUNTS, dtype=np.int64)
         self.ask, self.answer = np.array([-1, 0], dtype=np.int64), np.zeros(2)
         self.slots = np.zeros(0, dtype=np.int32)
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
@@ -114,12 +116,12 @@ class FrontRun:
     def _scale(self, rank: int) -> float:
         """What the squared measure of the order is divided by, so that it is at least about 1."""
         c = self.base.complex
-        if rank == k.SMALLEST:
+        if rank == book.SMALLEST:
             return float(self.base.table.values.max() ** 2)
-        if rank == k.SHORTEST:
+        if rank == book.SHORTEST:
             ends = c.ends[: c.segments]
             return float(np.square(c.xy[ends[:, 0]] - c.xy[ends[:, 1]]).sum(axis=1).max())
-        return k.FRONT_ACCEPT**2
+        return book.FRONT_ACCEPT**2
 
     def _grow(self) -> None:
         """Give the record as many rows as there may be triangles."""
@@ -143,7 +145,7 @@ class FrontRun:
             if limit <= 0:
                 base.spent = True
                 break
-            diary = k.Diary(self.slots, self.log, self.numbers)
+            diary = book.Diary(self.slots, self.log, self.numbers)
             status = k.advance_front(
                 c.plane(), self.marching(), base.scratch, diary, self.counts, self.ask, self.answer, limit
             )
@@ -208,7 +210,7 @@ class FrontRun:
     @property
     def made(self) -> int:
         """How many triangles have been accepted."""
-        return int(self.counts[k.MADE])
+        return int(self.counts[book.MADE])
 
     def legalize(self) -> int:
         """Make the triangulation constrained Delaunay again, across what was the front."""
@@ -253,7 +255,7 @@ class FrontRun:
         """The record by columns; see `advancing_front`. ``place[v]`` is the final number of vertex v."""
         c = self.base.complex
         log, numbers = self.log[: self.made], self.numbers[: self.made] / c.factor
-        named = np.append(place, -1)
+        named = np.append(self.base.in_old_order(place), -1)
         return {
             "edge": named[log[:, :2]],
             "apex": named[log[:, 2]],
