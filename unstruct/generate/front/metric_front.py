@@ -18,8 +18,8 @@ from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
 from . import metric_resize as resizing
 from . import metric_steps as k
-from .bookkeeping import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
-from .run import FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted
+from .bookkeeping import FRONT_COUNTS, MADE, WIDEST, FrontRule
+from .run import LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted, columns, longer_diary
 
 __all__ = ["MetricRun"]
 
@@ -74,8 +74,7 @@ class MetricRun:
         self.links, self.gates, self.turn = empty_queue(0, buckets, 0)
         self.counts = np.zeros(FRONT_COUNTS, dtype=np.int64)
         self.first, self.spent, self.most = c.size, "", c.size
-        self.slots = np.zeros(0, dtype=np.int32)
-        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
+        self.diary = longer_diary(None, 0, history)
         self.reserve(int(c.size + 1000 + min(1.2 * self.expected, 1e7)))
 
     def _scale(self, rank: int) -> float:
@@ -93,12 +92,7 @@ class MetricRun:
         if len(c.region) > len(self.links):
             self.links = grown_links(self.links, len(c.region))
         self.scratch = c.scratch()
-        more = len(c.region) - len(self.slots)
-        if more > 0:
-            self.slots = np.concatenate([self.slots, np.empty(more, dtype=np.int32)])
-            if self.history:
-                self.log = np.concatenate([self.log, np.full((more, 5), -1, dtype=np.int32)])
-                self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
+        self.diary = longer_diary(self.diary, len(c.region), self.history)
 
     def marching(self) -> k.MetricMarching:
         """The queue, the metric and the choices, as they are now."""
@@ -132,8 +126,9 @@ class MetricRun:
             if limit <= 0:
                 self.spent = "budget" if most == budget else "the metric is too rough"
                 break
-            diary = Diary(self.slots, self.log, self.numbers)
-            status = k.advance_in_metric(c.plane(), self.marching(), self.scratch, diary, self.counts, limit)
+            status = k.advance_in_metric(
+                c.plane(), self.marching(), self.scratch, self.diary, self.counts, limit
+            )
             if status == ROOM:
                 self.reserve(2 * c.size + 1000)
             if bar is not None:
@@ -208,7 +203,7 @@ class MetricRun:
     def result(self, finish: bool) -> DomainMesh:
         """The mesh with its account, after the finishing pass if it is wanted."""
         c = self.complex
-        made = self.slots[: int(self.counts[MADE])]
+        made = self.diary.slots[: int(self.counts[MADE])]
         figures, more, order = self.figures(), {}, None
         if finish and not self.spent:
             more = self.finish(self.most)
@@ -233,13 +228,8 @@ class MetricRun:
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
         """The record by columns; see `advancing_front`. ``place[v]`` is the final number of vertex v."""
         c, made = self.complex, int(self.counts[MADE])
-        log, numbers = self.log[:made], self.numbers[:made]
-        named = np.append(place, -1)
-        return {
-            "edge": named[log[:, :2]],
-            "apex": named[log[:, 2]],
-            "reason": np.array(FRONT_REASONS)[log[:, 3]],
-            "near": named[log[:, 4]],
+        numbers = self.diary.numbers[:made]
+        return columns(self.diary, made, place) | {
             "ideal": numbers[:, :2] / c.factor,
             "size": numbers[:, 2] / c.factor,
             "radius": numbers[:, 3].copy(),

@@ -21,7 +21,7 @@ from . import bookkeeping as book
 from . import placing
 from . import steps as k
 
-__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun", "accounted"]
+__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun", "accounted", "columns", "longer_diary"]
 
 Placement = Callable[[NDArray, NDArray, NDArray, NDArray, float], ArrayLike | None]
 ORDERS = ("widest", "smallest", "shortest", "oldest")
@@ -79,6 +79,32 @@ def accounted(
     )
 
 
+def longer_diary(diary: book.Diary | None, rows: int, history: bool) -> book.Diary:
+    """The record with at least so many rows, one for each triangle that there may be."""
+    if diary is None:
+        none = np.zeros(0, dtype=np.int32)
+        diary = book.Diary(none, np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4)))
+    more = rows - len(diary.slots)
+    if more <= 0:
+        return diary
+    slots, log, numbers = diary
+    if history:
+        log = np.concatenate([log, np.full((more, 5), -1, dtype=np.int32)])
+        numbers = np.concatenate([numbers, np.full((more, 4), np.nan)])
+    return book.Diary(np.concatenate([slots, np.empty(more, dtype=np.int32)]), log, numbers)
+
+
+def columns(diary: book.Diary, made: int, place: NDArray[np.int32]) -> dict[str, NDArray]:
+    """The columns of the record that contain vertices or reasons; ``place`` has the final numbers."""
+    log, named = diary.log[:made], np.append(place, -1)
+    return {
+        "edge": named[log[:, :2]],
+        "apex": named[log[:, 2]],
+        "reason": np.array(FRONT_REASONS)[log[:, 3]],
+        "near": named[log[:, 4]],
+    }
+
+
 class FrontRun:
     """The state of one run.
 
@@ -109,9 +135,7 @@ class FrontRun:
         _, self.gates, self.turn = empty_queue(0, buckets, BATCH if even else 0)
         self.counts = np.zeros(book.FRONT_COUNTS, dtype=np.int64)
         self.ask, self.answer = np.array([-1, 0], dtype=np.int64), np.zeros(2)
-        self.slots = np.zeros(0, dtype=np.int32)
-        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
-        self._grow()
+        self.diary = longer_diary(None, len(c.region), history)
 
     def _scale(self, rank: int) -> float:
         """What the squared measure of the order is divided by, so that it is at least about 1."""
@@ -122,15 +146,6 @@ class FrontRun:
             ends = c.ends[: c.segments]
             return float(np.square(c.xy[ends[:, 0]] - c.xy[ends[:, 1]]).sum(axis=1).max())
         return book.FRONT_ACCEPT**2
-
-    def _grow(self) -> None:
-        """Give the record as many rows as there may be triangles."""
-        more = len(self.base.complex.region) - len(self.slots)
-        if more > 0:
-            self.slots = np.concatenate([self.slots, np.empty(more, dtype=np.int32)])
-            if self.history:
-                self.log = np.concatenate([self.log, np.full((more, 5), -1, dtype=np.int32)])
-                self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
 
     def marching(self) -> k.Marching:
         """The queue and the choices, as they are now."""
@@ -145,15 +160,21 @@ class FrontRun:
             if limit <= 0:
                 base.spent = True
                 break
-            diary = book.Diary(self.slots, self.log, self.numbers)
             status = k.advance_front(
-                c.plane(), self.marching(), base.scratch, diary, self.counts, self.ask, self.answer, limit
+                c.plane(),
+                self.marching(),
+                base.scratch,
+                self.diary,
+                self.counts,
+                self.ask,
+                self.answer,
+                limit,
             )
             if status == k.ASK:
                 self.answer[:] = self._asked(int(self.ask[0]))
             elif status == ROOM:
                 base.reserve(2 * c.size + 1000)
-                self._grow()
+                self.diary = longer_diary(self.diary, len(c.region), self.history)
             if bar is not None:
                 bar.update(c.size - before)
             if status == DONE:
@@ -224,7 +245,7 @@ class FrontRun:
     def result(self, budget: int, finish: bool) -> DomainMesh:
         """The mesh with its account, after the finishing pass if it is wanted."""
         base, c = self.base, self.base.complex
-        made = self.slots[: self.made]
+        made = self.diary.slots[: self.made]
         missed: dict[int, str] = {}
         order = None
         if finish and not base.spent:
@@ -254,13 +275,9 @@ class FrontRun:
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
         """The record by columns; see `advancing_front`. ``place[v]`` is the final number of vertex v."""
         c = self.base.complex
-        log, numbers = self.log[: self.made], self.numbers[: self.made] / c.factor
-        named = np.append(self.base.in_old_order(place), -1)
-        return {
-            "edge": named[log[:, :2]],
-            "apex": named[log[:, 2]],
-            "reason": np.array(FRONT_REASONS)[log[:, 3]],
-            "near": named[log[:, 4]],
+        found = columns(self.diary, self.made, self.base.in_old_order(place))
+        numbers = self.diary.numbers[: self.made] / c.factor
+        return found | {
             "ideal": numbers[:, :2].copy(),
             "size": numbers[:, 2] * k.ROOT3,
             "radius": numbers[:, 3].copy(),
