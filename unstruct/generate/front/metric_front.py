@@ -31,10 +31,6 @@ FINISH_ROUNDS = 7  # of swaps and moves, at most
 FEW_CHANGES = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
 GOOD_STAR = 0.96  # stars whose triangles have all at least this metric quality are not looked at
 MOVED_A_CALL = 50_000  # vertices looked at in one kernel call
-MOST_TIMES, MOST_MORE = (
-    20.0,
-    10_000,
-)  # a metric that takes more points than so many times the expected is rough
 REPORTED_LENGTH = 2.0  # triangles with a longer edge, in the metric, are reported
 
 
@@ -118,13 +114,12 @@ class MetricRun:
         for _ in range(passes):
             if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
                 break
-        most = int(min(budget, MOST_TIMES * (self.expected + self.first) + MOST_MORE))
-        self.most = self.first + most
+        self.most = self.first + budget
         k.start_metric_front(c.plane(), self.marching())
         while True:
-            before, limit = c.size, min(FRONT_STEPS_A_CALL, self.first + most - c.size)
+            before, limit = c.size, min(FRONT_STEPS_A_CALL, self.most - c.size)
             if limit <= 0:
-                self.spent = "budget" if most == budget else "the metric is too rough"
+                self.spent = "budget"
                 break
             status = k.advance_in_metric(
                 c.plane(), self.marching(), self.scratch, self.diary, self.counts, limit
