@@ -23,7 +23,7 @@ from ...connect.planar.stars import (
     touched,
 )
 
-LAPLACE, FAIRER, ROUNDER = range(3)  # ways: Laplace steps; a pattern search as well; the same by 2 r / R
+BY_MEANS, FAIRER, ROUNDER = range(3)  # ways: Laplace steps; a pattern search as well; the same by 2 r / R
 OVER = 0.2  # a step goes beyond the mean by this share of its length: three rounds then do the work of five
 
 
@@ -32,7 +32,7 @@ def improve(stars, todo, moved, threshold, way, start, stop, rounds):
     """Look at the vertices ``start <= v < stop`` on the list ``todo``, and move those that gain by it.
 
     A vertex is moved to the mean of its neighbors, and a little farther, if its star is `better` there (a
-    *smart* Laplace step). Otherwise, unless the ``way`` is `LAPLACE`, it is moved to the best place that a
+    *smart* Laplace step). Otherwise, unless the ``way`` is `BY_MEANS`, it is moved to the best place that a
     pattern search finds. A star whose triangles all have at least the quality ``threshold`` (fairness, or
     2 r / R if the way is `ROUNDER`) is left alone. The vertex that was moved and those around it are put on
     the list again. In a pattern search diagonals are swapped at once; otherwise the caller does this with
@@ -40,7 +40,7 @@ def improve(stars, todo, moved, threshold, way, start, stop, rounds):
     until nothing moves, for at most ``rounds`` rounds. Returns the number of moves. ``counts``: moves, swaps.
     """
     xy, places, ring = stars.xy, stars.places, stars.ring
-    judge, patterns = ROUNDNESS if way == ROUNDER else FAIRNESS, way != LAPLACE
+    judge, patterns = ROUNDNESS if way == ROUNDER else FAIRNESS, way != BY_MEANS
     moves = 0
     for _ in range(rounds):
         before = moves

@@ -14,7 +14,7 @@ from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
-from ..improve.relocation import FAIRER, LAPLACE, ROUNDER, changed, improve, look_for, survey
+from ..improve.relocation import BY_MEANS, FAIRER, ROUNDER, changed, improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
@@ -77,7 +77,7 @@ def smooth_poor(
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
-        if _rounds(stars, todo, moved, NEARLY, LAPLACE, LAPLACE_ROUNDS):
+        if _rounds(stars, todo, moved, NEARLY, BY_MEANS, LAPLACE_ROUNDS):
             counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
         # the other triangles have not changed: their 2 r / R is still at least NEARLY

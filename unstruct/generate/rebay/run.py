@@ -301,7 +301,7 @@ class VoronoiSegmentRun:
         place = self.in_old_order(np.where(used, np.cumsum(used) - 1, -1).astype(np.int32))
         log, numbers = self.log[self.first : stop].copy(), self.numbers[self.first : stop] / c.factor
         if self.numbers_now is not None:  # rows that were written since then
-            now = np.append(np.argsort(self.in_old_order(np.arange(stop))), -1)
+            now = np.append(np.argsort(self.in_old_order(np.arange(stop, dtype=np.int32))), -1)
             since = len(self.numbers_now) - self.first
             log[since:, :4] = now[log[since:, :4]]
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
