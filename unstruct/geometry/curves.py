@@ -234,11 +234,12 @@ class Batch:
                 else:
                     blocks.append(bezier_points(self.controls[k][self.row[which]], t[some]))
         others = np.flatnonzero(kind == 2)
-        others = others[np.argsort(piece[others], kind="stable")]
-        heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
-        for some in np.split(others, heads[1:]) if len(others) else ():
-            rows.append(some)
-            blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
+        if len(others):
+            others = others[np.argsort(piece[others], kind="stable")]
+            heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
+            for some in np.split(others, heads[1:]):
+                rows.append(some)
+                blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
         if not rows:
             return np.empty(0, dtype=np.int64), np.empty((0, 2))
-        return np.concatenate(rows), np.concatenate(blocks)
+        return (rows[0], blocks[0]) if len(rows) == 1 else (np.concatenate(rows), np.concatenate(blocks))

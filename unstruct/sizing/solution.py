@@ -269,6 +269,16 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
     linear interpolation at the vertices of a simplex* (1998). See the book, chapter 2.3.
     """
     _plane(mesh)
+    array = second_derivatives(mesh, second, error, lower, upper)
+    steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))
+
+
+def second_derivatives(
+    mesh: Mesh, second: ArrayLike, error: float, lower: float, upper: float
+) -> NDArray[np.float64]:
+    """Second derivatives at the vertices (n, 2, 2), after a check of these, of an error and of bounds."""
     array = np.asarray(second, dtype=np.float64)
     if array.shape != (len(mesh.points), 2, 2):
         raise InputError(f"second must have shape ({len(mesh.points)}, 2, 2), not {array.shape}")
@@ -280,6 +290,4 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
         raise InputError(f"error must be positive, not {error!r}")
     if not (0 < lower <= upper < np.inf):
         raise InputError(f"bounds must be 0 < lower <= upper, not {lower!r}, {upper!r}")
-    steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
-    with np.errstate(divide="ignore"):
-        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))
+    return array

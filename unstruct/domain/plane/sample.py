@@ -125,7 +125,8 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
     """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of the subsegments ``rows``."""
-    t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
+    first, last = sampled.span[rows, :1], sampled.span[rows, 1:]
+    t = first + (last - first) * SAMPLES
     chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
         -1, CHORDS_WITHIN + 1, 2
     )

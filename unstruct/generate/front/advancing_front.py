@@ -130,7 +130,9 @@ def advancing_front(
     *Metrics.* With a metric everything that is measured goes through it: R, the ideal point, distances,
     angles, and the circles of the cavity. Lengths are 1 where they are as wanted. A cavity grows across an
     edge only if the point strictly sees both new edges, by exact signs, so the mesh is valid whatever the
-    metric is; but it is not Delaunay, neither here nor in the metric. ``placement`` is "circle" or "equal
+    metric is; but it is not Delaunay, neither here nor in the metric. No point is placed within the metric
+    distance 0.05 of the boundary of its cavity, hence of any other vertex, so that the number of points is
+    bounded whatever the metric is. ``placement`` is "circle" or "equal
     sides", and "smallest" compares the geometric means of the two lengths. ``split_boundary`` has no effect.
     The finishing pass swaps diagonals and moves vertices for the metric quality, 4 sqrt(3) area / (sum of
     squared edges); it gives edges longer than sqrt(2) a point ("points again"), and removes vertices at edges

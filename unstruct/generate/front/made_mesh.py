@@ -14,7 +14,7 @@ from ...domain.domain import Domain
 from ...geometry.ordering import radix_argsort
 from ...mesh.domain_mesh import DomainMesh
 
-__all__ = ["Made", "domain_mesh_of", "neighbors_of", "quality_figures"]
+__all__ = ["Made", "Subsegments", "domain_mesh_of", "neighbors_of", "quality_figures"]
 
 
 @dataclass(frozen=True)
