@@ -18,6 +18,7 @@ from typing import Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_flags
 from ..base.errors import InputError, MeshError
 from ..base.jit import inline, kernel
 from ..base.progress import progress_bar
@@ -222,6 +223,7 @@ def swap_diagonals(
     It takes O(n^2) swaps in the worst case, and about O(n) if the mesh is nowhere far from Delaunay. Ctrl-C
     leaves the input unchanged. Source: Lawson (1977); with constraints, Lee and Lin (1986). Book: 2.0.
     """
+    as_flags(history=history, progress=progress)
     P, wide = planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
     fault = first_fault(P, T, N, wide)
@@ -308,6 +310,11 @@ def constraints(
     mesh: Mesh, names: str | Iterable[str] | None
 ) -> tuple[dict[str, NDArray], NDArray[np.bool_]]:
     """The markers that will be in the result, and the slots (t, i) whose edges must remain."""
+    if not (names is None or isinstance(names, str)):
+        try:
+            names = [str(name) for name in names]
+        except TypeError:
+            raise InputError(f"constrained must be names of markers, not {names!r:.60}") from None
     chosen = set(mesh.markers) if names is None else {names} if isinstance(names, str) else set(names)
     unknown = sorted(chosen - set(mesh.markers))
     if unknown:

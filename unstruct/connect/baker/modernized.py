@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import as_flags
 from ...base.arrays import as_points
 from ...base.codes import DONE, OUTSIDE, ROOM
 from ...base.errors import InputError, MeshError
@@ -112,6 +113,7 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True, fixed: Any = None) ->
     points one at a time, use `Baker`.
     Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2.
     """
+    as_flags(reduce=reduce)
     growing = Baker(mesh, fixed=fixed)
     points = np.asarray(point)
     growing.insert(points[None] if points.ndim == 1 else points, reduce=reduce)

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flag
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.arrays import as_points
 from ...base.codes import DONE, ROOM
 from ...base.errors import InputError, MeshError
@@ -24,7 +24,7 @@ from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
 from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...predicates.batch import power_of_two, scaled
+from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
 from ..boundary.pairs import paired
@@ -96,7 +96,8 @@ def front_delaunay(
     (1986) 201-217, for visibility. Book: 3.4.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
-    domain, history = as_domain(domain), as_flag(history, "history")
+    as_flags(history=history, progress=progress)
+    domain = as_domain(domain)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
     points = _as_given(points_or_size)
@@ -298,7 +299,7 @@ def _points_ahead(
         "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
     }  # fmt: skip
     stop = int(front.state[VERTEX_COUNT])
-    return front.xy[n:stop] / factor, names, stop >= n + budget
+    return unscaled(front.xy[n:stop], factor), names, stop >= n + budget
 
 
 # --- regions --------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from ...base.jit import lean
 from ...connect.insertion.halfedges import SEGMENTS
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.inserting import insert_all
-from ...geometry.edge_vectors import lengths
+from ...geometry.edge_vectors import content, lengths
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
@@ -342,15 +342,15 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
     if (rows < 0).any():
         raise MeshError("the boundary of the mesh does not close: see unstruct.check")
-    a, b, d = (c.xy[rows[:, k]] / c.factor for k in range(3))
-    u, v = b - a, d - a
-    area = 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
-    cells = mesh.volume
+    area = float(content(c.xy[rows[:, 1:]] - c.xy[rows[:, :1]]).sum() / 2)  # scaled, as doubles hold it
+    corners = mesh.corners * c.factor
+    cells = float(content(corners[:, 1:] - corners[:, :1]).sum() / 2)
     if abs(area - cells) > 1e-9 * cells and (
         _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[_used(mesh)[0]], rows)
     ):
         raise MeshError(
-            f"cells of the mesh overlap: their area is {cells}, that of the region {area}; see unstruct.check"
+            f"cells of the mesh overlap: their area is {cells / c.factor / c.factor}, that of the region "
+            f"{area / c.factor / c.factor}; see unstruct.check"
         )
 
 
