@@ -325,21 +325,26 @@ def constraints(
         if name in chosen or (rows.ndim == 2 and rows.shape[1] == 1)
     }
     locked = np.zeros(mesh.simplices.shape, dtype=bool)
+    edges: list[NDArray] = []
+    owner: list[str] = []
     for name, rows in markers.items():
         if rows.ndim == 1:
             locked |= (rows[:, None] != rows[mesh.neighbors]) & (mesh.neighbors >= 0)
         elif rows.shape[1] in (2, 3):
             for i, j in combinations(range(rows.shape[1]), 2):
-                locked |= _slots(mesh, rows[:, [i, j]], name)
-    return markers, locked
+                edges.append(rows[:, [i, j]])
+                owner.append(name)
+    return markers, locked | _slots(mesh, edges, owner) if edges else locked
 
 
-def _slots(mesh: Mesh, edges: NDArray, name: str) -> NDArray[np.bool_]:
-    """Which edges opposite corners (m, 3) are among ``edges`` (c, 2), all of which must be in the mesh."""
-    slots, found = marked_sides(mesh.simplices, edges, len(mesh.points))
+def _slots(mesh: Mesh, edges: list[NDArray], names: list[str]) -> NDArray[np.bool_]:
+    """Which edges opposite corners (m, 3) are among those of all names, which must be in the mesh."""
+    every = np.concatenate(edges)
+    slots, found = marked_sides(mesh.simplices, every, len(mesh.points))
     if not found.all():
         row = int(np.argmin(found))
+        name = names[int(np.searchsorted(np.cumsum([len(part) for part in edges]), row, "right"))]
         raise MeshError(
-            f"markers[{name!r}]: {edges[row].tolist()} is not an edge of the mesh; remove it from the marker"
+            f"markers[{name!r}]: {every[row].tolist()} is not an edge of the mesh; remove it from the marker"
         )
     return slots

@@ -321,7 +321,7 @@ def from_curvature(
         For numbers that are not positive.
     """
     for name, value in (("per_turn", per_turn), ("far", far), ("lower", far if lower is None else lower)):
-        if not finite(value, name) > 0:
+        if not (as_number(value, name) > 0 and np.isfinite(value)):
             raise InputError(f"{name} must be positive, not {value!r}")
     _region(domain)
     if finite(growth, "growth") < 0:

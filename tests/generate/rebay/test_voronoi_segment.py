@@ -436,7 +436,7 @@ def test_budget() -> None:
     ("options", "message"),
     [
         ({"accept": 1.0}, "above 1"),
-        ({"accept": "much"}, "above 1"),
+        ({"accept": "much"}, "accept must be a number"),
         ({"accept": np.nan}, "above 1"),
         ({"evaluate": "nowhere"}, "'center' or 'middle'"),
         ({"order": "random"}, "'first' or 'last'"),

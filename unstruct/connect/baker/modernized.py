@@ -31,7 +31,7 @@ from ...base.arguments import as_flags
 from ...base.arrays import as_points
 from ...base.codes import DONE, OUTSIDE, ROOM
 from ...base.errors import InputError, MeshError
-from ...mesh.marked import remaining
+from ...mesh.marked import remaining_of
 from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, power_of_two
 from . import generalized_cavity as kernels
@@ -202,6 +202,8 @@ class Baker:
         number = np.full(self._counters[0] + 1, -1, dtype=np.int32)  # the last entry is for "no neighbor"
         number[live] = np.arange(len(live))
         old, simplices = self._old, self._cells[live]
+        faces = {name: rows for name, rows in old.markers.items() if rows.ndim > 1}
+        faces = remaining_of(faces, simplices)
         return Mesh(
             self._points[: self._count].copy(),
             simplices,
@@ -209,7 +211,7 @@ class Baker:
             origin=np.concatenate([old.origin, np.full(self._count - len(old.points), -1, np.int32)]),
             duplicates=np.concatenate([old.duplicates, *self._twins]),
             markers={
-                name: values[self._source[live]] if values.ndim == 1 else remaining(values, simplices)
+                name: values[self._source[live]] if values.ndim == 1 else faces[name]
                 for name, values in old.markers.items()
             },
             regions=old.regions,
