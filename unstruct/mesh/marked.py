@@ -94,7 +94,7 @@ def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
 
 def _there(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     """Which rows of vertices are faces of some cell."""
-    there = (faces >= 0).all(axis=1)
+    there: np.ndarray = np.asarray((faces >= 0).all(axis=1))
     width = faces.shape[1]
     if not there.any() or width > simplices.shape[1]:
         return np.zeros(len(faces), dtype=bool)
