@@ -107,7 +107,6 @@ def front_delaunay(
         if points is not None:
             sampled = _with_points(domain, points).sampled()
             _refuse_on_curves(sampled, points, len(domain.points) + len(points))
-            _refuse_on_chords(sampled, points, len(domain.points))
             rows = sampled.points
         else:
             sampled = domain.sampled(points_or_size)
@@ -186,19 +185,6 @@ def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int)
         raise InputError(
             f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make "
             "it a vertex of the domain that divides the curve"
-        )
-
-
-def _refuse_on_chords(sampled: Sampled, points: NDArray[np.float64], n: int) -> None:
-    """Refuse points, vertices n and on, that lie on a chord of a curve: such a chord would have to be cut."""
-    mine = np.arange(n, n + len(points))
-    on = vertices_on_segments(sampled.points, mine, sampled.ends)
-    if len(on):
-        i, s = on[np.argmin(on[:, 0])].tolist()
-        a, b = sampled.points[sampled.ends[s]].tolist()
-        raise InputError(
-            f"points[{i - n}] = {points[i - n].tolist()} lies on the chord from {a} to {b} of piece "
-            f"{sampled.piece[s]}, which is a curve: move it, or divide the curve by a vertex"
         )
 
 
