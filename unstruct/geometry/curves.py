@@ -42,7 +42,7 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
 def _number(value: Any, name: str) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, not {value!r}") from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} must be finite")
@@ -83,6 +83,8 @@ class Arc:
         """The arc from ``first`` through ``middle`` to ``last``; the three points must not be collinear."""
         (ax, ay), (bx, by), (cx, cy) = _pair(first, "first"), _pair(middle, "middle"), _pair(last, "last")
         ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+        exponent = math.frexp(max(abs(ux), abs(uy), abs(vx), abs(vy)))[1]
+        ux, uy, vx, vy = (math.ldexp(x, -exponent) for x in (ux, uy, vx, vy))
         double = 2 * (ux * vy - uy * vx)
         if double == 0:
             raise InputError("first, middle and last lie on a line; leave the piece straight")
@@ -90,6 +92,7 @@ class Arc:
         x, y = (vy * u2 - uy * v2) / double, (ux * v2 - vx * u2) / double
         start = angle_of(-y, -x)
         sweep = (angle_of(vy - y, vx - x) - start) % (2 * math.pi)
+        x, y = math.ldexp(x, exponent), math.ldexp(y, exponent)
         return cls((ax + x, ay + y), math.hypot(x, y), start, sweep if double > 0 else sweep - 2 * math.pi)
 
     def point(self, t: Array) -> Array:

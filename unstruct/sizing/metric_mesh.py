@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import finite
 from ..base.arrays import distinct
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
@@ -148,7 +149,7 @@ def metric_from_hessian(
     if not is_planar(mesh) or mesh.size == 0:
         raise MeshError("metrics from a solution need a mesh of triangles in the plane")
     array = second_derivatives(mesh, second, error, lower, upper)
-    if not 1 <= ratio <= MOST_STRETCH:
+    if not 1 <= finite(ratio, "ratio") <= MOST_STRETCH:
         raise InputError(f"ratio must lie between 1 and {MOST_STRETCH:g}, not {ratio!r}")
     values, vectors = np.linalg.eigh((array + array.transpose(0, 2, 1)) / 2)
     with np.errstate(divide="ignore"):
@@ -189,9 +190,9 @@ def gradation(metric: BackgroundMetric, growth: float, *, space: str = "metric")
     """
     if not isinstance(metric, BackgroundMetric):
         raise InputError(f"gradation needs a metric of `metric_background`, not {metric!r:.60}")
-    if not (np.isfinite(growth) and growth > 0):
+    if not finite(growth, "growth") > 0:
         raise InputError(f"growth must be a positive number, not {growth!r}")
-    if space not in SPACES:
+    if not isinstance(space, str) or space not in SPACES:
         raise InputError(f"space = {space!r} must be one of {', '.join(map(repr, SPACES))}")
     rows = np.ascontiguousarray(metric.values.reshape(-1, 4)[:, [0, 1, 3]])
     edges = np.ascontiguousarray(metric.mesh.edges, dtype=np.int64)

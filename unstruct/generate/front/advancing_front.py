@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
@@ -14,7 +14,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.directions import as_metric
 from ...sizing.metric import Metric
 from ..boundary.constrained import planar_complex
-from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
 from .classical import SEARCHES, classical_front, classical_mesh
@@ -148,7 +148,9 @@ def advancing_front(
     Mueller, P. L. Roe, H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256;
     D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3.
     """
-    if method not in FRONT_METHODS:
+    check_split_boundary(split_boundary)
+    as_flags(finish=finish, history=history, progress=progress)
+    if not isinstance(method, str) or method not in FRONT_METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if not (isinstance(search, str) and search in SEARCHES):
         raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
@@ -156,11 +158,13 @@ def advancing_front(
         if _has_metric(size):
             raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
         return _classical(
-            domain, size, order or "smallest", placement or "equal sides", search, finish, split_boundary,
+            domain, size, "smallest" if order is None else order,
+            "equal sides" if placement is None else placement, search, finish, split_boundary,
             budget, history, progress,
         )  # fmt: skip
-    order, placement = order or "widest", placement or "circle"
-    if order not in ORDERS:
+    order = "widest" if order is None else order
+    placement = "circle" if placement is None else placement
+    if not isinstance(order, str) or order not in ORDERS:
         raise InputError(f"order = {order!r} must be one of {', '.join(map(repr, ORDERS))}")
     if not (placement in PLACEMENTS if isinstance(placement, str) else callable(placement)):
         raise InputError(

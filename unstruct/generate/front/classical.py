@@ -17,6 +17,7 @@ from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, Sampled
 from ...mesh.domain_mesh import DomainMesh
+from ...predicates.batch import unscaled
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
@@ -105,9 +106,9 @@ def classical_front(
     All signs that decide the topology are exact; the front always has a valid triangle ahead (see
     `classical_steps`). Expected O(n log n): a step costs some searches in two digital trees. Book: 3.1.
     """
-    if order not in CLASSICAL_ORDERS:
+    if not isinstance(order, str) or order not in CLASSICAL_ORDERS:
         raise InputError(f"order = {order!r} must be one of {CLASSICAL_ORDERS} for the classical method")
-    if placement not in CLASSICAL_PLACEMENTS:
+    if not isinstance(placement, str) or placement not in CLASSICAL_PLACEMENTS:
         raise InputError(
             f"placement = {placement!r} must be one of {CLASSICAL_PLACEMENTS} for the classical method"
         )
@@ -236,7 +237,7 @@ def _account(
     history: bool,
 ) -> ClassicalRun:
     m, n = int(front.state[TRIANGLES_MADE]), int(front.state[VERTEX_COUNT])
-    points = front.xy[:n] / c.factor
+    points = unscaled(front.xy[:n], c.factor)
     made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
     named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
     steps = None

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flag
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
@@ -24,7 +24,7 @@ from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
 from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...predicates.batch import power_of_two, scaled
+from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
@@ -104,7 +104,8 @@ def front_delaunay(
     (1986) 201-217, for visibility. Book: 3.4.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
-    domain, history, finish = as_domain(domain), as_flag(history, "history"), as_flag(finish, "finish")
+    as_flags(history=history, finish=finish, progress=progress)
+    domain = as_domain(domain)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
     points = _as_given(points_or_size)
@@ -118,7 +119,6 @@ def front_delaunay(
         if points is not None:
             sampled = _with_points(domain, points).sampled()
             _refuse_on_curves(sampled, points, len(domain.points) + len(points))
-            _refuse_on_chords(sampled, points, len(domain.points))
             rows = sampled.points
         else:
             sampled = domain.sampled(size)
@@ -208,19 +208,6 @@ def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int)
         )
 
 
-def _refuse_on_chords(sampled: Sampled, points: NDArray[np.float64], n: int) -> None:
-    """Refuse points, vertices n and on, that lie on a chord of a curve: such a chord would have to be cut."""
-    mine = np.arange(n, n + len(points))
-    on = vertices_on_segments(sampled.points, mine, sampled.ends)
-    if len(on):
-        i, s = on[np.argmin(on[:, 0])].tolist()
-        a, b = sampled.points[sampled.ends[s]].tolist()
-        raise InputError(
-            f"points[{i - n}] = {points[i - n].tolist()} lies on the chord from {a} to {b} of piece "
-            f"{sampled.piece[s]}, which is a curve: move it, or divide the curve by a vertex"
-        )
-
-
 def _first_front(
     sampled: Sampled, rows: NDArray[np.float64], order: NDArray[np.int64] | None = None
 ) -> OpenFront:
@@ -305,7 +292,7 @@ def _points_ahead(
         "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
     }  # fmt: skip
     stop = int(front.state[VERTEX_COUNT])
-    return front.xy[n:stop] / factor, names, stop >= n + budget
+    return unscaled(front.xy[n:stop], factor), names, stop >= n + budget
 
 
 # --- regions --------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET
+from ...base.arguments import DEFAULT_BUDGET, as_number
 from ...base.codes import DONE, ROOM, SPLIT
 from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
@@ -104,6 +104,8 @@ class VoronoiSegmentRun:
         # Make room for all points at once where their number can be estimated; unused memory costs nothing.
         h = np.inf if field.constant is None else float(self.table.values[0, 0])
         expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
+        if not np.isfinite(expected):  # the area is beyond all doubles
+            expected = 0.0
         self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
@@ -367,13 +369,13 @@ def _area(c: PlanarComplex) -> float:
 
 def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool) -> k.Rule:
     """Check the caller's choices and collect them in a `Rule`."""
-    if not (isinstance(accept, (int, float)) and 1.0 < accept < np.inf):
+    if not 1.0 < as_number(accept, "accept") < np.inf:
         raise InputError(
             f"accept = {accept!r} must be a finite number above 1; the default is 1.35, Rebay's value is 1.5"
         )
-    if evaluate not in ("center", "middle"):
+    if not isinstance(evaluate, str) or evaluate not in ("center", "middle"):
         raise InputError(f"evaluate = {evaluate!r} must be 'center' or 'middle'")
-    if order not in ("first", "last"):
+    if not isinstance(order, str) or order not in ("first", "last"):
         raise InputError(f"order = {order!r} must be 'first' or 'last'")
     if isinstance(priority, str) and priority not in ("alpha", "circumradius"):
         raise InputError(
