@@ -12,7 +12,7 @@ from typing import Any, Self, Unpack
 
 import numpy as np
 
-from ..base.arguments import positive
+from ..base.arguments import as_flags, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..base.files import as_path
@@ -20,7 +20,7 @@ from ..base.options import like, named
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
 from . import card, derived, making
-from .arguments import DomainOptions, as_curves, as_markers, as_seeds, joined
+from .arguments import DomainOptions, as_curves, as_markers, as_seeds, joined, refuse_tiny
 from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
@@ -108,6 +108,7 @@ class Domain(Outline):
         regions: Mapping[str, Any] | None = None,
         resolve: bool = False,
     ):
+        as_flags(resolve=resolve)
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2) or (n, 3), not {coordinates.shape}")
@@ -119,9 +120,9 @@ class Domain(Outline):
             frozen(coordinates.copy()),  # a copy: later changes of the caller's array must not matter
             rows,
             others,
-            as_curves(curves, many) if curves else {},
-            as_markers(markers, many) if markers else {},
-            as_seeds(regions, coordinates.shape[1]) if regions else {},
+            {} if curves is None else as_curves(curves, many),
+            {} if markers is None else as_markers(markers, many),
+            {} if regions is None else as_seeds(regions, coordinates.shape[1]),
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
@@ -249,6 +250,7 @@ class Domain(Outline):
         derived.must_be_planar(self, "sampled")
         if size is None:
             return self._coarse
+        refuse_tiny(self.points)
         return self._side.sized(self, size, positive(step, "step"))
 
     @property
@@ -350,6 +352,7 @@ class Domain(Outline):
         resolve : bool
             As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
+        as_flags(resolve=resolve)
         domains: list[Domain] = [self, *map(as_domain, others)]
         for domain in domains:
             derived.must_be_planar(domain, "combined")
