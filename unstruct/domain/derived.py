@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,14 +13,27 @@ from ..base.arguments import as_mapping, finite
 from ..base.arrays import counted_off
 from ..base.doors import door
 from ..base.errors import InputError
+from ..base.files import as_path, suffix_of
 from ..geometry.motion import Motion
 from .arguments import composed
+from .plane import poly
 from .plane.account import Repair
 from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
+from .space.formats.writing import BODY_FORMATS, write_body
 
-__all__ = ["followed", "held_by", "matched", "must_be_free", "must_be_planar", "plot", "simplified", "spaced"]
+__all__ = [
+    "followed",
+    "held_by",
+    "matched",
+    "must_be_free",
+    "must_be_planar",
+    "plot",
+    "simplified",
+    "spaced",
+    "write",
+]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
 
@@ -229,6 +243,43 @@ def followed(domain: Any, new: Any, origin: Any, pieces: Any, repairs: Any = ())
     new.hole_seeds = domain.hole_seeds
     new.repairs, new.max_areas = [*domain.repairs, *repairs], dict(domain.max_areas)
     return new
+
+
+def write(domain: Any, path: str | Path, *, binary: bool | None = None) -> None:
+    """Write Triangle's ``.poly``; bodies in space as STL, OFF, PLY, OBJ, or TetGen's files.
+
+    Parameters
+    ----------
+    path : str or Path
+        Planar domains: .poly. Bodies: .stl, .off, .ply, .obj, .smesh, .poly.
+    binary : bool, optional
+        For .stl, then in single precision, and .ply; both are texts by default.
+
+    Raises
+    ------
+    InputError
+        For other suffixes and options, and if the file cannot be written; the old one is then still there.
+
+    Notes
+    -----
+    In .poly, curves are written by their coarse chords, holes by seeds. Markers and regions are numbers in
+    it, and in .smesh; a name that is not a number is replaced by a free number, and a comment at the head of
+    the file says so. A piece has one marker there, and in .stl, the last that names it. Facets of bodies are
+    written so that they point outward. What a format does not store is named in a warning.
+    """
+    target = as_path(path)
+    if domain.dimension == 3:
+        shell = SIDES[3].coarse(domain)
+        write_body(domain, shell, domain.max_areas, domain.hole_seeds, target, binary)
+        return
+    if suffix_of(target) in BODY_FORMATS and suffix_of(target) != ".poly":
+        raise InputError(
+            f"a planar region is written as .poly, not as {target.suffix!r}: mesh it, or extrude it "
+            "(Domain.extruded)"
+        )
+    if binary is not None:
+        raise InputError("'binary' is for bodies in space; .poly is a text")
+    poly.write_poly(domain, domain.sampled(), domain.max_areas, domain.hole_seeds, target)
 
 
 def plot(

@@ -15,19 +15,17 @@ import numpy as np
 from ..base.arguments import positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
-from ..base.files import as_path
 from ..base.options import like, named
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
-from . import card, derived, making
+from . import bodies, card, derived, making
 from .arguments import DomainOptions, as_curves, as_markers, as_seeds, joined
-from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
 from .plane.prescribed import carried
 from .plane.repair import Repair
 from .plane.sample import Sampled
-from .plane.sources import read_domain
+from .reading import read
 from .sides import SIDES, Side
 
 __all__ = ["Domain", "as_domain"]
@@ -211,6 +209,14 @@ class Domain(Outline):
     ) -> Self:
         return making.from_geojson(cls, geometry, name=name, **options)
 
+    box = classmethod(bodies.box)
+    ball = classmethod(bodies.ball)
+    torus = classmethod(bodies.torus)
+    cylinder = classmethod(bodies.cylinder)
+    extruded = classmethod(bodies.extruded)
+    revolved = classmethod(bodies.revolved)
+    surface = classmethod(bodies.surface)
+
     # ------------------------------------------------------------------ domains and pictures of this one
 
     simplified = derived.simplified
@@ -303,12 +309,13 @@ class Domain(Outline):
         name: str | None = None,
         **options: Unpack[DomainOptions],
     ) -> Self:
-        """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp) or an airfoil's .dat.
+        """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp), an airfoil's .dat, or a body.
 
         Parameters
         ----------
         source : str or Path
-            A path, or a text of GeoJSON or WKT itself.
+            A path, or a text of GeoJSON or WKT itself. Bodies: .stl, .off, .ply, .obj, TetGen's .smesh, .poly
+            and .node, and meshes of surfaces in space that `Mesh.read` reads.
         shape : str
             For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
         name : str, optional
@@ -320,20 +327,15 @@ class Domain(Outline):
         -------
         Domain
             Of .poly the region that Triangle would mesh: without the outside, and without holes from their
-            seeds. Segments at what it removes are facets, others inner. Boundary markers other than 0 become
-            markers, regional attributes regions, by their number; `max_areas` has their bounds. `origin`,
-            `piece_origin`, `repairs` refer to the file, counted from 0. .node is a set of loose points.
+            seeds. Segments at what it removes are facets, others inner; so it is with TetGen's files.
+            Boundary markers other than 0 become markers, regional attributes regions, by their number;
+            `max_areas` has their bounds. Solids of .stl, groups and objects of .obj are markers. Equal corners of .stl are
+            one point, and `repairs` says how many. `origin`, `piece_origin`, `repairs` refer to the file,
+            counted from 0. .node, and other files without facets, are sets of loose points.
         """
-        return read_domain(cls, partial(making.of, cls), source, shape=shape, name=name, options=options)
+        return read(cls, partial(making.of, cls), source, shape=shape, name=name, options=options)
 
-    def write(self, path: str | Path) -> None:
-        """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.
-
-        Markers and regions are numbers in this format. A name that is not a number is replaced by a free
-        number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
-        """
-        derived.must_be_planar(self, "written to .poly")
-        poly.write_poly(self, self._coarse, self.max_areas, self.hole_seeds, as_path(path))
+    write = derived.write
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """This domain minus others, which lie inside of it and apart from each other.
