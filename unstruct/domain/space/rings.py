@@ -7,6 +7,7 @@ whose tip lies on the other ring; in which order follows from the middles of the
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,7 @@ def disc(count: int, phase: float) -> tuple[np.ndarray, NDArray[np.int32]]:
     layers = max(1, round(count / (2 * np.pi) * 2 / np.sqrt(3)))
     counts = [max(3, round(count * k / layers)) for k in range(layers, 0, -1)]
     points, rows, first = [circle(phase + np.arange(count) / count)], [], 0
-    for k, (n, m) in enumerate(zip(counts, counts[1:])):
+    for k, (n, m) in enumerate(pairwise(counts)):
         inner = (phase + 0.5 / n) % (1 / m)
         points.append((layers - k - 1) / layers * circle(inner + np.arange(m) / m))
         rows.append(between(first, n, phase, first + n, m, inner))

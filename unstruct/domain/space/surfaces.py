@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -45,7 +46,7 @@ class Found(NamedTuple):
     origin: np.ndarray | None = None
     piece_origin: np.ndarray | None = None
     repairs: tuple[Repair, ...] = ()
-    volumes: dict[str, float] = {}
+    volumes: Mapping[str, float] = MappingProxyType({})
     hole_seeds: np.ndarray | None = None
 
 
@@ -69,7 +70,7 @@ def free_name(name: str) -> str:
 
 
 def groups(names: Iterable[str], sizes: Iterable[int]) -> dict[str, np.ndarray]:
-    """Markers of runs of pieces, with one name each; runs without a name have none, equal names are joined."""
+    """Markers of runs of pieces: a name each, or none; runs of equal names are joined."""
     found: dict[str, list[np.ndarray]] = {}
     start = 0
     for name, size in zip(names, sizes):

@@ -50,7 +50,7 @@ def _capped(chords: Sampled, ends: NDArray[np.int32]) -> Polygons:
     leaving = np.bincount(facets[:, 0], minlength=len(chords.points))
     if len(facets) == len(ends) and (leaving == 1).all():
         return _polygons(chords.points, facets)
-    many = np.count_nonzero(chords.piece < len(chords.outline.facets))
+    many = int(np.count_nonzero(chords.piece < len(chords.outline.facets)))
     complex_ = PlanarComplex(chords.points)
     span = np.tile([0.0, 1.0], (len(ends), 1))
     insert_all(complex_, ends, np.arange(len(ends), dtype=np.int32), span, facets=many, progress=False)
@@ -70,7 +70,8 @@ def _polygons(points: np.ndarray, facets: np.ndarray) -> Polygons:
     for start in facets[:, 0].tolist():
         if seen[start]:
             continue
-        ring, here = [start], following[start]
+        ring: list[int] = [start]
+        here = following[start]
         while here != start:
             ring.append(here)
             here = following[here]
@@ -85,8 +86,8 @@ def _polygons(points: np.ndarray, facets: np.ndarray) -> Polygons:
     owner = np.full(len(holes), outlines[0])
     if len(outlines) > 1:
         for i in sorted(outlines, key=lambda i: -area[i]):  # of those that hold a hole the smallest is last
-            ring = rings[i]
-            owner[even_odd(points, np.column_stack([ring, np.roll(ring, -1)]), tips)[0]] = i
+            sides = np.column_stack([rings[i], np.roll(rings[i], -1)])
+            owner[even_odd(points, sides, tips)[0]] = i
     for hole, i in zip(holes, owner.tolist()):
         found[i].append(rings[hole])
     return Polygons.of_rings(found.values())
@@ -113,7 +114,7 @@ def _parts(
     walls: list[list[tuple[int, ...]]],
     chords: Sampled,
     ends: tuple[Polygons, Polygons, tuple[str, str]],
-    lines: list[tuple[int, ...]],
+    lines: list[tuple[int, int]],
 ) -> Parts:
     """The arguments of a domain whose walls stand on the chords of a planar one.
 
@@ -132,6 +133,7 @@ def _parts(
     number = np.arange(len(piece))
     number[many:] += len(start) + len(end)
     markers = {name: number[np.isin(piece, rows)] for name, rows in outline.markers.items()}
+    markers = {name: rows for name, rows in markers.items() if len(rows)}  # pieces on an axis have no wall
     if len(start):
         for name, first, part in zip(names, (many, many + len(start)), (start, end)):
             markers[name] = np.union1d(markers.get(name, []), first + np.arange(len(part))).astype(int)
@@ -169,7 +171,7 @@ def extruded(planar: Any, height: Any, size: Any, layers: Any, ends: Any) -> Par
         under, over = cap, _reversed(over)
     names = _names(ends, planar.markers, ("bottom", "top"))
     lines = [(v + k * n, v + (k + 1) * n) for v in planar.loose.tolist() for k in range(many)]
-    parts = _parts(points, walls, chords, (under, over, names[::up]), lines)
+    parts = _parts(points, walls, chords, (under, over, names if up > 0 else (names[1], names[0])), lines)
     middle = along / 2
     parts["regions"] = {
         name: np.column_stack([seeds, np.zeros(len(seeds))]) + middle
@@ -206,8 +208,8 @@ def revolved(planar: Any, angle: Any, size: Any, count: Any, ends: Any) -> Parts
     if len(x) and x.min() < 0.0:
         v = int(np.argmin(x))
         raise InputError(
-            f"the domain crosses the axis, at {chords.points[v].tolist()}: x is the distance from the axis and "
-            "must not be negative"
+            f"the domain crosses the axis, at {chords.points[v].tolist()}: x is the distance from the axis, "
+            "which is not negative"
         )
     many = _sectors(whole, float(x.max(initial=0.0)), size, count)
     closed = whole == FULL_TURN

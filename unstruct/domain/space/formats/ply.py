@@ -33,7 +33,7 @@ END = b"end_header"
 class _Property(NamedTuple):
     name: str
     kind: str  # a type of numpy, without the order of bytes
-    count: str | None  # of a list: the type of its length
+    length: str | None  # of a list: the type of the number of its entries
 
 
 class _Element(NamedTuple):
@@ -59,9 +59,9 @@ def read_ply(path: Path) -> Found:
         raise InputError(f"{path.name} has no element 'vertex'")
     names = [p.name for p in by_name["vertex"].properties]
     missing = [name for name in "xyz" if name not in names]
-    if missing or any(p.count for p in by_name["vertex"].properties):
+    if missing or any(p.length for p in by_name["vertex"].properties):
         raise InputError(f"{path.name}: vertices need the properties x, y, z, not {', '.join(names)}")
-    if "face" in by_name and not any(p.name in CORNERS and p.count for p in by_name["face"].properties):
+    if "face" in by_name and not any(p.name in CORNERS and p.length for p in by_name["face"].properties):
         raise InputError(f"{path.name}: faces need the list 'vertex_indices'")
     points, facets = _of_text(path, head) if head.order == "" else _of_bytes(path, head)
     return Found({"points": points, "facets": facets})
@@ -146,8 +146,8 @@ def _face(path: Path, line: int, words: list[str], element: _Element) -> list[in
     at, found = 0, []
     try:
         for one in element.properties:
-            size = int(words[at]) if one.count else 1
-            first = at + (one.count is not None)
+            size = int(words[at]) if one.length else 1
+            first = at + (one.length is not None)
             at = first + size
             if size < 0 or len(words) < at:
                 raise IndexError
@@ -167,7 +167,7 @@ def _face(path: Path, line: int, words: list[str], element: _Element) -> list[in
 def _of_bytes(path: Path, head: _Head) -> tuple[np.ndarray, Polygons]:
     at, points, facets = 0, np.empty((0, 3)), Polygons.of_rows(np.empty((0, 3), dtype=np.int32))
     for element in head.elements:
-        if any(p.count for p in element.properties):
+        if any(p.length for p in element.properties):
             rings, at = _lists(path, head, element, at)
             if element.name == "face":
                 facets = _checked(path, rings, len(points))
@@ -199,14 +199,14 @@ def _lists(path: Path, head: _Head, element: _Element, at: int) -> tuple[list[np
     if element.many == 0:
         return [], at
     first, _ = _one(path, head, element, at)
-    sizes = [len(values) if p.count else None for p, values in zip(element.properties, first)]
+    sizes = [len(values) if p.length else None for p, values in zip(element.properties, first)]
     fields: list[Any] = []
     for i, (one, size) in enumerate(zip(element.properties, sizes)):
-        if one.count:
-            fields.append((f"n{i}", head.order + one.count))
+        if one.length:
+            fields.append((f"n{i}", head.order + one.length))
         fields.append((f"v{i}", head.order + one.kind, (1 if size is None else size,)))
     kind = np.dtype(fields)
-    corner = next((i for i, p in enumerate(element.properties) if p.name in CORNERS and p.count), 0)
+    corner = next((i for i, p in enumerate(element.properties) if p.name in CORNERS and p.length), 0)
     if kind.itemsize * element.many <= len(head.body) - at:
         rows = np.frombuffer(head.body, kind, element.many, at)
         if all((rows[f"n{i}"] == size).all() for i, size in enumerate(sizes) if size is not None):
@@ -223,8 +223,8 @@ def _one(path: Path, head: _Head, element: _Element, at: int) -> tuple[list[np.n
     values = []
     for one in element.properties:
         size = 1
-        if one.count:
-            kind = np.dtype(head.order + one.count)
+        if one.length:
+            kind = np.dtype(head.order + one.length)
             size = int(np.frombuffer(_bytes(path, head, at, kind.itemsize, element), kind)[0])
             at += kind.itemsize
         kind = np.dtype(head.order + one.kind)

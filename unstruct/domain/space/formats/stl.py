@@ -57,7 +57,8 @@ def _count(data: bytes, start: int) -> int:
 
 def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
     """The names and the corners (t, 3, 3) of the solids: mostly one, but files may be joined."""
-    start, found = 0, []
+    start = 0
+    found: list[tuple[str, np.ndarray]] = []
     while start < len(data):
         rest = len(data) - start
         if rest < HEAD:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -133,7 +134,8 @@ def _stl(domain: Outline, shell: Shell, binary: bool) -> bytes:
         values = np.concatenate([normal[some], corners[some].reshape(-1, 9)], axis=1)
         found.append(f"solid {label}".rstrip() + "\n")
         found += [
-            f"facet normal {a!r} {b!r} {c!r}\nouter loop\nvertex {d!r} {e!r} {f!r}\nvertex {g!r} {h!r} {i!r}\n"
+            f"facet normal {a!r} {b!r} {c!r}\nouter loop\nvertex {d!r} {e!r} {f!r}\n"
+            f"vertex {g!r} {h!r} {i!r}\n"
             f"vertex {j!r} {k!r} {m!r}\nendloop\nendfacet\n"
             for a, b, c, d, e, f, g, h, i, j, k, m in values.tolist()
         ]
@@ -165,7 +167,7 @@ def _lists(faces: Polygons, more: int = 0) -> bytes:
         return rows_as_text(np.column_stack([np.full(len(triangles), 3), triangles + more]))
     flat = (faces.vertices.astype(np.int64) + more).astype(str).tolist()
     at, lines = faces.ring_start.tolist(), []
-    for first, last in zip(at, at[1:]):
+    for first, last in pairwise(at):
         lines.append(f"{last - first} {' '.join(flat[first:last])}\n")
     return "".join(lines).encode()
 
@@ -214,7 +216,8 @@ def _obj(domain: Outline, shell: Shell, binary: bool) -> bytes:
         for i in pieces[pieces < len(domain.facets)].tolist():
             groups[i].append(labels[name])
     flat = (faces.vertices.astype(np.int64) + 1).astype(str).tolist()
-    at, now = faces.ring_start.tolist(), []
+    at = faces.ring_start.tolist()
+    now: list[str] = []
     for first, last, i in zip(at, at[1:], piece.tolist()):
         if groups[i] != now:
             now = groups[i]
