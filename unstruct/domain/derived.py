@@ -290,8 +290,10 @@ def plot(
     names: bool = True,
     vertices: bool | None = None,
     faults: Any = (),
+    azimuth: float | None = None,
+    elevation: float | None = None,
 ) -> Any:
-    """Draw with matplotlib what bounds the region, with the names of markers and regions.
+    """Draw with matplotlib what bounds the region or the body, with the names of markers and regions.
 
     Parameters
     ----------
@@ -307,10 +309,13 @@ def plot(
         marked.
     faults : sequence of Fault
         Are marked and described at their places; `DomainError.plot` marks those that it reports.
+    azimuth, elevation : float, optional
+        From where a body in space is seen, in degrees; by default -55 and 22. `view.view3d` lets a reader
+        turn it.
 
     Returns
     -------
     matplotlib.axes.Axes
     """
-    must_be_planar(domain, "drawn with matplotlib")
-    return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
+    view = {"azimuth": azimuth, "elevation": elevation}
+    return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults, **view)
