@@ -233,8 +233,7 @@ def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
 
     Regions are written as .poly, bodies in .smesh and .poly as .stl, .off, .ply, .obj, .smesh or .poly.
     """
-    body = suffix_of(source) == ".smesh" or suffix_of(target) == ".smesh"
-    found = _read(source, options, region=body or None)
+    found = _read(source, options, region=suffix_of(target) == ".smesh" or None)
     if isinstance(found, Domain) and found.dimension == 2 and suffix_of(target) != ".poly":
         raise click.UsageError(
             f"{source.name} is a region, which is written as .poly; 'unstruct mesh' meshes it"
@@ -247,7 +246,7 @@ def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
 def _read(path: Path, options: dict[str, Any], *, region: bool | None = None) -> Any:
     """A domain or a mesh, by the suffix; .node is a mesh unless a region is wanted."""
     suffix = suffix_of(path)
-    if region or (region is None and suffix in REGION_SUFFIXES and suffix != ".node"):
+    if region or (region is None and suffix in (*REGION_SUFFIXES, ".smesh") and suffix != ".node"):
         return Domain.read(path, resolve=options["resolve"], name=options["names"], shape=options["shape"])
     return Mesh.read(path)
 

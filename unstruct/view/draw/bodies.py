@@ -35,11 +35,12 @@ def body_parts(
     facets, inner = Polygons.of(domain.facets), Polygons.of(domain.inner)
     rows, chosen = _rows(points, facets), _rows(points, inner)
     faults = list(faults)
-    inside = len(inner) or domain.regions or len(domain.loose) or faults
+    loose = points[~np.isin(np.arange(len(points)), domain.pieces.ravel())]
+    inside = len(inner) or domain.regions or len(loose) or faults
     parts: list[Part] = [("polygons", "cell", rows, points, {"opacity": 0.35 if inside else 1.0})]
     parts.append(("polygons", "front", [r for r in chosen if len(r) > 2], points, {"opacity": 0.6}))
     parts.append(("segments", "front", [r for r in chosen if len(r) == 2], points, {}))
-    parts.append(("points", "accepted", points[domain.loose], (), {}))
+    parts.append(("points", "accepted", loose, (), {}))
     if vertices:
         parts.append(("points", "vertex", points, (), {}))
     texts: list[tuple[str, np.ndarray, str]] = []

@@ -155,11 +155,10 @@ def _facet(rows: Rows, points: np.ndarray, first: int, marked: bool) -> tuple[li
     many, holes, mark = (*head, *[0] * 3)[:3]
     polygons = [_polygon(rows, first, len(points))[0] for _ in range(many)]
     seeds = np.array([_seed(rows, "holes of a facet") for _ in range(holes)]).reshape(-1, 3)
-    polygons = [row for row in polygons if len(row) > 1]
     if len(polygons) == 1 and not holes:
         return _alone(polygons[0]), mark if marked else 0
-    if not polygons:
-        return [], 0
+    if max(map(len, polygons), default=0) < 3:
+        return [[row] for row in polygons if len(row) == 2], mark if marked else 0
     return _of_several(place, points, polygons, seeds), mark if marked else 0
 
 
@@ -169,7 +168,7 @@ def _of_several(place: str, points: np.ndarray, polygons: Rings, seeds: np.ndarr
     sides, start = [], 0
     for row in polygons:
         mine = at[start : start + len(row)]
-        sides.append(np.column_stack([mine, np.roll(mine, -1)])[: len(row) if len(row) > 2 else 1])
+        sides.append(np.column_stack([mine, np.roll(mine, -1)])[: len(row) if len(row) > 2 else len(row) - 1])
         start += len(row)
     i, j = _view(points[max(polygons, key=len)])
     flat = np.ascontiguousarray(points[number][:, [i, j]])

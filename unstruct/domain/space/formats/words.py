@@ -50,7 +50,7 @@ def coordinates(path: Path, rows: Sequence[Line], first: int = 0) -> np.ndarray:
 
 def finite_rows(path: Path, corners: np.ndarray, what: str) -> None:
     """Raise if a row of a binary file has coordinates that are not finite."""
-    good = np.isfinite(corners.reshape(len(corners), -1)).all(axis=1)
+    good = np.isfinite(corners).all(axis=tuple(range(1, corners.ndim)))
     if not good.all():
         row = int(np.argmin(good))
         raise InputError(

@@ -54,12 +54,13 @@ def write_body(
     else:
         if len(domain.facets) == 0 and suffix == ".stl":
             raise InputError("a domain without facets cannot be written as .stl, which stores triangles only")
-        _say_lost(domain, suffix, bool(binary))
         content = {".stl": _stl, ".off": _off, ".ply": _ply, ".obj": _obj}[suffix](
             domain, shell, bool(binary)
         )
     with replacing(path) as beside:
         beside.write_bytes(content)
+    if suffix not in (".smesh", ".poly"):
+        _say_lost(domain, suffix, bool(binary))
 
 
 def _say_lost(domain: Outline, suffix: str, binary: bool) -> None:
@@ -73,7 +74,7 @@ def _say_lost(domain: Outline, suffix: str, binary: bool) -> None:
     if suffix == ".stl" and len(domain.loose):
         lost.append("loose points")
     if lost:
-        warnings.warn(f"not written: {', '.join(lost)}; {suffix} does not store them", stacklevel=5)
+        warnings.warn(f"not written: {', '.join(lost)}; {suffix} does not store them", stacklevel=4)
 
 
 def _outward(shell: Shell) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]:
@@ -116,10 +117,11 @@ def _last_names(domain: Outline) -> list[str]:
 def _stl(domain: Outline, shell: Shell, binary: bool) -> bytes:
     rows, piece, _ = _outward(shell)
     corners = shell.points[rows]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sides = corners[:, 1:] / 2 - corners[:, :1] / 2
+    sides = sides / np.abs(sides).max(axis=(1, 2), keepdims=True)  # so that products do not overflow
+    normal = np.cross(sides[:, 0], sides[:, 1])
     length = np.linalg.norm(normal, axis=1)[:, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        normal = np.where(np.isfinite(length) & (length > 0), normal / length, 0.0) + 0.0
+    normal = normal / np.where(length > 0.0, length, 1.0) + 0.0
     if binary:
         return _binary_stl(corners, normal)
     names = _last_names(domain)
@@ -210,7 +212,7 @@ def _obj(domain: Outline, shell: Shell, binary: bool) -> bytes:
     labels = {name: "_".join(name.split()) for name in domain.markers}
     renamed = {name: label for name, label in labels.items() if name != label}
     if renamed:
-        warnings.warn(f"renamed: {renamed}; names of groups in .obj have no spaces", stacklevel=5)
+        warnings.warn(f"renamed: {renamed}; names of groups in .obj have no spaces", stacklevel=4)
     groups: list[list[str]] = [[] for _ in range(len(domain.facets))]
     for name, pieces in domain.markers.items():
         for i in pieces[pieces < len(domain.facets)].tolist():
