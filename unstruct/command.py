@@ -168,7 +168,8 @@ def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | 
 def check(source: Path, domain: Path | None, delaunay: bool, quiet: bool, **options: Any) -> None:
     """Check the mesh in SOURCE exactly: orientation, neighbors, overlaps, and what else a mesh must be.
 
-    A surface (.stl, .off, .ply, .obj, .smesh) is checked as a body in space: is it closed, and free of crossings?
+    A surface (.stl, .off, .ply, .obj, .smesh) is checked as a body in space: is it closed, does it
+    cross itself?
     """
     if suffix_of(source) in BODY_SUFFIXES and domain is None and not delaunay:
         body, faults = _body(source, options)

@@ -70,7 +70,7 @@ def test_unit_cubes_of_a_grid(seed: int, size: int) -> None:
     assert ((mine == OUTSIDE) == (roots == outside)).all()
     pairs = set(zip(mine.ravel().tolist(), roots.ravel().tolist()))
     assert len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs})
-    middles = np.array(list(cubes)) + [0.5, 0.4375, 0.28125]
+    middles = np.array(list(cubes)) + np.array([0.5, 0.4375, 0.28125])
     where = found.locate(middles)
     assert [(-1 if root(i) == outside else 0) for i in range(len(cubes))] == [
         min(w, 0) for w in where.tolist()
@@ -89,5 +89,5 @@ def test_cubes_that_touch(shift: tuple) -> None:
         rows = {key: row for key, row in rows.items() if not all(points[row][:, 0] == 1)}
         rows |= {tuple(sorted(row)): row for row in one if all(points[row][:, 0] == 1)}
     found = parts_in_space(points, np.array(list(rows.values()), dtype=np.int32))
-    seeds = np.array([(0.5, 0.25, 0.375), np.array(shift) + [0.5, 0.25, 0.375]])
+    seeds = np.array([(0.5, 0.25, 0.375), np.array(shift) + np.array([0.5, 0.25, 0.375])])
     assert sorted(found.locate(seeds).tolist()) == [0, 1] and len(found.walls) == 2

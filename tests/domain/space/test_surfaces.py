@@ -63,5 +63,5 @@ def test_files_of_other_meshes(tmp_path: Path, suffix: str) -> None:
         Domain.read(tmp_path / f"flat{suffix}")
     with pytest.raises(InputError, match=rf"solid\{suffix} is no surface in space: cells have dimension 3"):
         Domain.read(tmp_path / f"solid{suffix}")
-    with pytest.raises(InputError, match="there is no file none.stl"):
+    with pytest.raises(InputError, match=r"there is no file none\.stl"):
         Domain.read(tmp_path / "none.stl")

@@ -1,4 +1,4 @@
-"""Pictures of bodies in space, still and turning: facets, what is inside, names, and the faults of an error."""
+"""Pictures of bodies in space, still and turning: facets, what is inside, names, and faults."""
 
 from __future__ import annotations
 

@@ -116,7 +116,8 @@ def test_names_of_obj(tmp_path: Path) -> None:
     found = Domain.read(tmp_path / "a.obj")
     assert found.volume == 1.0
     assert {name: rows.tolist() for name, rows in found.markers.items()} == {
-        "left": [0], "right": [1], "front": [2], "back": [3], "bottom": [4], "top": [5], "cover": [5], "the lid": [5],
+        "left": [0], "right": [1], "front": [2], "back": [3], "bottom": [4], "top": [5],
+        "cover": [5], "the lid": [5],
     }  # fmt: skip
     with pytest.warns(UserWarning, match="the_lid"):
         found.write(tmp_path / "b.obj")

@@ -42,7 +42,8 @@ def binary(order: str, sizes: tuple[int, ...] = (3, 3, 3, 3)) -> bytes:
     kind = {"<": "little", ">": "big"}[order]
     head = (
         f"ply\nformat binary_{kind}_endian 1.0\nelement vertex 4\nproperty double z\nproperty float y\n"
-        "property double x\nelement face 4\nproperty list uint8 uint32 vertex_index\nproperty int8 a\nend_header\n"
+        "property double x\nelement face 4\nproperty list uint8 uint32 vertex_index\n"
+        "property int8 a\nend_header\n"
     )
     rows = [(0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0)]
     faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]

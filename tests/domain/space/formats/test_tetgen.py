@@ -47,7 +47,13 @@ def test_holes_follow_from_seeds(tmp_path: Path) -> None:
 
 
 def test_a_wall_between_two_rooms_and_one_outside(tmp_path: Path) -> None:
-    points = [*CORNERS.tolist(), *(CORNERS[4:] + [1, 0, 0]).tolist(), [0, 0, 3.0], [1, 0, 3], [0, 1, 3]]
+    points = [
+        *CORNERS.tolist(),
+        *(CORNERS[4:] + np.array([1, 0, 0])).tolist(),
+        [0, 0, 3.0],
+        [1, 0, 3],
+        [0, 1, 3],
+    ]
     number = {4: 8, 5: 9, 6: 10, 7: 11, 0: 4, 1: 5, 2: 6, 3: 7}
     facets = [*SIDES, *[[number[v] for v in side] for side in SIDES[1:]], (12, 13, 14)]
     lines = [f"{len(points)} 3", *(f"{i} {x} {y} {z}" for i, (x, y, z) in enumerate(points))]
@@ -102,7 +108,7 @@ def test_round_trip(tmp_path: Path, suffix: str) -> None:
 
 
 def poly(facet: str) -> str:
-    """A cube of side 4 in TetGen's .poly, its bottom written as ``facet``; points 8 to 11 lie in the bottom."""
+    """A cube of side 4 in TetGen's .poly, its bottom written as ``facet``; points 8 to 11 lie in it."""
     points = [*(CORNERS * 4).tolist(), [1, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]]
     points += [[1, 1, 1], [2, 1, 1], [2, 2, 1], [1, 2, 1]]
     points = points if "11" in facet else points[:11] if "10" in facet else points[:9]
