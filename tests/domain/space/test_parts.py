@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct.domain.space.parts import OUTSIDE, parts_in_space
+from unstruct.domain.space.parts import UNBOUNDED, parts_in_space
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SQUARES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -18,7 +18,7 @@ CUBE = np.array([row for a, b, c, d in SQUARES for row in ((a, b, c), (a, c, d))
 
 def test_no_triangles() -> None:
     found = parts_in_space(np.empty((0, 3)), np.empty((0, 3), dtype=np.int32))
-    assert found.walls == [] and found.locate(np.zeros((1, 3))).tolist() == [OUTSIDE]
+    assert found.walls == [] and found.locate(np.zeros((1, 3))).tolist() == [UNBOUNDED]
 
 
 def test_nested_cubes() -> None:
@@ -67,7 +67,7 @@ def test_unit_cubes_of_a_grid(seed: int, size: int) -> None:
     roots = np.array([[root(i) for i in sides[k]] for k in order])
     mine = np.column_stack([found.front, found.back])
     outside = root(len(cubes))
-    assert ((mine == OUTSIDE) == (roots == outside)).all()
+    assert ((mine == UNBOUNDED) == (roots == outside)).all()
     pairs = set(zip(mine.ravel().tolist(), roots.ravel().tolist()))
     assert len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs})
     middles = np.array(list(cubes)) + np.array([0.5, 0.4375, 0.28125])

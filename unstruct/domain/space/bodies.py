@@ -19,7 +19,7 @@ from .rings import between, circle, disc, smoothed
 
 __all__ = ["as_vector", "ball", "box", "cylinder", "torus"]
 
-FINE = 5.0  # without a size, so many edges have the length of the (smallest) radius
+EDGES_A_RADIUS = 5.0  # without a size, so many edges have the length of the (smallest) radius
 FEWEST = 6  # points of a ring at least
 ROW = np.sqrt(3) / 2  # the height of an equilateral triangle; unit: its side
 BOX_SIDES = {  # corners are numbered so that z changes first
@@ -101,7 +101,7 @@ def _divided(n: int) -> tuple[np.ndarray, NDArray[np.int32]]:
 def ball(center: Any, radius: Any, size: Any) -> Parts:
     """A ball: an icosahedron, its faces divided, and the points moved onto the sphere."""
     middle, r = as_vector(center, "center"), positive(radius, "radius")
-    h = r / FINE if size is None else positive(size, "size")
+    h = r / EDGES_A_RADIUS if size is None else positive(size, "size")
     # 20 n^2 equilateral triangles of side h have the area of the sphere
     n = max(1, _whole(r / h * np.sqrt(4 * np.pi / (5 * np.sqrt(3))), h, lambda n: 10 * n * n + 2))
     points, triangles = _divided(n)
@@ -148,7 +148,7 @@ def torus(center: Any, radius: Any, tube: Any, size: Any, axis: Any) -> Parts:
         raise InputError(
             f"tube = {r:g} must be less than radius = {far:g}: the torus would pass through itself"
         )
-    h = r / FINE if size is None else min(positive(size, "size"), r)
+    h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
     rows = max(FEWEST, _whole(2 * np.pi * r / (h * ROW), h, lambda n: n * 2 * np.pi * far / h))
     turn = circle(np.arange(rows) / rows)
     counts = np.maximum(FEWEST, np.round(2 * np.pi * (far + r * turn[:, 0]) / h).astype(int))
@@ -185,7 +185,7 @@ def cylinder(start: Any, end: Any, radius: Any, size: Any) -> Parts:
     low, high, r = as_vector(start, "start"), as_vector(end, "end"), positive(radius, "radius")
     frame = _frame(high - low, "the axis from start to end")
     length = float(np.linalg.norm(high - low))
-    h = r / FINE if size is None else min(positive(size, "size"), r)
+    h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
     n = max(FEWEST, _whole(2 * np.pi * r / h, h, lambda n: n * (n / 5 + length / h)))
     layers = max(1, round(length / (h * ROW)))
     bottom, below = disc(n, 0.0)

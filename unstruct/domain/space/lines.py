@@ -12,11 +12,11 @@ __all__ = ["seen"]
 
 # The directions right and up in the picture, and toward the reader, who looks from an azimuth of -55 and an
 # elevation of 22 degrees, as in `view.view3d`.
-RIGHT = np.array([0.8191520442889918, 0.5735764363510462, 0.0])
-UP = np.array([-0.21486551488510408, 0.3068597568007795, 0.9271838545667874])
+RIGHTWARD = np.array([0.8191520442889918, 0.5735764363510462, 0.0])
+UPWARD = np.array([-0.21486551488510408, 0.3068597568007795, 0.9271838545667874])
 TOWARD = np.array([0.5318108111446446, -0.7595045499001312, 0.374606593415912])
 ALL_EDGES = 1500  # with more edges than this, only some are drawn
-SHARP = np.cos(np.radians(30.0))
+SHARP_COSINE = np.cos(np.radians(30.0))
 
 
 def seen(outline: Outline) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -29,7 +29,7 @@ def seen(outline: Outline) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     points = outline.points
     scale = np.abs(points).max(initial=0.0)
     unit = points / scale if scale > 0 else points
-    flat = np.column_stack([unit @ RIGHT, unit @ UP]) if len(points) else np.empty((0, 2))
+    flat = np.column_stack([unit @ RIGHTWARD, unit @ UPWARD]) if len(points) else np.empty((0, 2))
     facets, inner = Polygons.of(outline.facets), Polygons.of(outline.inner)
     ends = [_edges(unit, part) for part in (facets, inner)]
     of_facet = np.repeat([True, False], [len(part) for part in ends])
@@ -51,7 +51,7 @@ def _edges(points: np.ndarray, polygons: Polygons) -> NDArray[np.int32]:
     # facets that run along their common edge in the same direction are turned against each other
     turn = np.where(ends[one, 0] == ends[two, 0], -1.0, 1.0)[:, None]
     n, m = normal[owner[one]], normal[owner[two]] * turn
-    sharp = (n * m).sum(axis=1) < SHARP
+    sharp = (n * m).sum(axis=1) < SHARP_COSINE
     outline = (n @ TOWARD) * (m @ TOWARD) <= 0.0
     drawn = np.ones(len(key), dtype=bool)
     drawn[pair] = sharp | outline

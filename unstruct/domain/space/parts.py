@@ -18,9 +18,9 @@ from ...base.jit import kernel
 from ...geometry.inside_shell import enclosed_volume, even_odd_in_space
 from ...geometry.triangle_pairs import side, unit_points
 
-__all__ = ["OUTSIDE", "Parts", "parts_in_space"]
+__all__ = ["UNBOUNDED", "Parts", "parts_in_space"]
 
-OUTSIDE = -1  # the part that reaches to infinity
+UNBOUNDED = -1  # the part that reaches to infinity
 
 
 class Parts(NamedTuple):
@@ -30,7 +30,7 @@ class Parts(NamedTuple):
     ----------
     points : (n, 3) float64
     front, back : (t,) int64
-        The part to which the normal of each triangle points, and the one behind; `OUTSIDE` or a number.
+        The part to which the normal of each triangle points, and the one behind; `UNBOUNDED` or a number.
     walls : list of (k, 3) int32
         For each part the triangles of the wall around it, from the smallest volume to the largest.
     """
@@ -42,11 +42,11 @@ class Parts(NamedTuple):
 
     def locate(self, x: np.ndarray, skip: frozenset[int] = frozenset()) -> NDArray[np.int64]:
         """The parts in which points (k, 3) lie that are on no triangle; exact."""
-        found = np.full(len(x), OUTSIDE)
+        found = np.full(len(x), UNBOUNDED)
         for part, rows in enumerate(self.walls):
             if part in skip:
                 continue
-            left = np.flatnonzero(found == OUTSIDE)
+            left = np.flatnonzero(found == UNBOUNDED)
             if len(left) == 0:
                 break
             found[left[even_odd_in_space(self.points, rows, x[left])[0]]] = part
@@ -152,7 +152,7 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
         rows.append(np.concatenate([behind, before[:, ::-1]]))
     volumes = np.array([enclosed_volume(points, part) if len(part) else 0.0 for part in rows])
     around = [i for i in np.argsort(volumes, kind="stable").tolist() if volumes[i] > 0]
-    owner = np.full(len(rows), OUTSIDE)
+    owner = np.full(len(rows), UNBOUNDED)
     owner[around] = np.arange(len(around))
     of_wall = np.empty(len(rows), dtype=np.int64)  # the body of each wall
     of_wall[wall] = np.repeat(body, 2)

@@ -16,7 +16,7 @@ from ...base.elementary import cosines, sines
 
 __all__ = ["between", "circle", "disc", "smoothed"]
 
-ROUNDS = 6  # of smoothing: more of them improve the worst angles by less than a degree
+SMOOTHINGS = 6  # of smoothing: more of them improve the worst angles by less than a degree
 
 
 def circle(share: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def smoothed(
     start = triangles.ravel()
     end = triangles[:, [1, 2, 0]].ravel()  # of closed triangles: each neighbor once
     count = np.maximum(np.bincount(start, minlength=len(points)), 1)
-    for _ in range(ROUNDS):
+    for _ in range(SMOOTHINGS):
         total = [np.bincount(start, points[end, k], minlength=len(points)) for k in range(points.shape[1])]
         points = np.where(free[:, None], onto(np.stack(total, axis=1) / count[:, None]), points)
     return points

@@ -12,17 +12,23 @@ from ....base.errors import InputError
 from ....base.files import text_of
 from ....geometry.polygons import Polygons
 from ..surfaces import Found, free_name
-from .words import Line, coordinates, polygons_of, word_rows
+from .words import Line, coordinates, polygons_of, triangles_at_once, word_rows
 
 __all__ = ["read_obj", "read_off"]
 
-IGNORED = set("vt vn vp mtllib usemtl s mg shadow_obj trace_obj lod bevel c_interp d_interp".split())
-REFUSED = set("curv curv2 surf cstype deg bmat step parm trim hole scrv sp con".split())
+IGNORED_LINES = set("vt vn vp mtllib usemtl s mg shadow_obj trace_obj lod bevel c_interp d_interp".split())
+CURVED_PARTS = set("curv curv2 surf cstype deg bmat step parm trim hole scrv sp con".split())
 
 
 def read_off(path: Path) -> Found:
     """Read a file; colors and normals are left out."""
-    rows = word_rows(text_of(path))
+    text = text_of(path)
+    start = re.match(r"OFF\s+(\d+)\s+(\d+)\s+\d+[ \t]*\r?\n", text)
+    if start:
+        known = triangles_at_once(text[start.end() :], int(start[1]), int(start[2]))
+        if known:
+            return Found({"points": known[0], "facets": known[1]})
+    rows = word_rows(text)
     if not rows:
         raise InputError(f"{path.name} is empty: the word OFF and three counts are expected")
     head = re.fullmatch(r"(ST)?(C)?(N)?(4)?(n)?OFF", rows[0][1][0], re.IGNORECASE)
@@ -109,12 +115,12 @@ def read_obj(path: Path) -> Found:
             group = words[1:]
         elif key == "o":
             thing = [" ".join(words[1:])] if words[1:] else []
-        elif key in REFUSED:
+        elif key in CURVED_PARTS:
             raise InputError(
                 f"{path.name}, line {number}: {key!r} belongs to curves and curved surfaces, which are not "
                 "read; write the body as polygons"
             )
-        elif key not in IGNORED and key != "p":
+        elif key not in IGNORED_LINES and key != "p":
             raise InputError(
                 f"{path.name}, line {number}: {' '.join(words)[:60]!r} is no line of an OBJ file"
             )

@@ -11,7 +11,7 @@ from ....base.errors import InputError
 from ....base.files import bytes_of
 from ....geometry.polygons import Polygons
 from ..surfaces import Found
-from .words import coordinates, finite_rows, polygons_of, word_rows
+from .words import coordinates, finite_rows, polygons_of, triangles_at_once, word_rows
 
 __all__ = ["read_ply"]
 
@@ -26,7 +26,7 @@ TYPES = {
     **dict.fromkeys(["double", "float64"], "f8"),
 }
 FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-CORNERS = ("vertex_indices", "vertex_index")
+LISTS_OF_CORNERS = ("vertex_indices", "vertex_index")
 END = b"end_header"
 
 
@@ -61,7 +61,8 @@ def read_ply(path: Path) -> Found:
     missing = [name for name in "xyz" if name not in names]
     if missing or any(p.length for p in by_name["vertex"].properties):
         raise InputError(f"{path.name}: vertices need the properties x, y, z, not {', '.join(names)}")
-    if "face" in by_name and not any(p.name in CORNERS and p.length for p in by_name["face"].properties):
+    lists = [p for p in by_name["face"].properties if p.length] if "face" in by_name else None
+    if lists is not None and not any(p.name in LISTS_OF_CORNERS and p.kind[0] != "f" for p in lists):
         raise InputError(f"{path.name}: faces need the list 'vertex_indices'")
     points, facets = _of_text(path, head) if head.order == "" else _of_bytes(path, head)
     return Found({"points": points, "facets": facets})
@@ -86,13 +87,14 @@ def _head(path: Path, data: bytes) -> _Head:
                 order = FORMATS[words[1]]
             elif key == "element":
                 many = int(words[2])
-                if many < 0:
+                if many < 0 or words[1] in [other.name for other in elements]:
                     raise ValueError
                 elements.append(_Element(words[1], many, []))
             elif key == "property":
                 is_list = words[1] == "list"
                 kinds = [TYPES[word] for word in words[1 + is_list : -1]]
-                if len(kinds) != 1 + is_list:
+                taken = [p.name for p in elements[-1].properties]
+                if len(kinds) != 1 + is_list or words[-1] in taken or (is_list and kinds[0][0] == "f"):
                     raise ValueError
                 elements[-1].properties.append(_Property(words[-1], kinds[-1], kinds[0] if is_list else None))
             elif key not in ("ply", "comment", "obj_info"):
@@ -111,6 +113,11 @@ def _head(path: Path, data: bytes) -> _Head:
 
 def _of_text(path: Path, head: _Head) -> tuple[np.ndarray, Polygons]:
     text = head.body.decode("utf-8", errors="replace")
+    names = [[p.name for p in element.properties] for element in head.elements]
+    if len(names) == 2 and names[0] == ["x", "y", "z"] and names[1][0] in LISTS_OF_CORNERS:
+        known = triangles_at_once(text, head.elements[0].many, head.elements[1].many)
+        if known and len(names[1]) == 1:
+            return known[0], Polygons.of_rows(known[1])
     rows = [(line + head.lines, words) for line, words in word_rows(text, "\0")]
     start, points, facets = 0, np.empty((0, 3)), []
     for element in head.elements:
@@ -151,7 +158,7 @@ def _face(path: Path, line: int, words: list[str], element: _Element) -> list[in
             at = first + size
             if size < 0 or len(words) < at:
                 raise IndexError
-            if one.name in CORNERS:
+            if one.name in LISTS_OF_CORNERS:
                 found = [int(word) for word in words[first:at]]
     except (ValueError, IndexError):
         raise InputError(
@@ -165,12 +172,15 @@ def _face(path: Path, line: int, words: list[str], element: _Element) -> list[in
 
 
 def _of_bytes(path: Path, head: _Head) -> tuple[np.ndarray, Polygons]:
-    at, points, facets = 0, np.empty((0, 3)), Polygons.of_rows(np.empty((0, 3), dtype=np.int32))
+    at, points = 0, np.empty((0, 3))
+    faces: list[np.ndarray] | np.ndarray = []
     for element in head.elements:
+        if not element.properties:
+            continue
         if any(p.length for p in element.properties):
             rings, at = _lists(path, head, element, at)
             if element.name == "face":
-                facets = _checked(path, rings, len(points))
+                faces = rings
             continue
         kind = np.dtype([(p.name, head.order + p.kind) for p in element.properties])
         rows = np.frombuffer(_bytes(path, head, at, kind.itemsize * element.many, element), kind)
@@ -182,7 +192,7 @@ def _of_bytes(path: Path, head: _Head) -> tuple[np.ndarray, Polygons]:
         raise InputError(
             f"{path.name}: {len(head.body) - at} bytes follow the last element that is announced"
         )
-    return points, facets
+    return points, _checked(path, faces, len(points))
 
 
 def _bytes(path: Path, head: _Head, at: int, size: int, element: _Element) -> bytes:
@@ -206,7 +216,7 @@ def _lists(path: Path, head: _Head, element: _Element, at: int) -> tuple[list[np
             fields.append((f"n{i}", head.order + one.length))
         fields.append((f"v{i}", head.order + one.kind, (1 if size is None else size,)))
     kind = np.dtype(fields)
-    corner = next((i for i, p in enumerate(element.properties) if p.name in CORNERS and p.length), 0)
+    corner = next((i for i, p in enumerate(element.properties) if p.name in LISTS_OF_CORNERS and p.length), 0)
     if kind.itemsize * element.many <= len(head.body) - at:
         rows = np.frombuffer(head.body, kind, element.many, at)
         if all((rows[f"n{i}"] == size).all() for i, size in enumerate(sizes) if size is not None):

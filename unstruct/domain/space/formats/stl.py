@@ -11,19 +11,20 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.decimals import numbers_of
 from ....base.errors import InputError
 from ....base.files import bytes_of
 from ..surfaces import Found, groups, merged
 from .words import finite_rows
 
-__all__ = ["TRIANGLE", "read_stl"]
+__all__ = ["STL_TRIANGLE", "read_stl"]
 
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-HEAD = 84  # bytes before the first triangle: 80 of any text, then the number of triangles
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+STL_HEAD = 84  # bytes before the first triangle: 80 of any text, then the number of triangles
 FACET = "facet normal # # # outer loop vertex # # # vertex # # # vertex # # # endloop endfacet".split()
 NUMBERS = [i for i, word in enumerate(FACET) if word == "#"][3:]  # those of the corners, not of the normal
 LINES = ("facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet")
-SOLID = re.compile(r"^[ \t]*(end)?solid\b[ \t]*(.*?)[ \t]*\r?$", re.IGNORECASE | re.MULTILINE)
+SOLID_LINE = re.compile(r"^[ \t]*(end)?solid\b[ \t]*(.*?)[ \t]*\r?$", re.IGNORECASE | re.MULTILINE)
 
 
 def read_stl(path: Path) -> Found:
@@ -33,7 +34,7 @@ def read_stl(path: Path) -> Found:
         raise InputError(f"{path.name} is empty: an STL file has at least one triangle")
     plain = data.removeprefix(b"\xef\xbb\xbf")
     named = plain.lstrip()[:5].lower() == b"solid"
-    if _is_binary(data) or not named or b"\0" in data[:HEAD]:
+    if _is_binary(data) or not named or b"\0" in data[:STL_HEAD]:
         runs = _binary(path, data)
     else:
         runs = _text(path, plain.decode("utf-8", errors="replace"))
@@ -48,11 +49,11 @@ def read_stl(path: Path) -> Found:
 
 
 def _is_binary(data: bytes) -> bool:
-    return len(data) >= HEAD and len(data) == HEAD + TRIANGLE.itemsize * _count(data, 0)
+    return len(data) >= STL_HEAD and len(data) == STL_HEAD + STL_TRIANGLE.itemsize * _count(data, 0)
 
 
 def _count(data: bytes, start: int) -> int:
-    return int.from_bytes(data[start + HEAD - 4 : start + HEAD], "little")
+    return int.from_bytes(data[start + STL_HEAD - 4 : start + STL_HEAD], "little")
 
 
 def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
@@ -61,19 +62,19 @@ def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
     found: list[tuple[str, np.ndarray]] = []
     while start < len(data):
         rest = len(data) - start
-        if rest < HEAD:
+        if rest < STL_HEAD:
             raise InputError(
                 f"{path.name}: {rest} bytes {'after the last triangle' if start else ''} are neither a text "
                 "that begins with 'solid', nor the head of a binary STL file, which has 84; is it whole?"
             )
         many = _count(data, start)
-        needed = HEAD + TRIANGLE.itemsize * many
+        needed = STL_HEAD + STL_TRIANGLE.itemsize * many
         if rest < needed:
             raise InputError(
                 f"{path.name} announces {many} triangles, which take {needed} bytes, but has {rest}: it is "
                 "truncated, or not an STL file"
             )
-        rows = np.frombuffer(data, TRIANGLE, many, start + HEAD)
+        rows = np.frombuffer(data, STL_TRIANGLE, many, start + STL_HEAD)
         corners = rows["corners"].astype(np.float64)
         finite_rows(path, corners, "triangle")
         head = data[start : start + 80].split(b"\0")[0].decode("ascii", errors="ignore").strip()
@@ -87,7 +88,7 @@ def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
 def _text(path: Path, text: str) -> list[tuple[str, np.ndarray]]:
     """The same from a text."""
     found, start, name = [], 0, None
-    for match in SOLID.finditer(text):
+    for match in SOLID_LINE.finditer(text):
         body = text[start : match.start()]
         ends = match[1] is not None
         if (name is None) == ends or (name is None and body.strip()):
@@ -124,13 +125,10 @@ def _facets(path: Path, text: str, start: int, body: str) -> np.ndarray:
     if len(words) % width == 0 and all(
         words[i::width].count(word) == len(words) // width for i, word in enumerate(FACET) if word != "#"
     ):
-        try:
-            columns = [np.array(words[i::width], dtype=np.float64) for i in NUMBERS]
-            corners = np.stack(columns, axis=1).reshape(-1, 3, 3) if words else np.empty((0, 3, 3))
-            if np.isfinite(corners).all():
-                return corners
-        except ValueError:
-            pass
+        values = numbers_of(" ".join([" ".join(words[i::width]) for i in NUMBERS]))
+        if values is not None and len(values) == len(NUMBERS) * (len(words) // width):
+            if np.isfinite(values).all():
+                return np.ascontiguousarray(values.reshape(len(NUMBERS), -1).T).reshape(-1, 3, 3)
     first = _line(text, start)
     rows = [(first + i, line.split()) for i, line in enumerate(body.split("\n"))]
     _find_wrong(path, [(i, row) for i, row in rows if row])

@@ -24,7 +24,7 @@ from ....mesh.node_ele import read_points
 from ...plane import faults
 from ...plane.poly import hull_parts, region_name
 from ..faults import shell_of
-from ..parts import OUTSIDE, parts_in_space
+from ..parts import UNBOUNDED, parts_in_space
 from ..surfaces import Found
 
 __all__ = ["in_space", "read_tetgen"]
@@ -126,7 +126,10 @@ def _polygon(rows: Rows, first: int, count: int) -> tuple[list[int], list[str]]:
     words = words[1:]
     while len(words) < size:
         words = words + rows.next(1, f"a polygon of {size} corners")
-    row = [rows.whole(word, "corners") - first for word in words[:size]]
+    try:
+        row = [int(word) - first for word in words[:size]]
+    except ValueError:
+        row = [rows.whole(word, "corners") - first for word in words[:size]]
     for v in row:
         if not 0 <= v < count:
             raise InputError(
@@ -213,6 +216,6 @@ def _bounding(path: Path, walls: Outline, holes: np.ndarray) -> np.ndarray:
                 f"{shell.piece[triangle[0]]}; move it into the hole"
             )
     parts = parts_in_space(walls.points, shell.triangles)
-    removed = np.unique(np.append(parts.locate(holes), OUTSIDE))
+    removed = np.unique(np.append(parts.locate(holes), UNBOUNDED))
     differs = np.isin(parts.front, removed) != np.isin(parts.back, removed)
     return np.bincount(shell.piece[differs], minlength=len(walls.inner)).astype(bool)

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.decimals import numbers_of
 from ....base.errors import InputError
 from ....geometry.polygons import Polygons
 
-__all__ = ["Line", "coordinates", "finite_rows", "polygons_of", "word_rows"]
+__all__ = ["Line", "coordinates", "finite_rows", "polygons_of", "triangles_at_once", "word_rows"]
 
 Line = tuple[int, list[str]]  # the number of a line, and its words
 
@@ -25,12 +26,10 @@ def word_rows(text: str, comment: str = "#") -> list[Line]:
 
 def coordinates(path: Path, rows: Sequence[Line], first: int = 0) -> np.ndarray:
     """Three coordinates from each row, (n, 3) float64; they begin with word ``first``."""
-    try:
-        found = np.array([words[first : first + 3] for _, words in rows], dtype=np.float64).reshape(-1, 3)
-        if len(found) == len(rows) and np.isfinite(found).all():
-            return found
-    except ValueError:
-        pass
+    found = numbers_of(" ".join([" ".join(words[first : first + 3]) for _, words in rows]))
+    enough = min((len(words) for _, words in rows), default=3 + first) >= 3 + first
+    if enough and found is not None and len(found) == 3 * len(rows) and np.isfinite(found).all():
+        return found.reshape(-1, 3)
     for line, words in rows:
         if len(words) < first + 3:
             raise InputError(
@@ -46,6 +45,24 @@ def coordinates(path: Path, rows: Sequence[Line], first: int = 0) -> np.ndarray:
             if not good:
                 raise InputError(f"{path.name}, line {line}: {word!r} among coordinates is not finite")
     raise InputError(f"{path.name}: coordinates cannot be read as numbers")
+
+
+def triangles_at_once(text: str, points: int, triangles: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Coordinates, then rows "3 a b c", read at once; None if the text has anything else.
+
+    Returns
+    -------
+    points : (n, 3) float64
+    rows : (t, 3) int32
+    """
+    found = numbers_of(text)
+    if found is None or len(found) != 3 * points + 4 * triangles or triangles == 0:
+        return None
+    rows = found[3 * points :].reshape(-1, 4)
+    whole = (rows[:, 0] == 3).all() and (rows == np.floor(rows)).all()
+    if not whole or rows.min() < 0 or rows[:, 1:].max() >= points or not np.isfinite(found).all():
+        return None
+    return found[: 3 * points].reshape(-1, 3), rows[:, 1:].astype(np.int32)
 
 
 def finite_rows(path: Path, corners: np.ndarray, what: str) -> None:

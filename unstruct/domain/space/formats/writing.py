@@ -24,7 +24,7 @@ from ...plane.poly import is_marker, is_value, numbers_for
 from ..cutting import Shell, cut
 from ..faults import first_copies
 from ..parts import Parts, parts_in_space
-from .stl import HEAD, TRIANGLE
+from .stl import STL_HEAD, STL_TRIANGLE
 
 __all__ = ["BODY_FORMATS", "write_body"]
 
@@ -156,9 +156,9 @@ def _binary_stl(corners: np.ndarray, normal: np.ndarray) -> bytes:
             "points become equal in binary STL, which has single precision: move the body towards the "
             "origin, or write it as text"
         )
-    rows = np.zeros(len(corners), dtype=TRIANGLE)
+    rows = np.zeros(len(corners), dtype=STL_TRIANGLE)
     rows["normal"], rows["corners"] = normal, short
-    head = b"binary STL".ljust(HEAD - 4, b" ") + len(rows).to_bytes(4, "little")
+    head = b"binary STL".ljust(STL_HEAD - 4, b" ") + len(rows).to_bytes(4, "little")
     return head + rows.tobytes()
 
 
