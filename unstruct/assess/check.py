@@ -20,6 +20,7 @@ from ..mesh.mesh import Mesh
 from ..mesh.split import simplices_of_cells
 from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
 from ..predicates.power import power_signs
+from .body import check_body
 from .brute import check_brute
 from .mixed import array_faults, check_mixed
 from .region import check_domain, pinch_points
@@ -109,7 +110,7 @@ def check(
     if brute and delaunay is True:
         check_brute(mesh, report)
     if domain is not None:
-        check_domain(mesh, domain, report)
+        (check_domain if domain.dimension == 2 else check_body)(mesh, domain, report)
     return report
 
 
@@ -181,8 +182,8 @@ def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bo
     pinched = []
     allowed = False
     for faces, fans in pinched_faces(table, neighbors):
-        if faces.shape[1] == 1 and len(pinches):
-            wrong_ones = ~np.isin(faces[:, 0], pinches)
+        if len(pinches):
+            wrong_ones = ~np.isin(faces, pinches).all(axis=1)
             allowed = not wrong_ones.all()
             faces, fans = faces[wrong_ones], fans[wrong_ones]
         kind = {1: "pinched vertex", 2: "pinched edge"}.get(faces.shape[1], "pinched face")
@@ -192,6 +193,8 @@ def _topology(mesh: Mesh, report: Report, pinches: np.ndarray) -> tuple[bool, bo
     boundary = topology.boundary(simplices, neighbors)
     if manifold and k == 3:
         bad = bad_vertex_links(table, boundary, n)
+        allowed |= bool(np.isin(bad, pinches).any())
+        bad = np.setdiff1d(bad, pinches)
         manifold = report.note(
             "the link of every vertex is a sphere or a disk",
             problem("link", "the cells around the vertex form neither a ball nor a half-ball", vertices=bad),

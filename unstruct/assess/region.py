@@ -12,11 +12,15 @@ import numpy as np
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain
 from ..geometry.curves import Arc
+from ..geometry.inside_shell import side_mates
 from ..geometry.outline_distance import distance_to_line, distance_to_piece
 from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity
+from ..mesh import topology
+from ..mesh.grouping import group_rows
 from ..mesh.marked import marked_sides, parts
 from ..mesh.mesh import Mesh
 from .chains import Chains, among, assigned, chains_of, keys_of
+from .places import numbered, places_of
 
 __all__ = ["check_domain", "pinch_points", "scatter_of"]
 
@@ -25,11 +29,39 @@ SCATTER_STEPS = np.arange(-8, 9) * 2.0**-52  # steps of a parameter over which a
 
 
 def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
-    """Mesh vertices where four or more facets of the domain meet, so that the cells may form several fans."""
-    degree = np.bincount(domain.facets.ravel(), minlength=len(domain.points))
+    """Mesh vertices where four or more facets of the domain meet, so that the cells may form several fans.
+
+    In space: where four or more facets meet at an edge, or the facets at a vertex form several fans.
+    """
+    many = _crowded(domain) if domain.dimension == 2 else _pinched(domain)
     origin = np.asarray(mesh.origin)
     known = (origin >= 0) & (origin < len(domain.points))
-    return np.nonzero(known & (degree[np.where(known, origin, 0)] >= 4))[0]
+    return np.nonzero(known & many[np.where(known, origin, 0)])[0]
+
+
+def _crowded(domain: Domain) -> np.ndarray:
+    return np.bincount(domain.facets.ravel(), minlength=len(domain.points)) >= 4
+
+
+def _pinched(domain: Domain) -> np.ndarray:
+    rows = domain.triangulated.bounding
+    many = np.zeros(len(domain.points), dtype=bool)
+    ends = np.sort(np.concatenate([rows[:, [0, 1]], rows[:, [1, 2]], rows[:, [2, 0]]]), axis=1)
+    group, _ = group_rows(ends)
+    many[ends[np.bincount(group, minlength=1)[group] > 2].ravel()] = True
+    # the corners at a vertex that follow each other over edges are a fan
+    mates = side_mates(rows).reshape(-1, 3)
+    ahead = np.full((len(rows), 3, 2), -1, dtype=np.int64)
+    for k in range(3):
+        for side in range(2):
+            mate = mates[:, (k + 1 + side) % 3]
+            there = np.flatnonzero(mate >= 0)
+            other = mate[there] // 3
+            ahead[there, k, side] = 3 * other + (rows[other] == rows[there, k][:, None]).argmax(axis=1)
+    label = topology.components(ahead.reshape(-1, 2))[1]
+    first = np.unique(label, return_index=True)[1]
+    many |= np.bincount(rows.ravel()[first], minlength=len(domain.points)) > 1
+    return many
 
 
 def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
@@ -52,7 +84,7 @@ def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
     if mesh.points.shape[1] != 2 or mesh.dimension != 2:
         report.note("a planar mesh for a planar domain", Problem("domain", "the mesh is not planar"))
         return
-    place = _places(mesh, domain, report)
+    place = places_of(mesh, domain, report)
     marked = {name: _edges(mesh, name) for name in ("facets", "inner")}
     if place is None or not _marked(mesh, marked, report):
         report.skipped.append("the pieces of the domain, which need valid origins and markers")
@@ -66,31 +98,11 @@ def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:
     _inside_out(mesh, domain, place, marked["facets"], report)
     _curves_met(mesh, domain, chains, report)
     _names(mesh, domain, chains, report)
-    _regions(mesh, domain, np.concatenate(list(marked.values())), report)
+    edges = np.concatenate(list(marked.values()))
+    numbered(mesh, domain, lambda: parts(mesh, edges), report)
 
 
 # ---------------------------------------------------------------------- vertices and markers
-
-
-def _places(mesh: Mesh, domain: Domain, report: Report) -> np.ndarray | None:
-    """The mesh vertex of each domain vertex, -1 for none."""
-    origin, n = np.asarray(mesh.origin), len(domain.points)
-    outside = (origin < -1) | (origin >= n)
-    bad = problem("origin", f"outside -1..{n - 1}", vertices=np.nonzero(outside)[0])
-    if not report.note("origins are vertices of the domain", bad):
-        return None
-    rows = np.nonzero(origin >= 0)[0]
-    twice = np.bincount(origin[rows], minlength=n) > 1
-    moved = (mesh.points[rows] != domain.points[origin[rows]]).any(axis=1)
-    if not report.note(
-        "every domain vertex at most once, in its place",
-        problem("origin", "several vertices with the same origin", vertices=rows[twice[origin[rows]]]),
-        problem("moved", "not where the domain has its vertex", vertices=rows[moved]),
-    ):
-        return None
-    place = np.full(n, -1, dtype=np.int64)
-    place[origin[rows]] = rows
-    return place
 
 
 def _edges(mesh: Mesh, name: str) -> np.ndarray:
@@ -249,43 +261,3 @@ def _names(mesh: Mesh, domain: Domain, chains: Chains, report: Report) -> None:
         wrong.append(problem("marker", text, vertices=np.concatenate([differ // n, differ % n])))
     if domain.markers:
         report.note("named edges are those of the named pieces", *wrong)
-
-
-def _regions(mesh: Mesh, domain: Domain, edges: np.ndarray, report: Report) -> None:
-    """Test that each part between marked edges has one number: that of the name of its seed, if any."""
-    number = mesh.markers.get("region")
-    if number is None or number.ndim != 1:
-        if domain.regions:
-            report.note(
-                "regions", Problem("region", "the mesh has no marker 'region' with one number per cell")
-            )
-        return
-    part = parts(mesh, edges)
-    values, code = np.unique(number, return_inverse=True)
-    pairs, times = np.unique(part * len(values) + code, return_counts=True)
-    rows = np.lexsort((times, pairs // len(values)))
-    last = rows[np.diff(pairs[rows] // len(values), append=-1) != 0]
-    usual = values[pairs[last] % len(values)]  # the most frequent number of each part
-    mixed = number != usual[part]
-    wrong = [problem("region", "cells whose number is not that of their part", cells=np.nonzero(mixed)[0])]
-    named: set[int] = set()
-    start = np.cumsum([0] + [len(seeds) for seeds in domain.regions.values()])
-    every = np.concatenate([np.empty((0, 2)), *domain.regions.values()])
-    found = mesh.find_simplex(every)
-    for i, (name, seeds) in enumerate(domain.regions.items()):
-        cells = found[start[i] : start[i + 1]]
-        lost, inside = cells < 0, cells[cells >= 0]
-        text = f"seeds of {name!r} in no cell: {seeds[lost].tolist()}"
-        wrong.append(Problem("region", text) if lost.any() else None)
-        text = f"cells with a seed of {name!r} whose number is not {i}"
-        wrong.append(problem("region", text, cells=inside[number[inside] != i]))
-        named |= set(part[inside].tolist())
-    others = [p for p in range(len(usual)) if p not in named]
-    own = usual[others].tolist()
-    once = len(set(own)) == len(own) and all(v >= len(domain.regions) for v in own)
-    text = f"parts without a seed need numbers of their own from {len(domain.regions)} on, not {own[:16]}"
-    report.note(
-        "regions: one number per part, that of its seed if there is one",
-        *wrong,
-        None if once else Problem("region", text),
-    )

@@ -29,6 +29,7 @@ __all__ = [
     "matched",
     "must_be_free",
     "must_be_planar",
+    "must_be_spatial",
     "plot",
     "simplified",
     "spaced",
@@ -220,6 +221,12 @@ def must_be_planar(domain: Any, what: str) -> None:
     """Raise if the domain is a body in space."""
     if domain.dimension != 2:
         raise InputError(f"a body in space cannot be {what}; this is for planar domains")
+
+
+def must_be_spatial(domain: Any, what: str) -> None:
+    """Raise if the domain is planar."""
+    if domain.dimension != 3:
+        raise InputError(f"a planar domain does not have {what}")
 
 
 def must_be_free(domain: Any, what: str) -> None:

@@ -185,6 +185,12 @@ class Domain(Shaped):
             return self._coarse
         return self._side.sized(self, size, positive(step, "step"))
 
+    @property
+    def triangulated(self) -> Any:
+        """The pieces of a body in space as triangles and segments, each with its piece: a `Shell`."""
+        derived.must_be_spatial(self, "triangles: mesh it, or ask for domain.sampled()")
+        return self._coarse
+
     # ------------------------------------------------------------------ inside and outside
 
     def contains(self, x: Any) -> np.ndarray:
@@ -210,15 +216,13 @@ class Domain(Shaped):
     @cached_property
     def area(self) -> float:
         """The area inside: correctly rounded for straight facets; for curves with some rounding errors."""
-        if self.dimension != 2:
-            raise InputError("a body in space has a volume, not an area: ask for domain.volume")
+        derived.must_be_planar(self, "measured by an area, but by its volume")
         return self._side.measure(self, self._coarse)
 
     @cached_property
     def volume(self) -> float:
         """The volume inside of a body in space, correctly rounded."""
-        if self.dimension != 3:
-            raise InputError("a planar domain has an area, not a volume: ask for domain.area")
+        derived.must_be_spatial(self, "a volume, but an area")
         return self._side.measure(self, self._coarse)
 
     @cached_property

@@ -21,7 +21,7 @@ from .boxes import BoxTree, bounding_boxes
 from .parity import products
 from .triangle_pairs import place_in_triangle, side, turn, unit_points
 
-__all__ = ["enclosed_volume", "even_odd_in_space", "front_inside", "triangle_components"]
+__all__ = ["enclosed_volume", "even_odd_in_space", "front_inside", "side_mates", "triangle_components"]
 
 RAYS_AT_ONCE = 1 << 14
 SURELY = 2.0**-45  # sums of three determinants of numbers up to 1 err by less than 2^-46
@@ -100,7 +100,7 @@ def even_odd_in_space(
 # ---------------------------------------------------------------------- which side of a triangle is inside
 
 
-def _mates(triangles: np.ndarray) -> NDArray[np.int64]:
+def side_mates(triangles: np.ndarray) -> NDArray[np.int64]:
     """For side 3 t + k, opposite vertex k: the other side at this edge if exactly two meet there, else -1."""
     ends = triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2).astype(np.int64)
     key = (ends.min(axis=1) << 32) | ends.max(axis=1)
@@ -148,7 +148,7 @@ def triangle_components(triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArr
     count : int
     """
     component, against = np.empty(len(triangles), dtype=np.int64), np.empty(len(triangles), dtype=np.bool_)
-    count = int(_components(triangles, _mates(triangles), component, against))
+    count = int(_components(triangles, side_mates(triangles), component, against))
     return component, against, count
 
 

@@ -18,6 +18,7 @@ from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
 
+NO_FACES = frozen(np.empty((0, 3), dtype=np.int32))
 NO_CELLS, NO_REASONS = frozen(np.empty(0, dtype=np.int32)), frozen(np.full(0, ""))
 
 
@@ -59,6 +60,11 @@ class DomainMesh(Mesh):
         The piece of the domain (facets first, then inner segments) that each is a part of.
     span : array_like, shape (s, 2), optional
         The parameters of its ends on that piece, between 0 and 1.
+    faces : array_like of int, shape (f, 3), optional
+        In space: all faces of cells that lie on facets and inner facets of the domain. The subsegments are
+        then those of inner segments.
+    face_piece : array_like of int, shape (f,), optional
+        The piece of the domain that each is a part of.
 
     Attributes
     ----------
@@ -80,6 +86,8 @@ class DomainMesh(Mesh):
         segments: ArrayLike | None = None,
         piece: ArrayLike | None = None,
         span: ArrayLike | None = None,
+        faces: ArrayLike | None = None,
+        face_piece: ArrayLike | None = None,
         **rest: Unpack[MeshOptions],
     ):
         super().__init__(points, simplices, **rest)
@@ -89,6 +97,23 @@ class DomainMesh(Mesh):
         self.span: np.ndarray = _pairs(() if span is None else span, np.float64)
         if not len(self.segments) == len(self.piece) == len(self.span):
             raise InputError("segments, piece and span must have one row per subsegment")
+        self.faces: np.ndarray = NO_FACES
+        self.face_piece: np.ndarray = NO_CELLS
+        if faces is not None:
+            self.faces = frozen(np.asarray(faces, np.int32).reshape(-1, 3))
+            self.face_piece = frozen(np.asarray(() if face_piece is None else face_piece, np.int32))
+        if len(self.faces) != len(self.face_piece):
+            raise InputError("face_piece must have one entry per face")
+
+    @property
+    def steiner(self) -> NDArray[np.int32]:
+        """Vertices on pieces of the domain that it did not have, since there is no mesh without them: (k,).
+
+        In the plane, vertices that were added on pieces for any reason.
+        """
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.faces.ravel()], used[self.segments.ravel()] = True, True
+        return frozen(np.flatnonzero(used & (np.asarray(self.origin) < 0)).astype(np.int32))
 
     @classmethod
     def of_triangles(
@@ -130,6 +155,7 @@ class DomainMesh(Mesh):
         mesh.cells = {"triangle": cells[0]}
         mesh.__dict__["neighbors"] = cells[1]
         mesh.segments, mesh.piece, mesh.span = subsegments
+        mesh.faces, mesh.face_piece = NO_FACES, NO_CELLS
         mesh._take_account(unrefined, reasons, counts, figures, steps)
         return mesh
 

@@ -21,6 +21,7 @@ from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh
+from ..volume.filling import filled
 from .pairs import paired
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
@@ -29,15 +30,15 @@ __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 def constrained_delaunay(
     domain: Domain, hull: bool | Literal["holes"] = False, *, progress: bool = False
 ) -> DomainMesh:
-    """The constrained Delaunay triangulation of a planar domain: no point is added to straight segments.
+    """The constrained Delaunay triangulation of a domain; in space, tetrahedra that have its facets as faces.
 
     Parameters
     ----------
     domain : Domain
-        Vertices, facets and inner segments. Curves are replaced by chords, as coarsely as is safe.
+        Vertices, facets and inner pieces. Curves are replaced by chords, as coarsely as is safe.
     hull : bool or "holes"
-        Whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores holes.
-        "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
+        In the plane: whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores
+        holes. "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
         `Domain.read` finds them in a file, and those that are outside and enclosed by pieces.
     progress : bool
         Show a bar while segments are inserted.
@@ -50,6 +51,11 @@ def constrained_delaunay(
         "region". In "region" a cell of a part with a named seed has the place of the name in
         ``domain.regions``; cells of the other connected parts have further numbers, one for each part.
         ``mesh.regions`` has the number of each name.
+
+        In space ``faces`` and ``face_piece`` say which faces lie on which piece. There may be no tetrahedra
+        of the given vertices alone: `steiner` lists the vertices that had to be added on pieces,
+        ``counts["added inside"]`` counts others. Should a facet be missing all the same, the mesh is not
+        `complete`, and `reasons` says which; the cells are valid.
 
     Raises
     ------
@@ -65,9 +71,20 @@ def constrained_delaunay(
     same input. The Delaunay triangulation takes O(n) in practice (`delaunay`); then a segment that crosses k
     triangles takes O(k log k) in practice, also if rows of points lie along it. Sources: D. T. Lee,
     A. K. Lin, Discrete & Computational Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108;
-    M. V. Anglada, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
+    M. V. Anglada, Computers & Graphics 21 (1997) 215-223.
+
+    In space a triangulation need not exist, and where it does, not be Delaunay. Edges, then faces, of the
+    Delaunay triangulation of the vertices are recovered by refilling small cavities; points are added where
+    nothing else helps, and taken away again if possible (N. P. Weatherill, O. Hassan, Int. J. Numer. Methods
+    Eng. 37 (1994) 2005-2039). Where this has changed nothing, the tetrahedra are Delaunay. Book: 2.5, 2.8b.
     """
-    domain = as_domain(domain)
+    domain = as_domain(domain, None)
+    if domain.dimension == 3:
+        if hull is not False:
+            raise InputError(
+                "hull is for planar domains; delaunay(domain.points) fills the convex hull in space"
+            )
+        return filled(domain, progress=as_flag(progress, "progress"))
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
     if isinstance(hull, str) and not holes:

@@ -121,9 +121,11 @@ def advancing_front(
     triangle is set aside. In the end its circumcenter is tried, or it is accepted as it is.
 
     *The front does not get stuck in the plane.* What is not meshed is a valid triangulation at all times, so
-    there is a valid triangle ahead of every edge of the front, and it may be accepted. New points have a
-    distance of at least min(0.8 h, 0.55 |AB|) from all vertices that they are joined to, so that their number
-    is bounded and the front becomes empty. In space both the triangulation and the conclusion fail.
+    there is a valid triangle ahead of every edge of the front, and it may be accepted. Where h is the same
+    everywhere, no edge is ever shorter than min(0.64 h, l) with the placements named above, before finishing;
+    l is the shortest edge of the triangulation of the boundary (book, Theorem 3.2.3). So the number of new
+    points is bounded, and the front becomes empty. Where h varies, and for a function, ``budget`` bounds it,
+    too. In space both the triangulation and the conclusion fail.
 
     *Metrics.* With a metric everything that is measured goes through it: R, the ideal point, distances,
     angles, and the circles of the cavity. Lengths are 1 where they are as wanted. A cavity grows across an

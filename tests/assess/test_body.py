@@ -1,0 +1,147 @@
+"""`check` of tetrahedra with their body: good meshes pass, each kind of damage is named."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from unstruct import Domain, DomainMesh, check, delaunay
+
+CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+EXTRA = [(0.5, 0.5, 0.0), (0.25, 0.5, 0.0), (0.5, 0.5, 0.5), (1.0, 0.5, 0.0)]
+
+
+def box(**options: object) -> Domain:
+    return Domain(
+        CORNERS, SIDES, markers={"low": [0], "x": [1, 2]}, regions={"a": (0.5, 0.25, 0.5)}, **options
+    )
+
+
+def meshed(domain: Domain, extra: list | None = None, **changes: object) -> DomainMesh:
+    """The Delaunay mesh of a convex body, with further points, as a mesh of the domain."""
+    points = np.vstack([domain.points, *([extra] if extra else [])])
+    mesh = delaunay(points)
+    border = np.asarray(mesh.boundary)
+    piece = np.array([_piece(domain, points[row].mean(axis=0)) for row in border])
+    markers = {name: border[np.isin(piece, rows)] for name, rows in domain.markers.items()}
+    known = np.arange(len(domain.points))
+    arguments: dict = {
+        "origin": np.concatenate([known, np.full(len(points) - len(known), -1)]),
+        "faces": border,
+        "face_piece": piece,
+        "markers": {"facets": border, "region": np.zeros(mesh.size, dtype=int), **markers},
+        "regions": {"a": 0},
+    }
+    return DomainMesh(points, mesh.simplices, **{**arguments, **changes})
+
+
+def _piece(domain: Domain, x: np.ndarray) -> int:
+    shell = domain.triangulated
+    a, b, c = (domain.points[shell.triangles[:, k]] for k in range(3))
+    return int(shell.piece[np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), x - a)).argmin()])
+
+
+def test_good_meshes() -> None:
+    report = check(meshed(box()), domain=box(), delaunay=True)
+    assert report, report
+    mesh = meshed(box(), EXTRA)
+    assert check(mesh, domain=box()), check(mesh, domain=box())
+    assert mesh.steiner.tolist() == [8, 9, 11]
+
+
+def kinds(mesh: DomainMesh, domain: Domain) -> set[str]:
+    return {problem.kind for problem in check(mesh, domain=domain).problems}
+
+
+def test_each_damage_is_named() -> None:
+    good = meshed(box(), EXTRA)
+    rolled = meshed(box(), EXTRA, face_piece=np.roll(good.face_piece, 1))
+    assert {"facet", "side", "marker"} <= kinds(rolled, box())
+    assert "piece" in kinds(meshed(box(), face_piece=good.face_piece[:12] + 9), box())
+    few = meshed(box(), faces=np.asarray(meshed(box()).faces)[1:], face_piece=meshed(box()).face_piece[1:])
+    assert "boundary" in kinds(few, box())
+    assert "origin" in kinds(meshed(box(), EXTRA, origin=[*range(8), 0, -1, -1, -1]), box())
+    plain = meshed(box())
+    assert "marker" in kinds(meshed(box(), markers={"region": np.zeros(plain.size, dtype=int)}), box())
+    other = {**plain.markers, "region": np.ones(plain.size, dtype=int)}
+    assert "region" in kinds(meshed(box(), markers=other), box())
+
+
+def test_new_vertices_lie_on_their_facets() -> None:
+    lifted = [(0.5, 0.5, -1e-9), *EXTRA[1:]]
+    assert "off the facet" in kinds(meshed(box(), lifted), box())
+    nearly = [(0.5, 0.5, -(2.0**-52)), *EXTRA[1:]]
+    assert "off the facet" not in kinds(meshed(box(), nearly), box())
+
+
+def test_a_smaller_body_is_not_this_one() -> None:
+    domain = Domain(CORNERS * [1, 1, 2], SIDES)
+    mesh = meshed(box())
+    assert "moved" in kinds(mesh, domain)
+
+
+def test_loose_vertices_and_segments() -> None:
+    points = np.vstack([CORNERS, [[0.5, 0.5, 0.5]]])
+    domain = Domain(points, SIDES)
+    assert check(meshed(domain), domain=domain)
+    less = meshed(box(), [(0.5, 0.5, 0.5)])
+    assert "missing vertex" in kinds(less, domain)
+    linked = Domain(points, SIDES, inner=[(0, 8), (8, 7)])
+    whole = meshed(linked, segments=[(0, 8), (8, 7)], piece=[6, 7], span=[(0, 1), (0, 1)])
+    assert check(whole, domain=linked), check(whole, domain=linked)
+    half = meshed(linked, segments=[(0, 8)], piece=[6], span=[(0, 1)])
+    assert "segment" in kinds(half, linked)
+
+
+def test_bodies_that_touch_along_an_edge_or_in_a_vertex() -> None:
+    for offset in ([1, 1, 0], [1, 1, 1]):
+        second = CORNERS + offset
+        points, number = np.unique(np.vstack([CORNERS, second]), axis=0, return_inverse=True)
+        number, first = number.ravel()[8:], number.ravel()[:8]
+        domain = Domain(points, [row[list(side)].tolist() for row in (first, number) for side in SIDES])
+        one = meshed(Domain(CORNERS, SIDES))
+        cells = np.vstack([first[one.simplices], number[one.simplices]])
+        faces = np.vstack([first[one.faces], number[one.faces]])
+        both = DomainMesh(
+            points, cells, origin=np.arange(len(points)), faces=faces,
+            face_piece=np.concatenate([one.face_piece, one.face_piece + 6]),
+            markers={"facets": faces, "region": np.repeat([0, 1], one.size)},
+        )  # fmt: skip
+        assert domain.volume == 2.0
+        report = check(both, domain=domain)
+        assert report, report
+
+
+@pytest.mark.parametrize("numbers", [[0, 1], [1, 0]])
+def test_regions_between_inner_facets(numbers: list[int]) -> None:
+    points = np.vstack([CORNERS * [1, 1, 2], [(x, y, 1.0) for x in (0, 1) for y in (0, 1)]])
+    domain = Domain(
+        points,
+        [
+            (0, 8, 1, 3, 9, 2),
+            (4, 6, 11, 7, 5, 10),
+            (0, 4, 10, 5, 1, 8),
+            (2, 9, 3, 7, 11, 6),
+            (0, 2, 6, 4),
+            (1, 5, 7, 3),
+        ],
+        inner=[(8, 9, 11, 10)],
+        regions={"low": (0.5, 0.25, 0.5), "high": (0.5, 0.25, 1.5)},
+    )
+    assert domain.volume == 2.0
+    mesh = delaunay(points)
+    rows = np.sort(mesh.simplices[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
+    wall = np.unique(rows[(points[rows][:, :, 2] == 1.0).all(axis=1)], axis=0)
+    border = np.asarray(mesh.boundary)
+    high = (points[mesh.simplices][:, :, 2].mean(axis=1) > 1.0).astype(int)
+    piece = [_piece(Domain(points, domain.facets), points[row].mean(axis=0)) for row in border]
+    made = DomainMesh(
+        points, mesh.simplices, origin=np.arange(12), faces=np.vstack([border, wall]),
+        face_piece=[*piece, *[6] * len(wall)], markers={"facets": border, "region": np.array(numbers)[high]},
+        regions={"low": 0, "high": 1},
+    )  # fmt: skip
+    report = check(made, domain=domain)
+    assert bool(report) is (numbers == [0, 1]), report

@@ -1,0 +1,1 @@
+"""Tetrahedra of given points in which given segments and triangles are recovered, by refilling small cavities."""

@@ -1,0 +1,266 @@
+"""Small cavities of a complex: grown from a face, given local numbers, and replaced by their refill."""
+
+from __future__ import annotations
+
+from ...base.jit import apart, inline, lean
+from ..insertion.engine import COUNT, FREE, STAMP
+from .held import holds
+from .records import BEST, CELLS, CELLS_ROOM, CORNERS, GUARDS, HASH, KIND, NUMBERED, SEED, TARGET
+from .refill import DEGREE, EDGE, FACE, OPEN, SHAPE, UNSEEN, face_cost, face_number, tet_cost
+
+__all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "wall"]
+
+NOTHING = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
+
+
+@inline
+def corner(k, i):
+    """Vertex i of the face opposite vertex k, so that the face, followed by vertex k, is positive."""
+    if i == 0:
+        return 1 if k == 0 else 0
+    if i == 1:
+        return 3 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
+    return 2 if k == 0 else (3 if k == 1 else (1 if k == 2 else 2))
+
+
+@inline
+def draw(state, n):
+    """A random number below n."""
+    state[SEED] = (state[SEED] * 1103515245 + 12345) & 0x7FFFFFFF
+    return (state[SEED] >> 12) % n
+
+
+@inline
+def _local(r, n, v):
+    """The local number of a vertex; -1 if it is not in the cavity."""
+    for i in range(n):
+        if r.label[i] == v:
+            return i
+    return -1
+
+
+@lean
+def _absorb(solid, r, stamp):
+    """Take in all cells beyond unmarked faces whose vertices are all in the cavity; False if too many are."""
+    head, n, size = 0, r.size[CORNERS], r.size[CELLS]
+    while head < size:
+        t = r.cells[head]
+        head += 1
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if over < 0 or solid.mark[4 * t + k] >= 0 or solid.stamp[over >> 2] == stamp:
+                continue
+            if _local(r, n, solid.vertex[over]) >= 0:
+                if size == CELLS_ROOM:
+                    return False
+                r.cells[size] = over >> 2
+                size += 1
+                solid.stamp[over >> 2] = stamp
+    r.size[CELLS] = size
+    return True
+
+
+@lean
+def _widen(solid, r, stamp, noise):
+    """Take in the vertex beyond most faces, plus up to ``noise`` by chance; False if there is none."""
+    found = 0  # distinct vertices, in `guard` with their numbers of faces
+    for i in range(r.size[CELLS]):
+        t = r.cells[i]
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if over < 0 or solid.mark[4 * t + k] >= 0 or solid.stamp[over >> 2] == stamp:
+                continue
+            apex, j = solid.vertex[over], 0
+            while j < found and r.guard[j, 0] != apex:
+                j += 1
+            if j == found:
+                if found == r.guard.shape[0]:
+                    continue
+                r.guard[j, 0], r.guard[j, 1] = apex, 0
+                found += 1
+            r.guard[j, 1] += 2
+    best, chosen = -1, -1
+    for j in range(found):
+        score = r.guard[j, 1] + draw(solid.state, noise + 1)
+        if score > best:
+            best, chosen = score, j
+    if chosen >= 0:
+        r.label[r.size[CORNERS]] = r.guard[chosen, 0]
+        r.size[CORNERS] += 1
+    return chosen >= 0
+
+
+@apart
+def grow(solid, r, count, wanted, noise):
+    """Grow a cavity of ``wanted`` vertices from the first ``count`` cells in ``r``; False if there is none."""
+    state, n = solid.state, 0
+    state[STAMP] += 1
+    stamp = 2 * state[STAMP]
+    for i in range(count):
+        t = r.cells[i]
+        solid.stamp[t] = stamp
+        for k in range(4):
+            if _local(r, n, solid.vertex[4 * t + k]) < 0:
+                if n == wanted:
+                    return False
+                r.label[n] = solid.vertex[4 * t + k]
+                n += 1
+    r.size[CORNERS], r.size[CELLS] = n, count
+    if not _absorb(solid, r, stamp):
+        return False
+    while r.size[CORNERS] < wanted:
+        if not _widen(solid, r, stamp, noise) or not _absorb(solid, r, stamp):
+            return False
+    return True
+
+
+@lean
+def beside(solid, r, face):
+    """Write the two cells at a face; False on the hull."""
+    over = solid.across[face]
+    if over < 0:
+        return False
+    r.cells[0], r.cells[1] = face >> 2, over >> 2
+    return True
+
+
+@lean
+def reset(r):
+    """Empty the tables for ``r.size[CORNERS]`` vertices, and number those of the target that are none."""
+    n = r.size[CORNERS]
+    m, kind = n, r.size[KIND]
+    wanted = 2 if kind == EDGE else (3 if kind == FACE or (kind == DEGREE and r.size[TARGET + 1] >= 0) else 0)
+    for k in range(wanted):
+        r.goal[k] = _local(r, m, r.size[TARGET + k])
+        if r.goal[k] < 0:
+            r.goal[k], r.label[m] = m, r.size[TARGET + k]
+            m += 1
+    r.size[NUMBERED] = m
+    for i in range(m**4):
+        r.sign[i] = UNSEEN
+    for i in range(n**3):
+        r.cost[i] = -1.0
+        r.code[i] = 0
+        r.beyond[i] = NOTHING
+        r.number[i] = -1
+    for i in range(n * n):
+        r.edge[i] = 0
+    r.size[GUARDS] = r.size[HASH] = 0
+
+
+@lean
+def wall(r, length, x, y, z):
+    """Open a face of the boundary; return how many faces are in the front."""
+    n = r.size[CORNERS]
+    face = face_number(n, x, y, z)
+    r.code[face] = OPEN
+    r.code[face_number(n, x, z, y)] = 2 * OPEN  # closed: the outside is there
+    r.front[length] = face
+    for i, j in ((x, y), (y, z), (z, x)):
+        r.edge[min(i, j) * n + max(i, j)] |= 1
+    return length + 1
+
+
+@apart
+def load(solid, held, r):
+    """Write the tables of the cavity; returns how many faces are open, and what the present cells cost.
+
+    Marked faces inside must stay, so they are open in both orientations. Held edges inside must stay.
+    """
+    reset(r)
+    n, stamp, length, cost, mixed = r.size[CORNERS], 2 * solid.state[STAMP], 0, 0.0, 0
+    for i in range(r.size[CELLS]):
+        t = r.cells[i]
+        mask = 0
+        for k in range(4):
+            x = _local(r, n, solid.vertex[4 * t + corner(k, 0)])
+            y = _local(r, n, solid.vertex[4 * t + corner(k, 1)])
+            z = _local(r, n, solid.vertex[4 * t + corner(k, 2)])
+            mask |= 1 << int(x) | 1 << int(y) | 1 << int(z)
+            over, face = solid.across[4 * t + k], face_number(n, x, y, z)
+            if over < 0 or solid.stamp[over >> 2] != stamp:
+                length = wall(r, length, x, y, z)
+                r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
+            elif solid.mark[4 * t + k] >= 0:
+                r.code[face] = OPEN
+                r.front[length] = face
+                length += 1
+                r.number[face] = solid.mark[4 * t + k]
+        mixed += mask * mask * 2654435 + mask
+    _find_guards(solid, held, r)
+    for i in range(r.size[CELLS]):
+        t = r.cells[i]
+        a, b = _local(r, n, solid.vertex[4 * t]), _local(r, n, solid.vertex[4 * t + 1])
+        c, d = _local(r, n, solid.vertex[4 * t + 2]), _local(r, n, solid.vertex[4 * t + 3])
+        here = tet_cost(solid.xyz, r, a, b, c, d)
+        cost = max(cost, here) if r.size[KIND] == SHAPE else cost + here
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if over > 4 * t + k and solid.stamp[over >> 2] == stamp and solid.mark[4 * t + k] < 0:
+                x, y, z = (
+                    (b, c, d) if k == 0 else ((a, c, d) if k == 1 else ((a, b, d) if k == 2 else (a, b, c)))
+                )
+                cost += face_cost(solid.xyz, r, x, y, z)
+    r.size[HASH] = mixed
+    return length, cost
+
+
+@lean
+def _find_guards(solid, held, r):
+    """List the held edges inside the cavity."""
+    n, count = r.size[CORNERS], 0
+    for i in range(n):
+        for j in range(i + 1, n):
+            if r.edge[i * n + j] & 1 == 0 and holds(held, r.label[i], r.label[j]):
+                # an edge between vertices of the cavity, held and thus somewhere: inside, unless no cell has it
+                r.guard[count, 0], r.guard[count, 1] = i, j
+                count += 1
+    r.size[GUARDS] = count
+
+
+@lean
+def new_slot(solid):
+    """A free slot for a cell. There must be room."""
+    state = solid.state
+    if state[FREE] > 0:
+        state[FREE] -= 1
+        return solid.free[state[FREE]]
+    state[COUNT] += 1
+    return state[COUNT] - 1
+
+
+@apart
+def commit(solid, r):
+    """Replace the cells of the cavity by the best refill; ``r.cells`` then lists the new cells."""
+    n, vertex, across, mark, state = r.size[CORNERS], solid.vertex, solid.across, solid.mark, solid.state
+    old, new, region = r.size[CELLS], r.size[BEST], solid.region[r.cells[0]]
+    for i in range(new, old):
+        vertex[4 * r.cells[i]] = -2
+        solid.free[state[FREE]] = r.cells[i]
+        state[FREE] += 1
+    for i in range(old, new):
+        r.cells[i] = new_slot(solid)
+    for i in range(new):
+        t = r.cells[i]
+        solid.region[t] = region
+        for k in range(4):
+            vertex[4 * t + k] = r.label[r.best[i, k]]
+            across[4 * t + k] = -1
+            solid.at[vertex[4 * t + k]] = t
+    for i in range(new):
+        for k in range(4):
+            place = 4 * r.cells[i] + k
+            x, y, z = r.best[i, corner(k, 0)], r.best[i, corner(k, 1)], r.best[i, corner(k, 2)]
+            face, reverse = face_number(n, x, y, z), face_number(n, x, z, y)
+            mark[place] = r.number[face]
+            if r.beyond[face] > NOTHING:  # on the boundary
+                over = r.beyond[face]
+                across[place] = over
+                if over >= 0:
+                    across[over] = place
+            elif r.beyond[reverse] < NOTHING:  # the tetrahedron on the other side was here already
+                other = NOTHING - 1 - r.beyond[reverse]
+                across[place], across[other] = other, place
+            else:
+                r.beyond[face] = NOTHING - 1 - place
+    r.size[CELLS] = new

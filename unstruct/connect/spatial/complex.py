@@ -1,0 +1,232 @@
+"""SpatialComplex: tetrahedra of given points, in which given segments and triangles are recovered.
+
+Nothing here knows a `Domain`: points, triangles and segments are plain arrays, checked before. See the book,
+2.8b.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arrays import CellArrays
+from .flood import flood_parts, parities
+from .given import Given
+from .recover import Recovery
+from .release import Release
+
+__all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
+
+RESTARTS = 5  # how many seeds are tried when something is left over
+
+
+class Recovered(NamedTuple):
+    """What a recovery has reached.
+
+    Attributes
+    ----------
+    segments : ndarray of int32, shape (k, 2)
+        Given segments and edges of triangles that are not there, neither whole nor in parts.
+    triangles : ndarray of int32
+        Given triangles that are not there, neither whole nor in parts.
+    steiner : ndarray of int32
+        Vertices that had to be added and are on given segments or triangles.
+    inner : ndarray of int32
+        Vertices that had to be added and are not.
+    crossings : ndarray of int64, shape (4,)
+        How missing segments crossed cells at the beginning: vertex-face, edge-edge, edge-face, face-face.
+    seed : int
+        The seed that led here.
+    """
+
+    segments: NDArray[np.int32]
+    triangles: NDArray[np.int32]
+    steiner: NDArray[np.int32]
+    inner: NDArray[np.int32]
+    crossings: NDArray[np.int64]
+    seed: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether all segments and triangles are there, whole or in parts."""
+        return len(self.segments) == 0 and len(self.triangles) == 0
+
+    @property
+    def exact(self) -> bool:
+        """Whether all are there, and whole."""
+        return self.complete and len(self.steiner) == 0
+
+
+class SpatialMesh(NamedTuple):
+    """The cells inside, as arrays.
+
+    ``vertex[i]`` is the vertex of the complex that point i is: below ``given`` the number of a given point.
+    ``neighbors[t, k]`` is the cell opposite vertex k, -1 for none. ``faces`` are the marked faces of the cells,
+    once each, seen from a cell that has them; ``triangle`` are the numbers of their given triangles.
+    """
+
+    points: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    simplices: NDArray[np.int32]
+    neighbors: NDArray[np.int32]
+    region: NDArray[np.int32]
+    faces: NDArray[np.int32]
+    triangle: NDArray[np.int32]
+
+
+class SpatialComplex(CellArrays):
+    """Tetrahedra of given points, with recovery; arrays and errors are those of `CellArrays`.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        Vertices, all different. They keep their numbers.
+    progress : bool
+        Show a progress bar while they are inserted.
+    """
+
+    given_parts: Given | None = None
+
+    def recover(
+        self,
+        triangles: ArrayLike,
+        segments: ArrayLike | None = None,
+        *,
+        budget: int | None = None,
+        seed: int = 0,
+        restarts: int = RESTARTS,
+        progress: bool = False,
+    ) -> Recovered:
+        """Make given segments edges and given triangles faces, with as few further points as are found.
+
+        Parameters
+        ----------
+        triangles : array_like of int, shape (m, 3)
+            Numbers of points. No two triangles meet but in common vertices and edges; no vertex is on another
+            triangle or segment.
+        segments : array_like of int, shape (s, 2), optional
+            Further segments; edges of triangles need not be repeated.
+        budget : int, optional
+            How many points may be added: by default 100, and a tenth of the number of triangles.
+        seed : int
+            Of the random numbers by which ties and cavities are chosen.
+        restarts : int
+            How many seeds in all are tried as long as something is missing, or is there in parts only.
+        progress : bool
+            Show progress bars.
+
+        Returns
+        -------
+        Recovered
+            Whatever it says is missing, the complex is a triangulation.
+
+        Notes
+        -----
+        The same input and seed give the same complex. The time is about proportional to the number of segments
+        that are missing at first. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
+        2005-2039; P.-L. George, F. Hecht, E. Saltel, Comput. Methods Appl. Mech. Eng. 92 (1991) 269-288.
+        """
+        corners = np.asarray(triangles, dtype=np.int32).reshape(-1, 3)
+        ends = (
+            np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
+        )
+        budget = 100 + len(corners) // 10 if budget is None else budget
+        before, best, score = self.saved(), self.saved(), None
+        result: tuple[Recovered, Given] | None = None
+        for k in range(max(restarts, 1)):
+            found, parts = self._once(corners, ends, budget, seed + k, progress)
+            missing = len(found.segments) + len(found.triangles)
+            rank = (missing, len(found.steiner), len(found.inner))
+            if score is None or rank < score:
+                score, result, best = rank, (found, parts), self.saved()
+            if found.exact:
+                break
+            self.restore(before)
+        assert result is not None
+        self.restore(best)
+        found, self.given_parts = result
+        return found
+
+    def _once(
+        self, corners: NDArray[np.int32], ends: NDArray[np.int32], budget: int, seed: int, progress: bool
+    ) -> tuple[Recovered, Given]:
+        given = Given(corners, ends)
+        run = Recovery(self, given, budget=budget, seed=seed)
+        run.run(progress=progress)
+        release = Release(run)
+        release.run()
+        lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
+        return Recovered(
+            np.array(sorted(run.lost_edges), dtype=np.int32).reshape(-1, 2), lost.astype(np.int32),
+            np.array([split.point for split in release.kept], dtype=np.int32),
+            np.array(release.inner, dtype=np.int32), run.crossed, seed,
+        ), given  # fmt: skip
+
+    def flood(self, facets: int | None = None) -> int:
+        """Find what is inside the first ``facets`` given triangles, by parity; the others are inner.
+
+        Parameters
+        ----------
+        facets : int, optional
+            By default all triangles are facets.
+
+        Returns
+        -------
+        int
+            How many parts there are inside: ``region`` has the number of its part for each cell, -1 outside.
+            Parts are separated by facets and inner triangles.
+
+        Notes
+        -----
+        If facets are missing, each cell is judged by its centroid, and all of the inside is one part:
+        O(cells * facets).
+        """
+        given = self.given_parts
+        corners = np.empty((0, 3), dtype=np.int32) if given is None else given.corner[: given.count]
+        root = np.empty(0, dtype=np.int32) if given is None else given.root[: given.count]
+        alive = np.empty(0, dtype=bool) if given is None else given.alive[: given.count]
+        facet = np.append(root < (len(root) if facets is None else facets), False).astype(np.int8)
+        self.reserve(self.size + 2, self.slots)
+        parity = np.zeros(self.slots + 1, dtype=np.int8)
+        stack = np.empty(5 * self.slots + 8, dtype=np.int32)
+        parts, wrong = flood_parts(self.solid(), stack, facet, parity)
+        if wrong or self._lacking(facet[:-1] > 0, alive):
+            chosen = np.ascontiguousarray(corners[(facet[:-1] > 0) & alive])
+            parities(self.solid(), chosen, len(chosen), self.size, self.region)
+            return int((self.region[: self.slots] >= 0).any())
+        inside = parity[:parts] > 0
+        number = np.where(inside, np.cumsum(inside) - 1, -1).astype(np.int32)
+        slots = self.region[: self.slots]
+        slots[:] = np.where(slots >= 0, number[slots], -1)
+        return int(inside.sum())
+
+    def _lacking(self, facet: NDArray[np.bool_], alive: NDArray[np.bool_]) -> bool:
+        """Whether a facet is no face of the complex."""
+        marks = self.mark[: 4 * self.slots].reshape(-1, 4)[self.used()]
+        there = np.zeros(len(facet) + 1, dtype=bool)
+        there[marks.ravel()] = True
+        return bool((facet & alive & ~there[:-1]).any())
+
+    def inside(self) -> SpatialMesh:
+        """The cells that `flood` found inside, in the units of the input."""
+        slots = np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
+        corners = self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]
+        across = self.across[: 4 * self.slots].reshape(-1, 4)[slots]
+        marks = self.mark[: 4 * self.slots].reshape(-1, 4)[slots]
+        number = np.full(self.slots + 1, -1, dtype=np.int32)
+        number[slots] = np.arange(len(slots), dtype=np.int32)
+        neighbors = np.where(across >= 0, number[across >> 2], -1).astype(np.int32)
+        used = np.unique(corners)
+        place = np.full(self.size, -1, dtype=np.int32)
+        place[used] = np.arange(len(used), dtype=np.int32)
+        here = np.arange(len(slots))[:, None]
+        row, k = np.nonzero((marks >= 0) & ((neighbors < 0) | (neighbors > here)))
+        order = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
+        faces = place[corners[row[:, None], order[k]]]
+        root = np.empty(0, np.int32) if self.given_parts is None else self.given_parts.root
+        return SpatialMesh(
+            self.points()[used], used.astype(np.int32), place[corners], neighbors, self.region[slots].copy(),
+            faces, root[marks[row, k]],
+        )  # fmt: skip

@@ -1,0 +1,132 @@
+"""What is to be recovered: triangles and segments, and how points on them have split them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..insertion.engine import grown
+
+__all__ = ["Given", "Split", "edge"]
+
+Edge = tuple[int, int]
+
+
+def edge(u: int, v: int) -> Edge:
+    """The edge uv with its lower vertex first."""
+    return (u, v) if u < v else (v, u)
+
+
+class Split(NamedTuple):
+    """A point on the surface: the segment that it splits, if any, and triangles before and after."""
+
+    point: int
+    segment: Edge | None
+    parents: tuple[int, ...]
+    children: tuple[int, ...]
+    inner: tuple[Edge, ...]  # edges within the parents
+
+    def edges(self) -> tuple[Edge, ...]:
+        """The edges that came with the point."""
+        halves = () if self.segment is None else tuple(edge(self.point, v) for v in self.segment)
+        return halves + self.inner
+
+
+class Given:
+    """Triangles and segments, split or not.
+
+    Parameters
+    ----------
+    triangles : ndarray of int32, shape (m, 3)
+    segments : ndarray of int32, shape (s, 2)
+        Edges of triangles need not be repeated here.
+
+    Attributes
+    ----------
+    corner : ndarray of int32, shape (capacity, 3)
+        Vertices of all triangles, those that were split included.
+    root : ndarray of int32
+        For each triangle the given one that it is a part of.
+    alive : ndarray of bool
+        Which are not split.
+    segment : ndarray of int32, shape (k, 2)
+        All edges of given triangles and all given segments, once each.
+    """
+
+    def __init__(self, triangles: NDArray[np.int32], segments: NDArray[np.int32]):
+        self.count = len(triangles)
+        self.corner = np.array(triangles, dtype=np.int32).reshape(-1, 3)
+        self.root = np.arange(self.count, dtype=np.int32)
+        self.alive = np.ones(self.count, dtype=bool)
+        sides = [
+            self.corner[:, [0, 1]],
+            self.corner[:, [1, 2]],
+            self.corner[:, [2, 0]],
+            segments.reshape(-1, 2),
+        ]
+        self.segment = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0).astype(np.int32)
+        self._beside: dict[Edge, list[int]] | None = None
+
+    def goals(self, rows: NDArray[np.int64]) -> NDArray[np.int32]:
+        """Rows for `recover_all`: the vertices of these triangles, and their numbers."""
+        return np.column_stack([self.corner[rows], rows]).astype(np.int32)
+
+    def beside(self) -> dict[Edge, list[int]]:
+        """The triangles at each edge that are not split; made at the first split."""
+        if self._beside is None:
+            self._beside = {}
+            for t in np.flatnonzero(self.alive[: self.count]).tolist():
+                for key in self._sides(t):
+                    self._beside.setdefault(key, []).append(t)
+        return self._beside
+
+    def _sides(self, t: int) -> Iterator[Edge]:
+        a, b, c = self.corner[t].tolist()
+        return iter((edge(a, b), edge(b, c), edge(c, a)))
+
+    def _add(self, corners: tuple[int, int, int], root: int) -> int:
+        t = self.count
+        self.corner, self.root = grown(self.corner, t + 1), grown(self.root, t + 1)
+        self.alive = grown(self.alive, t + 1)
+        self.corner[t], self.root[t], self.count = corners, root, t + 1
+        self._revive(t)
+        return t
+
+    def _revive(self, t: int) -> None:
+        self.alive[t] = True
+        for key in self._sides(t):
+            self.beside().setdefault(key, []).append(t)
+
+    def _kill(self, t: int) -> None:
+        self.alive[t] = False
+        for key in self._sides(t):
+            self.beside()[key].remove(t)
+
+    def split_segment(self, a: int, b: int, p: int) -> Split:
+        """Split the segment ab, and the triangles at it, at the vertex p."""
+        parents, children, inner = list(self.beside().get(edge(a, b), ())), [], []
+        for t in parents:
+            corners = self.corner[t].tolist()
+            (c,) = set(corners) - {a, b}
+            for end in (a, b):
+                children.append(self._add(tuple(p if v == end else v for v in corners), int(self.root[t])))
+            inner.append(edge(p, c))
+            self._kill(t)
+        return Split(p, edge(a, b), tuple(parents), tuple(children), tuple(inner))
+
+    def split_triangle(self, t: int, p: int) -> Split:
+        """Split a triangle in three at the vertex p."""
+        corners = self.corner[t].tolist()
+        children = [self._add(tuple(p if v == w else v for v in corners), int(self.root[t])) for w in corners]
+        self._kill(t)
+        return Split(p, None, (t,), tuple(children), tuple(edge(p, v) for v in corners))
+
+    def undo(self, split: Split) -> None:
+        """Join what was split; it must be the last split there."""
+        for t in split.children:
+            self._kill(t)
+        for t in split.parents:
+            self._revive(t)

@@ -1,0 +1,114 @@
+"""Records for kernels on a complex of tetrahedra: its arrays, a small cavity to be refilled, and scratch.
+
+As in `connect.planar.records`, a record is a tuple of named arrays, made again when an array had to grow.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "BEST", "CELLS", "CORNERS", "DEPTH", "GUARDS", "HASH", "KIND", "NODES", "NUMBERED", "ROOM", "SEED", "TARGET", "Held",
+    "Local", "Search", "Solid", "new_local", "new_search",
+]  # fmt: skip
+
+ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches explode
+CELLS_ROOM = 128  # its cells
+DEPTH = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
+MEMO = 1 << 15  # exact signs that are remembered
+SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
+
+# Entries of ``size`` in a `Local`.
+CORNERS = 0  # how many vertices the cavity has
+CELLS = 1  # how many cells
+BEST = 2  # how many tetrahedra the best refill has
+GUARDS = 3  # how many edges must stay
+KIND = 4  # what a refill costs
+TARGET = 5  # three entries: the vertices of the segment or triangle that is sought
+NODES = 8  # nodes that the last search has visited
+NUMBERED = 10  # how many local numbers there are: corners, then those vertices of the target that are none
+HASH = 9  # of the cells that are there, to recognize a refill that changes nothing
+
+
+class Solid(NamedTuple):
+    """The arrays of a `SpatialComplex`, as they are described there."""
+
+    xyz: NDArray[np.float64]
+    vertex: NDArray[np.int32]
+    across: NDArray[np.int32]
+    mark: NDArray[np.int32]
+    region: NDArray[np.int32]
+    stamp: NDArray[np.int32]
+    free: NDArray[np.int32]
+    at: NDArray[np.int32]
+    state: NDArray[np.int64]
+
+
+class Held(NamedTuple):
+    """A hash table of edges that must not be destroyed: keys (-1: empty), and whether each is held now."""
+
+    key: NDArray[np.int64]
+    value: NDArray[np.int8]
+
+
+class Search(NamedTuple):
+    """Results of searches through cells: room for all cells, and for all their faces."""
+
+    cells: NDArray[np.int32]
+    faces: NDArray[np.int32]
+    sizes: NDArray[np.int64]
+
+
+class Local(NamedTuple):
+    """A cavity of at most ROOM vertices, with local numbers, and the state of the search for its refill.
+
+    A face with local vertices x, y, z, the least first, has the number ``(x n + y) n + z``; it is seen from
+    the tetrahedron that it belongs to. Tables indexed by it have ROOM^3 entries.
+    """
+
+    cells: NDArray[np.int32]
+    label: NDArray[np.int32]  # the vertex of the complex that each local vertex is
+    sign: NDArray[np.int8]  # orientations of four local vertices, filled when they are needed
+    cost: NDArray[np.float64]  # of faces, filled when they are needed; negative: unknown
+    edge: NDArray[np.int8]  # of pairs: bit 1 on the boundary; bits above: whether it crosses the target
+    code: NDArray[np.uint8]  # of faces: open, closed
+    beyond: NDArray[
+        np.int64
+    ]  # of boundary faces: what is across; while cells are made, of others: where they are
+    number: NDArray[np.int32]  # of faces: the mark that they carry
+    front: NDArray[np.int32]  # faces that were open at some time on the way to the present node
+    chosen: NDArray[np.int32]  # for each depth: x, y, z, apex, which faces it opened, front, candidates, next
+    apex: NDArray[np.int32]  # for each depth the candidates, the best first
+    gain: NDArray[np.float64]  # what they cost
+    total: NDArray[np.float64]  # cost of what is chosen above each depth
+    best: NDArray[np.int32]  # the tetrahedra of the best refill
+    guard: NDArray[np.int32]  # local ends of edges that must stay
+    memo: NDArray[np.int32]  # exact signs of vertices, see `remembered_side`
+    goal: NDArray[np.int64]  # local numbers of the target
+    size: NDArray[np.int64]
+
+
+def new_local() -> Local:
+    """Arrays for any cavity of ROOM vertices."""
+    cube = ROOM**3
+    return Local(
+        np.empty(CELLS_ROOM, dtype=np.int32), np.empty(ROOM + 3, dtype=np.int32),
+        np.empty((ROOM + 3) ** 4, dtype=np.int8), np.empty(cube), np.empty(ROOM**2, dtype=np.int8),
+        np.empty(cube, dtype=np.uint8), np.empty(cube, dtype=np.int64), np.empty(cube, dtype=np.int32),
+        np.empty(4 * (CELLS_ROOM + DEPTH), dtype=np.int32), np.empty((DEPTH, 8), dtype=np.int32),
+        np.empty((DEPTH + 1, ROOM), dtype=np.int32), np.empty((DEPTH + 1, ROOM)), np.empty(DEPTH + 1),
+        np.empty((DEPTH, 4), dtype=np.int32), np.empty((ROOM**2, 2), dtype=np.int32),
+        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
+    )  # fmt: skip
+
+
+def new_search(slots: int) -> Search:
+    """Room for a search through this many cells."""
+    return Search(
+        np.empty(slots + 8, dtype=np.int32),
+        np.empty(4 * slots + 32, dtype=np.int32),
+        np.zeros(4, dtype=np.int64),
+    )

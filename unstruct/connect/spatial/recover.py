@@ -1,0 +1,235 @@
+"""Recovery as a whole: segments, then triangles; then points where nothing else helps, released at the end."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.progress import progress_bar
+from .arrays import CellArrays
+from .crossing import crossings
+from .given import Given, Split, edge
+from .held import hold, new_held
+from .records import SEED, new_local
+from .recovery import SLACK, recover_all, survey
+from .refill import EDGE, FACE
+from .signs import APART, meets
+from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
+
+__all__ = ["Recovery"]
+
+CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
+# Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
+ROUNDS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+GENERATIONS = 8  # how often parts of a segment are split
+AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
+
+
+class Recovery:
+    """The state of a recovery in a complex.
+
+    Parameters
+    ----------
+    cells : CellArrays
+    given : Given
+    budget : int
+        How many points may be added.
+    seed : int
+    """
+
+    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
+        self.cells, self.given, self.budget = cells, given, budget
+        self.held = new_held(len(given.segment) + 12 * budget)
+        self.local = new_local()
+        self.splits: list[Split] = []
+        self.crossed = np.zeros(4, dtype=np.int64)
+        self.lost_edges: list[tuple[int, int]] = []
+        self.lost: list[int] = []
+        cells.state[SEED] = (seed * 7919 + 12345) & 0x7FFFFFFF
+        cells.reserve(cells.size + budget, cells.slots + max(1000, cells.slots // 4))
+
+    def run(self, *, progress: bool = False) -> None:
+        """Recover all segments, then all triangles."""
+        goals = np.zeros((len(self.given.segment), 4), dtype=np.int32)
+        goals[:, :2] = self.given.segment
+        with progress_bar(progress, " segments", total=len(goals)) as bar:
+            left = self._recover(EDGE, goals, bar)
+        waiting = [edge(*row) for row in goals[left != 0, :2].tolist()]
+        self._split_segments(waiting)
+        tried: set[int] = set()
+        while True:
+            rows = np.flatnonzero(self.given.alive[: self.given.count])
+            with progress_bar(progress, " triangles", total=len(rows)) as bar:
+                left = self._recover(FACE, self.given.goals(rows), bar)
+            self.lost = rows[left != 0].tolist()
+            again = [t for t in self.lost if t not in tried and not self._lacks_edge(t)]
+            if not again or not self._split_triangles(again, tried):
+                return
+
+    def _lacks_edge(self, t: int) -> bool:
+        lost = set(self.lost_edges)
+        a, b, c = self.given.corner[t].tolist()
+        return bool(lost & {edge(a, b), edge(b, c), edge(c, a)})
+
+    # ------------------------------------------------------------------ refills
+
+    def _room(self) -> None:
+        cells = self.cells
+        cells.reserve(cells.size, cells.slots + 4 * SLACK)
+
+    def _recover(self, kind: int, goals: NDArray[np.int32], bar) -> NDArray[np.int64]:
+        """Recover many goals in rounds; how many faces are in the way of each in the end."""
+        left = np.zeros(len(goals), dtype=np.int64)
+        for i in range(0, len(goals), CHUNK):
+            part = slice(i, i + CHUNK)
+            survey(
+                self.cells.solid(), self.held, self.cells.found, kind, goals[part], left[part], self.crossed
+            )
+        bar.update(int((left == 0).sum()))
+        for options in ROUNDS:
+            waiting = np.flatnonzero(left != 0)
+            for i in range(0, len(waiting), CHUNK):
+                rows = waiting[i : i + CHUNK]
+                left[rows] = self._refill(kind, goals[rows], left[rows], options)
+                bar.update(int((left[rows] == 0).sum()))
+        return left
+
+    def _refill(
+        self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options
+    ) -> NDArray[np.int64]:
+        chosen = np.array(options, dtype=np.int64)
+        while True:
+            cells = self.cells
+            done = recover_all(cells.solid(), self.held, self.local, cells.found, kind, goals, left, chosen)
+            if done == len(goals):
+                return left
+            self._room()
+
+    def _one(self, a: int, b: int) -> bool:
+        goal = np.array([[a, b, 0, 0]], dtype=np.int32)
+        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), AGAIN)[0] == 0)
+
+    # ------------------------------------------------------------------ points
+
+    def _split_segments(self, waiting: list[tuple[int, int]]) -> None:
+        """Split these segments, then what comes of them, until all are there.
+
+        Those that came of one split are split only after all others have been tried: in the meantime refills may
+        find them. After some generations, or when the budget is used up, what is left is lost.
+        """
+        for generation in range(GENERATIONS):
+            following: list[tuple[int, int]] = []
+            for a, b in waiting:
+                if self._one(a, b):
+                    continue
+                p = self._insert_on_segment(a, b) if generation < GENERATIONS - 1 else -1
+                if p < 0:
+                    self.lost_edges.append((a, b))
+                    continue
+                split = self.given.split_segment(a, b, p)
+                self.splits.append(split)
+                following += split.edges()
+            waiting = [ends for ends in following if edge(*ends) in self.given.beside()]
+            if not waiting:
+                return
+
+    def _split_triangles(self, rows: list[int], tried: set[int]) -> bool:
+        """Split these triangles; whether that was possible for one."""
+        before = len(self.splits)
+        for t in rows:
+            tried.add(t)
+            if not self.given.alive[t]:
+                continue
+            p = self._insert_on_triangle(t)
+            if p >= 0:
+                split = self.given.split_triangle(t, p)
+                self.splits.append(split)
+                self._split_segments(list(split.inner))
+        return len(self.splits) > before
+
+    def _next_vertex(self) -> bool:
+        cells = self.cells
+        if len(self.splits) >= self.budget:
+            return False
+        cells.reserve(cells.size + 1, cells.slots + len(cells.found.faces) // 64 + 4 * SLACK)
+        return True
+
+    def _place(self, row: NDArray[np.float64]) -> int:
+        """Write the next vertex; it counts when it is inserted."""
+        p = self.cells.size
+        self.cells.xyz[p] = row
+        return p
+
+    def _insert_on_segment(self, a: int, b: int) -> int:
+        """Insert a point of the segment where it crosses a face or an edge, the first possible; -1 for none."""
+        if not self._next_vertex():
+            return -1
+        cells, goal = self.cells, np.array([a, b, 0, 0], dtype=np.int32)
+        count = crossings(cells.solid(), EDGE, goal, cells.found)
+        if count <= 0:
+            return -1
+        faces, edges = cells.found.faces[:count].copy(), np.empty((count, 2), dtype=np.int32)
+        crossed_edges(cells.solid(), goal, cells.found, count, edges)
+        places: list[tuple[float, int, list[int], list[int]]] = []
+        start, end = cells.xyz[a], cells.xyz[b]
+        for face, crossed in zip(faces.tolist(), edges.tolist(), strict=True):
+            corners = [int(cells.vertex[(face & ~3) + (face + i) % 4]) for i in (1, 2, 3)]
+            if crossed[0] >= 0:
+                where = on_line(start, end, *cells.xyz[crossed])
+            else:
+                where = on_plane(start, end, *cells.xyz[corners])
+            if 0.0 < where < 1.0:
+                places.append((where, face, corners, crossed))
+        for where, face, corners, crossed in sorted(places):
+            p = self._place(start + where * (end - start))
+            if self._insert_at(face, corners, crossed, p):
+                cells.size += 1
+                return p
+        return -1
+
+    def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int) -> bool:
+        """Insert vertex p at the crossed edge; or between the two cells at the face, or around one of its edges.
+
+        Where the segment passes by an edge more closely than coordinates are rounded, the two cells may not
+        see p, and the cells around the edge do.
+        """
+        cells, solid = self.cells, self.cells.solid()
+        if crossed[0] >= 0:
+            return bool(insert_around(solid, self.held, cells.found, crossed[0], crossed[1], p))
+        if insert_between(solid, cells.found, face, p):
+            return True
+        u, v, w = corners
+        by_distance = sorted(
+            ((u, v), (v, w), (w, u)), key=lambda ends: distance(cells.xyz[p], *cells.xyz[list(ends)])
+        )
+        return any(insert_around(solid, self.held, cells.found, *ends, p) for ends in by_distance[:2])
+
+    def _insert_on_triangle(self, t: int) -> int:
+        """Insert a point of the triangle where an edge crosses it, the first possible; -1 for none."""
+        if not self._next_vertex():
+            return -1
+        cells, goal = self.cells, self.given.goals(np.array([t]))[0]
+        count = crossings(cells.solid(), FACE, goal, cells.found)
+        crossing = set()
+        for face in cells.found.faces[: max(count, 0)].tolist():
+            u, v, w = (int(cells.vertex[(face & ~3) + (face + i) % 4]) for i in (1, 2, 3))
+            crossing |= {
+                edge(p, q)
+                for p, q in ((u, v), (v, w), (w, u))
+                if meets(cells.xyz, p, q, goal[0], goal[1], goal[2]) != APART
+            }
+        for u, v in sorted(crossing):
+            where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])
+            p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
+            if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p):
+                cells.size += 1
+                return p
+        return -1
+
+    def drop(self, split: Split) -> None:
+        """Join what was split, in the tables."""
+        for u, v in split.edges():
+            hold(self.held, u, v, 0)
+        self.given.undo(split)
+        if split.segment is not None:
+            hold(self.held, *split.segment, 1)

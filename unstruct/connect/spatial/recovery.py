@@ -1,0 +1,137 @@
+"""Recovery of segments, then of triangles: refills that strictly lower what is in the way.
+
+Nothing that is there is destroyed: held edges and marked faces stay in all refills. So each refill that
+lowers the number of crossings is a step forward, and the loop ends. Where no cavity of few vertices can be
+improved, refills of equal cost (*shakes*) lead to other cavities, as long as the budget lasts.
+"""
+
+from __future__ import annotations
+
+from ...base.jit import apart, kernel
+from ..insertion.engine import COUNT, FREE
+from .cavity import beside, commit, draw, grow, load
+from .crossing import classify, crossings, mark_face
+from .held import hold
+from .records import KIND, NODES, ROOM, TARGET
+from .refill import EDGE, NEVER, refill
+
+__all__ = ["LARGEST", "SHAKES", "SLACK", "recover_all", "survey"]
+
+SLACK = 128  # slots that a refill may need
+FEW = 8  # cells that a segment crosses, for cavities around all of them
+SMALLEST = 5  # vertices of two cells with a common face
+# Entries of the options.
+LARGEST = 0  # vertices of the largest cavity
+SHAKES = 1  # how many refills of equal cost
+BUDGET = 2  # nodes of one search
+TOTAL = 3  # nodes of all searches for one goal
+
+
+@apart
+def _attempt(solid, held, r, count, wanted, options, noise, equal):
+    """Refill a cavity grown from ``count`` cells at lower cost, or at no higher cost; True if that is done."""
+    if not grow(solid, r, count, wanted, noise):
+        return False
+    faces, cost = load(solid, held, r)
+    if cost >= NEVER or (cost == 0.0 and not equal):
+        return False
+    limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
+    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[BUDGET]) >= NEVER:
+        return False
+    commit(solid, r)
+    return True
+
+
+@apart
+def _lower(solid, held, r, found, count, options):
+    """Try all faces in the way, with larger and larger cavities; True at the first success."""
+    for wanted in range(SMALLEST, options[LARGEST] + 1):
+        start = draw(solid.state, count)
+        for j in range(count):
+            if beside(solid, r, found.faces[(start + j) % count]):
+                if _attempt(solid, held, r, 2, wanted, options, 2, False):
+                    return True
+    return False
+
+
+@apart
+def _lower_all(solid, held, r, found, options):
+    """Try cavities that contain all cells in the way, if these are few; True at the first success."""
+    count = found.sizes[0]
+    if count > FEW:
+        return False
+    for wanted in range(6, ROOM + 1):
+        for i in range(count):
+            r.cells[i] = found.cells[i]
+        if _attempt(solid, held, r, count, wanted, options, 4, False):
+            return True
+    return False
+
+
+@apart
+def recover_one(solid, held, r, found, kind, goal, options):
+    """Recover one segment or triangle; returns how many faces are still in the way, -2 if slots are lacking."""
+    r.size[KIND], r.size[NODES] = kind, 0
+    for k in range(3):
+        r.size[TARGET + k] = goal[k]
+    shakes = options[SHAKES]
+    while True:
+        if solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
+            return -2
+        count = crossings(solid, kind, goal, found)
+        if count <= 0 or r.size[NODES] > options[TOTAL]:
+            return count
+        if _lower(solid, held, r, found, count, options):
+            continue
+        if _lower_all(solid, held, r, found, options):
+            continue
+        if shakes == 0:
+            return count
+        shakes -= 1
+        for _ in range(4):
+            wanted = 5 + draw(solid.state, options[LARGEST] - 4)
+            if beside(solid, r, found.faces[draw(solid.state, count)]):
+                if _attempt(solid, held, r, 2, wanted, options, 8, True):
+                    break
+
+
+@kernel
+def survey(solid, held, found, kind, goals, left, counts):
+    """Write to ``left`` how many faces are in the way of each goal; hold or mark those that are there.
+
+    Adds to ``counts`` how missing segments cross cells, as `classify` does.
+    """
+    for i in range(goals.shape[0]):
+        left[i] = crossings(solid, kind, goals[i], found)
+        if left[i] == 0:
+            _keep(solid, held, found, kind, goals[i])
+        elif left[i] > 0 and kind == EDGE:
+            classify(solid, goals[i], found, found.sizes[0], counts)
+
+
+@apart
+def _keep(solid, held, found, kind, goal):
+    """From now on this segment or triangle must stay."""
+    if kind == EDGE:
+        hold(held, goal[0], goal[1], 1)
+    else:
+        mark_face(solid, found, goal, goal[3])
+
+
+@kernel
+def recover_all(solid, held, r, found, kind, goals, left, options):
+    """Recover the goals, rows of three vertices and a number, whose entry of ``left`` is not 0.
+
+    Writes how many faces are in the way of each. What is recovered is held or marked with its number.
+    Returns the first goal for which slots are lacking, or the number of goals.
+    """
+    for i in range(goals.shape[0]):
+        if left[i] == 0:
+            continue
+        count = recover_one(solid, held, r, found, kind, goals[i], options)
+        if count == -2:
+            return i
+        left[i] = count
+        if count == 0:
+            _keep(solid, held, found, kind, goals[i])
+    return goals.shape[0]

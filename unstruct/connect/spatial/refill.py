@@ -1,0 +1,354 @@
+"""Refilling a small cavity: depth-first branch and bound over tetrahedra on its vertices, by exact signs.
+
+An *open* face needs a tetrahedron on its inner side. The search takes the open face that fewest vertices
+fit, and sets a tetrahedron on it; the faces of the tetrahedron either cancel open ones, or open their
+reverses. A face is *closed* when its inner side is occupied. When no face is open, the tetrahedra fill the
+cavity:
+
+**Theorem.** Positively oriented tetrahedra whose oriented faces cancel to the boundary of the cavity are a
+triangulation of it. *Proof.* How often a point is covered changes only where a face is passed, and a face
+and its reverse change nothing. So a point is covered as often as the boundary winds around it: once inside,
+never outside. Tetrahedra that overlap nowhere and have faces in pairs are a triangulation. ∎
+
+Hence no test for intersections is needed. A face inside that must be there is open in both orientations at
+the beginning. An edge that must be there forbids all faces that it meets.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import apart, inline, lean
+from .records import BEST, CORNERS, DEPTH, GUARDS, HASH, KIND, NODES, NUMBERED, SEED, TARGET
+from .signs import APART, meets, remembered_side
+
+__all__ = ["ANY", "DEGREE", "EDGE", "FACE", "OPEN", "SHAPE", "face_cost", "face_number", "refill", "tet_cost"]
+
+# What is summed over a refill (SHAPE: what is the largest in it).
+ANY = 0  # nothing: any refill is as good as another
+EDGE = 1  # faces that the segment TARGET meets
+FACE = 2  # edges of faces that meet the triangle TARGET
+SHAPE = 3  # the badness of the worst tetrahedron
+DEGREE = 4  # tetrahedra at the vertex TARGET; other faces must not meet the segment of the two next entries
+
+OPEN, CLOSED = 1, 2
+NEVER = 1e300  # more than any cost
+UNSEEN = 2  # a sign that is not known yet
+# Columns of `chosen`.
+APEX, OPENED, LENGTH, FOUND, NEXT = 3, 4, 5, 6, 7
+
+
+@inline
+def face_number(n, x, y, z):
+    """The number of the oriented face x, y, z: the same for y, z, x."""
+    if x < y and x < z:
+        return (x * n + y) * n + z
+    if y < z:
+        return (y * n + z) * n + x
+    return (z * n + x) * n + y
+
+
+@apart
+def _fill_sign(xyz, label, memo, sign, at, m):
+    """Write the sign with this place in the table."""
+    a, b, c, d = label[at // (m * m * m)], label[at // (m * m) % m], label[at // m % m], label[at % m]
+    sign[at] = remembered_side(xyz, memo, a, b, c, d)
+
+
+@inline
+def _sign(xyz, r, a, b, c, d):
+    """Orientation of four local vertices, from the table if it is there."""
+    m = r.size[NUMBERED]
+    sign = 1
+    if a > b:
+        a, b, sign = b, a, -sign
+    if c > d:
+        c, d, sign = d, c, -sign
+    if a > c:
+        a, c, sign = c, a, -sign
+    if b > d:
+        b, d, sign = d, b, -sign
+    if b > c:
+        b, c, sign = c, b, -sign
+    at = ((a * m + b) * m + c) * m + d
+    if r.sign[at] == UNSEEN:
+        _fill_sign(xyz, r.label, r.memo, r.sign, at, m)
+    return sign * r.sign[at]
+
+
+@apart
+def _in_the_way(xyz, r, a, b, u, v, w):
+    """Whether the open segment ab meets the closed triangle uvw, all local: `meets` by the table of signs."""
+    label = r.label
+    s = o = y = z = -1
+    if a == u or a == v or a == w:
+        s, o = a, b
+    if b == u or b == v or b == w:
+        if s >= 0:
+            return False
+        s, o = b, a
+    if s >= 0:
+        y, z = (v, w) if s == u else ((w, u) if s == v else (u, v))
+        if _sign(xyz, r, s, y, z, o) != 0:
+            return False
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+    above, below = _sign(xyz, r, u, v, w, a), _sign(xyz, r, u, v, w, b)
+    if above == 0 and below == 0:
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+    if above * below >= 0:
+        return False
+    first, second = _sign(xyz, r, a, b, u, v), _sign(xyz, r, a, b, v, w)
+    if first * second < 0:
+        return False
+    third = _sign(xyz, r, a, b, w, u)
+    return not min(first, second, third) < 0 < max(first, second, third)
+
+
+@lean
+def _edge_cost(xyz, r, i, j):
+    """1 if the edge between local vertices meets the triangle that is sought, otherwise 0."""
+    at = min(i, j) * r.size[CORNERS] + max(i, j)
+    known = r.edge[at] >> 1
+    if known == 0:
+        goal = r.goal
+        known = 2 if _in_the_way(xyz, r, i, j, goal[0], goal[1], goal[2]) else 1
+        r.edge[at] |= known << 1
+    return known - 1
+
+
+@apart
+def _fill_cost(xyz, r, at):
+    """Write what the face with this number costs."""
+    n, kind = r.size[CORNERS], r.size[KIND]
+    x, y, z = at // (n * n), at // n % n, at % n
+    cost = 0.0
+    if kind == EDGE:
+        cost = 1.0 if _in_the_way(xyz, r, r.goal[0], r.goal[1], x, y, z) else 0.0
+    elif kind == FACE:
+        cost = float(_edge_cost(xyz, r, x, y) + _edge_cost(xyz, r, y, z) + _edge_cost(xyz, r, z, x))
+    elif kind == DEGREE and r.size[TARGET + 1] >= 0:
+        p = r.goal[0]  # what is between the segment and the point on it is not in the way
+        if x != p and y != p and z != p and _in_the_way(xyz, r, r.goal[1], r.goal[2], x, y, z):
+            cost = NEVER
+    for i in range(r.size[GUARDS]):
+        if _in_the_way(xyz, r, r.guard[i, 0], r.guard[i, 1], x, y, z):
+            cost = NEVER
+            break
+    r.cost[at] = cost
+
+
+@inline
+def face_cost(xyz, r, x, y, z):
+    """What the face costs: NEVER if an edge that must stay meets it."""
+    low, high = min(x, y, z), max(x, y, z)
+    n = r.size[CORNERS]
+    at = (low * n + x + y + z - low - high) * n + high
+    if r.cost[at] < 0:
+        _fill_cost(xyz, r, at)
+    return r.cost[at]
+
+
+@apart
+def badness(xyz, a, b, c, d):
+    """Between 0 for a regular tetrahedron and 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
+    ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
+    vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
+    wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]
+    six = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
+    total = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz
+    total += (ux - vx) ** 2 + (uy - vy) ** 2 + (uz - vz) ** 2
+    total += (vx - wx) ** 2 + (vy - wy) ** 2 + (vz - wz) ** 2
+    total += (wx - ux) ** 2 + (wy - uy) ** 2 + (wz - uz) ** 2
+    mean = total / 6.0
+    return 1.0 if mean <= 0.0 else 1.0 - np.sqrt(2.0) * six / (mean * np.sqrt(mean))
+
+
+@inline
+def tet_cost(xyz, r, a, b, c, d):
+    """What the tetrahedron on local vertices costs beside its faces."""
+    kind, label = r.size[KIND], r.label
+    if kind == SHAPE:
+        return badness(xyz, label[a], label[b], label[c], label[d])
+    if kind == DEGREE:
+        p = r.size[TARGET]
+        return 1.0 if label[a] == p or label[b] == p or label[c] == p or label[d] == p else 0.0
+    return 0.0
+
+
+@inline
+def _gain(xyz, r, x, y, z, d):
+    """What it costs to set the apex d on the open face x, y, z; NEVER if it does not fit."""
+    n = r.size[CORNERS]
+    cost = 0.0
+    for k in range(3):
+        a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
+        code = r.code[face_number(n, b, a, d)]
+        if code >= CLOSED:
+            return NEVER
+    if _sign(xyz, r, x, y, z, d) <= 0:
+        return NEVER
+    for k in range(3):
+        a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
+        if r.code[face_number(n, b, a, d)] == 0:
+            cost += face_cost(xyz, r, b, a, d)
+    return cost + tet_cost(xyz, r, x, y, z, d)
+
+
+@apart
+def _choose(xyz, r, depth, length, limit):
+    """Choose the open face that the fewest vertices fit; write them at this depth, and return how many.
+
+    At the next depth is scratch: the candidates of the face that is looked at.
+    """
+    n, shape = r.size[CORNERS], r.size[KIND] == SHAPE
+    fewest = n + 1
+    for i in range(length):
+        face = r.front[i]
+        if r.code[face] != OPEN:
+            continue
+        x, y, z = face // (n * n), face // n % n, face % n
+        found = 0
+        for d in range(n):
+            if d == x or d == y or d == z:
+                continue
+            gain = _gain(xyz, r, x, y, z, d)
+            after = max(r.total[depth], gain) if shape else r.total[depth] + gain
+            if after < limit:
+                r.apex[depth + 1, found] = d
+                r.gain[depth + 1, found] = gain
+                found += 1
+                if found == fewest:
+                    break
+        if found < fewest:
+            fewest = found
+            r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
+            for j in range(found):
+                r.apex[depth, j], r.gain[depth, j] = r.apex[depth + 1, j], r.gain[depth + 1, j]
+            if fewest <= 1:
+                break
+    return fewest
+
+
+@lean
+def _sort(r, state, depth, count):
+    """The cheapest candidates first; of several equal ones, by chance."""
+    seed = state[SEED]
+    for i in range(count):
+        seed = (seed * 1103515245 + 12345) & 0x7FFFFFFF
+        j = (seed >> 12) % (i + 1)
+        r.apex[depth, i], r.apex[depth, j] = r.apex[depth, j], r.apex[depth, i]
+        r.gain[depth, i], r.gain[depth, j] = r.gain[depth, j], r.gain[depth, i]
+    state[SEED] = seed
+    for i in range(1, count):
+        apex, gain = r.apex[depth, i], r.gain[depth, i]
+        j = i
+        while j > 0 and r.gain[depth, j - 1] > gain:
+            r.apex[depth, j], r.gain[depth, j] = r.apex[depth, j - 1], r.gain[depth, j - 1]
+            j -= 1
+        r.apex[depth, j], r.gain[depth, j] = apex, gain
+
+
+@lean
+def _set(r, depth, length):
+    """Set the chosen tetrahedron; return how many faces are in the front and by how many more are open."""
+    n = r.size[CORNERS]
+    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, APEX]
+    opened, more = 0, 0
+    r.chosen[depth, LENGTH] = length
+    for k in range(4):
+        a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
+        face = face_number(n, a, b, c)
+        if r.code[face] == OPEN:
+            more -= 1
+        else:
+            reverse = face_number(n, a, c, b)
+            r.code[reverse] = OPEN
+            r.front[length] = reverse
+            length += 1
+            more += 1
+            opened |= 1 << k
+        r.code[face] = CLOSED
+    r.chosen[depth, OPENED] = opened
+    return length, more
+
+
+@lean
+def _unset(r, depth):
+    """Take the chosen tetrahedron away; return by how many fewer faces are open."""
+    n = r.size[CORNERS]
+    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, APEX]
+    fewer = 0
+    for k in range(4):
+        a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
+        face = face_number(n, a, b, c)
+        if r.chosen[depth, OPENED] >> k & 1:
+            r.code[face] = 0
+            r.code[face_number(n, a, c, b)] = 0
+            fewer += 1
+        else:
+            r.code[face] = OPEN
+            fewer -= 1
+    return fewer
+
+
+@lean
+def _complete(r, depth):
+    """Whether the tetrahedra of depths 0 to ``depth`` use all vertices, and their hash."""
+    used, mixed = 0, 0
+    for i in range(depth + 1):
+        mask = 0
+        for k in range(4):
+            mask |= 1 << int(r.chosen[i, k])
+        used |= mask
+        mixed += mask * mask * 2654435 + mask
+    return used == (1 << r.size[CORNERS]) - 1, mixed
+
+
+@apart
+def refill(xyz, r, state, faces, limit, goal, budget):
+    """Search the cheapest refill below ``limit``, or one of cost <= ``goal``; its cost, or NEVER.
+
+    ``r.front`` begins with ``faces`` open faces. The search ends after ``budget`` nodes. A refill that equals
+    the present one (HASH) is passed over. The tetrahedra are written to ``r.best``.
+    """
+    n, shape = r.size[CORNERS], r.size[KIND] == SHAPE
+    depth, length, still_open, nodes, found = 0, faces, faces, 0, NEVER
+    r.total[0] = 0.0
+    r.chosen[0, FOUND], r.chosen[0, NEXT] = _choose(xyz, r, 0, length, limit), 0
+    _sort(r, state, 0, r.chosen[0, FOUND])
+    while depth >= 0 and nodes < budget:
+        i = r.chosen[depth, NEXT]
+        if i == r.chosen[depth, FOUND] or depth >= DEPTH - 2:
+            depth -= 1
+            if depth >= 0:
+                length = r.chosen[depth, LENGTH]
+                still_open -= _unset(r, depth)
+            continue
+        r.chosen[depth, NEXT] = i + 1
+        gain = r.gain[depth, i]
+        total = max(r.total[depth], gain) if shape else r.total[depth] + gain
+        if total >= limit:
+            continue
+        nodes += 1
+        r.chosen[depth, APEX] = r.apex[depth, i]
+        length, more = _set(r, depth, length)
+        still_open += more
+        r.total[depth + 1] = total
+        if still_open > 0:
+            depth += 1
+            r.chosen[depth, FOUND], r.chosen[depth, NEXT] = _choose(xyz, r, depth, length, limit), 0
+            _sort(r, state, depth, r.chosen[depth, FOUND])
+            continue
+        whole, mixed = _complete(r, depth)
+        if whole and mixed != r.size[HASH]:
+            found, limit = total, total
+            r.size[BEST] = depth + 1
+            for j in range(depth + 1):
+                for k in range(4):
+                    r.best[j, k] = r.chosen[j, k]
+            if found <= goal:
+                break
+        length = r.chosen[depth, LENGTH]
+        still_open -= _unset(r, depth)
+    r.size[NODES] += nodes
+    return found

@@ -1,0 +1,336 @@
+"""Points that recovery has added are taken away again, or moved off the surface.
+
+The last point goes first, so that the surface becomes what it was before. The marked faces at a point divide
+its star into sectors. In each of them the triangles that the point has split are put in place of their
+parts; then the sector is refilled without the point. Where that is not possible, another point a little
+inside sees all walls of the sector, because the old one saw all of them but those in whose planes it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import kernel
+from ..insertion.engine import COUNT, FREE
+from .arrays import CellArrays
+from .cavity import beside, commit, corner, grow, load, new_slot, reset, wall
+from .crossing import star
+from .given import Split
+from .records import BEST, CORNERS, HASH, KIND, ROOM, TARGET, Local
+from .recover import Recovery
+from .recovery import SLACK
+from .refill import ANY, DEGREE, EDGE, NEVER, refill
+from .steiner import sees
+
+__all__ = ["Release"]
+
+Cell = tuple[int, int, int, int]
+Face = tuple[int, int, int]
+HALVINGS = 50  # how often a point is moved half of the way back to the surface
+NODES_WITHOUT = 4000  # of the search for a sector without its point
+WALLS = 400  # faces of the largest star that is looked at
+
+
+@kernel
+def refill_walls(solid, r, walls, budget):
+    """Refill what these oriented triangles bound; False if that is not found, or there are too many vertices."""
+    n = 0
+    local = np.empty((walls.shape[0], 3), dtype=np.int64)
+    for i in range(walls.shape[0]):
+        for k in range(3):
+            place = 0
+            while place < n and r.label[place] != walls[i, k]:
+                place += 1
+            if place == n:
+                if n == ROOM:
+                    return False
+                r.label[n] = walls[i, k]
+                n += 1
+            local[i, k] = place
+    r.size[CORNERS] = n
+    reset(r)
+    length = 0
+    for i in range(walls.shape[0]):
+        length = wall(r, length, local[i, 0], local[i, 1], local[i, 2])
+    r.size[HASH] = -1
+    return refill(solid.xyz, r, solid.state, length, 0.5, 0.0, budget) < NEVER
+
+
+@kernel
+def lower_degree(solid, held, r, found, goal):
+    """Refill around vertex goal[0] so that fewer cells have it, as long as that is possible.
+
+    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how many
+    cells have the vertex in the end.
+    """
+    p = goal[0]
+    r.size[KIND] = DEGREE
+    for k in range(3):
+        r.size[TARGET + k] = goal[k]
+    while True:
+        size = star(solid, found, p)
+        if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
+            return size
+        before = size
+        for wanted in range(5, 9):
+            for i in range(4 * size):
+                face = 4 * found.cells[i >> 2] + (i & 3)
+                if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
+                    continue
+                if not grow(solid, r, 2, wanted, 2):
+                    continue
+                faces, cost = load(solid, held, r)
+                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, 200) < NEVER:
+                    commit(solid, r)
+                    before = -1
+                    break
+            if before < 0:
+                break
+        if before >= 0:
+            return size
+
+
+def _positive(k: int) -> tuple[int, int, int]:
+    return tuple(int(corner(k, i)) for i in range(3))  # type: ignore[return-value]
+
+
+POSITIVE = tuple(_positive(k) for k in range(4))
+
+
+class Release:
+    """Takes the points of a recovery away.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        All goals of which are there.
+
+    Attributes
+    ----------
+    kept : list of Split
+        What is still split.
+    inner : list of int
+        Points that were moved off the surface.
+    """
+
+    def __init__(self, recovery: Recovery):
+        self.recovery = recovery
+        self.cells: CellArrays = recovery.cells
+        self.local: Local = recovery.local
+        self.kept: list[Split] = []
+        self.inner: list[int] = []
+
+    def run(self) -> None:
+        """Release all points, the last first; then try to do without those that were moved."""
+        for split in reversed(self.recovery.splits):
+            if not self._release(split):
+                self.kept.append(split)
+        self.kept.reverse()
+        self.recovery.splits = self.kept
+        self.inner = [p for p in self.inner if not self._remove(p)]
+
+    # ------------------------------------------------------------------ one point
+
+    def _star(self, p: int, segment: tuple[int, int] | None) -> list[int]:
+        """The cells at p, after refills that have made them few."""
+        goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
+        self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SLACK)
+        lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal)
+        size = star(self.cells.solid(), self.cells.found, p)
+        return self.cells.found.cells[:size].tolist()
+
+    def _release(self, split: Split) -> bool:
+        given, p = self.recovery.given, split.point
+        if not all(given.alive[t] for t in split.children):
+            return False
+        around = self._star(p, split.segment)
+        marks = {
+            int(self.cells.mark[4 * t + k])
+            for t in around
+            for k in range(4)
+            if self.cells.vertex[4 * t + k] != p and self.cells.mark[4 * t + k] >= 0
+        }
+        if marks != set(split.children) or len(around) > WALLS:
+            return False
+        tets: list[Cell] = []
+        moved, before = [], self.cells.size
+        for sector in self._sectors(around, p):
+            link, whole = _cancelled(self._link(sector, p), self._restored(sector, split))
+            found = self._without(link + whole, None if split.children else split.segment)
+            if found is None and split.children:
+                found = self._moved(link, whole, p)
+                moved.append(self.cells.size - 1)
+            if found is None:
+                self.cells.size = before
+                return False
+            tets += found
+        restored = {frozenset(given.corner[t].tolist()): t for t in split.parents}
+        if not self._replace(around, tets, restored):
+            self.cells.size = before
+            return False
+        self.inner += moved
+        self.recovery.drop(split)
+        self.cells.at[p] = -1
+        return True
+
+    def _remove(self, p: int) -> bool:
+        """Take a point away that is not on the surface."""
+        around = self._star(p, None)
+        found = self._without(self._link(around, p), None)
+        if found is None or not self._replace(around, found, {}):
+            return False
+        self.cells.at[p] = -1
+        return True
+
+    def _sectors(self, around: list[int], p: int) -> list[list[int]]:
+        """The cells of a star, in parts that hang together through faces that are not marked."""
+        left, sectors, cells = set(around), [], self.cells
+        while left:
+            sector = [min(left)]
+            left.remove(sector[0])
+            for t in sector:
+                for k in range(4):
+                    u = int(cells.across[4 * t + k]) >> 2
+                    if cells.vertex[4 * t + k] != p and cells.mark[4 * t + k] < 0 and u in left:
+                        left.remove(u)
+                        sector.append(u)
+            sectors.append(sector)
+        return sectors
+
+    def _link(self, sector: list[int], p: int) -> list[Face]:
+        """The faces of a sector opposite p, seen from within."""
+        walls = []
+        for t in sector:
+            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
+            walls.append(_turned([v[i] for i in POSITIVE[v.index(p)]]))
+        return walls
+
+    def _restored(self, sector: list[int], split: Split) -> list[Face]:
+        """The triangles that the point has split and that bound a sector, seen from within."""
+        p, given = split.point, self.recovery.given
+        parent_of = {child: self._parent(child, split) for child in split.children}
+        restored: dict[tuple[int, Face], Face] = {}
+        for t in sector:
+            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
+            for k in range(4):
+                number = int(self.cells.mark[4 * t + k])
+                if v[k] != p and number in parent_of:
+                    parent = parent_of[number]
+                    face = [v[i] for i in POSITIVE[k]]
+                    (lacking,) = set(given.corner[parent].tolist()) - set(face)
+                    face = [lacking if x == p else x for x in face]
+                    restored[parent, _turned(face)] = _turned(face)
+        return list(restored.values())
+
+    def _parent(self, child: int, split: Split) -> int:
+        """The triangle that a part belongs to: the one that has all its vertices but the point."""
+        given = self.recovery.given
+        others = set(given.corner[child].tolist()) - {split.point}
+        return next(t for t in split.parents if others <= set(given.corner[t].tolist()))
+
+    # ------------------------------------------------------------------ refills
+
+    def _without(self, walls: list[Face], segment: tuple[int, int] | None) -> list[Cell] | None:
+        """Tetrahedra within these walls on their vertices alone, with the segment, if any."""
+        size = self.local.size
+        size[KIND] = ANY if segment is None else EDGE
+        if segment is not None:
+            size[TARGET : TARGET + 2] = segment
+        if not walls:
+            return []
+        rows = np.array(walls, dtype=np.int32)
+        if len(np.unique(rows)) > ROOM or not refill_walls(
+            self.cells.solid(), self.local, rows, NODES_WITHOUT
+        ):
+            return None
+        return [tuple(row) for row in self.local.label[self.local.best[: size[BEST]]].tolist()]
+
+    def _moved(self, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
+        """The star of a new point close to p that sees all walls: those of the star of p, and whole triangles."""
+        cells, walls = self.cells, link + whole
+        rows = np.array(walls, dtype=np.int32)
+        here, q = cells.xyz[p].copy(), cells.size
+        corners = cells.xyz[rows]
+        flat = corners[len(link) :]
+        normals = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+        away = corners.reshape(-1, 3) - here
+        center, reach = away.mean(axis=0), float(np.linalg.norm(away, axis=1).mean())
+        cells.size += 1
+        for step in (_inward(normals) * reach, center):
+            length = 1.0
+            for _ in range(HALVINGS):
+                cells.xyz[q] = here + length * step
+                if sees(cells.xyz, rows, len(rows), q):
+                    return [(*face, q) for face in walls]
+                length /= 2
+        return None
+
+    def _replace(self, old: list[int], tets: list[Cell], restored: dict[frozenset, int]) -> bool:
+        """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
+        cells, inside = self.cells, set(old)
+        border: dict[frozenset, tuple[int, int]] = {}
+        for t in old:
+            v = cells.vertex[4 * t : 4 * t + 4].tolist()
+            for k in range(4):
+                over = int(cells.across[4 * t + k])
+                if over >> 2 not in inside:
+                    border[frozenset(v[:k] + v[k + 1 :])] = over, int(cells.mark[4 * t + k])
+        faces: dict[frozenset, list[tuple[int, int]]] = {}
+        for i, v4 in enumerate(tets):
+            for k in range(4):
+                faces.setdefault(frozenset(v4[:k] + v4[k + 1 :]), []).append((i, k))
+        if not all(len(places) == (1 if face in border else 2) for face, places in faces.items()):
+            return False
+        if not set(border) <= set(faces):
+            return False
+        self._write(old, tets, (border, faces, restored))
+        return True
+
+    def _write(self, old: list[int], tets: list[Cell], tables) -> None:
+        border, faces, restored = tables
+        cells = self.cells
+        cells.reserve(cells.size, cells.slots + len(tets))
+        region = int(cells.region[old[0]])
+        for t in old:
+            cells.vertex[4 * t] = -2
+            cells.free[cells.state[FREE]] = t
+            cells.state[FREE] += 1
+        solid = cells.solid()
+        slots = [int(new_slot(solid)) for _ in tets]
+        for t, v in zip(slots, tets, strict=True):
+            cells.vertex[4 * t : 4 * t + 4] = v
+            cells.at[list(v)], cells.region[t] = t, region
+        for face, places in faces.items():
+            ends = [4 * slots[i] + k for i, k in places]
+            mark = restored.get(face, border[face][1] if face in border else -1)
+            over = border[face][0] if face in border else ends[1]
+            cells.across[ends[0]], cells.mark[ends[0]] = over, mark
+            if over >= 0:
+                cells.across[over], cells.mark[over] = ends[0], mark
+
+
+def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A direction with a positive product with all normals, if that is found soon."""
+    step = normals.sum(axis=0)
+    for _ in range(50):
+        products = normals @ step
+        if products.min() > 0:
+            break
+        step = step + normals[int(products.argmin())]
+    return step / max(float(np.linalg.norm(step)), 1e-300)
+
+
+def _turned(face: list[int]) -> Face:
+    """The same oriented face, its lowest vertex first."""
+    k = face.index(min(face))
+    return face[k], face[(k + 1) % 3], face[(k + 2) % 3]
+
+
+def _cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Face]]:
+    """The walls without those that bound nothing, because they are there in both orientations."""
+    both = {(x, z, y) for x, y, z in link} & set(whole)
+    return [(x, y, z) for x, y, z in link if (x, z, y) not in both], [
+        face for face in whole if face not in both
+    ]

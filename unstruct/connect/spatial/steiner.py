@@ -1,0 +1,140 @@
+"""Points where nothing else helps: where a segment or triangle crosses what is in its way.
+
+N. P. Weatherill and O. Hassan put them where an edge leaves its cells. A point is rounded; it is accepted
+only if all walls of its cavity (the two cells at the face that is crossed, or the cells around the edge) see
+the rounded point.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import kernel
+from ..insertion.engine import STAMP
+from ..insertion.space import Cavity, Space, star3
+from .cavity import corner
+from .crossing import ring
+from .held import holds
+from .signs import FLAT, ON_EDGE, meets, side
+
+__all__ = ["crossed_edges", "insert_around", "insert_between", "on_line", "on_plane", "sees"]
+
+
+@kernel
+def sees(xyz, walls, count, p):
+    """Whether vertex p is on the positive side of all these triangles."""
+    for i in range(count):
+        if side(xyz, walls[i, 0], walls[i, 1], walls[i, 2], p) <= 0:
+            return False
+    return True
+
+
+@kernel
+def _star(solid, found, size, p):
+    """Replace the first ``size`` cells of ``found`` by the star of p, if all walls see p and none is lost.
+
+    Marked faces inside, and the hull, are not touched.
+    """
+    solid.state[STAMP] += 1
+    stamp, walls = 2 * solid.state[STAMP], 0
+    for i in range(size):
+        solid.stamp[found.cells[i]] = stamp
+    for i in range(size):
+        t = found.cells[i]
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if over < 0:
+                return False
+            if solid.stamp[over >> 2] == stamp:
+                if solid.mark[4 * t + k] >= 0:
+                    return False
+                continue
+            u, v = solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)]
+            if side(solid.xyz, u, v, solid.vertex[4 * t + corner(k, 2)], p) <= 0:
+                return False
+            found.faces[walls] = 4 * t + k
+            walls += 1
+    found.sizes[0], found.sizes[1] = size, walls
+    space = Space(solid.xyz, solid.vertex, solid.across, solid.stamp, solid.free, solid.state)
+    star3(space, Cavity(found.cells, found.faces, found.sizes), p, solid.state[STAMP])
+    for i in range(walls):
+        over = solid.across[found.faces[i]]
+        new = solid.across[over]
+        t = new >> 2
+        solid.region[t] = solid.region[found.faces[i] >> 2]
+        for k in range(4):
+            solid.mark[4 * t + k] = -1
+            solid.at[solid.vertex[4 * t + k]] = t
+        solid.mark[new] = solid.mark[over]
+    return True
+
+
+@kernel
+def insert_around(solid, held, found, u, v, p):
+    """Insert vertex p, which is on the edge uv, if that edge is not held and all walls around it see p."""
+    if holds(held, u, v):
+        return False
+    size = ring(solid, found, u, v)
+    return size > 0 and _star(solid, found, size, p)
+
+
+@kernel
+def insert_between(solid, found, face, p):
+    """Insert vertex p, which is on a face, if the two cells there see it."""
+    if solid.across[face] < 0 or solid.mark[face] >= 0:
+        return False
+    found.cells[0], found.cells[1] = face >> 2, solid.across[face] >> 2
+    return _star(solid, found, 2, p)
+
+
+@kernel
+def _crossed(xyz, a, b, u, v):
+    """Whether edge uv, in a plane with ab or crossing it, is the one that ab crosses."""
+    if u == a or u == b or v == a or v == b or side(xyz, a, b, u, v) != 0:
+        return False
+    for k in range(3):  # from the directions: a point of each on both sides of the other
+        i, j = (k + 1) % 3, (k + 2) % 3
+        ab_i, ab_j, uv_i, uv_j = (
+            xyz[b, i] - xyz[a, i], xyz[b, j] - xyz[a, j], xyz[v, i] - xyz[u, i], xyz[v, j] - xyz[u, j]
+        )  # fmt: skip
+        first = ab_i * (xyz[u, j] - xyz[a, j]) - ab_j * (xyz[u, i] - xyz[a, i])
+        second = ab_i * (xyz[v, j] - xyz[a, j]) - ab_j * (xyz[v, i] - xyz[a, i])
+        third = uv_i * (xyz[a, j] - xyz[u, j]) - uv_j * (xyz[a, i] - xyz[u, i])
+        fourth = uv_i * (xyz[b, j] - xyz[u, j]) - uv_j * (xyz[b, i] - xyz[u, i])
+        if first * second < 0 and third * fourth < 0:
+            return True
+    return False
+
+
+@kernel
+def crossed_edges(solid, goal, found, faces, edges):
+    """For each of the faces in ``found`` the edge that the segment crosses there, or -1, -1."""
+    a, b = goal[0], goal[1]
+    for i in range(faces):
+        t, k = found.faces[i] & ~3, found.faces[i] & 3
+        u, v, w = solid.vertex[t + (k + 1) % 4], solid.vertex[t + (k + 2) % 4], solid.vertex[t + (k + 3) % 4]
+        edges[i, 0] = edges[i, 1] = -1
+        if meets(solid.xyz, a, b, u, v, w) in (ON_EDGE, FLAT):
+            for p, q in ((u, v), (v, w), (w, u)):
+                if _crossed(solid.xyz, a, b, p, q):
+                    edges[i, 0], edges[i, 1] = p, q
+
+
+def on_plane(a: NDArray[np.float64], b: NDArray[np.float64], u, v, w) -> float:
+    """Where the line ab meets the plane uvw: 0 at a, 1 at b; NaN if it nowhere does."""
+    normal = np.cross(v - u, w - u)
+    above, below = normal @ (a - u), normal @ (b - u)
+    return float(above / (above - below)) if above != below else np.nan
+
+
+def on_line(a: NDArray[np.float64], b: NDArray[np.float64], p, q) -> float:
+    """Where the line ab is closest to the line pq: 0 at a, 1 at b; NaN if they are parallel."""
+    normal = np.cross(b - a, q - p)
+    square = normal @ normal
+    return float(np.cross(p - a, q - p) @ normal / square) if square > 0 else np.nan
+
+
+def distance(p: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """From p to the line ab."""
+    return float(np.linalg.norm(np.cross(b - a, p - a)) / np.linalg.norm(b - a))

@@ -1,0 +1,192 @@
+"""Tetrahedra of the vertices of a body, in which its facets are faces: recovery, inside, names, account.
+
+See the book, 2.8b.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
+from ...domain.domain import Domain
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.mesh import Mesh
+
+__all__ = ["filled"]
+
+ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
+
+
+def filled(domain: Domain, *, seed: int = 0, budget: int | None = None, progress: bool = False) -> DomainMesh:
+    """Tetrahedra of the vertices of a body, and of further ones where there must be.
+
+    Parameters
+    ----------
+    domain : Domain
+        In space.
+    seed : int
+        Of the random numbers of the recovery.
+    budget : int, optional
+        How many points may be added; see `SpatialComplex.recover`.
+    progress : bool
+        Show progress bars.
+
+    Returns
+    -------
+    DomainMesh
+        See `constrained_delaunay`.
+    """
+    shell = domain.triangulated
+    if len(domain.facets) == 0:
+        raise InputError(
+            "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
+            "fills the convex hull of points"
+        )
+    complex_ = SpatialComplex(domain.points, progress=progress)
+    found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
+    complex_.flood(len(shell.bounding))
+    made = complex_.inside()
+    if len(made.simplices) == 0:
+        raise InputError("the facets enclose no volume")
+    return _with_names(domain, found, made)
+
+
+def _with_names(domain: Domain, found: Recovered, made: SpatialMesh) -> DomainMesh:
+    """The mesh with all that is known of it."""
+    shell = domain.triangulated
+    given = len(domain.points)
+    origin = np.where(made.vertex < given, made.vertex, -1).astype(np.int32)
+    piece = shell.piece[made.triangle]
+    segments, segment_piece, span = _chains(domain, found, made)
+    region = _regions(domain, made)
+    unrefined, reasons = _incomplete(domain, found, made)
+    bounding = piece < len(domain.facets)
+    markers: dict[str, Any] = {
+        "facets": made.faces[bounding],
+        "inner": made.faces[~bounding],
+        "region": region,
+    }
+    for name, rows in domain.markers.items():
+        faces = made.faces[np.isin(piece, rows)]
+        edges = segments[np.isin(segment_piece, rows)]
+        markers[name] = faces if len(faces) or not len(edges) else edges
+    crossed = zip(("vertex-face", "edge-edge", "edge-face", "face-face"), found.crossings.tolist())
+    mesh = DomainMesh(
+        made.points,
+        made.simplices,
+        neighbors=made.neighbors,
+        origin=origin,
+        markers=markers,
+        regions={name: k for k, name in enumerate(domain.regions)},
+        segments=segments,
+        piece=segment_piece,
+        span=span,
+        faces=made.faces,
+        face_piece=piece,
+        unrefined=unrefined,
+        reasons=reasons,
+        counts={
+            "added on pieces": len(found.steiner),
+            "added inside": len(found.inner),
+            "missing segments": len(found.segments),
+            "missing triangles": len(found.triangles),
+            **{f"crossings {kind}": count for kind, count in crossed},
+            "seed": found.seed,
+        },
+    )
+    return noticed(mesh)
+
+
+def _chains(
+    domain: Domain, found: Recovered, made: SpatialMesh
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+    """The edges of inner segments, their pieces and the parameters of their ends."""
+    shell = domain.triangulated
+    number = np.full(len(domain.points), -1, dtype=np.int64)
+    known = np.flatnonzero(made.vertex < len(domain.points))
+    number[made.vertex[known]] = known
+    added = np.flatnonzero(np.isin(made.vertex, found.steiner))
+    scale = ON_SEGMENT * max(float(np.abs(domain.points).max()), 1e-300)
+    lost = {tuple(row) for row in np.sort(found.segments, axis=1).tolist()}
+    ends, owner, span = [], [], []
+    for row, i in zip(shell.segments.tolist(), shell.segment_piece.tolist()):
+        a, b = number[row].tolist()
+        if tuple(sorted(row)) in lost or min(a, b) < 0:
+            continue
+        start, along = domain.points[row[0]], domain.points[row[1]] - domain.points[row[0]]
+        share = (made.points[added] - start) @ along / (along @ along)
+        off = np.linalg.norm(made.points[added] - start - share[:, None] * along, axis=1)
+        on = np.flatnonzero((off <= scale) & (share > 0) & (share < 1))
+        on = on[np.argsort(share[on])]
+        chain, places = [a, *added[on].tolist(), b], [0.0, *share[on].tolist(), 1.0]
+        ends += pairwise(chain)
+        span += pairwise(places)
+        owner += [i] * (len(chain) - 1)
+    return (
+        np.array(ends, dtype=np.int32).reshape(-1, 2),
+        np.array(owner, dtype=np.int32),
+        np.array(span, dtype=np.float64).reshape(-1, 2),
+    )
+
+
+def _regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
+    """The number of each cell: the place of the name of its part, or a further number for each other part."""
+    if not domain.regions:
+        return _counted(made.region, 0)
+    names = list(domain.regions)
+    seeds = np.concatenate(list(domain.regions.values()))
+    name = np.repeat(np.arange(len(names)), [len(rows) for rows in domain.regions.values()])
+    cells = Mesh(made.points, made.simplices, neighbors=made.neighbors).find_simplex(seeds)
+    named = np.full(int(made.region.max()) + 1, -1, dtype=np.int64)
+    for k, cell in enumerate(cells.tolist()):
+        part = made.region[cell] if cell >= 0 else -1
+        if part < 0:
+            continue  # only if facets are missing; a `Domain` refuses seeds outside
+        if named[part] not in (-1, name[k]):
+            one, two = names[named[part]], names[name[k]]
+            raise InputError(
+                f"the seed {seeds[k].tolist()} of region {two!r} is in the same part as one of {one!r}; "
+                "divide the part by inner facets, or give one name"
+            )
+        named[part] = name[k]
+    rest = _counted(np.where(named[made.region] < 0, made.region, -1), len(names))
+    return np.where(named[made.region] >= 0, named[made.region], rest).astype(np.int32)
+
+
+def _counted(part: NDArray[Any], first: int) -> NDArray[np.int32]:
+    """Parts (-1 for none) numbered from ``first`` on, in the order of their cells."""
+    values, where, inverse = np.unique(part, return_index=True, return_inverse=True)
+    rank = np.empty(len(values), dtype=np.int64)
+    known = values >= 0
+    order = np.argsort(where[known], kind="stable")
+    rank[np.flatnonzero(known)[order]] = first + np.arange(len(order))
+    rank[~known] = -1
+    return rank[inverse.ravel()].astype(np.int32)
+
+
+def _incomplete(
+    domain: Domain, found: Recovered, made: SpatialMesh
+) -> tuple[NDArray[np.int32] | None, list[str] | None]:
+    """The cells with an edge of what is missing, and what that is."""
+    if found.complete:
+        return None, None
+    shell = domain.triangulated
+    number = np.full(len(domain.points), -1, dtype=np.int64)
+    known = np.flatnonzero(made.vertex < len(domain.points))
+    number[made.vertex[known]] = known
+    reason: dict[int, str] = {}
+    lost = [(shell.triangles[t], f"{domain.name(int(shell.piece[t]))} is missing") for t in found.triangles]
+    lost += [(row, f"the edge {row[0]}-{row[1]} is missing") for row in found.segments.tolist()]
+    for row, text in lost:
+        rows = number[np.asarray(row)]
+        for cell in np.flatnonzero(np.isin(made.simplices, rows[rows >= 0]).sum(axis=1) >= 2).tolist():
+            reason.setdefault(cell, text)
+    if not reason:  # far from the inside
+        reason = {0: lost[0][1]}
+    cells = sorted(reason)
+    return np.array(cells, dtype=np.int32), [reason[cell] for cell in cells]

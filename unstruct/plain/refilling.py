@@ -1,0 +1,153 @@
+"""Refilling a cavity of tetrahedra, and the recovery of an edge by it (section 2.8b of the book).
+
+A tetrahedron is a tuple of four vertices with positive orientation. Its faces are triples, seen from within
+and written with their least vertex first; a face and its reverse are the two sides of one triangle.
+
+**Theorem.** Positively oriented tetrahedra whose faces cancel to the walls of a cavity triangulate it. So
+`refills` only has to see to it that faces cancel: it never asks whether two tetrahedra overlap.
+
+Source: P.-L. George, H. Borouchaki, Back to edge flips in 3 dimensions, Proc. 12th International Meshing
+Roundtable (2003), for flips that a refill contains as special cases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Any
+
+from unstruct.plain.predicates import orient
+
+__all__ = ["faces_of", "in_the_way", "meets", "recover_edge", "refills", "walls_of"]
+
+Points = Sequence[Sequence[Any]]
+Face = tuple[int, int, int]
+Cell = tuple[int, int, int, int]
+
+
+def faces_of(cell: Cell) -> frozenset[Face]:
+    """The four faces of a tetrahedron: each, followed by the fourth vertex, is positively oriented."""
+    a, b, c, d = cell
+    return frozenset(map(_turned, [(b, d, c), (a, c, d), (a, d, b), (a, b, c)]))
+
+
+def walls_of(cells: Iterable[Cell]) -> frozenset[Face]:
+    """The faces of cells that do not cancel."""
+    faces = {face for cell in cells for face in faces_of(cell)}
+    return frozenset(face for face in faces if _reverse(face) not in faces)
+
+
+def refills(
+    points: Points,
+    open_faces: frozenset[Face],
+    closed: frozenset[Face] | None = None,
+    inner: Iterable[int] = (),
+) -> Iterator[frozenset[Cell]]:
+    """Each triangulation of what the open faces bound, once, on their vertices and any of ``inner``.
+
+    A face that must be there is open in both orientations. A face is closed when its inner side is occupied.
+    """
+    closed = frozenset(map(_reverse, open_faces)) - open_faces if closed is None else closed
+    if not open_faces:
+        yield frozenset()
+        return
+    face = min(open_faces)
+    for apex in sorted({v for other in open_faces | closed for v in other} | set(inner)):
+        cell = (*face, apex)
+        if apex in face or orient([points[v] for v in cell]) <= 0 or faces_of(cell) & closed:
+            continue
+        opened = {_reverse(f) for f in faces_of(cell) - open_faces}
+        for rest in refills(points, open_faces - faces_of(cell) | opened, closed | faces_of(cell), inner):
+            yield rest | {cell}
+
+
+def recover_edge(
+    points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8
+) -> frozenset[Cell] | None:
+    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck.
+
+    Only cavities of at most ``most`` vertices are tried, and only some of them.
+    """
+    cells = frozenset(cells)
+    while way := in_the_way(points, cells, a, b):
+        for cavity in _cavities(cells, way, most):
+            before = len(in_the_way(points, cavity, a, b))
+            found = islice(refills(points, walls_of(cavity), inner={v for cell in cavity for v in cell}), 200)
+            used = {v for cell in cavity for v in cell}
+            whole = [new for new in found if {v for cell in new for v in cell} == used]
+            best = min(whole, key=lambda new: len(in_the_way(points, new, a, b)), default=cavity)
+            if len(in_the_way(points, best, a, b)) < before:
+                cells = cells - cavity | best
+                break
+        else:
+            return None
+    return cells
+
+
+def in_the_way(points: Points, cells: Iterable[Cell], a: int, b: int) -> set[Face]:
+    """The faces that the open segment ab meets, from one side or from both."""
+    return {face for cell in cells for face in faces_of(cell) if meets(points, a, b, face)}
+
+
+def meets(points: Points, a: int, b: int, face: Face) -> bool:
+    """Whether the open segment ab meets the triangle, without being an edge of it."""
+    if {a, b} <= set(face):
+        return False
+    above, below = _side(points, *face, a), _side(points, *face, b)
+    if above == below == 0:
+        return _meets_in_plane(points, a, b, face)
+    if above * below >= 0:
+        return False
+    u, v, w = face
+    signs = {_side(points, a, b, u, v), _side(points, a, b, v, w), _side(points, a, b, w, u)}
+    return not {-1, 1} <= signs
+
+
+def _meets_in_plane(points: Points, a: int, b: int, face: Face) -> bool:
+    """The same in the plane of the face, in a projection in which it is a triangle."""
+    for drop in range(3):
+        flat = [[x for k, x in enumerate(p) if k != drop] for p in (points[v] for v in (*face, a, b))]
+        if orient(flat[:3]) != 0:
+            break
+    p, q = flat[3], flat[4]
+    edges = [(flat[i], flat[(i + 1) % 3]) for i in range(3)]
+    turn = orient(flat[:3])
+    # what is left of pq after cutting by each edge's half-plane is more than a point of contact with it
+    if any(orient([u, v, p]) * turn <= 0 and orient([u, v, q]) * turn <= 0 for u, v in edges):
+        return any(_between(p, q, x) for x in flat[:3])
+    sides = {orient([p, q, x]) for x in flat[:3]}
+    return {-1, 1} <= sides or any(_between(p, q, x) for x in flat[:3])
+
+
+def _between(p: Sequence[Any], q: Sequence[Any], x: Sequence[Any]) -> bool:
+    """Whether x is on the open segment pq of the plane."""
+    low, high = min(tuple(p), tuple(q)), max(tuple(p), tuple(q))
+    return orient([p, q, x]) == 0 and low < tuple(x) < high
+
+
+def _cavities(cells: frozenset[Cell], way: set[Face], most: int) -> Iterator[frozenset[Cell]]:
+    """Sets of cells that hang together, with the two cells at a face in the way; small ones first."""
+    owner = {face: cell for cell in cells for face in faces_of(cell)}
+    waiting = [frozenset({owner[f], owner[_reverse(f)]}) for f in sorted(way) if _reverse(f) in owner]
+    seen = set(waiting)
+    while waiting and len(seen) < 3000:
+        cavity = waiting.pop(0)
+        yield cavity
+        for face in sorted(walls_of(cavity)):
+            wider = cavity | {owner[_reverse(face)]} if _reverse(face) in owner else cavity
+            if wider not in seen and len({v for cell in wider for v in cell}) <= most:
+                seen.add(wider)
+                waiting.append(wider)
+
+
+def _side(points: Points, *vertices: int) -> int:
+    return 0 if len(set(vertices)) < 4 else orient([points[v] for v in vertices])
+
+
+def _reverse(face: Face) -> Face:
+    return face[0], face[2], face[1]
+
+
+def _turned(face: Face) -> Face:
+    k = face.index(min(face))
+    return face[k], face[(k + 1) % 3], face[(k + 2) % 3]
