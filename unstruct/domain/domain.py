@@ -79,7 +79,7 @@ class Domain(Shaped):
         What ``resolve`` has changed; empty without it, and if nothing was wrong.
     max_areas : dict of str to float
         Area bounds of regions by name, as found by `Domain.read`; `refine` accepts them.
-    hole_seeds : (h, 2) float64
+    hole_seeds : (h, 2) float64; in space (h, 3)
         Points in holes, as found by `Domain.read`. Facets follow from them; they matter only for
         ``constrained_delaunay(domain, hull="holes")``.
     origin : (n,) int32
@@ -198,7 +198,7 @@ class Domain(Shaped):
 
         Parameters
         ----------
-        x : array_like, shape (..., 2)
+        x : array_like, shape (..., 2); in space (..., 3)
 
         Returns
         -------
