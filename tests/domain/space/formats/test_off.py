@@ -76,6 +76,7 @@ def test_forms_of_off(tmp_path: Path, change: object) -> None:
     ("change", "told"),
     [
         (lambda t: "", "a.off is empty"),
+        (lambda t: "OFF\n0 0 0\n", "a.off has no vertices"),
         (lambda t: "OFF\n", "ends where the numbers of vertices and faces are expected"),
         (lambda t: t.replace("8 6 12", "8 x 12"), "line 2: the numbers of vertices, faces and edges"),
         (lambda t: t.replace("8 6 12", "8 -6 12"), "line 2: the numbers"),

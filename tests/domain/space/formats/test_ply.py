@@ -94,6 +94,7 @@ def test_forms(tmp_path: Path, data: bytes) -> None:
     ("change", "told"),
     [
         (lambda t: "", "a.ply is not a PLY file"),
+        (lambda t: t.replace("vertex 4", "vertex 0"), "a.ply has no vertices"),
         (lambda t: t[:100], "ends before 'end_header'"),
         (lambda t: t.replace("format ascii 1.0\n", ""), "the header has no 'format'"),
         (lambda t: t.replace("ascii", "binary"), "line 2: 'format binary 1.0' is no line of the header"),

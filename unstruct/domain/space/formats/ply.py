@@ -64,6 +64,8 @@ def read_ply(path: Path) -> Found:
     lists = [p for p in by_name["face"].properties if p.length] if "face" in by_name else None
     if lists is not None and not any(p.name in LISTS_OF_CORNERS and p.kind[0] != "f" for p in lists):
         raise InputError(f"{path.name}: faces need the list 'vertex_indices'")
+    if by_name["vertex"].many == 0:
+        raise InputError(f"{path.name} has no vertices")
     points, facets = _of_text(path, head) if head.order == "" else _of_bytes(path, head)
     return Found({"points": points, "facets": facets})
 

@@ -122,6 +122,8 @@ def _facets(path: Path, text: str, start: int, body: str) -> np.ndarray:
     """The corners (t, 3, 3) of one solid."""
     words = body.lower().split()
     width = len(FACET)
+    if not words:
+        return np.empty((0, 3, 3))
     if len(words) % width == 0 and all(
         words[i::width].count(word) == len(words) // width for i, word in enumerate(FACET) if word != "#"
     ):

@@ -26,6 +26,8 @@ def word_rows(text: str, comment: str = "#") -> list[Line]:
 
 def coordinates(path: Path, rows: Sequence[Line], first: int = 0) -> np.ndarray:
     """Three coordinates from each row, (n, 3) float64; they begin with word ``first``."""
+    if not rows:
+        raise InputError(f"{path.name} has no vertices")
     found = numbers_of(" ".join([" ".join(words[first : first + 3]) for _, words in rows]))
     enough = min((len(words) for _, words in rows), default=3 + first) >= 3 + first
     if enough and found is not None and len(found) == 3 * len(rows) and np.isfinite(found).all():
