@@ -33,23 +33,31 @@ class Parts(NamedTuple):
         The part to which the normal of each triangle points, and the one behind; `UNBOUNDED` or a number.
     walls : list of (k, 3) int32
         For each part the triangles of the wall around it, from the smallest volume to the largest.
+    body : (p,) int64
+        Triangles that hang together over edges are a body; this is that of each wall.
     """
 
     points: NDArray[np.float64]
     front: NDArray[np.int64]
     back: NDArray[np.int64]
     walls: list[NDArray[np.int32]]
+    body: NDArray[np.int64]
 
-    def locate(self, x: np.ndarray, skip: frozenset[int] = frozenset()) -> NDArray[np.int64]:
-        """The parts in which points (k, 3) lie that are on no triangle; exact."""
+    def locate(self, x: np.ndarray, of: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
+        """The parts in which points (k, 3) lie that are on no triangle; exact.
+
+        ``of`` has for each point a body, (k,), the walls of which do not count.
+        """
         found = np.full(len(x), UNBOUNDED)
         for part, rows in enumerate(self.walls):
-            if part in skip:
-                continue
-            left = np.flatnonzero(found == UNBOUNDED)
-            if len(left) == 0:
-                break
-            found[left[even_odd_in_space(self.points, rows, x[left])[0]]] = part
+            corners = self.points[rows.ravel()]
+            near = (found == UNBOUNDED) & (x >= corners.min(axis=0)).all(axis=1)
+            near &= (x <= corners.max(axis=0)).all(axis=1)
+            if of is not None:
+                near &= of != self.body[part]
+            left = np.flatnonzero(near)
+            if len(left):
+                found[left[even_odd_in_space(self.points, rows, x[left])[0]]] = part
         return found
 
 
@@ -140,35 +148,31 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     t = len(triangles)
     if t == 0:
         none = np.empty(0, dtype=np.int64)
-        return Parts(points, none, none, [])
+        return Parts(points, none, none, [], none)
     facing, joined = _facing(points, triangles)
     wall, body = _components(facing, 2 * t), _components(joined, t)
     front, back = wall[0::2], wall[1::2]
-    rows: list[NDArray[np.int32]] = []
-    for number in range(wall.max() + 1):
-        # a triangle of which the wall has both sides bounds nothing; normals point out of the part
-        behind = triangles[(back == number) & (front != number)]
-        before = triangles[(front == number) & (back != number)]
-        rows.append(np.concatenate([behind, before[:, ::-1]]))
+    # a triangle of which the wall has both sides bounds nothing; normals point out of the part
+    sides = np.flatnonzero(np.repeat(front != back, 2))
+    sides = sides[np.argsort(wall[sides], kind="stable")]
+    outward = np.where((sides % 2 == 1)[:, None], triangles[sides // 2], triangles[sides // 2][:, ::-1])
+    rows = np.split(outward, np.searchsorted(wall[sides], np.arange(1, wall.max() + 1)))
     volumes = np.array([enclosed_volume(points, part) if len(part) else 0.0 for part in rows])
     around = [i for i in np.argsort(volumes, kind="stable").tolist() if volumes[i] > 0]
     owner = np.full(len(rows), UNBOUNDED)
     owner[around] = np.arange(len(around))
     of_wall = np.empty(len(rows), dtype=np.int64)  # the body of each wall
     of_wall[wall] = np.repeat(body, 2)
-    result = Parts(points, front, back, [rows[i] for i in around])
-    for number in np.flatnonzero(volumes <= 0).tolist():
-        same = frozenset(int(owner[i]) for i in around if of_wall[i] == of_wall[number])
-        if len(same) < len(around):
-            mine = np.unique(triangles[body == of_wall[number]])
-            owner[number] = result.locate(_apart(points, mine, result.walls, same), same)[0]
+    result = Parts(points, front, back, [rows[i] for i in around], of_wall[around])
+    # a vertex of each body that is on no other; if there is none, the middle of them
+    pairs = np.unique(np.column_stack([np.repeat(body, 3), triangles.ravel()]), axis=0)
+    many = np.bincount(pairs[:, 1], minlength=len(points))
+    begin = np.searchsorted(pairs[:, 0], np.arange(body.max() + 2))
+    other = np.flatnonzero(volumes <= 0)
+    x = np.empty((len(other), 3))
+    for i, mine in enumerate(of_wall[other].tolist()):
+        vertices = pairs[begin[mine] : begin[mine + 1], 1]
+        free = vertices[many[vertices] == 1]
+        x[i] = points[free[0]] if len(free) else points[vertices].mean(axis=0)
+    owner[other] = result.locate(x, of_wall[other])
     return result._replace(front=owner[front], back=owner[back])
-
-
-def _apart(
-    points: np.ndarray, mine: np.ndarray, walls: list[NDArray[np.int32]], skip: frozenset[int]
-) -> np.ndarray:
-    """A point of a body that is no vertex of others; their middle if there is none."""
-    others = [rows.ravel() for part, rows in enumerate(walls) if part not in skip]
-    free = np.setdiff1d(mine, np.concatenate(others))
-    return points[free[:1]] if len(free) else points[mine].mean(axis=0)[None]

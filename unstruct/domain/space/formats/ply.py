@@ -79,7 +79,8 @@ def _head(path: Path, data: bytes) -> _Head:
         raise InputError(f"{path.name} ends before 'end_header': it is truncated")
     stop = data.find(b"\n", end)
     body = data[stop + 1 :] if stop >= 0 else b""
-    order, elements = None, []
+    order: str | None = None
+    elements: list[_Element] = []
     lines = data[:end].decode("utf-8", errors="replace").splitlines()
     for number, line in enumerate(lines, 1):
         words = line.split()
