@@ -35,6 +35,8 @@ class Parts(NamedTuple):
         For each part the triangles of the wall around it, from the smallest volume to the largest.
     body : (p,) int64
         Triangles that hang together over edges are a body; this is that of each wall.
+    boxes : (p, 2, 3) float64
+        The corners of the box around each wall.
     """
 
     points: NDArray[np.float64]
@@ -42,6 +44,7 @@ class Parts(NamedTuple):
     back: NDArray[np.int64]
     walls: list[NDArray[np.int32]]
     body: NDArray[np.int64]
+    boxes: NDArray[np.float64]
 
     def locate(self, x: np.ndarray, of: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
         """The parts in which points (k, 3) lie that are on no triangle; exact.
@@ -49,10 +52,14 @@ class Parts(NamedTuple):
         ``of`` has for each point a body, (k,), the walls of which do not count.
         """
         found = np.full(len(x), UNBOUNDED)
-        for part, rows in enumerate(self.walls):
-            corners = self.points[rows.ravel()]
-            near = (found == UNBOUNDED) & (x >= corners.min(axis=0)).all(axis=1)
-            near &= (x <= corners.max(axis=0)).all(axis=1)
+        if len(x) == 0:
+            return found
+        low, high = x.min(axis=0), x.max(axis=0)
+        for part in np.flatnonzero(
+            ((self.boxes[:, 0] <= high) & (self.boxes[:, 1] >= low)).all(axis=1)
+        ).tolist():
+            rows, (least, most) = self.walls[part], self.boxes[part]
+            near = (found == UNBOUNDED) & ((x >= least) & (x <= most)).all(axis=1)
             if of is not None:
                 near &= of != self.body[part]
             left = np.flatnonzero(near)
@@ -148,7 +155,7 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     t = len(triangles)
     if t == 0:
         none = np.empty(0, dtype=np.int64)
-        return Parts(points, none, none, [], none)
+        return Parts(points, none, none, [], none, np.empty((0, 2, 3)))
     facing, joined = _facing(points, triangles)
     wall, body = _components(facing, 2 * t), _components(joined, t)
     front, back = wall[0::2], wall[1::2]
@@ -163,7 +170,9 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     owner[around] = np.arange(len(around))
     of_wall = np.empty(len(rows), dtype=np.int64)  # the body of each wall
     of_wall[wall] = np.repeat(body, 2)
-    result = Parts(points, front, back, [rows[i] for i in around], of_wall[around])
+    walls = [rows[i] for i in around]
+    boxes = [(points[r.ravel()].min(axis=0), points[r.ravel()].max(axis=0)) for r in walls]
+    result = Parts(points, front, back, walls, of_wall[around], np.array(boxes).reshape(-1, 2, 3))
     # a vertex of each body that is on no other; if there is none, the middle of them
     pairs = np.unique(np.column_stack([np.repeat(body, 3), triangles.ravel()]), axis=0)
     many = np.bincount(pairs[:, 1], minlength=len(points))
