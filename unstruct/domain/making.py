@@ -14,12 +14,14 @@ import numpy as np
 from ..base.arguments import as_flag, as_mapping
 from ..base.errors import InputError
 from ..base.options import named
+from ..geometry.polygons import Polygons
 from .arguments import DomainOptions, as_segments
 from .plane import shapes
 from .plane.features import features_of, from_features
 from .plane.polygons import polygon as cut_out
 from .plane.sources import as_geometry
 from .plane.splines import smooth_rings
+from .space.rows import as_polygons
 
 __all__ = ["disc", "from_geojson", "letters", "naca", "of", "polygon", "rectangle", "smooth"]
 
@@ -33,10 +35,16 @@ def of(cls: type[Made], parts: shapes.Parts, options: Mapping[str, Any]) -> Made
         more = options.get(name)
         options[name] = {**parts[name], **as_mapping({} if more is None else more, name)}
     if options.get("inner") is not None and parts.get("inner") is not None:
-        both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
-        options["inner"] = np.concatenate(both)
+        options["inner"] = _both(parts["inner"], options["inner"])
     make: Any = cls
     return make(**{**parts, **options})
+
+
+def _both(ready: Any, given: Any) -> Any:
+    """The inner pieces of a ready-made shape, then those that are given."""
+    if isinstance(ready, Polygons):
+        return Polygons.joined(ready, as_polygons(given, "inner", 2))
+    return np.concatenate([as_segments(rows, "inner") for rows in (ready, given)])
 
 
 @named(DomainOptions, resolve=False)

@@ -26,9 +26,9 @@ from ..plane.name_sets import name_sets
 from .closing import join_seams, set_sheets_apart, turn_outward
 from .cutting import Shell, cut, place
 from .faults import crossing_faults, first_copies, flat_triangles, meeting_faults
-from .rings import cleaned, untangled, without_area
 from .same_facets import same_facets
 from .splitting import Splitting
+from .tangled import cleaned, untangled, without_area
 
 __all__ = ["SpaceRepairer"]
 
