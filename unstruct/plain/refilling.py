@@ -38,7 +38,10 @@ def walls_of(cells: Iterable[Cell]) -> frozenset[Face]:
 
 
 def refills(
-    points: Points, open_faces: frozenset[Face], closed: frozenset[Face] | None = None, inner: Iterable[int] = ()
+    points: Points,
+    open_faces: frozenset[Face],
+    closed: frozenset[Face] | None = None,
+    inner: Iterable[int] = (),
 ) -> Iterator[frozenset[Cell]]:
     """Each triangulation of what the open faces bound, once, on their vertices and any of ``inner``.
 
@@ -58,7 +61,9 @@ def refills(
             yield rest | {cell}
 
 
-def recover_edge(points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8) -> frozenset[Cell] | None:
+def recover_edge(
+    points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8
+) -> frozenset[Cell] | None:
     """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck.
 
     Only cavities of at most ``most`` vertices are tried, and only some of them.

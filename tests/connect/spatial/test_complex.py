@@ -35,13 +35,19 @@ def judge(c: SpatialComplex, triangles: np.ndarray, found: Recovered) -> None:
     assert parts is not None
     alive = parts.corner[: parts.count][parts.alive[: parts.count]]
     roots = parts.root[: parts.count][parts.alive[: parts.count]]
-    missing = {int(r) for r, row in zip(roots, np.sort(alive, axis=1).tolist(), strict=True) if tuple(row) not in faces}
+    missing = {
+        int(r)
+        for r, row in zip(roots, np.sort(alive, axis=1).tolist(), strict=True)
+        if tuple(row) not in faces
+    }
     assert missing == set(found.triangles.tolist())
 
 
 def volume(a: list[Fraction], b: list[Fraction], c: list[Fraction]) -> Fraction:
     return (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
 
 

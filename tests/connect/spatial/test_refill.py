@@ -84,7 +84,12 @@ def test_held_edges_stay() -> None:
     ] or [-1]  # fmt: skip
     if face < 0:  # the Delaunay triangulation has the edge already
         assert any({3, 4} <= set(row) for row in rows.tolist())
-        face = next(4 * t + k for t, row in enumerate(rows.tolist()) for k in range(4) if row[k] == 0 and {3, 4} < set(row))
+        face = next(
+            4 * t + k
+            for t, row in enumerate(rows.tolist())
+            for k in range(4)
+            if row[k] == 0 and {3, 4} < set(row)
+        )
     assert beside(c.solid(), r, face) and grow(c.solid(), r, 2, 5, 0)
     faces, cost = load(c.solid(), held, r)
     assert cost == 0
@@ -101,7 +106,11 @@ def test_held_edges_stay() -> None:
 def test_fewer_cells_at_a_vertex() -> None:
     """Refills that lower the degree of a point in the middle of a cloud end with a valid complex."""
     rng = np.random.default_rng(5)
-    c, r, held = CellArrays(np.concatenate([[[0.5, 0.5, 0.5]], rng.random((40, 3))])), new_local(), new_held(4)
+    c, r, held = (
+        CellArrays(np.concatenate([[[0.5, 0.5, 0.5]], rng.random((40, 3))])),
+        new_local(),
+        new_held(4),
+    )
     c.reserve(c.size, 4 * c.slots)
     r.size[KIND], r.size[TARGET], r.size[TARGET + 1] = DEGREE, 0, -1
     before = int((c.cells() == 0).any(axis=1).sum())

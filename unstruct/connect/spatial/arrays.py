@@ -131,7 +131,15 @@ class CellArrays:
     def solid(self) -> Solid:
         """The arrays as they are now, in one record for the kernels."""
         return Solid(
-            self.xyz, self.vertex, self.across, self.mark, self.region, self.stamp, self.free, self.at, self.state
+            self.xyz,
+            self.vertex,
+            self.across,
+            self.mark,
+            self.region,
+            self.stamp,
+            self.free,
+            self.at,
+            self.state,
         )
 
     def reserve(self, vertices: int, slots: int) -> None:
@@ -190,16 +198,25 @@ class CellArrays:
         over = self.across[place]
         inner = over >= 0
         back = np.where(inner, self.across[over], place)
-        _report(place[(back != place) | (self.mark[np.where(inner, over, place)] != self.mark[place])] >> 2, "has a face whose other side does not know it")
+        _report(
+            place[(back != place) | (self.mark[np.where(inner, over, place)] != self.mark[place])] >> 2,
+            "has a face whose other side does not know it",
+        )
         ours = np.sort(np.stack([np.delete(cell[slots], k, axis=1) for k in range(4)], axis=1), axis=2)
         others = cell[over >> 2].copy()
         np.put_along_axis(others, (over & 3)[..., None], -1, axis=2)
         others = np.sort(others, axis=2)[..., 1:]
         _report(place[inner & (ours != others).any(axis=2)] >> 2, "and its neighbor have different faces")
         hull = ours[~inner]
-        _report(place[~inner][(hull < self.given).any(axis=1) | (hull >= self.given + BOX).any(axis=1)] >> 2, "is on the hull")
+        _report(
+            place[~inner][(hull < self.given).any(axis=1) | (hull >= self.given + BOX).any(axis=1)] >> 2,
+            "is on the hull",
+        )
         vertices = np.unique(cell[slots])
-        _report(vertices[(cell[self.at[vertices]] != vertices[:, None]).all(axis=1)], "is a vertex not in its cell")
+        _report(
+            vertices[(cell[self.at[vertices]] != vertices[:, None]).all(axis=1)],
+            "is a vertex not in its cell",
+        )
 
     def points(self) -> NDArray[np.float64]:
         """The coordinates of all vertices in the units of the input."""

@@ -197,7 +197,9 @@ def load(solid, held, r):
         for k in range(4):
             over = solid.across[4 * t + k]
             if over > 4 * t + k and solid.stamp[over >> 2] == stamp and solid.mark[4 * t + k] < 0:
-                x, y, z = (b, c, d) if k == 0 else ((a, c, d) if k == 1 else ((a, b, d) if k == 2 else (a, b, c)))
+                x, y, z = (
+                    (b, c, d) if k == 0 else ((a, c, d) if k == 1 else ((a, b, d) if k == 2 else (a, b, c)))
+                )
                 cost += face_cost(solid.xyz, r, x, y, z)
     r.size[HASH] = mixed
     return length, cost

@@ -129,7 +129,9 @@ class SpatialComplex(CellArrays):
         2005-2039; P.-L. George, F. Hecht, E. Saltel, Comput. Methods Appl. Mech. Eng. 92 (1991) 269-288.
         """
         corners = np.asarray(triangles, dtype=np.int32).reshape(-1, 3)
-        ends = np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
+        ends = (
+            np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
+        )
         budget = 100 + len(corners) // 10 if budget is None else budget
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None

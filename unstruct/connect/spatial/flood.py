@@ -22,7 +22,10 @@ def flood_parts(solid, stack, facet, parity):
     first = 0
     for t in range(slots):
         region[t] = -1
-        if vertex[4 * t] >= 0 and min(across[4 * t], across[4 * t + 1], across[4 * t + 2], across[4 * t + 3]) < 0:
+        if (
+            vertex[4 * t] >= 0
+            and min(across[4 * t], across[4 * t + 1], across[4 * t + 2], across[4 * t + 3]) < 0
+        ):
             first = t
     # stack: cells of the present part from below, faces that lead to other parts from above
     cells, doors = 1, stack.shape[0]

@@ -61,7 +61,12 @@ class Given:
         self.corner = np.array(triangles, dtype=np.int32).reshape(-1, 3)
         self.root = np.arange(self.count, dtype=np.int32)
         self.alive = np.ones(self.count, dtype=bool)
-        sides = [self.corner[:, [0, 1]], self.corner[:, [1, 2]], self.corner[:, [2, 0]], segments.reshape(-1, 2)]
+        sides = [
+            self.corner[:, [0, 1]],
+            self.corner[:, [1, 2]],
+            self.corner[:, [2, 0]],
+            segments.reshape(-1, 2),
+        ]
         self.segment = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0).astype(np.int32)
         self._beside: dict[Edge, list[int]] | None = None
 
@@ -115,9 +120,7 @@ class Given:
     def split_triangle(self, t: int, p: int) -> Split:
         """Split a triangle in three at the vertex p."""
         corners = self.corner[t].tolist()
-        children = [
-            self._add(tuple(p if v == w else v for v in corners), int(self.root[t])) for w in corners
-        ]
+        children = [self._add(tuple(p if v == w else v for v in corners), int(self.root[t])) for w in corners]
         self._kill(t)
         return Split(p, None, (t,), tuple(children), tuple(edge(p, v) for v in corners))
 

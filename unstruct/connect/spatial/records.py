@@ -75,7 +75,9 @@ class Local(NamedTuple):
     cost: NDArray[np.float64]  # of faces, filled when they are needed; negative: unknown
     edge: NDArray[np.int8]  # of pairs: bit 1 on the boundary; bits above: whether it crosses the target
     code: NDArray[np.uint8]  # of faces: open, closed
-    beyond: NDArray[np.int64]  # of boundary faces: what is across; while cells are made, of others: where they are
+    beyond: NDArray[
+        np.int64
+    ]  # of boundary faces: what is across; while cells are made, of others: where they are
     number: NDArray[np.int32]  # of faces: the mark that they carry
     front: NDArray[np.int32]  # faces that were open at some time on the way to the present node
     chosen: NDArray[np.int32]  # for each depth: x, y, z, apex, which faces it opened, front, candidates, next
@@ -105,4 +107,8 @@ def new_local() -> Local:
 
 def new_search(slots: int) -> Search:
     """Room for a search through this many cells."""
-    return Search(np.empty(slots + 8, dtype=np.int32), np.empty(4 * slots + 32, dtype=np.int32), np.zeros(4, dtype=np.int64))
+    return Search(
+        np.empty(slots + 8, dtype=np.int32),
+        np.empty(4 * slots + 32, dtype=np.int32),
+        np.zeros(4, dtype=np.int64),
+    )

@@ -96,13 +96,13 @@ class Recovery:
                 bar.update(int((left[rows] == 0).sum()))
         return left
 
-    def _refill(self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options) -> NDArray[np.int64]:
+    def _refill(
+        self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options
+    ) -> NDArray[np.int64]:
         chosen = np.array(options, dtype=np.int64)
         while True:
             cells = self.cells
-            done = recover_all(
-                cells.solid(), self.held, self.local, cells.found, kind, goals, left, chosen
-            )
+            done = recover_all(cells.solid(), self.held, self.local, cells.found, kind, goals, left, chosen)
             if done == len(goals):
                 return left
             self._room()
@@ -201,7 +201,9 @@ class Recovery:
         if insert_between(solid, cells.found, face, p):
             return True
         u, v, w = corners
-        by_distance = sorted(((u, v), (v, w), (w, u)), key=lambda ends: distance(cells.xyz[p], *cells.xyz[list(ends)]))
+        by_distance = sorted(
+            ((u, v), (v, w), (w, u)), key=lambda ends: distance(cells.xyz[p], *cells.xyz[list(ends)])
+        )
         return any(insert_around(solid, self.held, cells.found, *ends, p) for ends in by_distance[:2])
 
     def _insert_on_triangle(self, t: int) -> int:

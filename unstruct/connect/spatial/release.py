@@ -240,7 +240,9 @@ class Release:
         if not walls:
             return []
         rows = np.array(walls, dtype=np.int32)
-        if len(np.unique(rows)) > ROOM or not refill_walls(self.cells.solid(), self.local, rows, NODES_WITHOUT):
+        if len(np.unique(rows)) > ROOM or not refill_walls(
+            self.cells.solid(), self.local, rows, NODES_WITHOUT
+        ):
             return None
         return [tuple(row) for row in self.local.label[self.local.best[: size[BEST]]].tolist()]
 
@@ -329,4 +331,6 @@ def _turned(face: list[int]) -> Face:
 def _cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Face]]:
     """The walls without those that bound nothing, because they are there in both orientations."""
     both = {(x, z, y) for x, y, z in link} & set(whole)
-    return [(x, y, z) for x, y, z in link if (x, z, y) not in both], [face for face in whole if face not in both]
+    return [(x, y, z) for x, y, z in link if (x, z, y) not in both], [
+        face for face in whole if face not in both
+    ]
