@@ -90,9 +90,21 @@ def recover_one(solid, held, r, found, kind, goal, options):
         shakes -= 1
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[LARGEST] - 4)
-            if beside(solid, r, found.faces[draw(solid.state, count)]):
-                if _attempt(solid, held, r, 2, wanted, options, 8, True):
-                    break
+            face = _wander(solid, found.faces[draw(solid.state, count)])
+            if beside(solid, r, face) and _attempt(solid, held, r, 2, wanted, options, 8, True):
+                break
+
+
+@apart
+def _wander(solid, face):
+    """A face of a cell few steps away, by chance."""
+    t = face >> 2
+    for _ in range(draw(solid.state, 4)):
+        over = solid.across[4 * t + draw(solid.state, 4)]
+        if over >= 0:
+            t = over >> 2
+            face = 4 * t + draw(solid.state, 4)
+    return face
 
 
 @kernel
