@@ -24,6 +24,7 @@ from .generate.boundary.conforming import conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion
 from .generate.front.advancing_front import advancing_front
+from .generate.front.delaunay_front import front_delaunay
 from .generate.rebay.voronoi_segment import voronoi_segment
 from .generate.refinement.refine import refine
 from .mesh.mesh import Mesh
@@ -34,6 +35,7 @@ MESHERS: dict[str, Any] = {
     "refine": refine,
     "voronoi-segment": voronoi_segment,
     "advancing-front": advancing_front,
+    "front-delaunay": lambda domain, size, **rest: front_delaunay(domain, size, finish=True, **rest),
     "circumcenter-insertion": circumcenter_insertion,
     "conforming-delaunay": conforming_delaunay,
     "constrained-delaunay": constrained_delaunay,
@@ -42,11 +44,12 @@ TAKES = {  # which options a method has
     "refine": {"size", "min_angle", "max_area"},
     "voronoi-segment": {"size"},
     "advancing-front": {"size"},
+    "front-delaunay": {"size"},
     "circumcenter-insertion": {"size"},
     "conforming-delaunay": {"size"},
     "constrained-delaunay": {"hull"},
 }
-NEEDS_SIZE = ("voronoi-segment", "advancing-front", "circumcenter-insertion")
+NEEDS_SIZE = ("voronoi-segment", "advancing-front", "front-delaunay", "circumcenter-insertion")
 NOT_WELL, WRONG_USE = 1, 2
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import dist, inf, nan, sqrt
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import random_region
 
-from unstruct.base.errors import MeshError
+from unstruct.base.errors import InputError, MeshError
 from unstruct.plain import advancing_front as plain
 from unstruct.plain import constrained, front_delaunay
 from unstruct.plain.predicates import in_sphere, orient
@@ -134,3 +135,19 @@ def test_a_tie_is_taken_and_told() -> None:
     steps = list(front_delaunay.front_delaunay(SQUARE, RING))
     assert [step.cocircular for step in steps] == [(2,), ()] or len(steps) == 2
     assert steps[0].cocircular
+
+
+@pytest.mark.parametrize("reach", [0.0, -1.0, inf, nan])
+def test_a_search_needs_a_radius(reach: float) -> None:
+    with pytest.raises(InputError, match="reach must be positive and finite"):
+        list(plain.advancing_front(SQUARE, RING, lambda x: 1.0, reach=reach))
+
+
+@given(st.floats(0.01, 100), st.floats(0.01, 100))
+def test_the_circle_contains_the_ideal_point(length: float, wanted: float) -> None:
+    """From a radius of sqrt(5)/2 heights on; and no smaller number will do."""
+    front = plain.Front([(0.0, 0.0), (length, 0.0)], {(0, 1): None}, set())
+    for h in (wanted, 1e3 * length):
+        x, side = plain.ideal_point(front, (0, 1), lambda p, h=h: h)
+        assert dist(x, (length / 2, 0)) <= sqrt(5) / 2 * (sqrt(3) / 2 * side) * (1 + 1e-12)
+    assert dist(x, (length / 2, 0)) > 1.118 * (sqrt(3) / 2 * side)

@@ -176,7 +176,7 @@ def _motion(shift: Any, rotation: float | None, center: Any) -> Motion | None:
 def _is_vector(value: Any) -> bool:
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return False
     return array.shape == (2,) and bool(np.isfinite(array).all())
 

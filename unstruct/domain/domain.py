@@ -12,7 +12,7 @@ from typing import Any, Self, Unpack
 
 import numpy as np
 
-from ..base.arguments import positive
+from ..base.arguments import as_flags, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..base.files import as_path
@@ -20,7 +20,7 @@ from ..base.options import like, named
 from ..geometry.curves import CurveLike
 from ..geometry.outline import Outline
 from . import card, derived, making
-from .arguments import DomainOptions, as_curves, as_markers, as_seeds, as_segments, joined
+from .arguments import DomainOptions, as_curves, as_markers, as_seeds, as_segments, joined, refuse_tiny
 from .plane import poly
 from .plane.faults import refuse
 from .plane.polygons import subtracted
@@ -105,6 +105,7 @@ class Domain(Outline):
         regions: Mapping[str, Any] | None = None,
         resolve: bool = False,
     ):
+        as_flags(resolve=resolve)
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2), not {coordinates.shape}")
@@ -115,9 +116,9 @@ class Domain(Outline):
             frozen(coordinates.copy()),  # a copy: later changes of the caller's array must not matter
             rows,
             others,
-            as_curves(curves, many) if curves else {},
-            as_markers(markers, many) if markers else {},
-            as_seeds(regions) if regions else {},
+            {} if curves is None else as_curves(curves, many),
+            {} if markers is None else as_markers(markers, many),
+            {} if regions is None else as_seeds(regions),
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
@@ -243,6 +244,7 @@ class Domain(Outline):
         """
         if size is None:
             return self._coarse
+        refuse_tiny(self.points)
         return self._side.sized(self, size, positive(step, "step"))
 
     # ------------------------------------------------------------------ inside and outside
@@ -330,6 +332,7 @@ class Domain(Outline):
         resolve : bool
             As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
+        as_flags(resolve=resolve)
         domains: list[Domain] = [self, *map(as_domain, others)]
         for domain in domains:
             derived.must_be_free(domain, "combined")

@@ -11,7 +11,8 @@ from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
-from ..base.arguments import as_mapping
+from ..base.arguments import as_flag, as_mapping
+from ..base.errors import InputError
 from ..base.options import named
 from .arguments import DomainOptions, as_segments
 from .plane import shapes
@@ -29,7 +30,8 @@ def of(cls: type[Made], parts: shapes.Parts, options: Mapping[str, Any]) -> Made
     """A domain of ready-made parts and options; curves, markers, regions and inner pieces are joined."""
     options = dict(options)
     for name in {"curves", "markers", "regions"} & set(parts):
-        options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
+        more = options.get(name)
+        options[name] = {**parts[name], **as_mapping({} if more is None else more, name)}
     if options.get("inner") is not None and parts.get("inner") is not None:
         both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
         options["inner"] = np.concatenate(both)
@@ -51,7 +53,7 @@ def polygon(cls: type[Made], outer: Any, holes: Sequence[Any] = (), **options: U
     inner, curves, markers, regions, resolve : optional
         As for `Domain`; points and pieces are numbered along the rings.
     """
-    least = 1 if options.get("resolve") else 3
+    least = 1 if as_flag(options.get("resolve", False), "resolve") else 3
     return cut_out(partial(of, cls), shapes.rings(outer, holes, least), shapes.ring_names(holes), options)
 
 
@@ -195,7 +197,10 @@ def from_geojson(
     inner, curves, markers, regions, resolve : optional
         As for `Domain`.
     """
-    found = from_features(features_of(as_geometry(geometry), name), resolve=bool(options.get("resolve")))
+    if name is not None and not isinstance(name, str):
+        raise InputError(f"name must be the name of a property, not {name!r:.60}")
+    resolve = as_flag(options.get("resolve", False), "resolve")
+    found = from_features(features_of(as_geometry(geometry), name), resolve=resolve)
     domain: Any = of(cls, found.parts, options)
     domain.repairs[:0] = found.repairs
     return domain

@@ -24,10 +24,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
-from unstruct.base.errors import MeshError
+from unstruct.base.errors import InputError, MeshError
 from unstruct.plain.predicates import orient
 
 __all__ = [
@@ -107,14 +107,18 @@ def is_behind(front: Front, edge: Edge, c: int) -> bool:
 
 
 def crosses(front: Front, edge: Edge, c: int) -> bool:
-    """Whether one of the two new sides crosses an edge of the front, or c lies on one."""
+    """Whether a new side crosses an edge of the front, or c lies on one."""
     a, b = edge
-    on = any(c not in other and on_segment(front, other, c) for other in front.edges)
-    return on or any(cut(front, (v, c), other) for v in (a, b) for other in front.edges)
+    for other in front.edges:
+        if c not in other and on_segment(front, other, c):
+            return True
+        if cut(front, (a, c), other) or cut(front, (b, c), other):
+            return True
+    return False
 
 
 def holds(front: Front, edge: Edge, c: int) -> bool:
-    """Whether a vertex of the front, besides the corners, is in the closed triangle."""
+    """Whether the closed triangle holds another vertex of the front."""
     a, b = edge
     sides = [(a, b), (b, c), (c, a)]
     rest = front.vertices() - {a, b, c}
@@ -152,23 +156,35 @@ def advancing_front(
     key : function of the front, an edge and the size
         The edge with the lowest value is next; of several, the oldest.
     reach : float
-        The radius of the search, in heights of the ideal triangle; above 1, so that X is in the circle.
+        The radius of the search, in heights of an equilateral triangle with the sides of the ideal one. From
+        sqrt(5)/2 = 1.118 on the circle always contains X, since these sides are at most 2 |AB|. X is a
+        candidate in any case; with a smaller radius there are fewer others, and more searches are widened.
     tests : dict of str to function
         What a triangle must pass.
 
     Raises
     ------
+    InputError
+        For a ``reach`` that is not positive and finite.
     MeshError
         If no vertex passes all tests, which happens only if the boundary crosses itself or a test is missing.
         Then the march may also never end.
     """
+    if not 0 < reach < inf:
+        raise InputError(f"reach must be positive and finite, not {reach!r}: it is the radius of the search")
     front = boundary_front(points, facets, inner)
     while front.edges:
         edge = min(front.edges, key=lambda one: key(front, one, size))  # the first of several: the oldest
         yield advance(front, edge, size, reach, tests)
 
 
-def advance(front: Front, edge: Edge, size: Size, reach: float, tests: Mapping[str, Test]) -> Step:
+def advance(
+    front: Front,
+    edge: Edge,
+    size: Size,
+    reach: float,
+    tests: Mapping[str, Test],
+) -> Step:
     """Make the triangle on one edge, and change the front."""
     x, side = ideal_point(front, edge, size)
     radius = reach * (0.5 * sqrt(3.0)) * side
@@ -181,7 +197,7 @@ def advance(front: Front, edge: Edge, size: Size, reach: float, tests: Mapping[s
         reason = "new point"
         front.points.append(x)
     if found is None:
-        raise MeshError(f"no vertex can be joined to the edge {edge}: is the boundary valid?")
+        raise MeshError(f"no vertex fits the edge {edge}: is the boundary valid?")
     a, b = edge
     for u, v in [(a, found), (found, b)]:  # the symmetric difference with the sides
         if (v, u) in front.edges:
@@ -194,9 +210,17 @@ def advance(front: Front, edge: Edge, size: Size, reach: float, tests: Mapping[s
 
 
 def search(
-    front: Front, edge: Edge, x: Point, side: float, radius: float, tests: Mapping[str, Test]
+    front: Front,
+    edge: Edge,
+    x: Point,
+    side: float,
+    radius: float,
+    tests: Mapping[str, Test],
 ) -> tuple[int | None, list[Candidate]]:
-    """Try the vertices in the circle and the ideal point by distance; the point has the next free number."""
+    """Try the vertices in the circle and the ideal point, in the order of distance.
+
+    The ideal point has the next free number.
+    """
     m, new, tried = middle(*ends(front, edge)), len(front.points), []
     near = {v: distance(front.points[v], m) for v in front.vertices() - set(edge)}
     near = {v: d for v, d in near.items() if d <= radius} | {new: distance(x, m)}
@@ -206,7 +230,8 @@ def search(
         if v == new and is_crowded(front, edge, v, CLEARANCE * side):
             verdict = "too near"
         else:
-            verdict = next((name for name, fails in tests.items() if fails(front, edge, v)), "")
+            failed = (k for k, fails in tests.items() if fails(front, edge, v))
+            verdict = next(failed, "")
         if not verdict and v != new and roundness(front, edge, v) < ROUND_ENOUGH:
             verdict = "not round"
         tried.append(Candidate(None if v == new else v, near[v], verdict))

@@ -70,14 +70,22 @@ def front_delaunay(
         yield Cell(edge, c, ties, hidden, tuple(front.edges))
 
 
-def apex(front: Front, edge: Edge, visible: bool = True, behind: Iterable[int] = ()) -> int | None:
-    """The vertex whose circle with the edge has no other vertex inside; None if there is none.
+def apex(
+    front: Front,
+    edge: Edge,
+    visible: bool = True,
+    behind: Iterable[int] = (),
+) -> int | None:
+    """The vertex whose circle with the edge has no other vertex inside, or None.
 
-    With ``visible`` only the visible ones count, as apexes and as others. Without it, all vertices of the
-    front on the left are tried, and all vertices count as others, those given as ``behind`` too.
+    With ``visible`` only the visible ones count, as apexes and as others. Without
+    it, all vertices of the front on the left are tried, and all vertices count as
+    others, those given as ``behind`` too.
     """
-    left = [v for v in candidates(front, edge) if not visible or not is_hidden(front, edge, v)]
-    others = left if visible else sorted((front.vertices() | set(behind)) - set(edge))
+    left = candidates(front, edge)
+    others = sorted((front.vertices() | set(behind)) - set(edge))
+    if visible:
+        left = others = [v for v in left if not is_hidden(front, edge, v)]
     for c in left:
         if all(v == c or is_inside(front, edge, c, v) <= 0 for v in others):
             return c
@@ -99,15 +107,15 @@ def is_inside(front: Front, edge: Edge, c: int, v: int) -> int:
 
 
 def is_hidden(front: Front, edge: Edge, c: int) -> bool:
-    """Whether an edge of the front meets the open triangle of the edge and c, a vertex on its left."""
+    """Whether an edge of the front meets the open triangle of the edge and c."""
     return any(meets(front, (*edge, c), other) for other in front.edges)
 
 
 def meets(front: Front, cell: tuple[int, int, int], segment: Edge) -> bool:
     """Whether a segment meets an open counterclockwise triangle.
 
-    Two such convex sets are disjoint if and only if the line through a side of the triangle, or through the
-    segment, has them on its two closed sides.
+    Two such convex sets are disjoint if and only if the line through a side of the
+    triangle, or through the segment, has them on its two closed sides.
     """
     a, b, c = cell
     for side in ((a, b), (b, c), (c, a)):

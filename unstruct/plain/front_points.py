@@ -16,31 +16,33 @@ __all__ = ["angle_at", "by_angle", "equal_sides", "on_circle", "parts", "toward"
 
 
 def toward(a: Point, b: Point, distance: float) -> Point:
-    """The point on the left of AB, on the line through its middle at right angles to it."""
+    """The point on the left of AB, so far from its middle, at right angles."""
     u, v = b[0] - a[0], b[1] - a[1]
     length = hypot(u, v)
     if length == 0.0:
         raise InputError(f"A and B are the same point, {a}")
-    return (a[0] + b[0]) / 2 - distance * v / length, (a[1] + b[1]) / 2 + distance * u / length
+    x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+    return x - distance * v / length, y + distance * u / length
 
 
 def equal_sides(a: Point, b: Point, h: float) -> Point:
-    """X with XA = XB = h, where h is kept between 0.55 and 2 times the length of AB."""
+    """X with XA = XB = h, where h is kept between 0.55 and 2 times |AB|."""
     length = hypot(b[0] - a[0], b[1] - a[1])
     side = min(max(h, 0.55 * length), 2 * length)
     return toward(a, b, sqrt(side**2 - (length / 2) ** 2))
 
 
 def on_circle(a: Point, b: Point, h: float) -> Point:
-    """X with a circle through A, B and X whose radius is h / sqrt(3), or the least that is possible."""
+    """X such that the circle ABX has the radius h / sqrt(3), or the least one."""
     p = hypot(b[0] - a[0], b[1] - a[1]) / 2
     radius = max(h / sqrt(3), p)
     return toward(a, b, radius + sqrt(radius**2 - p**2))
 
 
 def angle_at(before: Point, at: Point, after: Point) -> float:
-    """The angle of what is not meshed between two edges of the front, in radians, above 0 and up to 2 pi."""
-    ux, uy, vx, vy = after[0] - at[0], after[1] - at[1], before[0] - at[0], before[1] - at[1]
+    """The angle of what is not meshed between two edges, in radians, up to 2 pi."""
+    ux, uy = after[0] - at[0], after[1] - at[1]
+    vx, vy = before[0] - at[0], before[1] - at[1]
     angle = atan2(ux * vy - uy * vx, ux * vx + uy * vy)
     return angle if angle > 0 else angle + 2 * pi
 
@@ -54,7 +56,7 @@ def parts(angle: float) -> int:
 
 
 def by_angle(p: Point, a: Point, b: Point, n: Point, h: float) -> Point:
-    """The angle rule at the end of AB with the smaller angle: connect, halve, trisect; or equal sides."""
+    """The angle rule at the end of AB with the smaller angle; or equal sides."""
     at_a, at_b = angle_at(p, a, b), angle_at(a, b, n)
     angle = min(at_a, at_b)
     k = parts(angle)

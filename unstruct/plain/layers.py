@@ -6,7 +6,7 @@ Tuples and lists, no arrays; the oracle for `unstruct.generate.layers`. Book: 3.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import hypot
+from math import dist, hypot
 
 Point = tuple[float, float]
 
@@ -43,49 +43,61 @@ def advance(ring: Sequence[Point], rays: Sequence[Point], height: float) -> list
 
 
 def spring_force(x: Point, a: Point, b: Point, rest: float) -> float:
-    """The forces of two springs of this rest length from x to the ends of the front edge ab, added up."""
-    return sum(abs(hypot(x[0] - p[0], x[1] - p[1]) - rest) for p in (a, b))
+    """The forces of two springs from x to the ends of the edge ab, added up."""
+    return sum(abs(dist(x, p) - rest) for p in (a, b))
 
 
 def least_force(candidates: Sequence[Point], a: Point, b: Point) -> int:
     """The candidate with the least force for the front edge ab; the rest length is that of the edge."""
-    rest = hypot(b[0] - a[0], b[1] - a[1])
-    return min(range(len(candidates)), key=lambda i: spring_force(candidates[i], a, b, rest))
+    force = [spring_force(x, a, b, dist(a, b)) for x in candidates]
+    return force.index(min(force))
 
 
-def near(a: Point, b: Point, new: tuple[Point, Point], others: Sequence[Point]) -> bool:
-    """Whether an existing point that the edge ab faces takes less force than both of its new points.
+def near(
+    a: Point,
+    b: Point,
+    new: tuple[Point, Point],
+    others: Sequence[Point],
+) -> bool:
+    """Whether an existing point that ab faces takes less force than both new ones.
 
-    So does one that stretches neither spring: in a very narrow gap compressed springs would push it away.
+    Or whether it stretches neither spring: in a very narrow gap compressed springs
+    would push it away.
     """
-    facing = [q for q in others if (b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) > 0]
-    rest = hypot(b[0] - a[0], b[1] - a[1])
-    slack = any(all(hypot(q[0] - p[0], q[1] - p[1]) <= rest for p in (a, b)) for q in facing)
+    u, v = b[0] - a[0], b[1] - a[1]
+    facing = [q for q in others if u * (q[1] - a[1]) > v * (q[0] - a[0])]
+    slack = any(max(dist(q, a), dist(q, b)) <= dist(a, b) for q in facing)
     return slack or least_force([*new, *facing], a, b) > 1
 
 
 def march(
-    ring: Sequence[Point], heights: Sequence[float], others: Sequence[Point], wanted: Callable[[Point], float]
+    ring: Sequence[Point],
+    heights: Sequence[float],
+    others: Sequence[Point],
+    wanted: Callable[[Point], float],
 ) -> list[int]:
-    """How many layers each corner of a ring gets, heights being totals after 1, 2, ... layers.
+    """How many layers each corner gets; heights are totals after 1, 2, ... layers.
 
-    A corner stops before a step that is as long as the front beside it or as the wanted size, before an
-    opposing front, and one layer after a neighbor at the latest.
+    A corner stops before a step that is as long as the front beside it or as the
+    wanted size, before an opposing front, and one layer after a neighbor.
     """
     n, rays = len(ring), wall_rays(ring)
     level, live = [0] * n, [True] * n
     totals = [0.0, *heights]
     for k in range(len(heights)):
-        old, new = advance(ring, rays, totals[k]), advance(ring, rays, totals[k + 1])
+        old = advance(ring, rays, totals[k])
+        new = advance(ring, rays, totals[k + 1])
         step = totals[k + 1] - totals[k]
         for i in range(n):
-            before, after = old[i - 1], old[(i + 1) % n]
-            beside = [hypot(old[i][0] - p[0], old[i][1] - p[1]) for p in (before, after)]
-            matched = step >= sum(beside) / 2 or step >= wanted(old[i])
-            edges = [(before, old[i], (new[i - 1], new[i])), (old[i], after, (new[i], new[(i + 1) % n]))]
-            if matched or any(near(a, b, pair, others) for a, b, pair in edges):
+            edges = [(i - 1, i), (i, (i + 1) % n)]
+            beside = [dist(old[u], old[v]) for u, v in edges]
+            if step >= sum(beside) / 2 or step >= wanted(old[i]):
                 live[i] = False
-        live = [live[i] and min(level[i - 1], level[(i + 1) % n]) >= k for i in range(n)]
+            for u, v in edges:
+                if near(old[u], old[v], (new[u], new[v]), others):
+                    live[i] = False
+        for i in range(n):
+            live[i] = live[i] and min(level[i - 1], level[(i + 1) % n]) >= k
         level = [level[i] + live[i] for i in range(n)]
     return level
 

@@ -34,6 +34,9 @@ from .scenes.centers import circumcenter_state as circumcenter_state
 from .scenes.constraints import principal_component_state as principal_component_state
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
+from .scenes.front_presets import FRONT_PRESETS as FRONT_PRESETS
+from .scenes.front_presets import FRONT_WINDOW as FRONT_WINDOW
+from .scenes.front_presets import front_state as front_state
 from .scenes.fronts import candidate_frames as candidate_frames
 from .scenes.fronts import empty_circle_frames as empty_circle_frames
 from .scenes.fronts import front_frames as front_frames
@@ -52,6 +55,10 @@ from .scenes.rebay import chain_frame as chain_frame
 from .scenes.rebay import cobweb_state as cobweb_state
 from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
+from .scenes.springs import SPRING_X as SPRING_X
+from .scenes.springs import SPRING_Y as SPRING_Y
+from .scenes.springs import spring_state as spring_state
+from .scenes.springs import stretch_state as stretch_state
 from .scenes.states import bowyer_watson_history as bowyer_watson_history
 from .scenes.states import bowyer_watson_state as bowyer_watson_state
 from .scenes.states import empty_circle_state as empty_circle_state

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from ...base.arguments import as_flag
+from ...base.arguments import as_flag, as_flags
 from ...base.errors import InputError
 from ...connect.planar.bounded import SEGMENTS_AT_ONCE, bound_at_once
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
+from ...domain.arguments import refuse_tiny
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh
 from .pairs import paired
@@ -67,6 +68,7 @@ def constrained_delaunay(
     A. K. Lin, Discrete & Computational Geometry 1 (1986) 201-217; L. P. Chew, Algorithmica 4 (1989) 97-108;
     M. V. Anglada, Computers & Graphics 21 (1997) 215-223. Book: 2.5.
     """
+    as_flags(progress=progress)
     domain = as_domain(domain)
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
@@ -97,6 +99,7 @@ def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) 
     PlanarComplex
         Its triangles are numbered by regions. For regions, errors and sources see `constrained_delaunay`.
     """
+    refuse_tiny(domain.points)
     return complex_of(domain, domain.sampled(size), progress=progress)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,11 @@ def front_frames(
     return frames
 
 
+def _so_far(made: int, left: int) -> str:
+    """How many triangles there are, and how long the front is."""
+    return f"{made} triangle{'s' * (made != 1)}, {left} edges of the front"
+
+
 def _in_order(mesh: DomainMesh, record: dict[str, Any]) -> bool:
     """Whether the cells of a mesh are those of its record, in the same order."""
     made = np.column_stack([record["edge"], record["apex"]])
@@ -130,7 +136,7 @@ def _step(mesh: DomainMesh, record: dict[str, Any], i: int, front: np.ndarray, n
     if np.isfinite(ideal).all():
         items.append(fr.dots("inserted" if reason == "new point" else "bad", [ideal]))
     text = f"edge {edge[0]} {edge[1]}: {WHY[reason]}"
-    return fr.frame(text, *items, number=f"{i} triangles, {len(front)} edges of the front")
+    return fr.frame(text, *items, number=_so_far(i, len(front)))
 
 
 # --- the classical front, from its plain version ----------------------------------------------------
@@ -151,8 +157,8 @@ def candidate_frames(points: Any, first: Iterable[Sequence[int]], steps: Iterabl
     Returns
     -------
     list of dict
-        The numbers at the candidates say in which order they are tried. A crossed one failed a test, which
-        the caption names; the star is the one that is taken, if it is new.
+        The caption has the candidates in the order in which they are tried, with the test that each one
+        failed; they are crossed out in the picture. The star is a new point that is taken.
     """
     have = [tuple(map(float, p)) for p in points]
     front = [tuple(map(int, edge)) for edge in first]
@@ -188,11 +194,13 @@ def _tried(have: list[Any], front: list[Any], cells: list[list[int]], step: Step
     ]
     if step.chosen == len(have):
         items.append(fr.dots("inserted", [taken]))
-    why = [
-        f"{'X' if one.vertex is None else one.vertex} {one.verdict or 'is taken'}" for one in step.candidates
-    ]
-    text = f"edge {step.edge[0]} {step.edge[1]}: {', '.join(why)}"
-    return fr.frame(text, *items, number=f"{len(cells)} triangles, {len(front)} edges of the front")
+    wider = " in a wider search" if step.reason == "wider search" else ""
+    why = []
+    for verdict, group in groupby(step.candidates, key=lambda one: one.verdict):
+        names = ", ".join("X" if one.vertex is None else str(one.vertex) for one in group)
+        why.append(f"{names} {verdict}" if verdict else f"{names} is taken{wider}")
+    text = f"edge {step.edge[0]} {step.edge[1]}: {'; '.join(why)}"
+    return fr.frame(text, *items, number=_so_far(len(cells), len(front)))
 
 
 def empty_circle_frames(points: Any, first: Iterable[Sequence[int]], steps: Iterable[Cell]) -> list[fr.Frame]:
@@ -229,7 +237,7 @@ def empty_circle_frames(points: Any, first: Iterable[Sequence[int]], steps: Iter
         text = f"edge {step.edge[0]} {step.edge[1]}: apex {step.apex}"
         text += f"; {', '.join(map(str, step.hidden))} hidden" if step.hidden else ""
         text += f"; {', '.join(map(str, step.cocircular))} on the circle, too" if step.cocircular else ""
-        number = f"{len(cells)} triangles, {len(front)} edges of the front"
+        number = _so_far(len(cells), len(front))
         frames.append(fr.frame(text, *items, number=number))
         cells.append(made)
         front = list(step.front)
