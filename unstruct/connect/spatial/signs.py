@@ -87,17 +87,16 @@ def _in_angle(xyz, s, o, y, z):
 
 @apart
 def _cross(xyz, axis, a, b, p, q):
-    """Whether two segments in a plane meet."""
+    """Whether the open segment ab meets the closed segment pq, in a plane."""
     p_side, q_side = turn(xyz, axis, a, b, p), turn(xyz, axis, a, b, q)
     a_side, b_side = turn(xyz, axis, p, q, a), turn(xyz, axis, p, q, b)
     if p_side == 0 and q_side == 0:  # on a line
         for k in range(3):
-            if max(xyz[p, k], xyz[q, k]) < min(xyz[a, k], xyz[b, k]):
-                return False
-            if max(xyz[a, k], xyz[b, k]) < min(xyz[p, k], xyz[q, k]):
+            low, high = min(xyz[a, k], xyz[b, k]), max(xyz[a, k], xyz[b, k])
+            if low < high and (max(xyz[p, k], xyz[q, k]) <= low or min(xyz[p, k], xyz[q, k]) >= high):
                 return False
         return True
-    return p_side * q_side <= 0 and a_side * b_side <= 0
+    return p_side * q_side <= 0 and a_side * b_side < 0
 
 
 @apart
