@@ -19,6 +19,7 @@ from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
+WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -142,7 +143,7 @@ class SpatialComplex(CellArrays):
             rank = (missing, len(found.steiner), len(found.inner))
             if score is None or rank < score:
                 score, result, best = rank, (found, parts), self.saved()
-            if found.exact:
+            if found.exact or missing + len(found.steiner) > WORTH_ANOTHER:
                 break
             self.restore(before)
         assert result is not None
