@@ -39,7 +39,7 @@ def test_forced_faces() -> None:
 
 
 def test_triangulations_of_a_cube() -> None:
-    """With the diagonals of the five-cell triangulation: that one, and six cells around each long diagonal."""
+    """With the diagonals of the five-cell triangulation: that one, and six cells around a long diagonal."""
     even = [v for v in range(8) if sum(CUBE[v]) % 2 == 0]
     middle = positive(CUBE, *even)
     corners = [
