@@ -20,7 +20,7 @@ from ...connect.planar.flood import mark_regions
 from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
 from ...domain.domain import Domain, Sampled, as_domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ..volume.filling import filled
 from .pairs import paired
 
@@ -84,7 +84,7 @@ def constrained_delaunay(
             raise InputError(
                 "hull is for planar domains; delaunay(domain.points) fills the convex hull in space"
             )
-        return filled(domain, progress=as_flag(progress, "progress"))
+        return noticed(filled(domain, progress=as_flag(progress, "progress")))
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
     if isinstance(hull, str) and not holes:
