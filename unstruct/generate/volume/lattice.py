@@ -16,6 +16,7 @@ from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.inside_shell import even_odd_in_space
+from ...geometry.segment_tree import SegmentTree
 from ...sizing.field import SizeField
 
 __all__ = ["MOST_INNER", "lattice_points"]
@@ -25,6 +26,9 @@ CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean 
 GAP = 0.6  # how near to the surface points may be; unit: the wanted length there
 JITTER = 1e-3  # of the side of a cell
 MOST_INNER = 5_000_000  # points, unless a budget is given
+FINER = 0.7  # mean edges at a vertex of the surface over the size, from which the surface is called finer
+GROWTH = 0.4  # of the size from the finer surface, per length
+TOWARDS = 0.35  # where sizes are sampled between the center of a cell and its corners; unit: a side
 DEEPEST = 18  # levels of nested lattices; their places fit into 64 bits
 COARSE = 16  # cells along the box from which nesting starts, so that small features are met
 
@@ -53,13 +57,14 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     """
     shell = domain.triangulated
     low, high = domain.bounds
+    surface = _finer(shell, field)
     most = MOST_INNER if budget is None else budget
-    if field.constant is None:
-        places, side, unit, origin = _nested(field, low, high, most)
+    if surface is not None or field.constant is None:
+        places, side, unit, origin = _nested(field, surface, low, high, most)
     else:
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
-    size = field(rows) if len(rows) else np.empty(0)
+    size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
     rows = rows[~_near(shell, domain, rows, GAP * size)]
     rows = rows[even_odd_in_space(shell.points, shell.bounding, rows)[0]]
     if len(rows) > most:
@@ -89,17 +94,21 @@ def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.i
     return places, np.full(len(places), side), side / 2, low / 2 + high / 2
 
 
-def _nested(field: SizeField, low: Array, high: Array, most: int) -> tuple:
+def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Array, most: int) -> tuple:
     """Corners and centers of the leaves of an octree, as in `_uniform`; the unit is half of the smallest side."""
     root = float((high - low).max())
     spans = (high - low) / root
     cells, side, level = np.zeros((1, 3), dtype=np.int64), root, 0
     leaves: list[tuple[NDArray[np.int64], int]] = []
     found = 0
+    marks = field.landmarks if field.landmarks.shape[1:] == (3,) else np.empty((0, 3))
+    marked = field(marks) if len(marks) else np.empty(0)
     while len(cells):
         inside = (cells * 0.5**level < spans).all(axis=1)
         cells = cells[inside]
-        wanted = _least_size(field, low, cells, side, level)
+        wanted = _least_size(field, surface, low, cells, side)
+        at, here = _cell_of(cells, np.floor((marks - low) / side).astype(np.int64))
+        np.minimum.at(wanted, at, marked[here])
         split = (side > np.sqrt(2.0) * CELL * wanted) | (2**level < COARSE) & (side > CELL * wanted)
         leaves.append((cells[~split], level))
         found += int(np.count_nonzero(~split))
@@ -115,23 +124,54 @@ def _nested(field: SizeField, low: Array, high: Array, most: int) -> tuple:
     return _corners_of(leaves, root, low)
 
 
-def _least_size(field: SizeField, low: Array, cells: NDArray[np.int64], side: float, level: int) -> Array:
-    """The least wanted length at the center, at points towards the corners, and at landmarks of each cell."""
+def _finer(shell: Shell, field: SizeField) -> SegmentTree | None:
+    """Those vertices of the surface whose edges are much shorter than the size, with the means of these."""
+    corners = shell.points[shell.triangles]
+    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)  # of the edges k, k + 1
+    at_corner = (lengths + np.roll(lengths, 1, axis=1)).ravel() / 2
+    vertex, n = shell.triangles.ravel(), len(shell.points)
+    share = np.bincount(vertex, minlength=n)
+    mean = np.bincount(vertex, at_corner, minlength=n) / np.maximum(share, 1)
+    used = np.flatnonzero(share)
+    fine = used[mean[used] < FINER * field(shell.points[used])]
+    return SegmentTree(shell.points[fine], mean[fine]) if len(fine) else None
+
+
+def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
+    """The size, made smaller near parts of the surface that are finer: it grows from there."""
+    return size if surface is None or len(x) == 0 else surface.least(x, GROWTH, size)[0]
+
+
+def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which cells of a level some places are in, and which of the places are in one."""
+    bits = DEEPEST + 2
+    inside = np.flatnonzero(((at >= 0) & (at < 1 << bits)).all(axis=1))
+    keys, wanted = (
+        (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2] for rows in (cells, at[inside])
+    )
+    if len(keys) == 0:
+        return keys, keys
+    order = np.argsort(keys)
+    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
+    same = keys[order][place] == wanted
+    return order[place[same]], inside[same]
+
+
+def _least_size(
+    field: SizeField, surface: SegmentTree | None, low: Array, cells: NDArray[np.int64], side: float
+) -> Array:
+    """About the least wanted length in each cell: at the center and towards the corners."""
     if len(cells) == 0:
         return np.empty(0)
     centers = low + side * (cells + 0.5)
     wanted = field(centers)
-    for step in np.ndindex(2, 2, 2):
-        wanted = np.minimum(wanted, field(centers + side * 0.35 * (2.0 * np.array(step) - 1)))
-    marks = field.landmarks
-    if marks.shape[1:] == (3,) and len(marks):
-        at = np.floor((marks - low) / side).astype(np.int64)
-        number = {tuple(row): i for i, row in enumerate(cells.tolist())}
-        for row, h in zip(at.tolist(), field(marks).tolist()):
-            i = number.get(tuple(row), -1)
-            if i >= 0:
-                wanted[i] = min(wanted[i], h)
-    return wanted
+    if field.growth is not None:
+        wanted = np.maximum(wanted - TOWARDS * side * field.growth, 0.25 * wanted)
+    else:
+        for step in np.ndindex(2, 2, 2):
+            wanted = np.minimum(wanted, field(centers + side * TOWARDS * (2.0 * np.array(step) - 1)))
+    near = _limited(surface, centers, wanted + TOWARDS * side * GROWTH)
+    return np.maximum(near - TOWARDS * side * GROWTH, 0.25 * np.minimum(near, wanted))
 
 
 def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: Array) -> tuple:

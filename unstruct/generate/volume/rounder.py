@@ -23,10 +23,10 @@ from .steps import REFILLED, SMOOTHED, cell_badness, refill_bad, smooth_bad
 __all__ = ["Rounded", "faces_of_cells", "rounded"]
 
 ROUNDS = 4
-POOR = 0.35  # badness from which cells are refilled
-UNEVEN = 0.15  # badness of the worst cell at a vertex from which the vertex is smoothed
+POOR = 0.42  # badness from which cells are refilled
+UNEVEN = 0.25  # badness of the worst cell at a vertex from which the vertex is smoothed
 LARGEST_CAVITY = 8  # vertices
-NODES_OF_A_SEARCH = 200
+NODES_OF_A_SEARCH = 100
 
 
 class Rounded(NamedTuple):
@@ -126,18 +126,20 @@ def rounded(
     vertices = np.flatnonzero(moving & (work.at >= 0)).astype(np.int32)
     counts, local = np.zeros(4, dtype=np.int64), new_local()
     bar = progress_bar(progress, " rounds", total=ROUNDS)
-    for _ in range(ROUNDS):
+    touched = np.zeros(work.size, dtype=np.int32)
+    for number in range(1, ROUNDS + 1):
         bar.update(1)
         before = counts.sum()
         bad = np.empty(work.slots)
         cell_badness(work.solid(), work.slots, bad)
         poor = np.flatnonzero(bad > POOR)
         poor = poor[np.argsort(-bad[poor], kind="stable")].astype(np.int32)
-        limits = np.array([POOR, LARGEST_CAVITY, NODES_OF_A_SEARCH], dtype=np.float64)
+        limits = np.array([POOR, LARGEST_CAVITY, NODES_OF_A_SEARCH, number], dtype=np.float64)
         while len(poor):
             work.reserve(work.size, work.slots + len(poor) // 4 + 8 * SLACK)
-            poor = poor[refill_bad(work.solid(), held, local, poor, limits, counts) :]
-        smooth_bad(work.solid(), work.found, vertices, UNEVEN, counts)
+            poor = poor[refill_bad(work.solid(), held, local, poor, touched, limits, counts) :]
+        limits[0] = UNEVEN
+        smooth_bad(work.solid(), work.found, vertices, touched, limits, counts)
         if counts.sum() == before:
             break
     bar.close()

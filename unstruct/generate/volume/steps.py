@@ -14,7 +14,7 @@ from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import beside, commit, corner, grow, load
 from ...connect.spatial.crossing import star
 from ...connect.spatial.recovery import SLACK
-from ...connect.spatial.records import KIND
+from ...connect.spatial.records import CORNERS, KIND
 from ...connect.spatial.refill import NEVER, SHAPE, badness, refill
 from ...connect.spatial.signs import side
 
@@ -50,13 +50,14 @@ def _refilled(solid, held, r, count, wanted, noise, budget):
 
 
 @kernel
-def refill_bad(solid, held, r, cells, limits, counts):
+def refill_bad(solid, held, r, cells, touched, limits, counts):
     """Refill around these cells, one after the other; returns the first for which slots are lacking.
 
-    Cells that are better than ``limits[0]`` by now are passed over. Cavities have up to ``limits[1]`` vertices;
-    a search visits up to ``limits[2]`` nodes.
+    Cells that are better than ``limits[0]`` by now are passed over, and so are those at whose vertices nothing
+    has changed since the last round. Cavities have up to ``limits[1]`` vertices; a search visits up to
+    ``limits[2]`` nodes.
     """
-    most, budget = int(limits[1]), int(limits[2])
+    most, budget, now = int(limits[1]), int(limits[2]), int(limits[3])
     for i in range(cells.shape[0]):
         if solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
             return i
@@ -64,6 +65,8 @@ def refill_bad(solid, held, r, cells, limits, counts):
         if solid.vertex[4 * t] < 0:
             continue
         v = solid.vertex[4 * t : 4 * t + 4]
+        if max(touched[v[0]], touched[v[1]], touched[v[2]], touched[v[3]]) < now - 1:
+            continue
         if badness(solid.xyz, v[0], v[1], v[2], v[3]) < limits[0]:
             continue
         done = False
@@ -78,6 +81,8 @@ def refill_bad(solid, held, r, cells, limits, counts):
                 break
         if done:
             counts[REFILLED] += 1
+            for j in range(r.size[CORNERS]):
+                touched[r.label[j]] = now
     return cells.shape[0]
 
 
@@ -160,20 +165,26 @@ def _gradient(solid, t, p, step):
 
 
 @kernel
-def smooth_bad(solid, found, vertices, limit, counts):
-    """Move each of these vertices whose worst cell is worse than ``limit`` if there is a better place."""
+def smooth_bad(solid, found, vertices, touched, limits, counts):
+    """Move each of these vertices whose worst cell is worse than ``limits[0]`` if there is a better place.
+
+    ``touched`` is the round in which something has changed at each vertex; ``limits[3]`` is this round.
+    """
+    now = int(limits[3])
     place, step = np.empty(3), np.empty(3)
     for i in range(vertices.shape[0]):
         p = vertices[i]
+        if touched[p] < now - 1:
+            continue
         size = star(solid, found, p)
         worst, where = _worst(solid, found, size)
-        if size == 0 or worst < limit:
+        if size == 0 or worst < limits[0]:
             continue
         before = worst
         _mean(solid, found, size, p, place)
         worst = _try(solid, found, size, p, place, worst)
         for _ in range(CLIMBS):
-            now, where = _worst(solid, found, size)
+            _, where = _worst(solid, found, size)
             if not _gradient(solid, found.cells[where], p, step):
                 break
             length, last = 0.3, worst
@@ -188,3 +199,6 @@ def smooth_bad(solid, found, vertices, limit, counts):
                 break
         if worst < before:
             counts[SMOOTHED] += 1
+            for j in range(size):
+                for k in range(4):
+                    touched[solid.vertex[4 * found.cells[j] + k]] = now

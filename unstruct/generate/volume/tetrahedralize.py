@@ -1,26 +1,20 @@
-"""Tetrahedra of a wanted size in a body whose surface is kept, and rounder tetrahedra in any mesh of them.
+"""Tetrahedra of a wanted size in a body whose surface is kept.
 
-See `generate.volume.lattice` for the points and `generate.volume.steps` for the kernels. Book: 2.8c.
+See `generate.volume.lattice` for the points, `filling` for the surface, `steps` for the cells. Book: 2.8c.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...base.arguments import as_count, as_flag
-from ...base.errors import MeshError
 from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...mesh.mesh import Mesh
-from ...sizing.field import SizeField, as_size
+from ...sizing.field import as_size
 from .filling import filled
 from .lattice import lattice_points
-from .rounder import Rounded, faces_of_cells, rounded
 
-__all__ = ["improve", "tetrahedralize"]
+__all__ = ["tetrahedralize"]
 
 
 def tetrahedralize(
@@ -55,7 +49,7 @@ def tetrahedralize(
     -------
     DomainMesh
         As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
-        numbers of "refills" and "moves". No facet is divided: cells with an edge of the surface that is more
+        numbers of "refills" and "moves". No facet is divided: cells with a face on a piece whose edges are more
         than twice as long as wanted are in ``unrefined``.
 
     Raises
@@ -67,7 +61,8 @@ def tetrahedralize(
     Notes
     -----
     Points of body-centered cubic lattices, nested by the size where it varies, are inserted before the facets
-    are recovered. Where a facet is missing, nothing is optimized. The same input and seed give the same mesh.
+    are recovered. Near a surface that is finer than the size, cells are as small as its triangles; their
+    edges grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and seed give the same mesh.
     O(n) in practice for n cells. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
     2005-2039; P.-L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998); L. A. Freitag,
     C. Ollivier-Gooch, Int. J. Numer. Methods Eng. 40 (1997) 3979-4002. Book: 2.8c.
@@ -82,36 +77,3 @@ def tetrahedralize(
         inner = lattice_points(domain, field, budget)
     mesh = filled(domain, inner, field=field, optimize=optimize, seed=seed, budget=budget, progress=progress)
     return noticed(mesh)
-
-
-def improve(mesh: Mesh, *, seed: int = 0, progress: bool = False) -> DomainMesh:
-    """Make the tetrahedra of a mesh rounder by refills of small cavities and by moving inner vertices.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Positively oriented tetrahedra, for example of `delaunay`, `tetrahedralize` or another program.
-    seed : int
-        Of the random numbers by which cavities are chosen.
-    progress : bool
-        Show the rounds.
-
-    Returns
-    -------
-    DomainMesh
-        The same vertices and markers; ``counts`` has the "refills" and "moves". The boundary, marked faces
-        and edges, faces between regions, the pieces of a domain, and all vertices on these, named by a marker
-        or given with the domain stay. Other markers of cells than "region" are dropped.
-
-    Raises
-    ------
-    MeshError
-        For a mesh that is not made of positive tetrahedra that meet in whole faces.
-
-    Notes
-    -----
-    The least quality 6 sqrt(2) V / (mean square edge)^1.5 around each change becomes better, by exact signs
-    nothing becomes invalid. O(n) in practice. Source: L. A. Freitag, C. Ollivier-Gooch, Int. J. Numer.
-    Methods Eng. 40 (1997) 3979-4002. For triangles in the plane see `smooth`. Book: 2.8c.
-    """
-    raise MeshError("not yet")
