@@ -47,7 +47,12 @@ class SizeField:
         The value, if it is the same everywhere; otherwise None.
     growth : float or None
         A bound on the change per unit of length; None if none is known.
+    thorough : bool
+        Whether finishing may take most of the time, for the sake of the least angle: True but for sizes that
+        grow fast nearly everywhere.
     """
+
+    thorough = True
 
     def __init__(
         self,

@@ -21,6 +21,7 @@ from ..refinement.refine import refine
 from .rays import FAN_RAY, SLIDING_RAY
 from .run import LayersRun
 from .stops import BY_END, STOP_REASONS
+from .union import largest_angle
 from .walls import wall_pieces
 
 __all__ = ["FILLS", "advancing_layers"]
@@ -116,8 +117,9 @@ def advancing_layers(
     *Validity* is exact: all cells are positive, quadrilaterals convex, and the envelope meets neither itself
     nor the rest; so nothing overlaps. Where this fails, the fronts step back; without any layer the rest is
     the domain itself, so the method ends. Edges of the envelope are not divided by the method for the rest,
-    whose size is min(size, length of the envelope's edges + 0.2 distance). Where its cells still become poor,
-    the fronts beside them step back, and the rest is meshed again, at most some times.
+    whose size is min(size, length of the envelope's edges + 0.2 distance). It is finished more quickly than
+    by that method alone, as the least angles of such a size are not worth the time. Where its cells still
+    become poor, the fronts beside them step back, and the rest is meshed again, at most some times.
 
     O(r k log(r k)) for r rays of k layers, in practice, besides the method for the rest. Sources: S.
     Pirzadeh, AIAA Journal 32 (1994) 1735-1737 and 34 (1996) 43-49. Book: 3.3.
@@ -191,7 +193,5 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
         unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
     )  # fmt: skip
-    least = float(run.filled.quality("min_angle").min(initial=180.0))
-    largest = float(mesh.quality("max_angle").max())
-    mesh.figures.update({"minimum angle of the rest": least, "largest angle": largest})
+    mesh.figures.update({"minimum angle of the rest": run.least, "largest angle": largest_angle(mesh)})
     return mesh

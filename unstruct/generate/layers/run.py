@@ -14,8 +14,9 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.stretching import Layers
 from .envelope import freed, short_fans
-from .filling import Remainder, matched_size, remainder
+from .filling import Remainder, remainder
 from .heights import fronts_of
+from .matched import matched_size
 from .rays import rays_of
 from .scene import Scene
 from .spacing import spaced_walls
@@ -123,7 +124,7 @@ class LayersRun:
             if least >= enough or repeat == MOST_REPEATS or not self._step_back(angle < POOR_ANGLE, repeat):
                 break
             self.repeats += 1
-        self.stops, self.numbers, self.rest, self.top, self.filled = best[1]
+        self.least, (self.stops, self.numbers, self.rest, self.top, self.filled) = best
 
     def _step_back(self, poor: NDArray[np.bool_], repeat: int) -> bool:
         """Lower the rays beside poor cells of the rest; False if there are none."""

@@ -22,6 +22,8 @@ from .finishing import (
     HOPED_ANGLE,
     PASSES,
     PROMISED_ANGLE,
+    QUICK,
+    THOROUGH,
     TRIED_ANGLE,
     figures,
     refine_angles,
@@ -75,6 +77,7 @@ class VoronoiSegmentRun:
         self.domain, self.complex, self.kept = domain, complex_, kept
         lower, upper = domain.bounds
         field = as_size(size)
+        self.effort = THOROUGH if field.thorough else QUICK
         self.table = field.table(lower, upper, factor=complex_.factor, tolerance=TOLERANCE).nodes
         self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
         if priority is not None:
@@ -206,7 +209,7 @@ class VoronoiSegmentRun:
             best = figures(c)["minimum angle"], c.saved()
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
-                moves, swaps, moved, measured = smooth_poor(c, self.first, since)
+                moves, swaps, moved, measured = smooth_poor(c, self.first, since, self.effort)
                 before = before or measured
                 done["moves"] += moves
                 done["swaps"] += swaps
@@ -221,7 +224,9 @@ class VoronoiSegmentRun:
             self.advance(budget, None)  # some triangles may have become too large again
             done["points again"] += c.size - size
             again = c.size > size
-            if not self.spent:
+            if not self.spent and (
+                self.effort is THOROUGH or figures(c)["minimum angle"] < self.effort.patched
+            ):
                 self.reserve(c.size + SPARE_VERTICES)
                 done["patches"] += sharpen_worst(
                     self.domain, c, self.front(), self.first, self.kept, most is None
