@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.errors import InputError, MeshError
 from ..geometry.edge_vectors import LEAST_LENGTH, exponents, lengths
-from ..geometry.simplex import angles
+from ..geometry.simplex import angles, dihedral_angles
 from ..geometry.triangle_shapes import planar_angles, planar_edges
 from ..mesh.cells import cell_rows, counted
 from ..mesh.mesh import Mesh
@@ -28,6 +28,9 @@ NAMES = {
     "min_angle": "minimum angle",
     "low_angle": "1 % of the minimum angles below",
     "max_angle": "maximum angle",
+    "min_dihedral": "minimum dihedral angle",
+    "low_dihedral": "1 % of the minimum dihedral angles below",
+    "max_dihedral": "maximum dihedral angle",
     "least_round": "minimum 2r/R",
     "mean_round": "mean 2r/R",
     "least_scaled": "minimum scaled Jacobian",
@@ -39,7 +42,7 @@ NAMES = {
     "least_metric": "minimum metric quality",
     "mean_metric": "mean metric quality",
 }
-DEGREES = ("min_angle", "low_angle", "max_angle")
+DEGREES = ("min_angle", "low_angle", "max_angle", "min_dihedral", "low_dihedral", "max_dihedral")
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,9 @@ class Statistics:
         How many cells of each kind there are.
     least_metric, mean_metric : float
         The metric quality of triangles, `metric_quality`; NaN if the size is no metric, and for other cells.
+    min_dihedral, low_dihedral, max_dihedral : float
+        Of tetrahedra, in degrees: the smallest of all angles between faces; the value that the smallest such
+        angles of one cell in a hundred do not exceed; the largest. NaN if the mesh has other cells.
     """
 
     vertices: int
@@ -85,6 +91,9 @@ class Statistics:
     kinds: dict[str, int] = field(default_factory=dict)
     least_metric: float = float("nan")
     mean_metric: float = float("nan")
+    min_dihedral: float = float("nan")
+    low_dihedral: float = float("nan")
+    max_dihedral: float = float("nan")
 
     @property
     def least_angle(self) -> float:
@@ -109,7 +118,10 @@ class Statistics:
                 found.append((NAMES[each.name], str(value)))
             elif not np.isnan(value):
                 digits = f"{value:.1f}°" if each.name in DEGREES else f"{value:.3f}"
-                found.append((NAMES[each.name], f"{value:.1%}" if each.name == "conforming" else digits))
+                name = NAMES[each.name]
+                if list(self.kinds) == ["tetra"]:
+                    name = name.replace("2r/R", "3r/R")
+                found.append((name, f"{value:.1%}" if each.name == "conforming" else digits))
         return found
 
     def __str__(self) -> str:
@@ -167,6 +179,9 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         quotients = _quotients(mesh, as_size(size))
     with np.errstate(divide="ignore"):
         close = np.abs(np.log2(quotients)) <= 0.5
+    dihedral = np.full((1, 1), np.nan)
+    if list(mesh.cells) == ["tetra"]:
+        dihedral = np.degrees(dihedral_angles(mesh.corners))
     used = np.zeros(len(mesh.points), dtype=bool)
     used[cell_rows(mesh.cells)[1]] = True
     return Statistics(
@@ -186,6 +201,9 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         kinds={kind: len(block) for kind, block in mesh.cells.items()},
         least_metric=float(fair.min()),
         mean_metric=float(fair.mean()),
+        min_dihedral=float(dihedral.min()),
+        low_dihedral=float(np.quantile(dihedral.min(axis=1), 0.01)),
+        max_dihedral=float(dihedral.max()),
     )
 
 

@@ -21,7 +21,7 @@ from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
 from ...domain.arguments import refuse_tiny
 from ...domain.domain import Domain, Sampled, as_domain
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ..volume.filling import filled
 from .pairs import paired
 
@@ -84,7 +84,7 @@ def constrained_delaunay(
     if domain.dimension == 3:
         if hull is not False:
             raise InputError("hull is for planar domains; delaunay(points) fills the convex hull in space")
-        return filled(domain, progress=progress)
+        return noticed(filled(domain, progress=progress))
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
     if isinstance(hull, str) and not holes:

@@ -73,7 +73,7 @@ def smooth(
     Raises
     ------
     MeshError
-        For a mesh that is not made of counterclockwise triangles of the plane.
+        For a mesh that is not made of counterclockwise triangles of the plane (`improve` is for tetrahedra).
     InputError
         For an unknown method, a negative number of rounds, or numbers of vertices that do not exist.
 
@@ -91,6 +91,8 @@ def smooth(
         raise InputError(f"no method is called {method!r}; there are {', '.join(names)} and {last}")
     rounds = as_count(rounds, "rounds")
     limit = 2.0 if below is None else finite(below, "below")
+    if isinstance(mesh, Mesh) and mesh.dimension == 3:
+        raise MeshError(f"smooth is for triangles in the plane; for {mesh!r} see improve")
     coordinates, wide = planar_coordinates(mesh)
     if mesh.size == 0:
         raise MeshError(f"there is nothing to smooth: {mesh!r}")
