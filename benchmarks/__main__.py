@@ -8,13 +8,26 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import delaunay, front, machine, planar, planar_report, report, small, small_report, threads
+from . import (
+    delaunay,
+    front,
+    layers,
+    layers_report,
+    machine,
+    planar,
+    planar_report,
+    report,
+    small,
+    small_report,
+    threads,
+)
 from .run import RESULTS, Workers
 
 # A suite is a function of workers, the largest size and the number of repeats; it returns rows.
 SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "delaunay": delaunay.run,
     "front": front.run,
+    "layers": layers.run,
     "planar": planar.run,
     "small": small.run,
     "threads": threads.run,
@@ -23,6 +36,7 @@ SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
 REPORTS: dict[str, Any] = {
     "delaunay": report,
     "front": planar_report,
+    "layers": layers_report,
     "planar": planar_report,
     "small": small_report,
     "threads": threads,

@@ -1,108 +1,60 @@
-"""Layers along a wing and its flap beside Gmsh's BoundaryLayer field: ``python -m benchmarks.layers``.
+"""The suite ``layers``: layers along a wing and its flap beside Gmsh, and stretched cells beside MMG.
 
-Both methods get the same points on the walls, the same first height and growth, and the same size beyond.
-Their times are taken in turn in one process, of the processor; the ratio is that of the medians. For each
-mesh the table also has the largest angle, the least angle and the mean of 2 r / R where there are no layers
-(triangles whose longest side is at most twice the shortest altitude's base, for Gmsh, which does not say
-which triangles are its layers), and the 99 % quantile of the ratio of areas of neighbors.
+*Layers.* Both methods get the same points on the walls, the same first height and growth, and the same size
+beyond. The time of Gmsh includes that of its geometry and fields, but not that of the points on the walls,
+which we compute in ours. Of a mesh the rows have the largest angle, the least angle and the mean of 2 r / R
+where there are no layers (for Gmsh, which does not say which triangles are its layers: of triangles that are
+not stretched), and the 99 % quantile of the ratio of areas of neighbors.
+
+*Stretched cells.* A square, in a metric whose direction turns, with cells ten times as long as wide. MMG, if
+`mmgpy` is installed, remeshes an isotropic mesh once, by the metric at its vertices.
 """
 
 from __future__ import annotations
 
-import statistics
-import time
-from itertools import product
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-SPACINGS, SIZE_GROWTH, FAR, RATIO = (0.01, 0.002), 0.25, 1.0, 1.2  # along the walls, in chords
-FIRST = (1e-3, 1e-4, 1e-5)
+from .meshers import Mesher, find
+from .run import Workers, measured
+
+SIZE_GROWTH, FAR, RATIO = 0.25, 1.0, 1.2
 STRETCHED = 3.0  # triangles with a larger quotient of circumradius and twice the inradius count as layers
+ALONG = 10.0  # times as long as wide are stretched cells
+# work -> kind -> the rough number of triangles; kinds of layers: spacing of the walls and first height
+PLAN: dict[str, dict[str, int]] = {
+    "layers": {
+        "1e-2 1e-3": 12_000, "1e-2 1e-4": 19_000, "1e-2 1e-5": 26_000,
+        "2e-3 1e-3": 29_000, "2e-3 1e-4": 63_000, "2e-3 1e-5": 96_000,
+        "2.5e-4 1e-6": 780_000,
+    },
+    "stretched": {"turning": 23_000, "turning, finer": 210_000},
+}  # fmt: skip
+LENGTHS = {"turning": 0.01, "turning, finer": 0.0033}  # the geometric means of the two wanted ones
+COARSE_LENGTH = 0.05  # of the tasks that load compiled code
+
+Meshed = tuple[NDArray, NDArray, Any]  # points, triangles, and which of them are no layers (None: not known)
+__all__ = ["MESHERS", "PLAN", "measures", "run", "task", "warm_up"]
 
 
-class Judged(NamedTuple):
-    """What is told of one mesh."""
+class Outline(NamedTuple):
+    """What Gmsh is given, prepared before its time starts."""
 
-    cells: int
-    largest: float
-    least: float
-    mean: float
-    areas: float
-
-
-def wing(spacing: float) -> tuple[Any, Any, Any]:
-    """The domain, its size, and its sampled walls: the rows of subsegments that belong to the wing."""
-    from unstruct import examples, sizing
-
-    domain = examples.wing_with_flap()
-    sampled = domain.sampled(spacing)
-    pieces = np.concatenate([domain.markers["upper"], domain.markers["lower"]])
-    rows = np.isin(sampled.piece, pieces)
-    sources = sampled.points[sampled.ends[rows]]
-    return domain, sizing.sources(sources, spacing, growth=SIZE_GROWTH, far=FAR), sampled
+    points: NDArray[np.float64]
+    ends: NDArray[np.int32]
+    wall: NDArray[np.bool_]
+    loops: list[list[tuple[int, int]]]
+    sharp: list[int]
 
 
-def ours(domain: Any, size: Any, first: float, stop: str = "nearest") -> Any:
-    """The mesh of `advancing_layers`."""
-    from unstruct import Layers, advancing_layers
-
-    layers = Layers(first=first, growth=RATIO)
-    return advancing_layers(domain, size, layers=layers, walls=["upper", "lower"], stop=stop)
-
-
-def gmsh(
-    domain: Any, size: Any, first: float, spacing: float
-) -> tuple[float, NDArray[np.float64], NDArray[np.int64]]:
-    """The time of Gmsh's mesh with a BoundaryLayer field, its points and triangles."""
-    import gmsh as peer
-
-    if not peer.isInitialized():
-        peer.initialize(interruptible=False)
-        peer.option.setNumber("General.Terminal", 0)
-    before = time.process_time()
-    peer.clear()
+def outline(domain: Any, size: Any) -> Outline:
+    """The subsegments of the boundary, as `advancing_layers` has them, and which of them are walls."""
     sampled = domain.sampled(size)
-    on_wall = np.isin(sampled.piece, np.concatenate([domain.markers["upper"], domain.markers["lower"]]))
-    geo, field, used = peer.model.geo, peer.model.mesh.field, np.unique(sampled.ends)
-    tag = {v: geo.addPoint(*sampled.points[v].tolist(), 0) for v in used.tolist()}
-    lines = [geo.addLine(tag[a], tag[b]) for a, b in sampled.ends.tolist()]
-    loops = rings(sampled.ends)
-    geo.addPlaneSurface([geo.addCurveLoop([int(s * lines[i]) for i, s in loop]) for loop in loops])
-    for line in lines:
-        geo.mesh.setTransfiniteCurve(line, 2)
-    geo.synchronize()
-    for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
-        peer.option.setNumber(f"Mesh.MeshSize{name}", 0)
-    walls = [line for line, wall in zip(lines, on_wall) if wall]
-    distance = field.add("Distance")
-    field.setNumbers(distance, "CurvesList", walls)
-    field.setNumber(distance, "Sampling", 2)
-    wanted = field.add("MathEval")
-    field.setString(wanted, "F", f"Min({spacing} + {SIZE_GROWTH} * F{distance}, {FAR})")
-    field.setAsBackgroundMesh(wanted)
-    layer = field.add("BoundaryLayer")
-    field.setNumbers(layer, "CurvesList", walls)
-    for name, value in (
-        ("Size", first),
-        ("Ratio", RATIO),
-        ("Thickness", spacing * RATIO / (RATIO - 1)),
-        ("Quads", 0),
-    ):
-        field.setNumber(layer, name, value)
-    sharp = [tag[v] for v in trailing(domain, sampled, on_wall)]
-    field.setNumbers(layer, "FanPointsList", sharp)
-    field.setAsBoundaryLayer(layer)
-    peer.option.setNumber("Mesh.Algorithm", 6)
-    peer.model.mesh.generate(2)
-    tags, coordinates, _ = peer.model.mesh.getNodes()
-    place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-    place[tags.astype(np.int64)] = np.arange(len(tags))
-    kinds, _, nodes = peer.model.mesh.getElements(2)
-    triangles = nodes[list(kinds).index(2)].reshape(-1, 3).astype(np.int64)
-    taken = time.process_time() - before
-    return taken, coordinates.reshape(-1, 3)[:, :2], place[triangles]
+    wall = np.isin(sampled.piece, np.concatenate([domain.markers["upper"], domain.markers["lower"]]))
+    return Outline(sampled.points, sampled.ends, wall, rings(sampled.ends), trailing(domain, sampled, wall))
 
 
 def rings(ends: NDArray[np.int32]) -> list[list[tuple[int, int]]]:
@@ -138,57 +90,198 @@ def trailing(domain: Any, sampled: Any, on_wall: NDArray[np.bool_]) -> list[int]
     return found
 
 
-def judged(points: NDArray[np.float64], triangles: NDArray[np.int64], rest: Any = None) -> Judged:
-    """Angles, roundness and neighbors of a mesh; ``rest`` says which triangles are no layers."""
-    from unstruct import Mesh
+class Wing(NamedTuple):
+    """A task: what is prepared before any time starts."""
+
+    domain: Any
+    size: Any
+    outline: Outline
+    spacing: float
+    first: float
+
+
+def wing(spacing: float, first: float) -> Wing:
+    """The wing with its flap. The size is that of sources at the vertices of the walls."""
+    from unstruct import examples, sizing
+
+    domain = examples.wing_with_flap()
+    sampled = domain.sampled(spacing)
+    pieces = np.concatenate([domain.markers["upper"], domain.markers["lower"]])
+    sources = sampled.points[sampled.ends[np.isin(sampled.piece, pieces)]]
+    size = sizing.sources(sources, spacing, growth=SIZE_GROWTH, far=FAR)
+    return Wing(domain, size, outline(domain, size), spacing, first)
+
+
+def _ours(stop: str) -> Callable[[], Callable[[Wing], Meshed]]:
+    def prepare() -> Callable[[Wing], Meshed]:
+        from unstruct import Layers, advancing_layers
+
+        def run(given: Wing) -> Meshed:
+            layers = Layers(first=given.first, growth=RATIO)
+            mesh = advancing_layers(
+                given.domain, given.size, layers=layers, walls=["upper", "lower"], stop=stop
+            )
+            assert mesh.steps is not None
+            return mesh.points, mesh.simplices, mesh.steps["cell_layer"] == 0
+
+        return run
+
+    return prepare
+
+
+def _gmsh() -> Callable[[Wing], Meshed]:
+    """Gmsh with a BoundaryLayer field.
+
+    The size is that of `wing`: sources at the vertices of the walls. A Distance field of the lines between
+    them, with Sampling 2, would have no point at all, and the rest would be as coarse as ``FAR`` permits.
+    """
+    import gmsh as peer
+
+    if not peer.isInitialized():
+        peer.initialize(interruptible=False)
+        peer.option.setNumber("General.Terminal", 0)
+
+    def run(given: Wing) -> Meshed:
+        edges, spacing, first = given.outline, given.spacing, given.first
+        peer.clear()
+        geo, field, used = peer.model.geo, peer.model.mesh.field, np.unique(edges.ends)
+        tag = {v: geo.addPoint(*edges.points[v].tolist(), 0) for v in used.tolist()}
+        lines = [geo.addLine(tag[a], tag[b]) for a, b in edges.ends.tolist()]
+        geo.addPlaneSurface([geo.addCurveLoop([int(s * lines[i]) for i, s in loop]) for loop in edges.loops])
+        for line in lines:
+            geo.mesh.setTransfiniteCurve(line, 2)
+        geo.synchronize()
+        for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
+            peer.option.setNumber(f"Mesh.MeshSize{name}", 0)
+        distance, wanted = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "PointsList", [tag[v] for v in np.unique(edges.ends[edges.wall]).tolist()])
+        for name, value in (
+            ("InField", distance), ("SizeMin", spacing), ("SizeMax", FAR), ("DistMin", 0),
+            ("DistMax", (FAR - spacing) / SIZE_GROWTH),
+        ):  # fmt: skip
+            field.setNumber(wanted, name, value)
+        field.setAsBackgroundMesh(wanted)
+        layer = field.add("BoundaryLayer")
+        field.setNumbers(layer, "CurvesList", [line for line, wall in zip(lines, edges.wall) if wall])
+        for name, value in (
+            ("Size", first), ("Ratio", RATIO), ("Thickness", spacing * RATIO / (RATIO - 1)), ("Quads", 0),
+        ):  # fmt: skip
+            field.setNumber(layer, name, value)
+        field.setNumbers(layer, "FanPointsList", [tag[v] for v in edges.sharp])
+        field.setAsBoundaryLayer(layer)
+        peer.option.setNumber("Mesh.Algorithm", 6)
+        peer.model.mesh.generate(2)
+        tags, coordinates, _ = peer.model.mesh.getNodes()
+        place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        place[tags.astype(np.int64)] = np.arange(len(tags))
+        kinds, _, nodes = peer.model.mesh.getElements(2)
+        triangles = nodes[list(kinds).index(2)].reshape(-1, 3).astype(np.int64)
+        return coordinates.reshape(-1, 3)[:, :2], place[triangles], None
+
+    return run
+
+
+# ---------------------------------------------------------------------- stretched cells
+
+
+class Square(NamedTuple):
+    """A task: the unit square and a metric; and an isotropic mesh of as many triangles, for MMG."""
+
+    domain: Any
+    metric: Any
+    points: NDArray
+    triangles: NDArray
+
+
+def square(length: float) -> Square:
+    """The direction turns; ``length`` is the geometric mean of the two wanted lengths."""
+    from unstruct import Domain, advancing_front, sizing
+
+    domain = Domain.rectangle()
+    metric = sizing.directional(_direction, length * ALONG**0.5, length / ALONG**0.5)
+    mesh = advancing_front(domain, length)
+    return Square(domain, metric, mesh.points.copy(), mesh.simplices.copy())
+
+
+def _direction(x: NDArray) -> NDArray:
+    return np.stack([np.ones(len(x)), 0.6 * np.cos(3 * x[:, 0])], axis=1)
+
+
+def _front() -> Callable[[Square], Meshed]:
+    from unstruct import advancing_front
+
+    def run(given: Square) -> Meshed:
+        mesh = advancing_front(given.domain, given.metric)
+        return mesh.points, mesh.simplices, None
+
+    return run
+
+
+def _mmg() -> Callable[[Square], Meshed]:
+    from mmgpy import MmgMesh2D
+
+    def run(given: Square) -> Meshed:
+        mesh = MmgMesh2D(given.points, given.triangles)
+        m = given.metric.at(given.points)
+        mesh.set_field("tensor", np.column_stack([m[:, 0, 0], m[:, 0, 1], m[:, 1, 1]]))
+        mesh.remesh(hgrad=-1.0, verbose=-1)
+        return mesh.get_vertices(), mesh.get_triangles(), None
+
+    return run
+
+
+# ---------------------------------------------------------------------- the run
+
+MESHERS = [
+    Mesher("unstruct", "unstruct", "layers", _ours("nearest")),
+    Mesher("unstruct, springs", "unstruct", "layers", _ours("spring")),
+    Mesher("Gmsh BoundaryLayer", "gmsh", "layers", _gmsh),
+    Mesher("unstruct", "unstruct", "stretched", _front),
+    Mesher("MMG", "mmgpy", "stretched", _mmg),
+]
+
+
+def task(work: str, kind: str, n: int) -> Any:
+    """What the meshers of a work are given."""
+    return square(LENGTHS[kind]) if work == "stretched" else wing(*map(float, kind.split()))
+
+
+def warm_up(work: str) -> Any:
+    """A small task of the same kind: compiled code is loaded, lazy imports are done."""
+    return square(COARSE_LENGTH) if work == "stretched" else wing(COARSE_LENGTH, COARSE_LENGTH / 10)
+
+
+def measures(points: NDArray, triangles: NDArray, rest: Any, work: str, given: Any) -> dict[str, Any]:
+    """Numbers that tell how good a mesh is; see above."""
+    from unstruct import Mesh, check
 
     mesh = Mesh(points, triangles).oriented()
-    area = mesh.volumes
-    x = mesh.points[mesh.simplices]
-    sides = [np.hypot(*(x[:, k] - x[:, k - 1]).T) for k in range(3)]
-    round_ = 8 * area**2 / (sum(sides) / 2 * sides[0] * sides[1] * sides[2])  # 2 r / R
+    found: dict[str, Any] = {"cells": mesh.size, "max_angle": float(mesh.quality("max_angle").max())}
+    if work == "stretched":
+        from unstruct.assess.statistics import statistics
+
+        seen = statistics(mesh, given.metric)
+        metric = {"conforming": float(seen.conforming), "mean_metric": float(seen.mean_metric)}
+        return found | metric | {"valid": bool(check(mesh))}
+    area, round_ = mesh.volumes, mesh.quality("2r/R")
     rest = round_ > 1 / STRETCHED if rest is None else rest
     t, i = np.nonzero(mesh.neighbors >= 0)
     ratio = area[t] / area[mesh.neighbors[t, i]]
-    return Judged(
-        mesh.size,
-        float(mesh.quality("max_angle").max()),
-        float(mesh.quality("min_angle")[rest].min()),
-        float(round_[rest].mean()),
-        float(np.quantile(np.maximum(ratio, 1 / ratio), 0.99)),
-    )
+    return found | {
+        "layer_cells": int((~rest).sum()),
+        "min_angle": float(mesh.quality("min_angle")[rest].min()),
+        "mean_2r_R": float(round_[rest].mean()),
+        "area_ratio": float(np.quantile(np.maximum(ratio, 1 / ratio), 0.99)),
+    }
 
 
-def rows(repeats: int = 5) -> list[dict[str, Any]]:
-    """One row for each first height and each method."""
-    found = []
-    for spacing, first in product(SPACINGS, FIRST):
-        domain, size, _ = wing(spacing)
-        ours(domain, size, first)  # compiled before it is timed
-        times: dict[str, list[float]] = {"nearest": [], "spring": [], "gmsh": []}
-        meshes: dict[str, Judged] = {}
-        for _ in range(repeats):
-            for stop in ("nearest", "spring"):
-                before = time.process_time()
-                mesh = ours(domain, size, first, stop)
-                times[stop].append(time.process_time() - before)
-                meshes[stop] = judged(mesh.points, mesh.simplices, mesh.steps["cell_layer"] == 0)
-            taken, points, triangles = gmsh(domain, size, first, spacing)
-            times["gmsh"].append(taken)
-            meshes["gmsh"] = judged(points, triangles)
-        peer = statistics.median(times["gmsh"])
-        for name, each in times.items():
-            own = statistics.median(each)
-            row = {"spacing": spacing, "first": first, "method": name, "seconds": own}
-            found.append(row | {"times as fast": peer / own} | meshes[name]._asdict())
-    return found
-
-
-def main() -> None:
-    """Print the table."""
-    for row in rows():
-        print("  ".join(f"{k} {v:.4g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items()))
-
-
-if __name__ == "__main__":
-    main()
+def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
+    """All rows of the suite, up to ``largest`` triangles."""
+    rows: list[dict[str, Any]] = []
+    for work, kinds in PLAN.items():
+        for kind, n in kinds.items():
+            if n <= largest:
+                case = {"suite": "layers", "work": work, "kind": kind, "n": n}
+                expected = {mesher.name: 0.0 for mesher, _ in find(work, MESHERS)}
+                rows += measured(workers, "meshed", case, expected, repeats)
+    return rows

@@ -112,18 +112,18 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, meshers, planar, small
+    from . import front, layers, meshers, planar, small
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    suite: Any = {"small": small, "front": front}.get(case.get("suite", ""), planar)
+    suite: Any = {"small": small, "front": front, "layers": layers}.get(case.get("suite", ""), planar)
     found = meshers.find(work, getattr(suite, "MESHERS", meshers.MESHERS))
     rows, given = _rows(case, found, suite.warm_up(work)), suite.task(work, case["kind"], n)
     for row, mesh in _in_turn(case, rows, given):
         row["mesh"] = mesh
     for row in rows:
         del row["run"]
-        row.update(measures(*row.pop("mesh"), work, given))
+        row.update(getattr(suite, "measures", measures)(*row.pop("mesh"), work, given))
     return rows
 
 

@@ -5,7 +5,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
-`advancing_layers` with `Layers`.
+`advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `improve`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
 
@@ -52,6 +52,8 @@ from .generate.improve.smoothing import smooth as smooth
 from .generate.layers.advancing_layers import advancing_layers as advancing_layers
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
+from .generate.volume.improving import improve as improve
+from .generate.volume.tetrahedralize import tetrahedralize as tetrahedralize
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
 from .geometry.curves import Curve as Curve
@@ -93,6 +95,7 @@ __all__ = [
     "examples",
     "front_delaunay",
     "gift_wrap",
+    "improve",
     "insert",
     "interpolate",
     "plain",
@@ -105,6 +108,7 @@ __all__ = [
     "statistics",
     "studies",
     "swap_diagonals",
+    "tetrahedralize",
     "topology",
     "voronoi",
     "voronoi_segment",

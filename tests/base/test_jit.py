@@ -302,3 +302,97 @@ def test_records_go_in_and_come_out_whole(tmp_path: Path) -> None:
     for _ in range(2):  # compiled, then from the disk
         found = run("import records", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")).split()
         assert found == ["True", "7.0", "Pair", "2.0"]
+
+
+WAITING = """
+import gc
+from numba.core import event
+from numba.core.errors import TypingError
+from unstruct.base.jit import inline, kernel, lean
+
+@inline
+def once(x):
+    return x + 1
+
+@lean
+def twice(x):
+    return once(once(x))
+
+@kernel
+def four_times(x):
+    return twice(twice(x))
+
+@kernel
+def wrong(x):
+    return four_times(x).nothing
+
+class Passes(event.Listener):
+    seen, stop = [], False
+
+    def on_start(self, event):
+        self.seen.append(gc.isenabled())
+        if self.stop:
+            raise KeyboardInterrupt
+
+    def on_end(self, event):
+        pass
+
+passes = Passes()
+event.register("numba:run_pass", passes)
+answers = [four_times(0), gc.isenabled()]
+try:
+    wrong(0.5)
+except TypingError:
+    answers.append(gc.isenabled())
+passes.stop = True
+try:
+    four_times(0.5)
+except KeyboardInterrupt:
+    answers.append(gc.isenabled())
+passes.stop = False
+answers += [four_times(0.5), gc.isenabled()]
+gc.disable()
+answers += [four_times(True), gc.isenabled()]
+results = twice.inner.compiler().overloads.values()
+places = [r.library.get_pointer_to_function(r.fndesc.llvm_func_name) for r in results]
+print(*answers, any(places), any(passes.seen))
+"""
+
+
+@pytest.mark.skipif(
+    unstruct.base.jit.numba is None or not KNOWN, reason="the compiler is ours only in a numba we know"
+)
+def test_the_garbage_collector_waits_and_copied_kernels_have_no_machine_code(tmp_path: Path) -> None:
+    """After errors and Ctrl-C the collector is as it was, and the kernel can be compiled again."""
+    (tmp_path / "waiting.py").write_text(WAITING)
+    for _ in range(2):  # the copied ones compiled, then from the disk
+        found = run("import waiting", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")).split()
+        assert found == "4 True True True 4.5 True 5 False False False".split()
+        for path in (tmp_path / "cache").rglob("waiting.four_times*"):
+            path.unlink()
+
+
+OTHERS = """
+import numba, numpy as np
+from unstruct.base.jit import kernel
+
+@kernel
+def added(x, y):
+    return x + y
+
+@numba.njit
+def plain(x, y):
+    return x + y
+
+print(added(1, 2), added(0.5, 2), added(np.ones(2), 1).sum(), added(1j, 1).real)
+print(plain(1, 2), plain("a", "b"), plain((1,), (2,)))
+print(added("a", "b"), added((1,), (2,)), added(1, 2))
+"""
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None, reason="numba is not installed")
+def test_what_is_known_of_operators_holds_for_all_types(tmp_path: Path) -> None:
+    """Kernels remember what operators do with numbers; other functions are compiled as ever."""
+    (tmp_path / "others.py").write_text(OTHERS)
+    found = run("import others", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+    assert found.split() == "3 2.5 4.0 1.0 3 ab (1, 2) ab (1, 2) 3".split()

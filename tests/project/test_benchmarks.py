@@ -14,6 +14,8 @@ from benchmarks import (
     contestants,
     delaunay,
     inputs,
+    layers,
+    layers_report,
     machine,
     meshers,
     planar,
@@ -24,6 +26,7 @@ from benchmarks import (
     small,
     small_report,
     threads,
+    worker,
 )
 from benchmarks.run import RESULTS, Workers
 
@@ -202,6 +205,36 @@ def test_losses_of_the_planar_suite_are_bold():
     rows = [{**case, "contestant": name, "seconds": time} for name, time in seconds.items()]
     text = planar_report.table(rows, "constrained")
     assert "| **0.50** |" in text and "| 20 |" in text
+
+
+# ---------------------------------------------------------------------- the suite of layers
+
+
+def test_a_tiny_run_of_layers(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(layers, "PLAN", {"layers": {"5e-2 1e-2": 2000}, "stretched": {"turning": 2000}})
+    monkeypatch.setattr(layers, "LENGTHS", {"turning": layers.COARSE_LENGTH})
+    # The worker is another process: what it would do is done here.
+    monkeypatch.setattr(Workers, "ask", lambda self, job, case: worker.JOBS[job](case))
+    names = ["unstruct", "unstruct, springs"]
+    ours = [mesher for mesher in layers.MESHERS if mesher.package == "unstruct"]
+    monkeypatch.setattr(layers, "MESHERS", ours)
+    assert __main__.main(["layers", "--repeats", "2", "--results", str(tmp_path)]) == 0
+    cases = layers_report.times(json.loads((tmp_path / "layers.json").read_text())["rows"])
+    wing, square = cases["layers", "5e-2 1e-2", 2000], cases["stretched", "turning", 2000]
+    assert list(wing) == names and list(square) == names[:1]
+    assert all(row["max_angle"] < 120 and row["min_angle"] > 30 for row in wing.values())
+    assert 0 < wing["unstruct"]["layer_cells"] < wing["unstruct"]["cells"]
+    assert square["unstruct"]["valid"] and square["unstruct"]["conforming"] > 0.95
+    text = (tmp_path / "layers.md").read_text()
+    assert "wing" in text and text.strip() == capsys.readouterr().out.strip()
+
+
+def test_losses_of_layers_are_bold():
+    row = {"measure": "time", "work": "layers", "kind": "1e-2 1e-3", "n": 1000, "cells": 2000}
+    row |= {"max_angle": 109.2, "min_angle": 40.0, "mean_2r_R": 0.97, "area_ratio": 1.7}
+    seconds = {"unstruct": 1.0, "unstruct, springs": 2.0, "Fast": 0.5}
+    text = layers_report.table([row | {"contestant": k, "seconds": t} for k, t in seconds.items()], "layers")
+    assert text.count("**") == 2 and "| **0.50** | 109° | 40.0° | 0.970 | 1.70 |" in text
 
 
 # ---------------------------------------------------------------------- the small suite

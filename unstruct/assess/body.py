@@ -17,11 +17,13 @@ from ..mesh import topology
 from ..mesh.domain_mesh import DomainMesh
 from ..mesh.grouping import group_rows
 from ..mesh.mesh import Mesh
+from ..predicates.batch import power_of_two
 from .places import numbered, places_of
 
 __all__ = ["check_body"]
 
 OFF_ULPS = 64  # the most that a new vertex may be off its facet, in 2^-53 of the largest coordinate
+Units = tuple[np.ndarray, np.ndarray]  # the points of the mesh and of the domain, at most 1 in magnitude
 AREA_ERROR = 2.0**-30  # areas of facets are sums in doubles; what is missing or doubled is far larger
 
 
@@ -53,9 +55,13 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     if place is None or not _faces_held(mesh, domain, report):
         report.skipped.append("the pieces of the domain, which need valid origins and faces")
         return
-    _covered(mesh, domain, report)
+    factor = power_of_two(
+        domain.points
+    )  # squares and cubes of very large or small coordinates are no doubles
+    units = mesh.points * factor, domain.points * factor
+    _covered(mesh, domain, units, report)
     _segments_held(mesh, domain, place, report)
-    _volume(mesh, domain, place, report)
+    _volume(mesh, domain, place, units[0], report)
     _named_faces(mesh, domain, report)
     numbered(mesh, domain, lambda: _parts(mesh), report)
 
@@ -97,19 +103,17 @@ def _faces_held(mesh: DomainMesh, domain: Domain, report: Report) -> bool:
 # ---------------------------------------------------------------------- the pieces
 
 
-def _covered(mesh: DomainMesh, domain: Domain, report: Report) -> None:
+def _covered(mesh: DomainMesh, domain: Domain, units: Units, report: Report) -> None:
     """Test that the faces of each piece lie on it, end at its sides, and have its area."""
     shell = domain.triangulated
-    scale = max(float(np.abs(domain.points).max(initial=0.0)), 1e-300)
-    off = _off(mesh, domain) / scale
-    tilted = np.flatnonzero(off > OFF_ULPS * 2.0**-53)
-    x = domain.points[shell.triangles]
+    tilted = np.flatnonzero(_off(mesh, domain, units) > OFF_ULPS * 2.0**-53)
+    x = units[1][shell.triangles]
     wanted = np.bincount(shell.piece, _areas(x), minlength=len(domain.pieces))
-    found = np.bincount(mesh.face_piece, _areas(mesh.points[mesh.faces]), minlength=len(domain.pieces))
+    found = np.bincount(mesh.face_piece, _areas(units[0][mesh.faces]), minlength=len(domain.pieces))
     extent = np.zeros(len(domain.pieces))
     np.maximum.at(extent, shell.piece, np.abs(x - x[:, :1]).max(axis=(1, 2)) ** 2)
     wrong = np.flatnonzero(np.abs(found - wanted) > AREA_ERROR * np.maximum(extent, wanted))
-    astray = _astray(mesh, domain, OFF_ULPS * 2.0**-53 * scale)
+    astray = _astray(mesh, domain, units)
     report.note(
         f"each piece is covered by its faces, up to {OFF_ULPS} units of rounding of new vertices",
         problem(
@@ -127,7 +131,7 @@ def _areas(x: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
 
 
-def _off(mesh: DomainMesh, domain: Domain) -> np.ndarray:
+def _off(mesh: DomainMesh, domain: Domain, units: Units) -> np.ndarray:
     """How far the farthest new vertex of each face is from the planes of the triangles of its piece.
 
     Vertices of the domain are judged by the sides at which the faces end.
@@ -141,11 +145,11 @@ def _off(mesh: DomainMesh, domain: Domain) -> np.ndarray:
     pairs = np.repeat(rows, count[mesh.face_piece[rows]])
     ahead = np.cumsum(count[mesh.face_piece[rows]]) - count[mesh.face_piece[rows]]
     step = np.arange(len(pairs)) - np.repeat(ahead, count[mesh.face_piece[rows]])
-    corners = domain.points[shell.triangles[start[mesh.face_piece[pairs]] + step]]
+    corners = units[1][shell.triangles[start[mesh.face_piece[pairs]] + step]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1)
     unit = normal / np.where(length > 0, length, 1.0)[:, None]
-    away = np.abs(((mesh.points[mesh.faces[pairs]] - corners[:, :1]) * unit[:, None]).sum(axis=2))
+    away = np.abs(((units[0][mesh.faces[pairs]] - corners[:, :1]) * unit[:, None]).sum(axis=2))
     away[np.asarray(mesh.origin)[mesh.faces[pairs]] >= 0] = 0.0
     nearest = np.full((len(mesh.faces), 3), np.inf)
     np.minimum.at(nearest, pairs, away)
@@ -153,7 +157,7 @@ def _off(mesh: DomainMesh, domain: Domain) -> np.ndarray:
     return result
 
 
-def _astray(mesh: DomainMesh, domain: Domain, slack: float) -> np.ndarray:
+def _astray(mesh: DomainMesh, domain: Domain, units: Units) -> np.ndarray:
     """Edges where the faces of a piece end that lie on no side of its polygon."""
     ends = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
     piece = np.tile(mesh.face_piece, 3)
@@ -167,13 +171,13 @@ def _astray(mesh: DomainMesh, domain: Domain, slack: float) -> np.ndarray:
     count = np.diff(start)[piece]
     pairs = np.repeat(np.arange(len(ends)), count)
     step = np.arange(len(pairs)) - np.repeat(np.cumsum(count) - count, count)
-    side = domain.points[sides[order[start[piece[pairs]] + step]]]
-    x = mesh.points[ends[pairs]]
+    side = units[1][sides[order[start[piece[pairs]] + step]]]
+    x = units[0][ends[pairs]]
     along = side[:, 1] - side[:, 0]
     square = np.maximum((along**2).sum(axis=1), 1e-300)
     share = ((x - side[:, :1]) * along[:, None]).sum(axis=2) / square[:, None]
     foot = side[:, :1] + np.clip(share, 0.0, 1.0)[..., None] * along[:, None]
-    near = np.linalg.norm(x - foot, axis=2).max(axis=1) <= slack
+    near = np.linalg.norm(x - foot, axis=2).max(axis=1) <= OFF_ULPS * 2.0**-53
     on = np.zeros(len(ends), dtype=bool)
     on[pairs[near]] = True
     return ends[~on]
@@ -208,15 +212,15 @@ def _segments_held(mesh: DomainMesh, domain: Domain, place: np.ndarray, report: 
 # ---------------------------------------------------------------------- inside and outside
 
 
-def _volume(mesh: DomainMesh, domain: Domain, place: np.ndarray, report: Report) -> None:
+def _volume(mesh: DomainMesh, domain: Domain, place: np.ndarray, points: np.ndarray, report: Report) -> None:
     """Test that the mesh fills what the faces enclose (even-odd) and uses the loose vertices in it."""
     if len(domain.facets) == 0:
         report.skipped.append("volume and loose vertices of a domain without facets")
         return
     border = np.asarray(mesh.boundary)
     inside = front_inside(mesh.points, border)
-    wanted = enclosed_volume(mesh.points, border)
-    turned = fsum(_six_volumes(mesh).tolist()) / 6
+    wanted = enclosed_volume(points, border)
+    turned = fsum(_six_volumes(points[mesh.simplices]).tolist()) / 6
     text = f"the cells fill {turned:.17g}, the faces enclose {wanted:.17g} (even-odd)"
     report.note(
         "the mesh fills what the faces enclose by the even-odd rule",
@@ -265,6 +269,5 @@ def _parts(mesh: DomainMesh) -> np.ndarray:
     return topology.components(neighbors)[1]
 
 
-def _six_volumes(mesh: Mesh) -> np.ndarray:
-    x = mesh.points[mesh.simplices]
+def _six_volumes(x: np.ndarray) -> np.ndarray:
     return np.einsum("ij,ij->i", x[:, 1] - x[:, 0], np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 0]))

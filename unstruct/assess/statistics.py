@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, MeshError
-from ..geometry.simplex import angles
+from ..geometry.edge_vectors import LEAST_LENGTH, exponents, lengths
+from ..geometry.simplex import angles, dihedral_angles
 from ..geometry.triangle_shapes import planar_angles, planar_edges
 from ..mesh.cells import cell_rows, counted
 from ..mesh.mesh import Mesh
@@ -27,6 +28,9 @@ NAMES = {
     "min_angle": "minimum angle",
     "low_angle": "1 % of the minimum angles below",
     "max_angle": "maximum angle",
+    "min_dihedral": "minimum dihedral angle",
+    "low_dihedral": "1 % of the minimum dihedral angles below",
+    "max_dihedral": "maximum dihedral angle",
     "least_round": "minimum 2r/R",
     "mean_round": "mean 2r/R",
     "least_scaled": "minimum scaled Jacobian",
@@ -38,7 +42,7 @@ NAMES = {
     "least_metric": "minimum metric quality",
     "mean_metric": "mean metric quality",
 }
-DEGREES = ("min_angle", "low_angle", "max_angle")
+DEGREES = ("min_angle", "low_angle", "max_angle", "min_dihedral", "low_dihedral", "max_dihedral")
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,9 @@ class Statistics:
         How many cells of each kind there are.
     least_metric, mean_metric : float
         The metric quality of triangles, `metric_quality`; NaN if the size is no metric, and for other cells.
+    min_dihedral, low_dihedral, max_dihedral : float
+        Of tetrahedra, in degrees: the smallest of all angles between faces; the value that the smallest such
+        angles of one cell in a hundred do not exceed; the largest. NaN if the mesh has other cells.
     """
 
     vertices: int
@@ -84,6 +91,9 @@ class Statistics:
     kinds: dict[str, int] = field(default_factory=dict)
     least_metric: float = float("nan")
     mean_metric: float = float("nan")
+    min_dihedral: float = float("nan")
+    low_dihedral: float = float("nan")
+    max_dihedral: float = float("nan")
 
     @property
     def least_angle(self) -> float:
@@ -108,7 +118,10 @@ class Statistics:
                 found.append((NAMES[each.name], str(value)))
             elif not np.isnan(value):
                 digits = f"{value:.1f}°" if each.name in DEGREES else f"{value:.3f}"
-                found.append((NAMES[each.name], f"{value:.1%}" if each.name == "conforming" else digits))
+                name = NAMES[each.name]
+                if list(self.kinds) == ["tetra"]:
+                    name = name.replace("2r/R", "3r/R")
+                found.append((name, f"{value:.1%}" if each.name == "conforming" else digits))
         return found
 
     def __str__(self) -> str:
@@ -164,7 +177,11 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         fair = metric_quality(mesh, size) if list(mesh.cells) == ["triangle"] else nothing
     elif size is not None:
         quotients = _quotients(mesh, as_size(size))
-    close = np.abs(np.log2(quotients)) <= 0.5
+    with np.errstate(divide="ignore"):
+        close = np.abs(np.log2(quotients)) <= 0.5
+    dihedral = np.full((1, 1), np.nan)
+    if list(mesh.cells) == ["tetra"]:
+        dihedral = np.degrees(dihedral_angles(mesh.corners))
     used = np.zeros(len(mesh.points), dtype=bool)
     used[cell_rows(mesh.cells)[1]] = True
     return Statistics(
@@ -184,6 +201,9 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         kinds={kind: len(block) for kind, block in mesh.cells.items()},
         least_metric=float(fair.min()),
         mean_metric=float(fair.mean()),
+        min_dihedral=float(dihedral.min()),
+        low_dihedral=float(np.quantile(dihedral.min(axis=1), 0.01)),
+        max_dihedral=float(dihedral.max()),
     )
 
 
@@ -206,6 +226,8 @@ def metric_quality(mesh: Mesh, metric: Metric) -> np.ndarray:
     if corners.shape[2] != 2:
         raise MeshError(f"a metric is of the plane; this is {mesh!r}")
     m = metric.at(corners.mean(axis=1))
+    # the quality depends neither on the unit of the edges nor on that of the metric
+    edges, m = (np.ldexp(rows, -exponents(rows)[:, None, None]) for rows in (edges, m))
     squares = np.einsum("tij,tjk,tik->t", edges, m, edges)
     double = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
     scale = np.sqrt(np.maximum(m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2, 0.0))
@@ -235,11 +257,15 @@ def _quotients(mesh: Mesh, size: SizeField) -> np.ndarray:
     found = None
     if list(mesh.cells) == ["triangle"] and "neighbors" in mesh.__dict__ and "edges" not in mesh.__dict__:
         found = planar_edges(mesh.points, mesh.simplices, mesh.neighbors)
+        if found is not None and not (LEAST_LENGTH <= found[0].min() and found[0].max() < np.inf):
+            found = None  # squares of such lengths are beyond the doubles
     if found is None:
-        ends = mesh.points[mesh.edges]
-        found = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), (ends[:, 0] + ends[:, 1]) / 2
-    lengths, middles = found
-    return lengths / (size(middles) if size.constant is None else size.constant)
+        half = np.ldexp(mesh.points[mesh.edges], -1)  # because sums of the largest doubles would overflow
+        found = 2.0 * lengths(half[:, 0] - half[:, 1]), half[:, 0] + half[:, 1]
+    distance, middles = found
+    wanted = size(middles) if size.constant is None else size.constant
+    with np.errstate(over="ignore", under="ignore"):  # a length over a size may be beyond all doubles
+        return distance / wanted
 
 
 def angle_histogram(mesh: Mesh, bins: int = 36) -> tuple[np.ndarray, np.ndarray]:

@@ -7,25 +7,34 @@ see edits in other files.
 
 from __future__ import annotations
 
+import gc
 import hashlib
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar
 
 __all__ = [
     "KNOWN",
+    "CopiedCode",
+    "CopiedPipeline",
     "Record",
     "ShortPipeline",
     "one_type",
 ]
 
 try:
+    from llvmlite import binding
     from numba.core import types
-    from numba.core.caching import FunctionCache, IndexDataCacheFile
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+    from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+    from numba.core.codegen import CPUCodegen, JITCodeLibrary
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_result
+    from numba.core.compiler_machinery import PassManager
     from numba.core.cpu import CPUContext, CPUTargetOptions
     from numba.core.datamodel.models import TupleModel
     from numba.core.dispatcher import Dispatcher
     from numba.core.runtime import rtsys
     from numba.core.typeconv import Conversion
+    from numba.core.typing.context import Context
     from numba.extending import lower_cast, register_model
 except (ImportError, AttributeError):  # another numba, or none: then the kernels run as plain Python
     FunctionCache = IndexDataCacheFile = Dispatcher = object  # type: ignore[assignment, misc]
@@ -36,12 +45,20 @@ else:
         Dispatcher: "get_call_template get_overload add_overload compile",
         FunctionCache: "_load_overload save_overload _index_key _guard_against_spurious_io_errors",
         IndexDataCacheFile: "_load_index load save",
-        CPUContext: "insert_user_function remove_user_function",
+        Context: "resolve_function_type _lookup_global",
+        CPUContext: "insert_user_function remove_user_function get_abi_sizeof get_executable",
         CPUTargetOptions: "nogil forceinline _nrt no_cpython_wrapper no_cfunc_wrapper",
-        CompilerBase: "define_pipelines",
+        CompilerBase: "define_pipelines compile_extra",
+        CompileResultCacheImpl: "reduce rebuild check_cachable",
+        CPUCodegen: "_function_pass_manager",
+        JITCodeLibrary: "codegen enable_object_caching get_pointer_to_function _finalize_final_module "
+        "_finalize_dynamic_globals _verify_declare_only_symbols _get_module_for_linking _optimize_functions",
         DefaultPassBuilder: "define_nopython_pipeline",
+        PassManager: "finalize _ENFORCING",
         TupleModel: "as_argument from_argument get_argument_type get_value_type",
         types.NamedTuple: "can_convert_to can_convert_from",
+        types.Function: "key get_call_type get_impl_key",
+        Flags: "_values copy no_cpython_wrapper no_cfunc_wrapper",
         type(rtsys): "initialize",
     }
 
@@ -101,14 +118,208 @@ if KNOWN:
     def _unchanged(context: Any, builder: Any, before: Any, after: Any, value: Any) -> Any:
         return value
 
+    class _Library(JITCodeLibrary):
+        """The code of a kernel, of which numba also optimized the functions that are only declared."""
+
+        def _optimize_functions(self, ll_module: Any) -> None:
+            ll_module.data_layout = self._codegen._data_layout
+            for function in ll_module.functions:
+                if not function.is_declaration:
+                    passes, options = self._codegen._function_pass_manager()
+                    passes.run(function, options)
+
+    class _CopiedLibrary(_Library):
+        """The code of a kernel that is copied into its callers: no machine code is made of it."""
+
+        @property
+        def codegen(self) -> Any:
+            return _NoMachineCode
+
+        def _finalize_final_module(self) -> None:
+            self._finalize_dynamic_globals()
+            self._verify_declare_only_symbols()
+            self._finalized = True
+
+        def get_pointer_to_function(self, name: str) -> int:
+            self._ensure_finalized()
+            return 0
+
+        def _get_module_for_linking(self) -> Any:
+            """The code itself, with functions that are dropped where they have been inlined."""
+            self._ensure_finalized()
+            if self._shared_module is None:
+                self._shared_module = self._final_module
+                for function in self._final_module.functions:
+                    if not function.is_declaration and function.linkage == binding.Linkage.external:
+                        function.linkage = "linkonce_odr"
+            return self._shared_module
+
+    class _NoMachineCode:
+        """What numba asks for the place of machine code, to store there what kernels never use."""
+
+        @staticmethod
+        def set_env(name: str, env: Any) -> None:
+            pass
+
+    class CopiedCode(CompileResultCacheImpl):
+        """How a kernel that is copied into its callers is written to the disk, and read.
+
+        Only callers that are compiled later need it; those on the disk have their copy.
+        """
+
+        def reduce(self, result: Any) -> Any:
+            """What is written."""
+            result.fndesc.typemap = result.fndesc.calltypes = None
+            code = result.library._get_module_for_linking().as_bitcode()
+            kept = (result.fndesc, result.environment, result.signature, result.reload_init)
+            return result.library.name, code, kept
+
+        def rebuild(self, target_context: Any, payload: Any) -> Any:
+            """The result of the compiler, from what was read."""
+            name, code, (fndesc, environment, signature, references) = payload
+            for refer in references:
+                refer()
+            library = _CopiedLibrary(target_context.codegen(), name)
+            library._final_module = binding.parse_bitcode(code)
+            library._finalize_final_module()
+            return compile_result(
+                typing_context=target_context.typing_context,
+                target_context=target_context,
+                entry_point=target_context.get_executable(library, fndesc, environment),
+                signature=signature,
+                objectmode=False,
+                lifted=(),
+                fndesc=fndesc,
+                library=library,
+                environment=environment,
+                reload_init=references,
+                referenced_envs=(),
+            )
+
     class ShortPipeline(CompilerBase):
         """numba's compiler without the passes that kernels do not need, a tenth of the time."""
 
+        library_class = _Library
+
+        def compile_extra(self, function: Any) -> Any:
+            """Compile a kernel."""
+            state = self.state
+            state.typingctx = state.targetctx.typing_context = _types_of(state.typingctx)
+            state.targetctx.get_abi_sizeof = _SizeOf(state.targetctx)
+            state.flags = _Options(state.flags)
+            with _without_collector():
+                return super().compile_extra(function)
+
         def define_pipelines(self) -> list[Any]:
+            """The passes, and the library that takes the code."""
             passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
             passes.passes[:] = [p for p in passes.passes if p[0].__name__ not in NOT_NEEDED]
             passes.finalize()
+            # numba would look for unused variables and blocks after each pass, and again before it lowers
+            passes._ENFORCING = False
+            codegen = self.state.targetctx.codegen()
+            self.state.library = self.library_class(codegen, self.state.func_id.func_qualname)
+            self.state.library.enable_object_caching()
             return [passes]
+
+    class CopiedPipeline(ShortPipeline):
+        """The compiler of kernels that are copied into their callers."""
+
+        library_class = _CopiedLibrary
+
+    class _Options(Flags):
+        """The options of a kernel, by which numba looks up what it has compiled of its own functions."""
+
+        same = hash(Flags())  # numba's hash is of the names of the options
+
+        def __eq__(self, other: object) -> Any:
+            same_values = isinstance(other, Flags) and self._values == other._values
+            return same_values or super().__eq__(other)
+
+        def __hash__(self) -> int:
+            return self.same
+
+        def copy(self) -> Any:
+            """For numba's functions, which never have what a kernel has for Python."""
+            found = super().copy()
+            found.no_cpython_wrapper = found.no_cfunc_wrapper = True
+            return found
+
+    class _Types(Context):
+        """numba's context of types, with operators that remember what they are for numbers and arrays."""
+
+        def __init__(self, whole: Any):
+            self.__dict__.update(whole.__dict__)
+            self.operators: dict[Any, Any] = {}
+
+        def _lookup_global(self, value: Any) -> Any:
+            found = super()._lookup_global(value)
+            if type(found) is types.Function and getattr(value, "__module__", "") == "_operator":
+                if found not in self.operators:
+                    self.operators[found] = _Operator(found.key[1])
+                return self.operators[found]
+            return found
+
+        def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
+            if getattr(function, "__module__", "") == "_operator" and not kws:
+                found = self._lookup_global(function)
+                if type(found) is _Operator and tuple(args) in found.known:
+                    return found.known[tuple(args)]
+            return super().resolve_function_type(function, args, kws)
+
+    class _Operator(types.Function):
+        """The type of an operator: at each sum of numbers, numba tries to add strings, sets and more."""
+
+        def __init__(self, templates: Any):
+            super().__init__(templates)
+            self.known: dict[Any, Any] = {}
+
+        def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+            key = tuple(args)
+            found = self.known.get(key)
+            if found is None or kws:
+                found = super().get_call_type(context, args, kws)
+                # what is compiled for the purpose depends on more than the types
+                ours = all(isinstance(kind, (types.Number, types.Boolean, types.Array)) for kind in key)
+                if ours and not kws and found is not None and self.get_impl_key(found) is self.key[0]:
+                    self.known[key] = found
+            return found
+
+    class _SizeOf:
+        """The size of a value in memory, for which numba would have LLVM read a program each time."""
+
+        known: ClassVar[dict[str, int]] = {}
+
+        def __init__(self, context: Any):
+            self.compute = context.get_abi_sizeof
+
+        def __call__(self, kind: Any) -> int:
+            name = str(kind)
+            if name not in self.known:
+                self.known[name] = self.compute(kind)
+            return self.known[name]
+
+    _known_types: dict[int, Any] = {}
+
+    def _types_of(whole: Any) -> Any:
+        """The context of types for kernels: the same for all."""
+        if id(whole) not in _known_types:
+            _known_types[id(whole)] = _Types(whole)
+        return _known_types[id(whole)]
+
+    @contextmanager
+    def _without_collector() -> Iterator[None]:
+        """Python's search for cycles of garbage, an eighth of the time, waits for the outermost kernel.
+
+        numba's lock is held meanwhile, so that no two threads are in here at once.
+        """
+        was_on = gc.isenabled()
+        try:
+            gc.disable()
+            yield
+        finally:
+            if was_on:
+                gc.enable()
 
 
 def one_type(kind: Any) -> Any:

@@ -1,11 +1,13 @@
 """How kernels are compiled: by numba, at the first call, cached on disk; without numba they are plain Python.
 
-Two things make the first call cheap. First, numba copies the code of a kernel into each kernel that calls
+Four things make the first call cheap. First, numba copies the code of a kernel into each kernel that calls
 it, with that of its own callees: what is deep below, such as the exact stage of the predicates, would be
 optimized dozens of times. A `kernel` is compiled only once; its callers jump to its address. (A `lean`
 kernel is copied, as numba does it, because this is faster where it is called once per point.) Second, for
 each kernel numba also compiles code that takes Python's objects apart, which is most of the work if a
-record has forty arrays. Kernels that are called by kernels do without.
+record has forty arrays. Kernels that are called by kernels do without. Third, no machine code is made of
+kernels that are only copied. Fourth, Python's garbage collector waits meanwhile, and numba is asked only once
+what an operator does with numbers (`inside_numba`).
 """
 
 from __future__ import annotations
@@ -28,8 +30,6 @@ except ImportError:  # the kernels then run as plain Python
     numba = None  # type: ignore[assignment]
 
 __all__ = ["apart", "inline", "kernel", "lean"]
-
-BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def kernel(function: Callable) -> Any:
@@ -69,7 +69,7 @@ def _compiled(function: Callable, apart: bool, **options: Any) -> Any:
         return function
     if not inside_numba.KNOWN:
         return numba.njit(nogil=True)(function)
-    options |= {"nogil": True, "pipeline_class": inside_numba.ShortPipeline}
+    options |= {"nogil": True, "no_cfunc_wrapper": True, "pipeline_class": inside_numba.ShortPipeline}
     outer = numba.njit(**options)(function)
     if not hasattr(outer, "_cache"):  # with NUMBA_DISABLE_JIT
         return outer
@@ -90,9 +90,11 @@ class _Inner:
 
     def compiler(self) -> Any:
         if self._compiler is None:
-            options: Any = BARE | self.options
+            options: Any = self.options | {"no_cpython_wrapper": True}
+            if not self.apart:
+                options["pipeline_class"] = inside_numba.CopiedPipeline
             found = numba.njit(**options)(self.outer.py_func)
-            found._cache = KernelCache(self.outer, "-inner")
+            found._cache = KernelCache(self.outer, "-inner", None if self.apart else inside_numba.CopiedCode)
             self._insert, found.add_overload = found.add_overload, self.add_overload
             self._compiler = found
         return self._compiler

@@ -23,7 +23,7 @@ from .inside_numba import Dispatcher, FunctionCache, IndexDataCacheFile, rtsys
 __all__ = ["KernelCache", "stamp"]
 
 CONSTANT = (bool, int, float, complex, str, bytes, type(None), np.generic)
-FORM = 2  # of compiled kernels: how they call each other; code of another form must not be read
+FORM = 3  # of compiled kernels: how they call each other; code of another form must not be read
 LONG = 1.0  # seconds of compilation after which it is announced
 ANNOUNCEMENT = (
     "unstruct: compiling, once for this machine; this may take a minute "
@@ -95,16 +95,17 @@ def _text(value: Any) -> str:
 class KernelCache:
     """The cache of one kernel, opened when it is first needed.
 
-    ``kind`` distinguishes forms of the same function that are compiled differently.
+    ``kind`` distinguishes forms of the same function that are compiled differently; ``content`` is what is
+    written, by default numba's.
     """
 
-    def __init__(self, dispatcher: Any, kind: str = ""):
-        self.dispatcher, self.kind = dispatcher, kind
+    def __init__(self, dispatcher: Any, kind: str = "", content: Any = None):
+        self.dispatcher, self.kind, self.content = dispatcher, kind, content
         self._opened: Any = None
 
     def _open(self) -> Any:
         if self._opened is None:
-            self._opened = _Cache(self.dispatcher, self.kind)
+            self._opened = _Cache(self.dispatcher, self.kind, self.content)
         return self._opened
 
     @property
@@ -137,8 +138,10 @@ class _Files(IndexDataCacheFile):
 class _Cache(FunctionCache):
     """numba's cache, with a key that includes the names of the fields of records."""
 
-    def __init__(self, dispatcher: Any, kind: str):
+    def __init__(self, dispatcher: Any, kind: str, content: Any):
         function = dispatcher.py_func
+        if content is not None:
+            self._impl_class = content
         super().__init__(function)
         name = f"{function.__module__}.{function.__qualname__}{kind}".replace("<", "").replace(">", "")
         version = "py{}{}".format(*sys.version_info[:2])

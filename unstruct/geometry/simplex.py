@@ -366,6 +366,7 @@ QUALITIES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "max_angle": _extreme(angles, np.max),
     "radius_ratio": _radius_ratio,
     "2r/R": _normalized_ratio,
+    "3r/R": _normalized_ratio,
     "radius_edge": _radius_edge,
     "aspect": _aspect,
     "min_dihedral": _extreme(dihedral_angles, np.min),
@@ -381,7 +382,7 @@ def quality(name: str, simplices: np.ndarray) -> np.ndarray:
     ----------
     name : str
         "min_angle", "max_angle" (degrees, over all triangular faces), "min_dihedral", "max_dihedral"
-        (degrees), "radius_ratio" (R/r, the chapter's mu; k at best), "2r/R" (k r/R; 1 at best),
+        (degrees), "radius_ratio" (R/r, the chapter's mu; k at best), "2r/R" or "3r/R" (k r/R; 1 at best),
         "radius_edge" (R over the shortest edge), "aspect" (longest edge over r, scaled to 1 at best),
         "scaled_jacobian" (k! V over the edges at a corner, scaled to 1 at best, negative where turned).
     simplices : array_like, shape (..., k + 1, d)

@@ -18,7 +18,7 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 
-__all__ = ["Nodes", "SizeTable", "box_of", "build", "leaf_at", "size_at"]
+__all__ = ["Nodes", "SizeTable", "box_of", "build", "leaf_at", "size_at", "table_of"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -193,7 +193,7 @@ def build(
     capped = {"resolved": 0, "depth": 0, "nodes": 0}
     constant = getattr(field, "constant", None)
     if constant is not None:
-        return _table([np.full((1, 4), constant)], np.array([-1]), box, factor, 0.0, capped)
+        return table_of([np.full((1, 4), constant)], np.array([-1]), box, factor, 0.0, capped)
     span = box[1] - box[0]
 
     def where(place: Array) -> Array:  # relative coordinates -> coordinates of the field
@@ -232,7 +232,7 @@ def build(
         level = _divided(level, probes, divide, relative, side / 2, len(child))
         blocks.append(level.values[:, :4])
         child = np.append(child, np.full(len(level.node), -1))
-    return _table(blocks, child, box, factor, worst, capped)
+    return table_of(blocks, child, box, factor, worst, capped)
 
 
 def _landmarks(field: Callable[[Array], Array], landmarks: Array, box: Array) -> tuple[Array, Array]:
@@ -317,9 +317,25 @@ def box_of(lower: ArrayLike, upper: ArrayLike, factor: float, tolerance: float) 
     return box
 
 
-def _table(
+def table_of(
     blocks: list[Array], child: Integers, box: Array, factor: float, error: float, capped: dict[str, int]
 ) -> SizeTable:
+    """A table of nodes level by level, scaled by a factor.
+
+    Parameters
+    ----------
+    blocks : list of (q, 4) ndarray
+        The sizes at the corners of the nodes of each level.
+    child : (n,) int64
+    box : (2, 2) float64
+    factor, error, capped
+        As for `SizeTable`.
+
+    Raises
+    ------
+    InputError
+        If scaled sizes leave the range of doubles.
+    """
     with np.errstate(over="ignore", under="ignore"):
         values, scaled = np.concatenate(blocks) * factor, box.ravel() * factor
     tiny = np.finfo(np.float64).tiny

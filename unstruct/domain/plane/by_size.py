@@ -14,6 +14,7 @@ from ...base.errors import InputError
 from ...geometry.outline import Outline
 from ...sizing.metric import Metric
 from .by_region import PieceSizes, piece_sizes, size_or_metric
+from .prescribed import recut
 from .sample import Sampled, safe
 
 __all__ = ["sized"]
@@ -27,7 +28,10 @@ STRETCH_SHARE = 64
 
 
 def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled]) -> Sampled:
-    """The subsegments of all pieces by a size, or by sizes of regions; ``coarse`` cuts without a size."""
+    """The subsegments of all pieces by a size, or by sizes of regions; ``coarse`` cuts without a size.
+
+    Spaced pieces have the points that are given for them, whatever the size is there.
+    """
     if len(outline.pieces) == 0:
         return coarse()
     if isinstance(size, Mapping):
@@ -55,6 +59,8 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     without = [g for g, field in enumerate(wanted.fields) if field is None]
     if without:
         owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
+    if outline.spacings:
+        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
     return safe(outline, owner, t0, t1, np.inf)
 
 
@@ -77,6 +83,7 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     """
     many = len(outline.pieces)
     parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
+    parts[list(outline.spacings)] = 0
     if any(isinstance(one, Metric) for one in size.fields):
         # Along a piece that a layer crosses, a metric is fine in a short part only.
         a, b = outline.points[outline.pieces].transpose(1, 0, 2)
@@ -107,6 +114,8 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
         )
         if len(piece) > max(STRETCH, STRETCH_SHARE * many):
             raise InputError(_too_small(outline, int(piece[0]), float(t0[0])))
+    if not done:
+        done.append((piece, t0, t1, t0))
     piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
     order = np.lexsort((t0, piece))
     piece, t1, amount = piece[order], t1[order], amount[order]

@@ -14,7 +14,7 @@ from ...geometry.motion import Motion
 from ...geometry.outline import Outline
 from .sample import HALVINGS, Sampled, conflicts, fine_chains, safe
 
-__all__ = ["Match", "Spacing", "carried", "mirrored", "parameters", "spaced"]
+__all__ = ["Match", "Spacing", "carried", "mirrored", "parameters", "recut", "spaced"]
 
 SAMPLES_ALONG = 4097  # of a curve, to measure it
 SAME_PARAMETER = 2.0**-40  # parameters that differ by less are equal
@@ -131,15 +131,24 @@ def _start(sampled: Sampled, pieces: int) -> np.ndarray:
     return np.searchsorted(sampled.piece, np.arange(pieces + 1))
 
 
+def recut(
+    given: dict[int, np.ndarray], piece: np.ndarray, t0: np.ndarray, t1: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The parameter intervals (piece, t0, t1), with those of some pieces between given parameters."""
+    old = ~np.isin(piece, list(given))
+    many = np.fromiter(map(len, given.values()), dtype=np.int64, count=len(given))
+    place = np.concatenate(list(given.values()))
+    last = np.cumsum(many) - 1
+    owner = np.concatenate([piece[old], np.repeat(np.array(list(given), dtype=np.int64), many - 1)])
+    t0 = np.concatenate([t0[old], np.delete(place, last)])
+    t1 = np.concatenate([t1[old], np.delete(place, last - many + 1)])
+    order = np.lexsort((t0, owner))
+    return owner[order].astype(np.int64), t0[order], t1[order]
+
+
 def _cut_as(outline: Outline, sampled: Sampled, given: dict[int, np.ndarray]) -> Sampled:
     """The subsegments with those of some pieces at given parameters; cut further where that is not safe."""
-    old = ~np.isin(sampled.piece, list(given))
-    piece = [sampled.piece[old], *[np.full(len(t) - 1, k) for k, t in given.items()]]
-    t0 = np.concatenate([sampled.span[old, 0], *[t[:-1] for t in given.values()]])
-    t1 = np.concatenate([sampled.span[old, 1], *[t[1:] for t in given.values()]])
-    owner = np.concatenate(piece)
-    order = np.lexsort((t0, owner))
-    return safe(outline, owner[order].astype(np.int64), t0[order], t1[order], np.inf)
+    return safe(outline, *recut(given, sampled.piece, *sampled.span.T), np.inf)
 
 
 def _images(outline: Outline, sampled: Sampled) -> dict[int, np.ndarray]:
@@ -166,7 +175,12 @@ def _images(outline: Outline, sampled: Sampled) -> dict[int, np.ndarray]:
 
 def spaced(outline: Outline, sampled: Sampled) -> Sampled:
     """The subsegments with the points of spaced pieces; they are cut further only where that is not safe."""
-    return _cut_as(outline, sampled, outline.spacings) if outline.spacings else sampled
+    if not outline.spacings:
+        return sampled
+    piece, t0, t1 = recut(outline.spacings, sampled.piece, *sampled.span.T)
+    if np.array_equal(piece, sampled.piece) and np.array_equal(np.column_stack([t0, t1]), sampled.span):
+        return sampled  # they have been cut so
+    return safe(outline, piece, t0, t1, np.inf)
 
 
 def mirrored(outline: Outline, sampled: Sampled) -> Sampled:

@@ -1,27 +1,22 @@
-"""The rest, beside and beyond the layers, as a domain of its own, and the size it is filled with."""
+"""The rest, beside and beyond the layers, as a domain of its own."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...domain.domain import Domain
 from ...geometry.curves import Curve, CurveLike
-from ...geometry.segment_tree import SegmentTree
-from ...sizing.field import SizeField, as_size
-from ...sizing.table import SizeTable
 from .scene import Scene, bare, slid_ranges
 from .strips import Numbering, tops
 
-__all__ = ["FILL_GROWTH", "MatchedSize", "Remainder", "matched_size", "remainder"]
+__all__ = ["Remainder", "remainder"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-COARSE = 0.15  # the relative tolerance of a table of the matched size
-FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 
 
 class Remainder(NamedTuple):
@@ -122,28 +117,3 @@ def _runs(
         ends, span = np.concatenate([ends, [[a, b]]]), np.concatenate([span, [[low, high]]])
         inner, p, held = np.append(inner, piece >= facets), np.append(p, piece), np.append(held, False)
     return ends, p, span, inner, held
-
-
-class MatchedSize(SizeField):
-    """A size that follows the envelope: it has many kinks, of which a table need not resolve each."""
-
-    def table(self, lower: ArrayLike, upper: ArrayLike, **options: Any) -> SizeTable:
-        """As `SizeField.table`, but coarser."""
-        options["tolerance"] = max(options.get("tolerance", 0.0), COARSE)
-        return super().table(lower, upper, **options)
-
-
-def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
-    """The size of the rest: that of the envelope's edges, growing from there, and nowhere above ``size``."""
-    ends, given = points[top], as_size(size)
-    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    marks = [ends.mean(axis=1), *([given.landmarks] if len(given.landmarks) else [])]
-    function = partial(_matched, SegmentTree(ends, length), given)
-    known = given.growth if given.constant is None else 0.0
-    growth = None if known is None else max(known, FILL_GROWTH)
-    return MatchedSize(function, landmarks=np.concatenate(marks), name="matched to layers", growth=growth)
-
-
-def _matched(tree: SegmentTree, size: SizeField, x: Array) -> Array:
-    """The minimum; the tree looks only for what is below the size."""
-    return tree.least(x, FILL_GROWTH, size(x))[0]

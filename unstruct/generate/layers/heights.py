@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...domain.domain import Domain
 from ...sizing.stretching import Layers
 from .rays import SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
@@ -78,8 +80,12 @@ def fronts_of(
         parameter[r] = np.where(fits, t, t[many])
         places[r] = domain.points_at(np.full(len(t), k), parameter[r])
         places[r, 0] = x[r]
-    steps = np.hypot(*np.diff(places, axis=1).transpose(2, 0, 1))
-    return Fronts(places, steps, parameter, most, _apart(places, rays), layers.count is None)
+    steps, apart = np.empty((len(x), heights.shape[1] - 1)), np.empty(heights.shape)
+    before, after = neighbors_of(rays)
+    for other in (before, after):
+        other[(other >= 0) & (rays.kind[other] == TAPER_RAY)] = -1
+    _distances(places, before, after, steps, apart)
+    return Fronts(places, steps, parameter, most, apart, layers.count is None)
 
 
 def _heights(layers: Layers, x: Array, longest: float) -> Array:
@@ -116,14 +122,17 @@ def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[A
     return share if forward else 1.0 - share, length
 
 
-def _apart(places: Array, rays: Rays) -> Array:
-    """The mean distance of each place to those of the neighbors at the same layer."""
-    before, after = neighbors_of(rays)
-    total, count = np.zeros(places.shape[:2]), np.zeros(len(places))
-    for other in (before, after):
-        rows = np.flatnonzero((other >= 0) & (rays.kind[np.maximum(other, 0)] != TAPER_RAY))
-        total[rows] += np.hypot(*(places[rows] - places[other[rows]]).transpose(2, 0, 1))
-        count[rows] += 1
-    found = total / np.maximum(count, 1)[:, None]
-    found[count == 0] = np.inf
-    return found
+@kernel
+def _distances(places, before, after, steps, apart):
+    """Fill ``steps`` and ``apart`` of `Fronts`; -1 for neighbors that are none."""
+    for r in range(places.shape[0]):
+        for k in range(places.shape[1]):
+            x, y = places[r, k, 0], places[r, k, 1]
+            if k > 0:
+                steps[r, k - 1] = math.hypot(x - places[r, k - 1, 0], y - places[r, k - 1, 1])
+            total, count = 0.0, 0
+            for other in (before[r], after[r]):
+                if other >= 0:
+                    total += math.hypot(x - places[other, k, 0], y - places[other, k, 1])
+                    count += 1
+            apart[r, k] = total / count if count else np.inf

@@ -14,8 +14,9 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.stretching import Layers
 from .envelope import freed, short_fans
-from .filling import Remainder, matched_size, remainder
+from .filling import Remainder, remainder
 from .heights import fronts_of
+from .matched import matched_size
 from .rays import rays_of
 from .scene import Scene
 from .spacing import spaced_walls
@@ -115,6 +116,9 @@ class LayersRun:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", IncompleteWarning)
                 self.filled = method(self.rest.domain, wanted, **options)
+            if not isinstance(self.filled, DomainMesh):
+                what = type(self.filled).__name__
+                raise InputError(f"fill must return a mesh of the domain, a DomainMesh, not {what}")
             angle = self.filled.quality("min_angle")
             least = float(angle.min(initial=180.0))
             if least > best[0]:
@@ -123,7 +127,7 @@ class LayersRun:
             if least >= enough or repeat == MOST_REPEATS or not self._step_back(angle < POOR_ANGLE, repeat):
                 break
             self.repeats += 1
-        self.stops, self.numbers, self.rest, self.top, self.filled = best[1]
+        self.least, (self.stops, self.numbers, self.rest, self.top, self.filled) = best
 
     def _step_back(self, poor: NDArray[np.bool_], repeat: int) -> bool:
         """Lower the rays beside poor cells of the rest; False if there are none."""

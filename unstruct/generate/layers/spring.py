@@ -7,14 +7,39 @@ front is near, and the edge stops.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["nearest_stops", "spring_force", "spring_stops"]
+from ...base.jit import inline, kernel
+
+__all__ = ["AHEAD", "meet", "nearest_stops", "spring_force", "spring_stops"]
 
 Array = NDArray[np.float64]
 NEAR_STEPS = 2.0  # by the nearest point: so many steps and ...
 NEAR_SPACINGS = 1.0  # ... so many spacings away an opposing point is near
+AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
+
+
+@inline
+def _force(x, a, b, rest):
+    return abs(math.hypot(x[0] - a[0], x[1] - a[1]) - rest) + abs(math.hypot(x[0] - b[0], x[1] - b[1]) - rest)
+
+
+@inline
+def _by_springs(a, b, new_a, new_b, x):
+    """`spring_stops` for one edge."""
+    rest = math.hypot(b[0] - a[0], b[1] - a[1])
+    if max(math.hypot(x[0] - a[0], x[1] - a[1]), math.hypot(x[0] - b[0], x[1] - b[1])) <= rest:
+        return True
+    return _force(x, a, b, rest) < min(_force(new_a, a, b, rest), _force(new_b, a, b, rest))
+
+
+@inline
+def _by_distance(new, step, apart, x):
+    """`nearest_stops` for one point."""
+    return math.hypot(x[0] - new[0], x[1] - new[1]) < NEAR_STEPS * step + NEAR_SPACINGS * apart
 
 
 def spring_force(x: Array, a: Array, b: Array, rest: Array) -> Array:
@@ -49,13 +74,82 @@ def spring_stops(edge: tuple[Array, Array], new: tuple[Array, Array], existing: 
     sqrt(d s / 2) are compressed to half their length and take more force than the new points do. So a point
     that stretches neither spring is near in any case.
     """
-    a, b = edge
-    rest = np.hypot(*(b - a).T)
-    own = np.minimum(spring_force(new[0], a, b, rest), spring_force(new[1], a, b, rest))
-    slack = np.maximum(np.hypot(*(existing - a).T), np.hypot(*(existing - b).T)) <= rest
-    return slack | (spring_force(existing, a, b, rest) < own)
+    found = np.empty(len(existing), dtype=bool)
+    _spring_stops(*edge, *new, existing, found)
+    return found
+
+
+@kernel
+def _spring_stops(a, b, new_a, new_b, existing, found):
+    for i in range(len(found)):
+        found[i] = _by_springs(a[i], b[i], new_a[i], new_b[i], existing[i])
 
 
 def nearest_stops(new: Array, step: Array, apart: Array, existing: Array) -> NDArray[np.bool_]:
     """Whether an existing point is within two steps and one spacing of a new point."""
-    return np.hypot(*(existing - new).T) < NEAR_STEPS * step + NEAR_SPACINGS * apart
+    found = np.empty(len(existing), dtype=bool)
+    _nearest_stops(new, step, apart, existing, found)
+    return found
+
+
+@kernel
+def _nearest_stops(new, step, apart, existing, found):
+    for i in range(len(found)):
+        found[i] = _by_distance(new[i], step[i], apart[i], existing[i])
+
+
+@kernel
+def meet(tables, rays, pairs, others, spring, level, stopped):
+    """Let rays stop, layer by layer, where a point of another front or of the rest is near.
+
+    Parameters
+    ----------
+    tables : tuple
+        ``places``, ``steps`` and ``apart`` of `Fronts`; the last with the distance after a step for fans.
+    rays : tuple
+        The directions, and the rays before and after each.
+    pairs : tuple
+        Rays p, and for each a ray q < r, or r + the row of one of ``others``. Both arrays are used up.
+    others : (j, 2) float64
+    spring : bool
+    level : (r,) int64
+        The levels so far; lowered.
+    stopped : (r,) bool
+        Receives which rays have been stopped.
+    """
+    places, steps, apart = tables
+    direction, before, after = rays
+    p, q = pairs
+    n, live = len(level), len(p)
+    stop = np.empty(2 * live, dtype=np.int64)
+    k = 0
+    while live > 0:
+        kept = many = 0
+        for i in range(live):
+            r, o = p[i], q[i]
+            if level[r] <= k:
+                continue
+            p[kept], q[kept] = r, o
+            kept += 1
+            x = places[o, min(k, level[o])] if o < n else others[o - n]
+            here, new = places[r, k], places[r, k + 1]
+            dx, dy = x[0] - here[0], x[1] - here[1]
+            if not dx * direction[r, 0] + dy * direction[r, 1] > AHEAD * math.hypot(dx, dy):
+                continue
+            hit = False
+            if spring:
+                for j in (before[r], after[r]):
+                    if j >= 0 and not hit:
+                        there, next_ = places[j, min(k, level[j])], places[j, min(k + 1, level[j])]
+                        hit = _by_springs(here, there, new, next_, x)
+            else:
+                hit = _by_distance(new, steps[r, k], apart[r, k], x)
+            if hit:  # both fronts stop
+                stop[many] = r
+                many += 1
+                if o < n and level[o] > k:
+                    stop[many] = o
+                    many += 1
+        for i in range(many):
+            level[stop[i]], stopped[stop[i]] = k, True
+        live, k = kept, k + 1

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.jit import kernel
 from ...geometry.boxes import BoxTree
+from ...sizing.field import SizeField
 from .heights import Fronts
 from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
-from .spring import nearest_stops, spring_stops
+from .spring import AHEAD, meet
 
 __all__ = [
     "BY_COUNT",
@@ -37,7 +39,6 @@ MATCHED = 0.95  # a ray stops before a step of so many spacings
 SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
 STRETCHED = 1.5  # ... or so many wanted sizes
 ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
-AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
 OWN_VERTICES = 4  # vertices of a wall: what is nearer along it is no opposing front
 
 
@@ -63,7 +64,7 @@ def leveled(stops: Stops, rays: Rays) -> Stops:
 
 
 def stops_of(
-    rays: Rays, fronts: Fronts, size: Callable[[Array], Array], rest: tuple[Array, Integers], spring: bool,
+    rays: Rays, fronts: Fronts, size: SizeField, rest: tuple[Array, Integers], spring: bool,
     slides: Integers,
 ) -> Stops:  # fmt: skip
     """Where rays stop, before the exact tests.
@@ -72,7 +73,7 @@ def stops_of(
     ----------
     rays : Rays
     fronts : Fronts
-    size : callable
+    size : SizeField
         The wanted edge length.
     rest : (j, 2) float64 and (j,) int64
         Points of what is no wall, and their pieces (-1: loose).
@@ -87,27 +88,78 @@ def stops_of(
     return leveled(_near(rays, fronts, stops, rest, spring, slides), rays)
 
 
-def _matched(rays: Rays, fronts: Fronts, size: Callable[[Array], Array]) -> tuple[Integers, NDArray[np.int8]]:
+def _matched(rays: Rays, fronts: Fronts, size: SizeField) -> tuple[Integers, NDArray[np.int8]]:
     """The first layer of each ray whose step would match the spacing or the size."""
     apart, steps = fronts.apart, fronts.steps
     wall = _wall_spacing(rays, apart)
     fan = rays.kind == FAN_RAY
-    here = np.where(fan[:, None], np.maximum(apart, wall[:, None]), apart)[:, :-1]
-    stop = steps >= MATCHED * here
-    stop |= (apart[:, 1:] < SHRUNK * wall[:, None]) & ~fan[:, None]
-    ask = (steps >= ASK_SIZE_FROM * here) | (here > STRETCHED * wall[:, None])
-    ask &= np.cumsum(stop, axis=1) == 0
-    rows, k = np.nonzero(ask)
+    first, asked = np.empty((2, len(wall)), dtype=np.int64)
+    _first_steps(steps, apart, wall, fan, first, asked)
+    # Of the layers from `asked` on the last one before `first` is looked at first. Where the growth of the
+    # size is known, this tells of most others that the size stops no ray there.
+    rows = np.flatnonzero(asked < first)
     if len(rows):
-        wanted = size(fronts.places[rows, k])
-        stop[rows, k] |= (steps[rows, k] >= MATCHED * wanted) | (
-            (apart[rows, k + 1] > STRETCHED * np.maximum(wanted, wall[rows])) & ~fan[rows]
+        last = np.full(len(wall), np.inf)
+        at = fronts.places[rows, first[rows] - 1]
+        last[rows] = size(at)
+        change = np.inf if size.growth is None else size.growth
+        ray, layer = np.empty((2, int((first - asked)[rows].sum())), dtype=np.int64)
+        wanted = np.empty(len(ray))
+        many = _to_ask(
+            (fronts.places, steps, apart), wall, fan, (first, asked), last, change, (ray, layer), wanted
         )
-    first = np.where(stop.any(axis=1), np.argmax(stop, axis=1), steps.shape[1])
+        ray, layer, wanted = ray[:many], layer[:many], wanted[:many]
+        open_ = np.flatnonzero(wanted < 0.0)
+        if len(open_):
+            wanted[open_] = size(fronts.places[ray[open_], layer[open_]])
+        stop = (steps[ray, layer] >= MATCHED * wanted) | (
+            (apart[ray, layer + 1] > STRETCHED * np.maximum(wanted, wall[ray])) & ~fan[ray]
+        )
+        np.minimum.at(first, ray[stop], layer[stop])
     level = np.minimum(first, fronts.most)
     reason = np.where(first <= fronts.most, BY_MATCH, np.where(rays.kind == SLIDING_RAY, BY_END, BY_COUNT))
     reason[first == steps.shape[1]] = BY_MATCH if fronts.endless else BY_COUNT
     return level, reason.astype(np.int8)
+
+
+@kernel
+def _first_steps(steps, apart, wall, fan, first, asked):
+    """The first layer of each ray that matches the spacing, and the first one for which the size matters."""
+    for r in range(steps.shape[0]):
+        first[r] = asked[r] = steps.shape[1]
+        for k in range(steps.shape[1]):
+            here = max(apart[r, k], wall[r]) if fan[r] else apart[r, k]
+            if steps[r, k] >= MATCHED * here or (apart[r, k + 1] < SHRUNK * wall[r] and not fan[r]):
+                first[r] = k
+                break
+            if asked[r] > k and (steps[r, k] >= ASK_SIZE_FROM * here or here > STRETCHED * wall[r]):
+                asked[r] = k
+
+
+@kernel
+def _to_ask(tables, wall, fan, range_, last, change, rows, wanted):
+    """Write the rays and layers at which the size could stop a ray; how many there are.
+
+    ``wanted`` gets the size where it is known, else -1. ``last`` is the size at the last layer of each range,
+    ``change`` the growth of the size.
+    """
+    places, steps, apart = tables
+    first, asked = range_
+    ray, layer = rows
+    many = 0
+    for r in range(len(wall)):
+        for k in range(asked[r], first[r]):
+            here = max(apart[r, k], wall[r]) if fan[r] else apart[r, k]
+            if not (steps[r, k] >= ASK_SIZE_FROM * here or here > STRETCHED * wall[r]):
+                continue
+            end = first[r] - 1
+            x, y = places[r, k, 0] - places[r, end, 0], places[r, k, 1] - places[r, end, 1]
+            least = last[r] if k == end else last[r] - change * math.hypot(x, y)
+            ahead = apart[r, k + 1] > STRETCHED * max(least, wall[r]) and not fan[r]
+            if steps[r, k] >= MATCHED * least or ahead:
+                ray[many], layer[many], wanted[many] = r, k, last[r] if k == end else -1.0
+                many += 1
+    return many
 
 
 def _wall_spacing(rays: Rays, apart: Array) -> Array:
@@ -128,28 +180,32 @@ def _wall_spacing(rays: Rays, apart: Array) -> Array:
 def chains_of(rays: Rays) -> tuple[Integers, Integers, Integers]:
     """The chain of each ray, its place counted in vertices of the wall, and the length of closed chains."""
     before, after = neighbors_of(rays)
-    n, sides = len(rays.base), len(rays.left)
-    side_of = np.full(n, -1, dtype=np.int64)
-    side_of[rays.left] = np.arange(sides)
-    fan = np.zeros(sides, dtype=bool)
-    fan[rays.base[rays.left] == rays.base[rays.right]] = True
-    step = np.where(side_of >= 0, ~fan[side_of], False).tolist()
-    following, leading = after.tolist(), before.tolist()
-    chain, place, around = [-1] * n, [0] * n, [0] * n
+    step = np.zeros(len(before), dtype=np.int64)  # fans count as one vertex
+    step[rays.left] = rays.base[rays.left] != rays.base[rays.right]
+    chain, place, around = np.full((3, len(before)), -1, dtype=np.int64)
+    _follow(before, after, step, chain, place, around)
+    return chain, place, around
+
+
+@kernel
+def _follow(before, after, step, chain, place, around):
+    """Number the chains and the places on them; open chains come first, from their starts."""
     count = 0
-    for start in sorted(range(n), key=lambda r: leading[r] >= 0):  # open chains from their starts
-        if chain[start] >= 0:
-            continue
-        members, r, at = [], start, 0
-        while r >= 0 and chain[r] < 0:
-            chain[r], place[r] = count, at
-            members.append(r)
-            at += step[r]
-            r = following[r]
-        for member in members if r == start else ():
-            around[member] = at
-        count += 1
-    return np.array(chain), np.array(place), np.array(around)
+    for closed in range(2):
+        for start in range(len(before)):
+            if chain[start] >= 0 or (before[start] >= 0 and not closed):
+                continue
+            r, at = start, 0
+            while r >= 0 and chain[r] < 0:
+                chain[r], place[r], around[r] = count, at, 0
+                at += step[r]
+                r = after[r]
+            count += 1
+            if r == start:
+                around[r] = at
+                while after[r] != start:
+                    r = after[r]
+                    around[r] = at
 
 
 def _ahead(away: Array, direction: Array) -> NDArray[np.bool_]:
@@ -161,39 +217,19 @@ def _near(
     rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], spring: bool, slides: Integers
 ) -> Stops:
     """Let rays stop, layer by layer, where a point of another front or of the rest is near."""
-    n = len(rays.base)
     level, reason = stops.level.copy(), stops.reason.copy()
-    places = np.concatenate([fronts.places, np.repeat(rest[0][:, None], fronts.places.shape[1], axis=1)])
-    p, q = _candidates(rays, fronts, stops, rest, slides)
-    before, after = neighbors_of(rays)
-    every = np.append(level, np.zeros(len(rest[0]), dtype=np.int64))
-    for k in range(int(level.max(initial=0))):
-        live = every[p] > k
-        p, q = p[live], q[live]
-        if not len(p):
-            break
-        at = places[q, np.minimum(k, every[q])]
-        new, here = places[p, k + 1], places[p, k]
-        away = at - here
-        ahead = _ahead(away, rays.direction[p])
-        if spring:
-            hit = np.zeros(len(p), dtype=bool)
-            for other in (before, after):
-                o = other[p]
-                rows = np.flatnonzero(ahead & (o >= 0))
-                j = o[rows]
-                edge = here[rows], places[j, np.minimum(k, every[j])]
-                fresh = new[rows], places[j, np.minimum(k + 1, every[j])]
-                hit[rows] |= spring_stops(edge, fresh, at[rows])
-        else:
-            apart = np.where(rays.kind[p] == FAN_RAY, fronts.apart[p, k + 1], fronts.apart[p, k])
-            hit = ahead & nearest_stops(new, fronts.steps[p, k], apart, at)
-        stop = np.unique(p[hit])
-        every[stop], reason[stop] = k, BY_FRONT
-        both = np.unique(q[hit & (q < n)])  # both fronts stop
-        both = both[every[both] > k]
-        every[both], reason[both] = k, BY_FRONT
-    return Stops(every[:n], reason)
+    stopped = np.zeros(len(level), dtype=bool)
+    fan = rays.kind == FAN_RAY
+    apart = fronts.apart
+    if fan.any():
+        apart = apart.copy()
+        apart[fan, :-1] = fronts.apart[fan, 1:]
+    meet(
+        (fronts.places, fronts.steps, apart), (rays.direction, *neighbors_of(rays)),
+        _candidates(rays, fronts, stops, rest, slides), np.ascontiguousarray(rest[0]), spring, level, stopped,
+    )  # fmt: skip
+    reason[stopped] = BY_FRONT
+    return Stops(level, reason)
 
 
 def _candidates(

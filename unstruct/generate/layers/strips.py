@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...predicates.batch import orient_rows
+from ...base.jit import inline, kernel
+from ...predicates.batch import orient_rows, scaled
+from ...predicates.kernels import orientation
 from .heights import Fronts
 from .rays import Rays
 from .stops import BY_EXACTNESS, Stops, leveled
@@ -95,6 +97,41 @@ def tops(rays: Rays, level: Integers, numbers: Numbering) -> tuple[Integers, Int
     return strip, np.column_stack([numbers.at(i, level[i]), numbers.at(j, level[j])])
 
 
+@inline
+def _point(start, base, ray, layer):
+    """`Numbering.at` for kernels."""
+    return start[ray] + layer - 1 if layer > 0 else base[ray]
+
+
+@kernel
+def _good_layers(xy, start, base, left, right, whole):
+    """Lower ``whole``, the number of layers of each strip, to those before the first bad cell."""
+    for s in range(len(whole)):
+        for m in range(whole[s]):
+            i, j = left[s], right[s]
+            a, b = _point(start, base, i, m), _point(start, base, j, m)
+            d, c = start[i] + m, start[j] + m
+            good = orientation(xy, c, d, a) > 0
+            if a != b:
+                good = good and orientation(xy, a, b, c) > 0 and orientation(xy, b, c, d) > 0
+                good = good and orientation(xy, d, a, b) > 0
+            if not good:
+                whole[s] = m
+                break
+
+
+def _good_rows(numbers: Numbering, rays: Rays, lower: Integers, whole: Integers) -> None:
+    """`_good_layers` for any exponents."""
+    strip, layer = _counted(lower)
+    i, j = rays.left[strip], rays.right[strip]
+    a, b = numbers.at(i, layer), numbers.at(j, layer)
+    d, c = numbers.at(i, layer + 1), numbers.at(j, layer + 1)
+    corners = np.concatenate([np.column_stack(v) for v in ((a, b, c), (b, c, d), (c, d, a), (d, a, b))])
+    signs = orient_rows(numbers.points, corners).reshape(4, -1)
+    good = np.where(a == b, signs[2] > 0, signs.min(axis=0, initial=1) > 0)
+    np.minimum.at(whole, strip[~good], layer[~good])
+
+
 def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
     """The levels lowered until all cells are positively oriented and all quadrilaterals are convex; exact."""
     stops = leveled(stops, rays)
@@ -102,16 +139,12 @@ def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
     numbers = numbered(points, rays, fronts, first)
     left, right = rays.left, rays.right
     lower = np.minimum(first[left], first[right])
-    strip, layer = _counted(lower)
-    i, j = left[strip], right[strip]
-    a, b = numbers.at(i, layer), numbers.at(j, layer)
-    d, c = numbers.at(i, layer + 1), numbers.at(j, layer + 1)
-    corners = np.concatenate([np.column_stack(v) for v in ((a, b, c), (b, c, d), (c, d, a), (d, a, b))])
-    signs = orient_rows(numbers.points, corners).reshape(4, -1)
-    pointed = a == b
-    good = np.where(pointed, signs[2] > 0, signs.min(axis=0, initial=1) > 0)
-    whole = np.full(len(left), np.iinfo(np.int64).max)  # how many cells of a strip are good
-    np.minimum.at(whole, strip[~good], layer[~good])
+    xy, kept = scaled(numbers.points)
+    whole = lower.copy()  # how many cells of a strip are good
+    if kept:
+        _good_layers(xy, numbers.start, rays.base, left, right, whole)
+    else:  # exponents too wide for one scale
+        _good_rows(numbers, rays, lower, whole)
     while True:
         level, reason = stops.level.copy(), stops.reason.copy()
         for ray in (left, right):
@@ -121,7 +154,6 @@ def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
             reason[rows] = BY_EXACTNESS
         stops = leveled(Stops(level, reason), rays)
         level = stops.level
-        numbers = Numbering(numbers.points, numbers.start, numbers.base)
         low = np.minimum(level[left], level[right])
         ramp = np.flatnonzero((level[left] != level[right]) & (rays.base[left] != rays.base[right]))
         up = np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])

@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...connect.planar.complex import PlanarComplex
+from ...geometry.triangle_shapes import planar_angles
 from ...mesh.domain_mesh import DomainMesh
 from .filling import Remainder
 from .scene import Scene, bare
 from .strips import Cells, Numbering
 
-__all__ = ["Union", "split_quads", "union_of"]
+__all__ = ["Union", "largest_angle", "split_quads", "union_of"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+MEASURED_EDGE = 1e-70  # products of squares of edges above it are far above the least doubles
 
 
 class Union(NamedTuple):
@@ -26,7 +28,7 @@ class Union(NamedTuple):
     Attributes
     ----------
     points, origin : (n, 2) float64, (n,) int32
-    cells : dict of str to ndarray
+    cells : dict of str to ndarray of int32
     region, layer, strip : (m,) int64
         Per cell, in the order of the cells: the region; the layer, from 1 on, 0 in the rest; the strip.
     segments, piece, span : ndarray
@@ -39,7 +41,7 @@ class Union(NamedTuple):
 
     points: Array
     origin: NDArray[np.int32]
-    cells: dict[str, Integers]
+    cells: dict[str, NDArray[np.int32]]
     region: Integers
     layer: Integers
     strip: Integers
@@ -82,6 +84,44 @@ def _split(points, quads, made):
             made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
 
 
+@kernel
+def _bluntest(points, cells):
+    """The triangle with the least cosine of an angle; -1 if there is none, or an edge is very short."""
+    best, found = 2.0, np.int64(-1)
+    for t in range(cells.shape[0]):
+        a, b, c = cells[t, 0], cells[t, 1], cells[t, 2]
+        cosine = _least_cosine(points, a, b, c)
+        if cosine < best:
+            best, found = cosine, np.int64(t)
+        x, y = abs(points[b, 0] - points[a, 0]), abs(points[b, 1] - points[a, 1])
+        if max(x, y) < MEASURED_EDGE:
+            return np.int64(-1)
+    return found
+
+
+def largest_angle(mesh: DomainMesh) -> float:
+    """The largest angle of a cell, in degrees; only one arctangent is taken."""
+    at = int(_bluntest(mesh.points, mesh.simplices)) if set(mesh.cells) == {"triangle"} else -1
+    found = planar_angles(mesh.points, mesh.simplices[at : at + 1]) if at >= 0 else None
+    return float(mesh.quality("max_angle").max() if found is None else found[1][0])
+
+
+@kernel
+def _mark(cells, used):
+    """Mark the points that cells use."""
+    for t in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            used[cells[t, k]] = True
+
+
+@kernel
+def _renumber(cells, place, found):
+    """Write the numbers of the same points in the mesh."""
+    for t in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            found[t, k] = place[cells[t, k]]
+
+
 def union_of(
     scene: Scene, c: PlanarComplex, level: Integers, numbers: Numbering, cells: Cells,
     rest: Remainder, fill: DomainMesh, triangles: bool,
@@ -119,12 +159,14 @@ def union_of(
     points = np.concatenate([numbers.points, new])
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
-        used[block.ravel()] = True
+        _mark(block, used)
     place = np.where(used, np.cumsum(used) - 1, -1)
     origin_of = np.full(len(points), -1, dtype=np.int32)
     vertices = len(scene.domain.points)
     origin_of[:vertices] = np.arange(vertices)
-    kept = {name: place[block] for name, block in both.items() if len(block)}
+    kept = {name: np.empty(block.shape, dtype=np.int32) for name, block in both.items() if len(block)}
+    for name, block in kept.items():
+        _renumber(both[name], place, block)
     order = np.lexsort((span[:, 0], piece))
     return Union(
         points[used], origin_of[used], kept, region, layer, strip, place[segments][order], piece[order],
@@ -153,6 +195,8 @@ def _layered(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integer
 def _regions(scene: Scene, c: PlanarComplex, rest: Remainder, fill: DomainMesh) -> Integers:
     """The region of each cell of the rest in the whole domain, by an edge of a piece or of the envelope."""
     part = np.asarray(fill.markers["region"]).astype(np.int64)
+    if not c.region.max(initial=0):  # there is but one
+        return np.zeros(len(part), dtype=np.int64)
     n = len(fill.points)
     t = fill.simplices.astype(np.int64)
     keys = np.concatenate([t[:, i] * n + t[:, (i + 1) % 3] for i in range(3)])

@@ -6,22 +6,27 @@ Some passes survey all triangles; apart from these only poor triangles and their
 from __future__ import annotations
 
 from math import asin, degrees, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.stars import FAIRNESS, ROUNDNESS, Stars, legalize_moved, opposite_half_edges
+from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
-from ..improve.relocation import changed, improve, look_for, survey
+from ..improve.relocation import BY_MEANS, FAIRER, ROUNDER, changed, improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
 from ..refinement.run import Planned, RefineRun, counts_of
 from ..refinement.state import REFUSALS, VERTEX_LIMIT
 
-__all__ = ["PASSES", "PROMISED_ANGLE", "figures", "refine_angles", "smooth_poor"]
+__all__ = [
+    "PASSES", "PROMISED_ANGLE", "QUICK", "THOROUGH", "Effort", "figures", "refine_angles", "small_angles",
+    "smooth_poor",
+]  # fmt: skip
+
 
 STARS_A_CALL = 100_000  # vertices looked at in one kernel call
 # Laplace steps are tried on stars with a triangle below the fairness `NEARLY`, and afterwards a pattern
@@ -30,6 +35,24 @@ NEARLY, LAPLACE_ROUNDS = 0.995, 3
 POOR, SEARCH_ROUNDS = 0.93, 6
 # In the end the smallest 2 r / R of stars is raised where it is below this bound; most triangles are above.
 IMPROVED_BELOW, SHARP_ROUNDS = 0.91, 24
+
+
+class Effort(NamedTuple):
+    """How far smoothing goes: see the constants above. Patches are changed below the angle ``patched``."""
+
+    poor: float
+    search_rounds: int
+    improved_below: float
+    sharp_rounds: int
+    patched: float
+
+
+THOROUGH = Effort(POOR, SEARCH_ROUNDS, IMPROVED_BELOW, SHARP_ROUNDS, 60.0)
+# Where a size grows by a fifth of the distance, most stars have a triangle below 0.93: to raise the least of
+# each costs more than all else, and lowers the mean. This has a larger mean, and least angles that are a few
+# degrees smaller.
+QUICK = Effort(0.85, 2, 0.85, 4, 30.0)
+
 PROMISED_ANGLE = 25.0  # degrees: refinement starts where an angle is smaller
 WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
 # Before that, inner points are tried where an angle is below the first number, for the second one. The
@@ -40,7 +63,7 @@ LENS = 0.25  # squared cosine: a subsegment is split where a point would see it 
 
 
 def smooth_poor(
-    complex_: PlanarComplex, given: int, since: int = 0
+    complex_: PlanarComplex, given: int, since: int = 0, effort: Effort = THOROUGH
 ) -> tuple[int, int, NDArray[np.bool_], dict[str, float]]:
     """Move vertices of poor triangles in place. Vertices on segments and those numbered below ``given`` stay.
 
@@ -77,36 +100,28 @@ def smooth_poor(
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
-        if _rounds(stars, todo, moved, NEARLY, False, LAPLACE_ROUNDS):
+        if _rounds(stars, todo, moved, NEARLY, BY_MEANS, LAPLACE_ROUNDS):
             counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
         # the other triangles have not changed: their 2 r / R is still at least NEARLY
-        look_for(c.xy, c.vertex, c.region, count, POOR, seen | moved, todo)
-    _rounds(stars, todo, moved, POOR, True, SEARCH_ROUNDS)
+        look_for(c.xy, c.vertex, c.region, count, effort.poor, seen | moved, todo)
+    _rounds(stars, todo, moved, effort.poor, FAIRER, effort.search_rounds)
     todo[:] = False
-    look_for(c.xy, c.vertex, c.region, count, IMPROVED_BELOW, seen | moved, todo)
-    _rounds(stars, todo, moved, IMPROVED_BELOW, True, SHARP_ROUNDS, ROUNDNESS)
+    look_for(c.xy, c.vertex, c.region, count, effort.improved_below, seen | moved, todo)
+    _rounds(stars, todo, moved, effort.improved_below, ROUNDER, effort.sharp_rounds)
     changed(corners, c.vertex, moved)
     return int(counts[0]), int(counts[1]), moved, before
 
 
-def _rounds(
-    stars: Stars,
-    todo: NDArray,
-    moved: NDArray,
-    threshold: float,
-    patterns: bool,
-    rounds: int,
-    judge: int = FAIRNESS,
-) -> int:
+def _rounds(stars: Stars, todo: NDArray, moved: NDArray, threshold: float, way: int, rounds: int) -> int:
     """Repeat `improve` until nothing moves, for at most ``rounds`` rounds, and return the number of moves."""
     n, moves = len(todo), 0
+    if n <= STARS_A_CALL:
+        return int(improve(stars, todo, moved, threshold, way, 0, n, rounds))
     for _ in range(rounds):
         before = moves
         for start in range(0, n, STARS_A_CALL):
-            moves += improve(
-                stars, todo, moved, threshold, patterns, judge, start, min(start + STARS_A_CALL, n)
-            )
+            moves += improve(stars, todo, moved, threshold, way, start, min(start + STARS_A_CALL, n), 1)
         if moves == before:
             break
     return moves

@@ -14,21 +14,39 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
-from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
+from ...sizing.field import SizeField
+from .rounder import faces_of_cells, rounded
 
 __all__ = ["filled"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
+MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
 
 
-def filled(domain: Domain, *, seed: int = 0, budget: int | None = None, progress: bool = False) -> DomainMesh:
+def filled(
+    domain: Domain,
+    inner: NDArray[np.float64] | None = None,
+    *,
+    field: SizeField | None = None,
+    optimize: bool = False,
+    seed: int = 0,
+    budget: int | None = None,
+    progress: bool = False,
+) -> DomainMesh:
     """Tetrahedra of the vertices of a body, and of further ones where there must be.
 
     Parameters
     ----------
     domain : Domain
         In space.
+    inner : ndarray, shape (k, 3), optional
+        Further vertices inside, on no piece.
+    field : SizeField, optional
+        The wanted length of edges, by which cells at facets that are much larger are listed.
+    optimize : bool
+        Whether to make the cells rounder afterwards; see `rounded`.
     seed : int
         Of the random numbers of the recovery.
     budget : int, optional
@@ -47,24 +65,61 @@ def filled(domain: Domain, *, seed: int = 0, budget: int | None = None, progress
             "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
             "fills the convex hull of points"
         )
-    complex_ = SpatialComplex(domain.points, progress=progress)
+    points = domain.points if inner is None else np.concatenate([domain.points, inner])
+    complex_ = SpatialComplex(points, progress=progress)
     found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
     complex_.flood(len(shell.bounding))
     made = complex_.inside()
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
-    return _with_names(domain, found, made)
+    chains = _chains(domain, found, made)
+    counts = {} if inner is None else {"lattice points": len(inner)}
+    if optimize and found.complete:
+        made, changes = _rounder(domain, made, chains[0], seed, progress)
+        counts |= changes
+    unrefined = _incomplete(domain, found, made)
+    if field is not None:
+        for cell in _large(made, field).tolist():
+            unrefined.setdefault(cell, "a facet is larger than the size")
+    return _with_names(domain, found, made, chains, unrefined, counts)
 
 
-def _with_names(domain: Domain, found: Recovered, made: SpatialMesh) -> DomainMesh:
+def _rounder(
+    domain: Domain, made: SpatialMesh, segments: NDArray[np.int32], seed: int, progress: bool
+) -> tuple[SpatialMesh, dict[str, int]]:
+    """The same points inside, with rounder cells, and how they were made so."""
+    marked = faces_of_cells(made.simplices, made.faces, len(made.points))
+    better = rounded(
+        made.points,
+        (made.simplices, made.neighbors, made.region),
+        marked,
+        segments,
+        made.vertex < len(domain.points),
+        seed=seed,
+        progress=progress,
+    )
+    result = made._replace(
+        points=better.points, simplices=better.simplices, neighbors=better.neighbors, region=better.region
+    )
+    return result, {"refills": better.refills, "moves": better.moves}
+
+
+def _with_names(
+    domain: Domain,
+    found: Recovered,
+    made: SpatialMesh,
+    chains: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]],
+    unrefined: dict[int, str],
+    counts: dict[str, int],
+) -> DomainMesh:
     """The mesh with all that is known of it."""
     shell = domain.triangulated
     given = len(domain.points)
     origin = np.where(made.vertex < given, made.vertex, -1).astype(np.int32)
     piece = shell.piece[made.triangle]
-    segments, segment_piece, span = _chains(domain, found, made)
+    segments, segment_piece, span = chains
     region = _regions(domain, made)
-    unrefined, reasons = _incomplete(domain, found, made)
+    cells = sorted(unrefined)
     bounding = piece < len(domain.facets)
     markers: dict[str, Any] = {
         "facets": made.faces[bounding],
@@ -88,8 +143,8 @@ def _with_names(domain: Domain, found: Recovered, made: SpatialMesh) -> DomainMe
         span=span,
         faces=made.faces,
         face_piece=piece,
-        unrefined=unrefined,
-        reasons=reasons,
+        unrefined=np.array(cells, dtype=np.int32) if cells else None,
+        reasons=[unrefined[cell] for cell in cells] if cells else None,
         counts={
             "added on pieces": len(found.steiner),
             "added inside": len(found.inner),
@@ -97,9 +152,10 @@ def _with_names(domain: Domain, found: Recovered, made: SpatialMesh) -> DomainMe
             "missing triangles": len(found.triangles),
             **{f"crossings {kind}": count for kind, count in crossed},
             "seed": found.seed,
+            **counts,
         },
     )
-    return noticed(mesh)
+    return mesh
 
 
 def _chains(
@@ -169,12 +225,10 @@ def _counted(part: NDArray[Any], first: int) -> NDArray[np.int32]:
     return rank[inverse.ravel()].astype(np.int32)
 
 
-def _incomplete(
-    domain: Domain, found: Recovered, made: SpatialMesh
-) -> tuple[NDArray[np.int32] | None, list[str] | None]:
+def _incomplete(domain: Domain, found: Recovered, made: SpatialMesh) -> dict[int, str]:
     """The cells with an edge of what is missing, and what that is."""
     if found.complete:
-        return None, None
+        return {}
     shell = domain.triangulated
     number = np.full(len(domain.points), -1, dtype=np.int64)
     known = np.flatnonzero(made.vertex < len(domain.points))
@@ -188,5 +242,15 @@ def _incomplete(
             reason.setdefault(cell, text)
     if not reason:  # far from the inside
         reason = {0: lost[0][1]}
-    cells = sorted(reason)
-    return np.array(cells, dtype=np.int32), [reason[cell] for cell in cells]
+    return reason
+
+
+def _large(made: SpatialMesh, field: SizeField) -> NDArray[np.int64]:
+    """The cells at faces of pieces with an edge that is much longer than wanted."""
+    corners = made.points[made.faces]
+    large = np.zeros(len(corners), dtype=bool)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        length = np.linalg.norm(corners[:, i] - corners[:, j], axis=1)
+        large |= length > MUCH_LARGER * field((corners[:, i] + corners[:, j]) / 2)
+    at = faces_of_cells(made.simplices, made.faces[large], len(made.points))
+    return np.flatnonzero(at.any(axis=1))

@@ -1,0 +1,52 @@
+"""The report of the suite ``layers``: a table for each work."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .planar_report import ratio, speed, times
+from .report import OURS, figures, grid, page, relative
+
+Row = dict[str, Any]
+TITLES = {
+    "layers": "Layers along a wing and its flap",
+    "stretched": "Cells ten times as long as wide, in a direction that turns",
+}
+
+
+def table(rows: list[Row], work: str) -> str:
+    """A line for each case and contestant; **bold** if a peer makes more triangles per second."""
+    layers = work == "layers"
+    head = ["spacing", "first height"] if layers else ["metric"]
+    head += ["by", "triangles", "seconds", "1000 triangles/s", f"{OURS} ÷ it", "largest angle"]
+    head += ["least angle beyond", "mean 2r/R beyond", "99 % of area ratios below"] if layers else []
+    head += [] if layers else ["metric edges within √2", "mean metric quality", "valid"]
+    lines = []
+    for (name, kind, _), case in times(rows).items():
+        if name != work or OURS not in case:
+            continue
+        for peer, row in case.items():
+            cells = kind.split() if layers else [kind]
+            cells += [peer, str(row["cells"]), figures(row["seconds"]), figures(speed(row) / 1e3)]
+            cells += [
+                "" if peer.startswith(OURS) else relative(ratio(case, peer)),
+                f"{row['max_angle']:.0f}°",
+            ]
+            if layers:
+                cells += [f"{row['min_angle']:.1f}°", f"{row['mean_2r_R']:.3f}", f"{row['area_ratio']:.2f}"]
+            else:
+                close = f"{100 * row['conforming']:.2f} %"
+                cells += [close, f"{row['mean_metric']:.4f}", "yes" if row["valid"] else "no"]
+            lines.append(cells)
+    return grid(head, 3 if layers else 2, lines)
+
+
+def markdown(result: dict[str, Any]) -> str:
+    """The report of the suite."""
+    rows = result["rows"]
+    done = {row["work"] for row in rows}
+    return page(result, {title: table(rows, work) for work, title in TITLES.items() if work in done})
+
+
+def plot(rows: list[Row]) -> None:
+    """There is no picture: the tables have it all."""

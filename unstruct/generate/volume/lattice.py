@@ -1,0 +1,258 @@
+"""Points inside a body for cells of a wanted size: body-centered cubic lattices, nested where the size varies.
+
+The Delaunay tetrahedra of a body-centered lattice are all alike, with dihedral angles of 60 and 90 degrees.
+Exact lattices are cospherical, which makes insertion slow; so each point is moved by about a thousandth of
+its cell, by a hash of its place in the lattice. See the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.jit import kernel
+from ...domain.domain import Domain
+from ...domain.space.cutting import Shell
+from ...geometry.boxes import BoxTree, bounding_boxes
+from ...geometry.inside_shell import even_odd_in_space
+from ...geometry.segment_tree import SegmentTree
+from ...sizing.field import SizeField
+
+__all__ = ["MOST_INNER", "lattice_points"]
+
+Array = NDArray[np.float64]
+CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
+GAP = 0.6  # how near to the surface points may be; unit: the wanted length there
+JITTER = 1e-3  # of the side of a cell
+MOST_INNER = 5_000_000  # points, unless a budget is given
+FINER = 0.7  # mean edges at a vertex of the surface over the size, from which the surface is called finer
+GROWTH = 0.4  # of the size from the finer surface, per length
+TOWARDS = 0.35  # where sizes are sampled between the center of a cell and its corners; unit: a side
+DEEPEST = 18  # levels of nested lattices; their places fit into 64 bits
+COARSE = 16  # cells along the box from which nesting starts, so that small features are met
+
+
+def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Array:
+    """Points inside the body, farther than 0.6 of the wanted length from its facets, segments and points.
+
+    Parameters
+    ----------
+    domain : Domain
+        In space.
+    field : SizeField
+        The wanted length of edges.
+    budget : int, optional
+        The largest number of points.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        In the order of the lattice.
+
+    Raises
+    ------
+    InputError
+        If there would be more than ``budget`` points, or more levels of size than can be nested.
+    """
+    shell = domain.triangulated
+    low, high = domain.bounds
+    surface = _finer(shell, field)
+    most = MOST_INNER if budget is None else budget
+    if surface is not None or field.constant is None:
+        places, side, unit, origin = _nested(field, surface, low, high, most)
+    else:
+        places, side, unit, origin = _uniform(field.constant, low, high, most)
+    rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
+    size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
+    rows = rows[~_near(shell, domain, rows, GAP * size)]
+    rows = rows[even_odd_in_space(shell.points, shell.bounding, rows)[0]]
+    if len(rows) > most:
+        raise InputError(_too_many(len(rows), most))
+    return rows
+
+
+def _too_many(count: float, most: int) -> str:
+    return (
+        f"the size asks for about {count:.0f} points inside, more than the {most} that are allowed; give a "
+        "larger size, or a budget"
+    )
+
+
+def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.int64], Array, float, Array]:
+    """Both cubic lattices over the box; places in units of half a cell, sides of cells, that unit, the origin."""
+    side = CELL * h
+    with np.errstate(over="ignore"):
+        spans = (high - low) / side
+        count = 2.0 * float(np.prod(spans + 1))
+    if not count <= 64.0 * most:  # even a body that fills little of its box has too many
+        raise InputError(_too_many(count, most))
+    reach = (np.ceil(spans / 2) + 1).astype(np.int64)
+    axes = [2 * np.arange(-k, k + 1) for k in reach]
+    corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    places = np.concatenate([corners, corners + 1])
+    return places, np.full(len(places), side), side / 2, low / 2 + high / 2
+
+
+def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Array, most: int) -> tuple:
+    """Corners and centers of the leaves of an octree, as in `_uniform`; the unit is half of the smallest side."""
+    root = float((high - low).max())
+    spans = (high - low) / root
+    cells, side, level = np.zeros((1, 3), dtype=np.int64), root, 0
+    leaves: list[tuple[NDArray[np.int64], int]] = []
+    found = 0
+    marks = field.landmarks if field.landmarks.shape[1:] == (3,) else np.empty((0, 3))
+    marked = field(marks) if len(marks) else np.empty(0)
+    while len(cells):
+        inside = (cells * 0.5**level < spans).all(axis=1)
+        cells = cells[inside]
+        wanted = _least_size(field, surface, low, cells, side)
+        at, here = _cell_of(cells, np.floor((marks - low) / side).astype(np.int64))
+        np.minimum.at(wanted, at, marked[here])
+        split = (side > np.sqrt(2.0) * CELL * wanted) | (2**level < COARSE) & (side > CELL * wanted)
+        leaves.append((cells[~split], level))
+        found += int(np.count_nonzero(~split))
+        if 8.0 * np.count_nonzero(split) + found > 16.0 * most:
+            raise InputError(_too_many(8.0 * np.count_nonzero(split) + found, most))
+        if split.any() and level == DEEPEST:
+            raise InputError(
+                f"the size asks for cells below 2^-{DEEPEST} of the body; give a larger size, or mesh the part"
+            )
+        steps = np.array(list(np.ndindex(2, 2, 2)))
+        cells = (2 * cells[split][:, None] + steps).reshape(-1, 3)
+        side, level = side / 2, level + 1
+    return _corners_of(leaves, root, low)
+
+
+def _finer(shell: Shell, field: SizeField) -> SegmentTree | None:
+    """Those vertices of the surface whose edges are much shorter than the size, with the means of these."""
+    corners = shell.points[shell.triangles]
+    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)  # of the edges k, k + 1
+    at_corner = (lengths + np.roll(lengths, 1, axis=1)).ravel() / 2
+    vertex, n = shell.triangles.ravel(), len(shell.points)
+    share = np.bincount(vertex, minlength=n)
+    mean = np.bincount(vertex, at_corner, minlength=n) / np.maximum(share, 1)
+    used = np.flatnonzero(share)
+    fine = used[mean[used] < FINER * field(shell.points[used])]
+    return SegmentTree(shell.points[fine], mean[fine]) if len(fine) else None
+
+
+def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
+    """The size, made smaller near parts of the surface that are finer: it grows from there."""
+    return size if surface is None or len(x) == 0 else surface.least(x, GROWTH, size)[0]
+
+
+def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which cells of a level some places are in, and which of the places are in one."""
+    bits = DEEPEST + 2
+    inside = np.flatnonzero(((at >= 0) & (at < 1 << bits)).all(axis=1))
+    keys, wanted = (
+        (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2] for rows in (cells, at[inside])
+    )
+    if len(keys) == 0:
+        return keys, keys
+    order = np.argsort(keys)
+    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
+    same = keys[order][place] == wanted
+    return order[place[same]], inside[same]
+
+
+def _least_size(
+    field: SizeField, surface: SegmentTree | None, low: Array, cells: NDArray[np.int64], side: float
+) -> Array:
+    """About the least wanted length in each cell: at the center and towards the corners."""
+    if len(cells) == 0:
+        return np.empty(0)
+    centers = low + side * (cells + 0.5)
+    wanted = field(centers)
+    if field.growth is not None:
+        wanted = np.maximum(wanted - TOWARDS * side * field.growth, 0.25 * wanted)
+    else:
+        for step in np.ndindex(2, 2, 2):
+            wanted = np.minimum(wanted, field(centers + side * TOWARDS * (2.0 * np.array(step) - 1)))
+    near = _limited(surface, centers, wanted + TOWARDS * side * GROWTH)
+    return np.maximum(near - TOWARDS * side * GROWTH, 0.25 * np.minimum(near, wanted))
+
+
+def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: Array) -> tuple:
+    last = max(level for cells, level in leaves if len(cells))
+    places, sides = [], []
+    for cells, level in leaves:
+        step = 2 ** (last - level)
+        for corner in [2 * np.array(place) for place in np.ndindex(2, 2, 2)] + [np.ones(3, dtype=np.int64)]:
+            places.append((2 * cells + corner) * step)
+            sides.append(np.full(len(cells), root * 0.5**level))
+    every, side = np.concatenate(places), np.concatenate(sides)
+    bits = DEEPEST + 3
+    key = (every[:, 0] << 2 * bits) | (every[:, 1] << bits) | every[:, 2]
+    order = np.lexsort((side, key))
+    key = key[order]
+    first = order[np.append(True, key[1:] != key[:-1])] if len(key) else order
+    return every[first], side[first], root * 0.5 ** (last + 1), low
+
+
+def _hashed(places: NDArray[np.int64]) -> Array:
+    """Three numbers between -1 and 1 for each place, the same in each run."""
+    x, y, z = (places.astype(np.uint64) + np.uint64(1 << 40)).T
+    found = np.empty((len(places), 3))
+    with np.errstate(over="ignore"):
+        key = (
+            x * np.uint64(0x9E3779B97F4A7C15)
+            ^ y * np.uint64(0xC2B2AE3D27D4EB4F)
+            ^ z * np.uint64(0x165667B19E3779F9)
+        )
+        for k in range(3):
+            key = (key ^ (key >> np.uint64(31))) * np.uint64(0xBF58476D1CE4E5B9)
+            key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+            found[:, k] = (key >> np.uint64(11)) * 2.0**-52 - 1.0
+    return found
+
+
+def _near(shell: Shell, domain: Domain, rows: Array, reach: Array) -> NDArray[np.bool_]:
+    """Whether points are nearer than ``reach`` to a triangle, a segment or a vertex of the body."""
+    near = np.zeros(len(rows), dtype=np.bool_)
+    used = np.zeros(len(domain.points), dtype=bool)
+    used[shell.triangles.ravel()], used[shell.segments.ravel()] = True, True
+    loose = np.flatnonzero(~used)
+    simplices = np.concatenate([shell.triangles, shell.segments[:, [0, 1, 1]], np.stack([loose] * 3, axis=1)])
+    corners = np.ascontiguousarray(shell.points[simplices])
+    if len(rows) and len(corners):
+        tree = BoxTree(*bounding_boxes(corners))
+        query, hit = tree.pairs(rows - reach[:, None], rows + reach[:, None])
+        _measure(rows, reach, corners, query, hit, near)
+    return near
+
+
+@kernel
+def _measure(rows, reach, corners, query, hit, near):
+    for i in range(query.shape[0]):
+        q = query[i]
+        if not near[q] and _square(rows[q], corners[hit[i]]) < reach[q] * reach[q]:
+            near[q] = True
+
+
+@kernel
+def _square(p, corner):
+    """The squared distance of a point from a triangle, which may be a segment or a point."""
+    least = np.inf
+    nx = ny = nz = 0.0
+    within = True
+    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
+    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    for k in range(3):
+        a, b = corner[k], corner[(k + 1) % 3]
+        ex, ey, ez = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        px, py, pz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
+        length = ex * ex + ey * ey + ez * ez
+        t = 0.0 if length <= 0.0 else min(max((px * ex + py * ey + pz * ez) / length, 0.0), 1.0)
+        qx, qy, qz = px - t * ex, py - t * ey, pz - t * ez
+        least = min(least, qx * qx + qy * qy + qz * qz)
+        within = (
+            within and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) > 0.0
+        )
+    square = nx * nx + ny * ny + nz * nz
+    if within and square > 0.0:
+        height = nx * (p[0] - corner[0, 0]) + ny * (p[1] - corner[0, 1]) + nz * (p[2] - corner[0, 2])
+        least = min(least, height * height / square)
+    return least
