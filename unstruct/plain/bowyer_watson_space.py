@@ -118,9 +118,7 @@ def insert_in_space(points: Sequence[Point], cells: frozenset[Tetrahedron], vert
     return Insertion(vertex, cavity, star, (cells - cavity) | star)
 
 
-def cavity_of(
-    points: Sequence[Point], cells: Iterable[Tetrahedron], vertex: int
-) -> frozenset[Tetrahedron]:
+def cavity_of(points: Sequence[Point], cells: Iterable[Tetrahedron], vertex: int) -> frozenset[Tetrahedron]:
     """The cells whose open circumspheres contain the vertex."""
     return frozenset(c for c in cells if in_sphere([points[v] for v in c], points[vertex]) > 0)
 
