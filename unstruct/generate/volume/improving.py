@@ -99,7 +99,9 @@ def _classes(mesh: Mesh) -> tuple[NDArray[np.int32], dict[str, NDArray]]:
     named = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 1}
     if not named:
         return np.zeros(mesh.size, dtype=np.int32), {}
-    first, number = np.unique(np.stack(list(named.values()), axis=1), axis=0, return_index=True, return_inverse=True)[1:]
+    first, number = np.unique(
+        np.stack(list(named.values()), axis=1), axis=0, return_index=True, return_inverse=True
+    )[1:]
     return number.ravel().astype(np.int32), {name: rows[first] for name, rows in named.items()}
 
 

@@ -25,12 +25,18 @@ Array = NDArray[np.float64]
 CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
 GAP = 0.6  # how near to the surface points may be; unit: the wanted length there
 JITTER = 1e-3  # of the side of a cell
-MOST_INNER = 5_000_000  # points, unless a budget is given
+MOST_INNER = 2_000_000  # points, unless a budget is given
+SPARSE = (
+    4  # times as many lattice points in the box are made and sorted out, for bodies that fill little of it
+)
 FINER = 0.7  # mean edges at a vertex of the surface over the size, from which the surface is called finer
 GROWTH = 0.4  # of the size from the finer surface, per length
-TOWARDS = 0.35  # where sizes are sampled between the center of a cell and its corners; unit: a side
+TOWARDS = 0.35  # within which distance of its center the size of a cell is seen; unit: a side
+NEARER = 0.75  # cells near a finer surface over the limit of their size, because levels are rounded
+FEW_PLACES = 4096  # are always allowed
+PROBES = 8  # along each side of the box, to find the least size
 DEEPEST = 18  # levels of nested lattices; their places fit into 64 bits
-COARSE = 16  # cells along the box from which nesting starts, so that small features are met
+COARSE = 16  # places along the box where sizes are looked up at least, so that small features are met
 
 
 def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Array:
@@ -60,7 +66,7 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     surface = _finer(shell, field)
     most = MOST_INNER if budget is None else budget
     if surface is not None or field.constant is None:
-        places, side, unit, origin = _nested(field, surface, low, high, most)
+        places, side, unit, origin = _nested(field, surface, shell, low, high, most)
     else:
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
@@ -85,7 +91,7 @@ def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.i
     with np.errstate(over="ignore"):
         spans = (high - low) / side
         count = 2.0 * float(np.prod(spans + 1))
-    if not count <= 64.0 * most:  # even a body that fills little of its box has too many
+    if not count <= SPARSE * most + FEW_PLACES:
         raise InputError(_too_many(count, most))
     reach = (np.ceil(spans / 2) + 1).astype(np.int64)
     axes = [2 * np.arange(-k, k + 1) for k in reach]
@@ -94,9 +100,11 @@ def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.i
     return places, np.full(len(places), side), side / 2, low / 2 + high / 2
 
 
-def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Array, most: int) -> tuple:
+def _nested(
+    field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array, most: int
+) -> tuple:
     """Corners and centers of the leaves of an octree, as in `_uniform`; the unit is half of the smallest side."""
-    root = float((high - low).max())
+    root = _root(field, surface, shell, low, high)
     spans = (high - low) / root
     cells, side, level = np.zeros((1, 3), dtype=np.int64), root, 0
     leaves: list[tuple[NDArray[np.int64], int]] = []
@@ -106,13 +114,13 @@ def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Arr
     while len(cells):
         inside = (cells * 0.5**level < spans).all(axis=1)
         cells = cells[inside]
-        wanted = _least_size(field, surface, low, cells, side)
+        wanted = _least_size(field, surface, low, cells, (side, level))
         at, here = _cell_of(cells, np.floor((marks - low) / side).astype(np.int64))
         np.minimum.at(wanted, at, marked[here])
-        split = (side > np.sqrt(2.0) * CELL * wanted) | (2**level < COARSE) & (side > CELL * wanted)
+        split = side > np.sqrt(2.0) * CELL * wanted
         leaves.append((cells[~split], level))
         found += int(np.count_nonzero(~split))
-        if 8.0 * np.count_nonzero(split) + found > 16.0 * most:
+        if 8 * np.count_nonzero(split) + found > SPARSE * most + FEW_PLACES:
             raise InputError(_too_many(8.0 * np.count_nonzero(split) + found, most))
         if split.any() and level == DEEPEST:
             raise InputError(
@@ -142,6 +150,14 @@ def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
     return size if surface is None or len(x) == 0 else surface.least(x, GROWTH, size)[0]
 
 
+def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array) -> float:
+    """The side of the first cell: the extent at least, and such that the finest cells fit the least size."""
+    share = (np.array(list(np.ndindex(PROBES, PROBES, PROBES))) + 0.5) / PROBES
+    probes = np.concatenate([low + share * (high - low), shell.points[np.unique(shell.triangles)]])
+    least = CELL * float(_limited(surface, probes, field(probes)).min())
+    return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
+
+
 def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which cells of a level some places are in, and which of the places are in one."""
     bits = DEEPEST + 2
@@ -158,20 +174,29 @@ def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[n
 
 
 def _least_size(
-    field: SizeField, surface: SegmentTree | None, low: Array, cells: NDArray[np.int64], side: float
+    field: SizeField,
+    surface: SegmentTree | None,
+    low: Array,
+    cells: NDArray[np.int64],
+    scale: tuple[float, int],
 ) -> Array:
-    """About the least wanted length in each cell: at the center and towards the corners."""
+    """The wanted length in each cell: that at the center, or twice the least one if this is less."""
     if len(cells) == 0:
         return np.empty(0)
+    side, level = scale
     centers = low + side * (cells + 0.5)
     wanted = field(centers)
+    least = wanted
     if field.growth is not None:
-        wanted = np.maximum(wanted - TOWARDS * side * field.growth, 0.25 * wanted)
+        least = wanted - TOWARDS * side * field.growth
     else:
-        for step in np.ndindex(2, 2, 2):
-            wanted = np.minimum(wanted, field(centers + side * TOWARDS * (2.0 * np.array(step) - 1)))
+        k = max(2, COARSE >> level)
+        for place in np.ndindex(k, k, k):
+            least = np.minimum(least, field(low + side * (cells + (np.array(place) + 0.5) / k)))
     near = _limited(surface, centers, wanted + TOWARDS * side * GROWTH)
-    return np.maximum(near - TOWARDS * side * GROWTH, 0.25 * np.minimum(near, wanted))
+    least = np.minimum(least, near - TOWARDS * side * GROWTH)
+    at_center = np.where(near < wanted, NEARER * near, wanted)
+    return np.minimum(at_center, np.maximum(2 * least, at_center / 4))
 
 
 def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: Array) -> tuple:
@@ -196,7 +221,11 @@ def _hashed(places: NDArray[np.int64]) -> Array:
     x, y, z = (places.astype(np.uint64) + np.uint64(1 << 40)).T
     found = np.empty((len(places), 3))
     with np.errstate(over="ignore"):
-        key = x * np.uint64(0x9E3779B97F4A7C15) ^ y * np.uint64(0xC2B2AE3D27D4EB4F) ^ z * np.uint64(0x165667B19E3779F9)
+        key = (
+            x * np.uint64(0x9E3779B97F4A7C15)
+            ^ y * np.uint64(0xC2B2AE3D27D4EB4F)
+            ^ z * np.uint64(0x165667B19E3779F9)
+        )
         for k in range(3):
             key = (key ^ (key >> np.uint64(31))) * np.uint64(0xBF58476D1CE4E5B9)
             key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -244,7 +273,9 @@ def _square(p, corner):
         t = 0.0 if length <= 0.0 else min(max((px * ex + py * ey + pz * ez) / length, 0.0), 1.0)
         qx, qy, qz = px - t * ex, py - t * ey, pz - t * ez
         least = min(least, qx * qx + qy * qy + qz * qz)
-        within = within and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) > 0.0
+        within = (
+            within and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) > 0.0
+        )
     square = nx * nx + ny * ny + nz * nz
     if within and square > 0.0:
         height = nx * (p[0] - corner[0, 0]) + ny * (p[1] - corner[0, 1]) + nz * (p[2] - corner[0, 2])

@@ -13,8 +13,8 @@ from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import beside, commit, corner, grow, load
 from ...connect.spatial.crossing import star
-from ...connect.spatial.recovery import SLACK
 from ...connect.spatial.records import CORNERS, KIND
+from ...connect.spatial.recovery import SLACK
 from ...connect.spatial.refill import NEVER, SHAPE, badness, refill
 from ...connect.spatial.signs import side
 
@@ -146,7 +146,9 @@ def _gradient(solid, t, p, step):
     total = six = 0.0
     for j in range(3):
         i, h = (j + 1) % 3, (j + 2) % 3
-        normal = (xyz[b, i] - xyz[a, i]) * (xyz[c, h] - xyz[a, h]) - (xyz[b, h] - xyz[a, h]) * (xyz[c, i] - xyz[a, i])
+        normal = (xyz[b, i] - xyz[a, i]) * (xyz[c, h] - xyz[a, h]) - (xyz[b, h] - xyz[a, h]) * (
+            xyz[c, i] - xyz[a, i]
+        )
         step[j] = normal
         six += normal * (xyz[p, j] - xyz[a, j])
         total += (xyz[p, j] - xyz[a, j]) ** 2 + (xyz[p, j] - xyz[b, j]) ** 2 + (xyz[p, j] - xyz[c, j]) ** 2

@@ -40,7 +40,7 @@ def tetrahedralize(
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
-        The largest number of points inside, and of points that recovery may add: by default 5,000,000, and
+        The largest number of points inside, and of points that recovery may add: by default 2,000,000, and
         100 plus a tenth of the number of triangles.
     progress : bool
         Show progress bars.
