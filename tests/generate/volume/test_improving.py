@@ -1,4 +1,4 @@
-"""improve: rounder tetrahedra in any mesh, with all that is marked kept; each cell at least as good as the worst."""
+"""improve: rounder tetrahedra in any mesh, all that is marked is kept, and the worst is no worse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""tetrahedralize: the surface is kept, sizes are met, cells are round, and all of it is the same in each run."""
+"""tetrahedralize: the surface is kept, sizes are met, cells are round, and each run gives the same."""
 
 from __future__ import annotations
 
