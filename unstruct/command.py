@@ -16,14 +16,16 @@ import click
 import numpy as np
 
 from .assess.check import check as check_mesh
-from .base.errors import IncompleteWarning, UnstructError
+from .base.errors import DomainError, IncompleteWarning, UnstructError
 from .base.files import suffix_of
 from .domain.domain import Domain
 from .domain.plane.sources import REGION_SUFFIXES
+from .domain.space.sources import BODY_SUFFIXES
 from .generate.boundary.conforming import conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion
 from .generate.front.advancing_front import advancing_front
+from .generate.front.delaunay_front import front_delaunay
 from .generate.rebay.voronoi_segment import voronoi_segment
 from .generate.refinement.refine import refine
 from .mesh.mesh import Mesh
@@ -34,6 +36,7 @@ MESHERS: dict[str, Any] = {
     "refine": refine,
     "voronoi-segment": voronoi_segment,
     "advancing-front": advancing_front,
+    "front-delaunay": lambda domain, size, **rest: front_delaunay(domain, size, finish=True, **rest),
     "circumcenter-insertion": circumcenter_insertion,
     "conforming-delaunay": conforming_delaunay,
     "constrained-delaunay": constrained_delaunay,
@@ -42,11 +45,12 @@ TAKES = {  # which options a method has
     "refine": {"size", "min_angle", "max_area"},
     "voronoi-segment": {"size"},
     "advancing-front": {"size"},
+    "front-delaunay": {"size"},
     "circumcenter-insertion": {"size"},
     "conforming-delaunay": {"size"},
     "constrained-delaunay": {"hull"},
 }
-NEEDS_SIZE = ("voronoi-segment", "advancing-front", "circumcenter-insertion")
+NEEDS_SIZE = ("voronoi-segment", "advancing-front", "front-delaunay", "circumcenter-insertion")
 NOT_WELL, WRONG_USE = 1, 2
 
 
@@ -165,7 +169,18 @@ def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | 
 @_with(_region_options)
 @_quiet
 def check(source: Path, domain: Path | None, delaunay: bool, quiet: bool, **options: Any) -> None:
-    """Check the mesh in SOURCE exactly: orientation, neighbors, overlaps, and what else a mesh must be."""
+    """Check the mesh in SOURCE exactly: orientation, neighbors, overlaps, and what else a mesh must be.
+
+    A surface (.stl, .off, .ply, .obj, .smesh) is checked as a body in space: is it closed, does it
+    cross itself?
+    """
+    if suffix_of(source) in BODY_SUFFIXES and domain is None and not delaunay:
+        body, faults = _body(source, options)
+        if not quiet or faults:
+            click.echo(f"sound: {_closed(body)}" if not faults else _told(source, faults))
+        if faults:
+            sys.exit(NOT_WELL)
+        return
     found = _read(source, options, region=False)
     region = None if domain is None else _read(domain, options, region=True)
     report = check_mesh(found, domain=region, delaunay=delaunay)
@@ -179,8 +194,17 @@ def check(source: Path, domain: Path | None, delaunay: bool, quiet: bool, **opti
 @_source
 @_with(_region_options)
 def info(source: Path, **options: Any) -> None:
-    """Describe the mesh or the region in SOURCE: counts, size, quality, names."""
+    """Describe the mesh, the region or the body in SOURCE: counts, size, quality, names.
+
+    Of a body (.stl, .off, .ply, .obj, .smesh) the faults are listed, too; then the exit code is 1.
+    """
+    if suffix_of(source) in BODY_SUFFIXES:
+        _describe_body(source, options)
+        return
     found = _read(source, options)
+    if isinstance(found, Domain) and found.dimension == 3:
+        _describe_body(source, options)
+        return
     if isinstance(found, Domain):
         low, high = found.bounds if len(found.points) else np.zeros((2, 2))
         click.echo(f"{source.name}: a region")
@@ -209,9 +233,12 @@ def info(source: Path, **options: Any) -> None:
 @_with(_file_options)
 @_quiet
 def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
-    """Write the mesh or the region in SOURCE to TARGET, in the format of its suffix; regions as .poly."""
-    found = _read(source, options)
-    if isinstance(found, Domain) and suffix_of(target) != ".poly":
+    """Write the mesh or the region in SOURCE to TARGET, in the format of its suffix.
+
+    Regions are written as .poly, bodies in .smesh and .poly as .stl, .off, .ply, .obj, .smesh or .poly.
+    """
+    found = _read(source, options, region=suffix_of(target) == ".smesh" or None)
+    if isinstance(found, Domain) and found.dimension == 2 and suffix_of(target) != ".poly":
         raise click.UsageError(
             f"{source.name} is a region, which is written as .poly; 'unstruct mesh' meshes it"
         )
@@ -223,14 +250,54 @@ def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
 def _read(path: Path, options: dict[str, Any], *, region: bool | None = None) -> Any:
     """A domain or a mesh, by the suffix; .node is a mesh unless a region is wanted."""
     suffix = suffix_of(path)
-    if region or (region is None and suffix in REGION_SUFFIXES and suffix != ".node"):
+    if region or (region is None and suffix in (*REGION_SUFFIXES, ".smesh") and suffix != ".node"):
         return Domain.read(path, resolve=options["resolve"], name=options["names"], shape=options["shape"])
     return Mesh.read(path)
 
 
+def _body(path: Path, options: dict[str, Any]) -> tuple[Any, list[Any]]:
+    """A body in space and its faults; of one with faults only what bounds it."""
+    try:
+        return Domain.read(path, resolve=options["resolve"]), []
+    except DomainError as error:
+        return error.outline, list(error.faults)
+
+
+def _closed(body: Any) -> str:
+    return f"closed, volume {body.volume:.6g}" if len(body.facets) else "no facets"
+
+
+def _told(path: Path, faults: list[Any]) -> str:
+    """The faults by their kinds, with the first of each."""
+    kinds = Counter(fault.kind for fault in faults)
+    first = {fault.kind: fault.text for fault in reversed(faults)}
+    lines = [f"{path.name} has {len(faults)} faults"]
+    return "\n".join(lines + [f"  {kind}, {count} times: {first[kind]}" for kind, count in kinds.items()])
+
+
+def _describe_body(path: Path, options: dict[str, Any]) -> None:
+    body, faults = _body(path, options)
+    points = body.points
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else np.zeros((2, 3))
+    click.echo(f"{path.name}: a body in space")
+    click.echo(f"points {len(points)}, facets {len(body.facets)}, inner pieces {len(body.inner)}")
+    click.echo(f"from {low.tolist()} to {high.tolist()}")
+    if not faults:
+        click.echo(_closed(body))
+    for name, pieces in body.markers.items():
+        click.echo(f"marker {name!r}: {len(pieces)} pieces")
+    for name, seeds in body.regions.items():
+        click.echo(f"region {name!r}: {len(seeds)} seeds")
+    for repair in getattr(body, "repairs", []):
+        click.echo(f"repaired: {repair.text}")
+    if faults:
+        click.echo(_told(path, faults))
+        sys.exit(NOT_WELL)
+
+
 def _write(found: Any, path: Path, options: dict[str, Any]) -> None:
     if isinstance(found, Domain):
-        found.write(path)
+        found.write(path, binary=options.get("binary"))
         return
     found.write(
         path,

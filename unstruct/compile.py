@@ -18,6 +18,9 @@ from tqdm import tqdm
 
 import unstruct
 
+from .connect.planar.renumbering import renumber
+from .generate.boundary.constrained import planar_complex
+
 __all__ = ["TASKS", "main"]
 
 
@@ -81,6 +84,7 @@ def _refine() -> None:
 def _segments() -> None:
     unstruct.voronoi_segment(_ring(), 0.5)
     unstruct.voronoi_segment(_ring(), _grid)
+    renumber(planar_complex(_ring()), 0)  # as for large meshes
 
 
 def _fronts() -> None:

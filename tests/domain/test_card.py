@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -119,3 +120,42 @@ def test_plot() -> None:
         Domain.polygon([(0, 0), (4, 4), (4, 0), (0, 4)])
     assert caught.value.plot(numbers=False) is not None
     plt.close("all")
+
+
+@cache
+def bodies() -> dict[str, Domain]:
+    plate = Domain.polygon(SQUARE, [HOLE], markers={"a <b>": [0]}, regions={"rock": (3, 3)})
+    return {
+        "a box": Domain.box(),
+        "a plate": Domain.extruded(plate, 1),
+        "a fine ball": Domain.ball(size=0.04),
+        "a torus": Domain.torus(size=0.05),
+        "a diagonal": Domain.box(inner=[(0, 7)]),
+        "points in space": Domain([(0, 0, 0), (1, 2, 3)], ()),
+        "no points in space": Domain(np.empty((0, 3)), ()),
+        "huge in space": Domain.ball(radius=1e300, size=4e299),
+        "tiny in space": Domain.box((0, 0, 0), (1e-300, 1e-300, 1e-300)),
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "a box", "a plate", "a fine ball", "a torus", "a diagonal", "points in space", "no points in space",
+        "huge in space", "tiny in space",
+    ],
+)  # fmt: skip
+def test_bodies_have_a_small_card(name: str) -> None:
+    body = bodies()[name]
+    html = body._repr_html_()
+    root = ElementTree.fromstring(html)
+    for path in root.findall(".//path"):
+        assert all(0 <= x <= 200 for x in numbers(path.attrib["d"]))
+    assert len(html) < 60_000 and f"{len(body.points):,}" in html
+    assert len(root.findall(".//circle")) == len(body.loose)
+    drawn = root.find(".//path").attrib["d"].count("M") if len(body.facets) else 0
+    if name == "a box":
+        assert drawn == 12
+    if name == "a fine ball":  # the outline alone, a circle of the width of the picture
+        at = np.array(numbers(root.find(".//path").attrib["d"])).reshape(-1, 2)
+        assert np.ptp(np.hypot(*(at - 100).T)) < 6 and drawn > 60

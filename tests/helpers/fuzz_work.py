@@ -252,8 +252,10 @@ def marched(domain: Domain, rng: np.random.Generator) -> Done:
 def wrapped(domain: Domain, rng: np.random.Generator) -> Done:
     """Cell by cell by the empty circle, with points of its own, or with points on a grid or at random."""
     if rng.random() < 0.4:
-        mesh = front_delaunay(domain, some_size(domain, rng), budget=BUDGET)
-        return "front_delaunay, a size", mesh, quick(mesh, domain), domain
+        finish = bool(rng.random() < 0.5)
+        mesh = front_delaunay(domain, some_size(domain, rng), finish=finish, budget=BUDGET)
+        name = "front_delaunay, a size" + (", finished" if finish else "")
+        return name, mesh, quick(mesh, domain), domain
     low, high = domain.bounds
     unit = rng.random((60, 2)) if rng.random() < 0.5 else np.unique(rng.integers(0, 9, (60, 2)), axis=0) / 8
     points = low + (high - low) * unit

@@ -17,7 +17,7 @@ def schoenhardt() -> Surface:
 
 
 def six_points() -> Surface:
-    """Integer points without tetrahedra: each four of them contain one of three diagonals that are outside."""
+    """Integer points without tetrahedra: each four have one of three diagonals that are outside."""
     points = np.array([(6, 0, 0), (-3, 5, 0), (-3, -5, 0), (5, 3, 8), (-5, 3, 8), (0, -6, 8)], dtype=float)
     faces = [(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)]
     return points, np.array(faces, dtype=np.int32)
@@ -76,7 +76,7 @@ def twisted_star(n: int, layers: int, turn: float) -> Surface:
 
 
 def saddle_lines(n: int, gap: float) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Chazelle's lines: n along x and n along y on the saddles z = x y and z = x y + gap; points and segments."""
+    """Chazelle's lines: n along x on the saddle z = x y, n along y on z = x y + gap; points and segments."""
     ticks = np.arange(1, n + 1)
     first = [((0, y, 0), (n + 1, y, (n + 1) * y)) for y in ticks]
     second = [((x, 0, gap), (x, n + 1, x * (n + 1) + gap)) for x in ticks]

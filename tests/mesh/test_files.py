@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Domain, Mesh, check, constrained_delaunay, refine
+from unstruct import Domain, Mesh, check, constrained_delaunay, refine, swap_diagonals
 from unstruct.base.errors import MeshError
 from unstruct.examples import regions as example_regions
 
@@ -185,3 +185,26 @@ def test_what_scikit_fem_cannot_find_is_reported() -> None:
     wrong = Mesh(mesh.points, mesh.simplices, markers={"left": [[0, 2]]})
     with pytest.raises(MeshError, match=r"\[0, 2\] has a marker, but is not a facet"):
         wrong.to_skfem()
+
+
+def test_what_other_libraries_cannot_have_is_told() -> None:
+    side = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
+    domain = Domain(side, [(0, 1), (1, 2), (2, 3), (3, 0)], markers={"a": [0], "c": [2]})
+    mesh = refine(domain.matched("a", "c"), 0.4)
+    for convert in (mesh.to_meshio, mesh.to_skfem):
+        with pytest.warns(UserWarning, match="periodic"):
+            convert()
+
+
+def test_many_names() -> None:
+    """Each of them was looked for among all edges: `select` took minutes, `.msh` hours."""
+    n = 2000
+    t = np.arange(n) * (2 * np.pi / n)
+    ring = np.column_stack([np.cos(t), np.sin(t)])
+    facets = np.column_stack([np.arange(n), (np.arange(n) + 1) % n])
+    mesh = constrained_delaunay(Domain(ring, facets, markers={f"m{i}": [i] for i in range(n)}))
+    half = mesh.select(np.arange(mesh.size // 2))
+    kept = sum(len(half.markers[f"m{i}"]) for i in range(n))
+    assert kept == len(half.markers["facets"])
+    for other in (refine(mesh, min_angle=0), swap_diagonals(mesh)):
+        assert all(np.array_equal(other.markers[f"m{i}"], mesh.markers[f"m{i}"]) for i in range(0, n, 97))

@@ -128,3 +128,25 @@ def test_in_a_shell(square: Path) -> None:
     assert result.returncode == 0 and "a region" in result.stdout
     result = subprocess.run([*words[:3], "info", "none.msh"], capture_output=True, text=True)
     assert result.returncode == 2 and result.stderr.startswith("Error: there is no file none.msh")
+
+
+def test_bodies_in_space(tmp_path: Path) -> None:
+    good, other, bad, broken = (tmp_path / name for name in ("a.stl", "a.smesh", "open.off", "cut.ply"))
+    Domain.box(markers={"sides": [0, 1]}).write(good)
+    result = run("info", good)
+    assert result.exit_code == 0 and "a body in space\npoints 8, facets 12, inner pieces 0" in result.output
+    assert "closed, volume 1\n" in result.output and "marker 'sides': 4 pieces" in result.output
+    assert "repaired: merged 36 corners of 12 triangles into 8 points" in result.output
+    assert run("check", good).output == "sound: closed, volume 1\n" and run("check", good, "-q").output == ""
+    assert run("convert", good, other).exit_code == 0 and Domain.read(other).volume == 1
+    assert run("convert", other, tmp_path / "b.stl", "--binary").exit_code == 0
+    assert "closed, volume 1" in run("info", other).output
+    bad.write_text("OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n3 1 2 3\n")
+    for command in ("info", "check"):
+        result = run(command, bad)
+        assert result.exit_code == 1 and "open boundary, 3 times: the boundary is open" in result.output
+    broken.write_text("ply\nformat ascii 1.0\n")
+    result = run("info", broken)
+    assert result.exit_code == 2 and "ends before 'end_header'" in result.stderr
+    result = run("mesh", other, "--size", 1, "-o", tmp_path / "c.msh")
+    assert result.exit_code == 2 and "planar" in result.stderr

@@ -24,7 +24,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # oracle, stands low because it needs errors alone; only views and chapters take from it.
 HOUSE = """
 base plain predicates geometry mesh
-connect/insertion connect/planar connect/voronoi connect/wrapping connect/baker connect
+connect/insertion connect/planar connect/spatial connect/voronoi connect/wrapping connect/baker connect
 sizing
 domain/arguments domain/plane domain/space domain
 generate/volume generate/boundary generate/refinement generate/centers generate/improve generate/rebay

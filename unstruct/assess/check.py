@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.arguments import as_flag
 from ..base.arrays import distinct
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
@@ -70,9 +71,11 @@ def check(
     in a triangulation of a convex region, or up to opaque facets, are empty. O(m log m) in total; a million
     points in the plane or a hundred thousand in space take some ten seconds.
     """
-    if delaunay not in (False, True, "constrained"):
+    known = isinstance(delaunay, bool | np.bool_) or (isinstance(delaunay, str) and delaunay == "constrained")
+    if not known:
         raise InputError(f"delaunay must be False, True or 'constrained', not {delaunay!r}")
 
+    brute = None if brute is None else as_flag(brute, "brute")
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
     domain = domain if domain is None else as_domain(domain, None)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, MeshError
+from ..geometry.edge_vectors import LEAST_LENGTH, exponents, lengths
 from ..geometry.simplex import angles, dihedral_angles
 from ..geometry.triangle_shapes import planar_angles, planar_edges
 from ..mesh.cells import cell_rows, counted
@@ -176,7 +177,8 @@ def statistics(mesh: Mesh, size: Any = None) -> Statistics:
         fair = metric_quality(mesh, size) if list(mesh.cells) == ["triangle"] else nothing
     elif size is not None:
         quotients = _quotients(mesh, as_size(size))
-    close = np.abs(np.log2(quotients)) <= 0.5
+    with np.errstate(divide="ignore"):
+        close = np.abs(np.log2(quotients)) <= 0.5
     dihedral = np.full((1, 1), np.nan)
     if list(mesh.cells) == ["tetra"]:
         dihedral = np.degrees(dihedral_angles(mesh.corners))
@@ -224,6 +226,8 @@ def metric_quality(mesh: Mesh, metric: Metric) -> np.ndarray:
     if corners.shape[2] != 2:
         raise MeshError(f"a metric is of the plane; this is {mesh!r}")
     m = metric.at(corners.mean(axis=1))
+    # the quality depends neither on the unit of the edges nor on that of the metric
+    edges, m = (np.ldexp(rows, -exponents(rows)[:, None, None]) for rows in (edges, m))
     squares = np.einsum("tij,tjk,tik->t", edges, m, edges)
     double = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
     scale = np.sqrt(np.maximum(m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2, 0.0))
@@ -253,11 +257,15 @@ def _quotients(mesh: Mesh, size: SizeField) -> np.ndarray:
     found = None
     if list(mesh.cells) == ["triangle"] and "neighbors" in mesh.__dict__ and "edges" not in mesh.__dict__:
         found = planar_edges(mesh.points, mesh.simplices, mesh.neighbors)
+        if found is not None and not (LEAST_LENGTH <= found[0].min() and found[0].max() < np.inf):
+            found = None  # squares of such lengths are beyond the doubles
     if found is None:
-        ends = mesh.points[mesh.edges]
-        found = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), (ends[:, 0] + ends[:, 1]) / 2
-    lengths, middles = found
-    return lengths / (size(middles) if size.constant is None else size.constant)
+        half = np.ldexp(mesh.points[mesh.edges], -1)  # because sums of the largest doubles would overflow
+        found = 2.0 * lengths(half[:, 0] - half[:, 1]), half[:, 0] + half[:, 1]
+    distance, middles = found
+    wanted = size(middles) if size.constant is None else size.constant
+    with np.errstate(over="ignore", under="ignore"):  # a length over a size may be beyond all doubles
+        return distance / wanted
 
 
 def angle_histogram(mesh: Mesh, bins: int = 36) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ __all__ = [
     "MOST_VERTICES",
     "as_count",
     "as_flag",
+    "as_flags",
     "as_mapping",
     "as_number",
     "finite",
@@ -58,6 +59,12 @@ def as_flag(value: Any, name: str) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} must be True or False, not {value!r}")
     return bool(value)
+
+
+def as_flags(**values: Any) -> None:
+    """Raise an error that names the first of several options that is not True or False."""
+    for name, value in values.items():
+        as_flag(value, name)
 
 
 def as_count(value: Any, name: str) -> int:

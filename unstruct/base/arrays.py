@@ -132,7 +132,7 @@ def as_numbers(values: Any, name: str) -> np.ndarray:
     """Return ``values`` as a float64 array of any shape; otherwise raise an error that names it ``name``."""
     try:
         return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be real numbers in an array") from None
 
 

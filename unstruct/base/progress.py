@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from .arguments import as_flag
+
 __all__ = ["progress_bar"]
 
 
@@ -39,7 +41,7 @@ def progress_bar(wanted: bool, unit: str, **options: Any) -> Any:
     tqdm, or an object with its methods ``update`` and ``close``
         It is also a context manager, which closes the bar.
     """
-    if not wanted:
+    if not as_flag(wanted, "progress"):
         return _Silent()
     from tqdm.auto import tqdm
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +60,7 @@ class Rows:
             number = float(word)
         except ValueError:
             raise InputError(f"{self.place}: {word!r} among {what} is no number") from None
-        if not np.isfinite(number):
+        if not isfinite(number):  # numpy's takes ten times as long
             raise InputError(f"{self.place}: {word!r} among {what} is not finite")
         return number
 

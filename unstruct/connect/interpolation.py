@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_number
 from ..base.arrays import as_numbers, as_points
 from ..base.errors import InputError, MeshError
 from ..base.jit import inline, kernel
@@ -80,8 +81,9 @@ def interpolate(
     >>> unstruct.interpolate(mesh, [0.0, 1.0, 3.0, 2.0], [(0.25, 0.5), (0, 1), (2, 2)]).tolist()
     [1.25, 2.0, nan]
     """
-    if method not in INTERPOLATIONS:
+    if not isinstance(method, str) or method not in INTERPOLATIONS:
         raise InputError(f"method must be one of {', '.join(INTERPOLATIONS)}, not {method!r}")
+    fill_value = as_number(fill_value, "fill_value")
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
     d = mesh.points.shape[1]

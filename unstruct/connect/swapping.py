@@ -18,6 +18,7 @@ from typing import Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_flags
 from ..base.errors import InputError, MeshError
 from ..base.jit import inline, kernel
 from ..base.progress import progress_bar
@@ -222,6 +223,7 @@ def swap_diagonals(
     It takes O(n^2) swaps in the worst case, and about O(n) if the mesh is nowhere far from Delaunay. Ctrl-C
     leaves the input unchanged. Source: Lawson (1977); with constraints, Lee and Lin (1986). Book: 2.0.
     """
+    as_flags(history=history, progress=progress)
     P, wide = planar_coordinates(mesh)
     T, N = mesh.simplices.copy(), mesh.neighbors.copy()
     fault = first_fault(P, T, N, wide)
@@ -308,6 +310,11 @@ def constraints(
     mesh: Mesh, names: str | Iterable[str] | None
 ) -> tuple[dict[str, NDArray], NDArray[np.bool_]]:
     """The markers that will be in the result, and the slots (t, i) whose edges must remain."""
+    if not (names is None or isinstance(names, str)):
+        try:
+            names = [str(name) for name in names]
+        except TypeError:
+            raise InputError(f"constrained must be names of markers, not {names!r:.60}") from None
     chosen = set(mesh.markers) if names is None else {names} if isinstance(names, str) else set(names)
     unknown = sorted(chosen - set(mesh.markers))
     if unknown:
@@ -318,21 +325,26 @@ def constraints(
         if name in chosen or (rows.ndim == 2 and rows.shape[1] == 1)
     }
     locked = np.zeros(mesh.simplices.shape, dtype=bool)
+    edges: list[NDArray] = []
+    owner: list[str] = []
     for name, rows in markers.items():
         if rows.ndim == 1:
             locked |= (rows[:, None] != rows[mesh.neighbors]) & (mesh.neighbors >= 0)
         elif rows.shape[1] in (2, 3):
             for i, j in combinations(range(rows.shape[1]), 2):
-                locked |= _slots(mesh, rows[:, [i, j]], name)
-    return markers, locked
+                edges.append(rows[:, [i, j]])
+                owner.append(name)
+    return markers, locked | _slots(mesh, edges, owner) if edges else locked
 
 
-def _slots(mesh: Mesh, edges: NDArray, name: str) -> NDArray[np.bool_]:
-    """Which edges opposite corners (m, 3) are among ``edges`` (c, 2), all of which must be in the mesh."""
-    slots, found = marked_sides(mesh.simplices, edges, len(mesh.points))
+def _slots(mesh: Mesh, edges: list[NDArray], names: list[str]) -> NDArray[np.bool_]:
+    """Which edges opposite corners (m, 3) are among those of all names, which must be in the mesh."""
+    every = np.concatenate(edges)
+    slots, found = marked_sides(mesh.simplices, every, len(mesh.points))
     if not found.all():
         row = int(np.argmin(found))
+        name = names[int(np.searchsorted(np.cumsum([len(part) for part in edges]), row, "right"))]
         raise MeshError(
-            f"markers[{name!r}]: {edges[row].tolist()} is not an edge of the mesh; remove it from the marker"
+            f"markers[{name!r}]: {every[row].tolist()} is not an edge of the mesh; remove it from the marker"
         )
     return slots

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_flags
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..base.progress import progress_bar
@@ -106,6 +107,7 @@ def greedy_terrain(
     the triangles shrink evenly, and O(g n) in the worst case. The triangulation is copied after each
     insertion, which adds O(n^2) with a small constant: about a second for 2,400 vertices.
     """
+    as_flags(progress=progress)
     grid, scale = _checked(heights, count, tolerance, spacing)
     last = grid.size if count is None else min(count, grid.size)
     growing = _Growing(grid, scale, last)

@@ -22,6 +22,7 @@ __all__ = [
     "as_seeds",
     "as_segments",
     "joined",
+    "refuse_tiny",
 ]
 
 
@@ -35,6 +36,7 @@ class DomainOptions(TypedDict, total=False):
     resolve: bool
 
 
+LEAST_SCALE = 2.0**-1000  # of the largest coordinate, where new vertices are made
 RESERVED = ("facets", "inner", "region")  # markers that every mesh of a domain has
 
 
@@ -58,6 +60,16 @@ def as_segments(rows: Any, name: str) -> np.ndarray:
     if array.dtype.itemsize > 2 and not (-(2**31) <= array.min() <= array.max() < 2**31):
         raise InputError(f"{name} has entries beyond 32 bits: there are no such vertices")
     return frozen(np.array(array, dtype=np.int32))
+
+
+def refuse_tiny(points: np.ndarray) -> None:
+    """Raise if new vertices among these points would be numbers for which doubles have too few digits."""
+    largest = float(np.abs(points).max(initial=0.0))
+    if largest < LEAST_SCALE:
+        raise InputError(
+            f"the largest coordinate is {largest}, and doubles below {LEAST_SCALE:.0e} have too few digits "
+            "for new vertices: scale the domain and the size"
+        )
 
 
 def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike]:

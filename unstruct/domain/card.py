@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base.card import card, to_pixels
 from ..geometry.outline import Outline
+from .space.lines import seen
 
 __all__ = ["html"]
 
@@ -19,7 +20,7 @@ MOST_NAMES = 6  # the largest number of names of a kind that are listed
 
 
 def html(outline: Outline, repairs: int) -> str:
-    """An HTML card: the inside filled, facets drawn, inner segments dashed, loose vertices as dots.
+    """An HTML card: facets drawn, inner pieces dashed, loose vertices dotted; planar ones are filled.
 
     Parameters
     ----------
@@ -29,7 +30,8 @@ def html(outline: Outline, repairs: int) -> str:
     repairs : int
         How many repairs there were.
     """
-    points, ends, facet = _chords(outline)
+    in_space = outline.points.shape[1] == 3
+    points, ends, facet = seen(outline) if in_space else _chords(outline)
     pixels = to_pixels(points)
     for grid in GRIDS:
         place = np.round(pixels / grid).astype(np.int64) @ [RADIX, 1]
@@ -38,14 +40,16 @@ def html(outline: Outline, repairs: int) -> str:
         dots = _pixels(np.unique(place[outline.loose]), grid)
         if max(len(walls), len(lines), len(dots)) <= MOST_STROKES:
             break
-    rings = "".join(f"M{_path(ring)}Z" for ring in _closed(walls[times % 2 == 1]))
-    drawing = f"<path d='{rings}' fill='#dce6f2' fill-rule='evenodd'/>{_strokes(walls, '')}"
+    drawing = _strokes(walls, "")
+    if not in_space:
+        rings = "".join(f"M{_path(ring)}Z" for ring in _closed(walls[times % 2 == 1]))
+        drawing = f"<path d='{rings}' fill='#dce6f2' fill-rule='evenodd'/>{drawing}"
     drawing += _strokes(lines, " stroke-dasharray='4 2'")
     drawing += "".join(f"<circle cx='{x:g}' cy='{y:g}' r='1.5'/>" for x, y in dots.tolist())
     counts = [
         ("points", len(outline.points)),
         ("facets", len(outline.facets)),
-        ("inner segments", len(outline.inner)),
+        ("inner pieces" if in_space else "inner segments", len(outline.inner)),
         ("loose points", len(outline.loose)),
         ("curves", len(outline.curves)),
         ("repairs", repairs),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,12 +13,16 @@ from ..base.arguments import as_mapping, finite
 from ..base.arrays import counted_off
 from ..base.doors import door
 from ..base.errors import InputError
+from ..base.files import as_path, suffix_of
 from ..geometry.motion import Motion
 from .arguments import composed
+from .plane import poly
 from .plane.account import Repair
 from .plane.matching import matching, pieces_of
 from .plane.prescribed import Match, Spacing, parameters
 from .sides import SIDES
+from .space.formats.writing import BODY_FORMATS, write_body
+from .space.inside import turned_facets
 
 __all__ = [
     "followed",
@@ -29,6 +34,8 @@ __all__ = [
     "plot",
     "simplified",
     "spaced",
+    "turned",
+    "write",
 ]
 
 D = TypeVar("D")  # `Domain`, or a class that is derived from it
@@ -189,7 +196,7 @@ def _motion(shift: Any, rotation: float | None, center: Any) -> Motion | None:
 def _is_vector(value: Any) -> bool:
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return False
     return array.shape == (2,) and bool(np.isfinite(array).all())
 
@@ -230,6 +237,15 @@ def must_be_free(domain: Any, what: str) -> None:
         raise InputError(f"a domain with spacings or matching sides cannot be {what}: do that before")
 
 
+def turned(domain: Any) -> np.ndarray:
+    """The facets of a body in space whose normals point into it, by their numbers: (k,) int64.
+
+    Nothing depends on the directions of facets; ``resolve=True`` turns all outward.
+    """
+    must_be_spatial(domain, "facets with two sides")
+    return turned_facets(domain.triangulated)
+
+
 def followed(domain: Any, new: Any, origin: Any, pieces: Any, repairs: Any = ()) -> Any:
     """A new domain made of parts of this one, with what this one knows about its input.
 
@@ -247,6 +263,43 @@ def followed(domain: Any, new: Any, origin: Any, pieces: Any, repairs: Any = ())
     return new
 
 
+def write(domain: Any, path: str | Path, *, binary: bool | None = None) -> None:
+    """Write Triangle's ``.poly``; bodies in space as STL, OFF, PLY, OBJ, or TetGen's files.
+
+    Parameters
+    ----------
+    path : str or Path
+        Planar domains: .poly. Bodies: .stl, .off, .ply, .obj, .smesh, .poly.
+    binary : bool, optional
+        For .stl, then in single precision, and .ply; both are texts by default.
+
+    Raises
+    ------
+    InputError
+        For other suffixes and options, and if the file cannot be written; the old one is then still there.
+
+    Notes
+    -----
+    In .poly, curves are written by their coarse chords, holes by seeds. Markers and regions are numbers in
+    it, and in .smesh; a name that is not a number is replaced by a free number, and a comment at the head of
+    the file says so. A piece has one marker there, and in .stl, the last that names it. Facets of bodies are
+    written so that they point outward. What a format does not store is named in a warning.
+    """
+    target = as_path(path)
+    if domain.dimension == 3:
+        shell = SIDES[3].coarse(domain)
+        write_body(domain, shell, domain.max_areas, domain.hole_seeds, target, binary)
+        return
+    if suffix_of(target) in BODY_FORMATS and suffix_of(target) != ".poly":
+        raise InputError(
+            f"a planar region is written as .poly, not as {target.suffix!r}: mesh it, or extrude it "
+            "(Domain.extruded)"
+        )
+    if binary is not None:
+        raise InputError("'binary' is for bodies in space; .poly is a text")
+    poly.write_poly(domain, domain.sampled(), domain.max_areas, domain.hole_seeds, target)
+
+
 def plot(
     domain: Any,
     ax: Any = None,
@@ -255,8 +308,10 @@ def plot(
     names: bool = True,
     vertices: bool | None = None,
     faults: Any = (),
+    azimuth: float | None = None,
+    elevation: float | None = None,
 ) -> Any:
-    """Draw with matplotlib what bounds the region, with the names of markers and regions.
+    """Draw with matplotlib what bounds the region or the body, with the names of markers and regions.
 
     Parameters
     ----------
@@ -272,10 +327,13 @@ def plot(
         marked.
     faults : sequence of Fault
         Are marked and described at their places; `DomainError.plot` marks those that it reports.
+    azimuth, elevation : float, optional
+        From where a body in space is seen, in degrees; by default -55 and 22. `view.view3d` lets a reader
+        turn it.
 
     Returns
     -------
     matplotlib.axes.Axes
     """
-    must_be_planar(domain, "drawn with matplotlib")
-    return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
+    view = {"azimuth": azimuth, "elevation": elevation}
+    return _plot(domain, ax, numbers=numbers, names=names, vertices=vertices, faults=faults, **view)

@@ -5,29 +5,24 @@ See the book, chapters 2.5, 2.6d and 2.8b.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property, partial
-from pathlib import Path
-from typing import Any, Self, Unpack
+from typing import Any, Self
 
 import numpy as np
 
-from ..base.arguments import positive
+from ..base.arguments import as_flags, positive
 from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
-from ..base.files import as_path
-from ..base.options import like, named
 from ..geometry.curves import CurveLike
-from ..geometry.outline import Outline
 from . import card, derived, making
-from .arguments import DomainOptions, as_curves, as_markers, as_seeds, joined
-from .plane import poly
+from .arguments import as_curves, as_markers, as_seeds, joined, refuse_tiny
 from .plane.faults import refuse
 from .plane.polygons import subtracted
 from .plane.prescribed import carried
 from .plane.repair import Repair
 from .plane.sample import Sampled
-from .plane.sources import read_domain
+from .shaped import Shaped
 from .sides import SIDES, Side
 
 __all__ = ["Domain", "as_domain"]
@@ -36,7 +31,7 @@ __all__ = ["Domain", "as_domain"]
 NO_SEEDS = frozen(np.empty((0, 2)))
 
 
-class Domain(Outline):
+class Domain(Shaped):
     """A region in the plane, or a body in space, that is to be meshed.
 
     *Facets* and *inner* pieces are called *pieces* and numbered together: facets 0 to f - 1, then inner
@@ -65,7 +60,8 @@ class Domain(Outline):
         Name -> seeds, points inside. A part of the region (as facets and inner pieces divide it) takes the
         name of the seed in it.
     resolve : bool, optional
-        Repair what can be repaired instead of raising; `repairs` gives an account.
+        Repair what can be repaired instead of raising; `repairs` gives an account. In space all facets are
+        turned outward; holes of the surface, and facets that cross each other, remain errors.
 
     Raises
     ------
@@ -73,8 +69,7 @@ class Domain(Outline):
         For arrays of wrong shape or type, indices out of range, duplicate points, pieces of zero length or
         area, repeated, crossing or overlapping pieces, vertices on pieces, an odd number of facets at a
         vertex (in space at an edge), polygons that are not flat or touch themselves, curves that miss their
-        ends, cross or touch, and seeds outside. The message names the first fault, its
-        place and the remedy.
+        ends, cross or touch, and seeds outside. The message names the first fault, its place, the remedy.
 
     Attributes
     ----------
@@ -84,7 +79,7 @@ class Domain(Outline):
         What ``resolve`` has changed; empty without it, and if nothing was wrong.
     max_areas : dict of str to float
         Area bounds of regions by name, as found by `Domain.read`; `refine` accepts them.
-    hole_seeds : (h, 2) float64
+    hole_seeds : (h, 2) float64; in space (h, 3)
         Points in holes, as found by `Domain.read`. Facets follow from them; they matter only for
         ``constrained_delaunay(domain, hull="holes")``.
     origin : (n,) int32
@@ -108,6 +103,7 @@ class Domain(Outline):
         regions: Mapping[str, Any] | None = None,
         resolve: bool = False,
     ):
+        as_flags(resolve=resolve)
         coordinates = as_points(points)
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2) or (n, 3), not {coordinates.shape}")
@@ -119,9 +115,9 @@ class Domain(Outline):
             frozen(coordinates.copy()),  # a copy: later changes of the caller's array must not matter
             rows,
             others,
-            as_curves(curves, many) if curves else {},
-            as_markers(markers, many) if markers else {},
-            as_seeds(regions, coordinates.shape[1]) if regions else {},
+            {} if curves is None else as_curves(curves, many),
+            {} if markers is None else as_markers(markers, many),
+            {} if regions is None else as_seeds(regions, coordinates.shape[1]),
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
@@ -151,72 +147,13 @@ class Domain(Outline):
     def _coarse(self) -> Any:
         return self._side.coarse(self)
 
-    # ------------------------------------------------------------------ domains of something else than arrays
-
-    @classmethod
-    @like(making.polygon)
-    def polygon(cls, outer: Any, holes: Sequence[Any] = (), **options: Unpack[DomainOptions]) -> Self:
-        return making.polygon(cls, outer, holes, **options)
-
-    @classmethod
-    @like(making.smooth)
-    def smooth(
-        cls,
-        outer: Any,
-        holes: Sequence[Any] = (),
-        *,
-        corners: Any = None,
-        corner_angle: float | None = None,
-        **options: Unpack[DomainOptions],
-    ) -> Self:
-        return making.smooth(cls, outer, holes, corners=corners, corner_angle=corner_angle, **options)
-
-    @classmethod
-    @like(making.rectangle)
-    def rectangle(
-        cls, lower: Any = (0.0, 0.0), upper: Any = (1.0, 1.0), **options: Unpack[DomainOptions]
-    ) -> Self:
-        return making.rectangle(cls, lower, upper, **options)
-
-    @classmethod
-    @like(making.disc)
-    def disc(cls, center: Any = (0.0, 0.0), radius: float = 1.0, **options: Unpack[DomainOptions]) -> Self:
-        return making.disc(cls, center, radius, **options)
-
-    @classmethod
-    @like(making.naca)
-    def naca(
-        cls,
-        digits: str,
-        *,
-        chord: float = 1.0,
-        nose: Any = (0.0, 0.0),
-        attack: float = 0.0,
-        closed: bool = True,
-        **options: Unpack[DomainOptions],
-    ) -> Self:
-        return making.naca(cls, digits, chord=chord, nose=nose, attack=attack, closed=closed, **options)
-
-    @classmethod
-    @like(making.letters)
-    def letters(
-        cls, text: str, *, size: float = 1.0, font: str = "DejaVu Sans", **options: Unpack[DomainOptions]
-    ) -> Self:
-        return making.letters(cls, text, size=size, font=font, **options)
-
-    @classmethod
-    @like(making.from_geojson)
-    def from_geojson(
-        cls, geometry: Any, *, name: str | None = None, **options: Unpack[DomainOptions]
-    ) -> Self:
-        return making.from_geojson(cls, geometry, name=name, **options)
-
     # ------------------------------------------------------------------ domains and pictures of this one
 
     simplified = derived.simplified
     spaced = derived.spaced
     matched = derived.matched
     plot = derived.plot
+    turned = cached_property(derived.turned)
 
     # ------------------------------------------------------------------ subsegments
 
@@ -248,6 +185,7 @@ class Domain(Outline):
         derived.must_be_planar(self, "sampled")
         if size is None:
             return self._coarse
+        refuse_tiny(self.points)
         return self._side.sized(self, size, positive(step, "step"))
 
     @property
@@ -263,7 +201,7 @@ class Domain(Outline):
 
         Parameters
         ----------
-        x : array_like, shape (..., 2)
+        x : array_like, shape (..., 2); in space (..., 3)
 
         Returns
         -------
@@ -297,47 +235,7 @@ class Domain(Outline):
 
     # ------------------------------------------------------------------ files and differences
 
-    @classmethod
-    @named(DomainOptions, resolve=False)
-    def read(
-        cls,
-        source: str | Path,
-        *,
-        shape: str = "spline",
-        name: str | None = None,
-        **options: Unpack[DomainOptions],
-    ) -> Self:
-        """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp) or an airfoil's .dat.
-
-        Parameters
-        ----------
-        source : str or Path
-            A path, or a text of GeoJSON or WKT itself.
-        shape : str
-            For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
-        name : str, optional
-            The property that names features; see `from_geojson`.
-        inner, curves, markers, regions, resolve : optional
-            As for `Domain`; what is given is added to what the file has.
-
-        Returns
-        -------
-        Domain
-            Of .poly the region that Triangle would mesh: without the outside, and without holes from their
-            seeds. Segments at what it removes are facets, others inner. Boundary markers other than 0 become
-            markers, regional attributes regions, by their number; `max_areas` has their bounds. `origin`,
-            `piece_origin`, `repairs` refer to the file, counted from 0. .node is a set of loose points.
-        """
-        return read_domain(cls, partial(making.of, cls), source, shape=shape, name=name, options=options)
-
-    def write(self, path: str | Path) -> None:
-        """Write Triangle's ``.poly``: curves by their coarse chords, holes by seeds.
-
-        Markers and regions are numbers in this format. A name that is not a number is replaced by a free
-        number, and a comment at the head of the file says so. A piece has one marker, the last that names it.
-        """
-        derived.must_be_planar(self, "written to .poly")
-        poly.write_poly(self, self._coarse, self.max_areas, self.hole_seeds, as_path(path))
+    write = derived.write
 
     def with_holes(self, *others: Domain, resolve: bool = False) -> Self:
         """This domain minus others, which lie inside of it and apart from each other.
@@ -349,6 +247,7 @@ class Domain(Outline):
         resolve : bool
             As for `Domain`; the others may then overlap, and lie partly or wholly outside.
         """
+        as_flags(resolve=resolve)
         domains: list[Domain] = [self, *map(as_domain, others)]
         for domain in domains:
             derived.must_be_planar(domain, "combined")

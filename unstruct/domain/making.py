@@ -11,14 +11,17 @@ from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
-from ..base.arguments import as_mapping
+from ..base.arguments import as_flag, as_mapping
+from ..base.errors import InputError
 from ..base.options import named
+from ..geometry.polygons import Polygons
 from .arguments import DomainOptions, as_segments
 from .plane import shapes
 from .plane.features import features_of, from_features
 from .plane.polygons import polygon as cut_out
 from .plane.sources import as_geometry
 from .plane.splines import smooth_rings
+from .space.rows import as_polygons
 
 __all__ = ["disc", "from_geojson", "letters", "naca", "of", "polygon", "rectangle", "smooth"]
 
@@ -29,12 +32,19 @@ def of(cls: type[Made], parts: shapes.Parts, options: Mapping[str, Any]) -> Made
     """A domain of ready-made parts and options; curves, markers, regions and inner pieces are joined."""
     options = dict(options)
     for name in {"curves", "markers", "regions"} & set(parts):
-        options[name] = {**parts[name], **as_mapping(options.get(name) or {}, name)}
+        more = options.get(name)
+        options[name] = {**parts[name], **as_mapping({} if more is None else more, name)}
     if options.get("inner") is not None and parts.get("inner") is not None:
-        both = [as_segments(rows, "inner") for rows in (parts["inner"], options["inner"])]
-        options["inner"] = np.concatenate(both)
+        options["inner"] = _both(parts["inner"], options["inner"])
     make: Any = cls
     return make(**{**parts, **options})
+
+
+def _both(ready: Any, given: Any) -> Any:
+    """The inner pieces of a ready-made shape, then those that are given."""
+    if isinstance(ready, Polygons):
+        return Polygons.joined(ready, as_polygons(given, "inner", 2))
+    return np.concatenate([as_segments(rows, "inner") for rows in (ready, given)])
 
 
 @named(DomainOptions, resolve=False)
@@ -51,7 +61,7 @@ def polygon(cls: type[Made], outer: Any, holes: Sequence[Any] = (), **options: U
     inner, curves, markers, regions, resolve : optional
         As for `Domain`; points and pieces are numbered along the rings.
     """
-    least = 1 if options.get("resolve") else 3
+    least = 1 if as_flag(options.get("resolve", False), "resolve") else 3
     return cut_out(partial(of, cls), shapes.rings(outer, holes, least), shapes.ring_names(holes), options)
 
 
@@ -195,7 +205,10 @@ def from_geojson(
     inner, curves, markers, regions, resolve : optional
         As for `Domain`.
     """
-    found = from_features(features_of(as_geometry(geometry), name), resolve=bool(options.get("resolve")))
+    if name is not None and not isinstance(name, str):
+        raise InputError(f"name must be the name of a property, not {name!r:.60}")
+    resolve = as_flag(options.get("resolve", False), "resolve")
+    found = from_features(features_of(as_geometry(geometry), name), resolve=resolve)
     domain: Any = of(cls, found.parts, options)
     domain.repairs[:0] = found.repairs
     return domain

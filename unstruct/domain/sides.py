@@ -17,6 +17,7 @@ from .plane.repaired import Repaired, repaired
 from .plane.simplify import Simplified, simplified
 from .space import faults as space_faults
 from .space import inside as space_inside
+from .space.repaired import repaired_in_space
 from .space.rows import as_polygons
 
 __all__ = ["SIDES", "Side"]
@@ -74,7 +75,7 @@ IN_PLANE = Side(
 )
 IN_SPACE = Side(
     _polygons,
-    _planar_only,
+    repaired_in_space,
     space_faults.find_faults,
     _planar_only,
     space_inside.check_seeds_off_pieces,

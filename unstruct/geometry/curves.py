@@ -42,7 +42,7 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
 def _number(value: Any, name: str) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, not {value!r}") from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} must be finite")
@@ -83,6 +83,8 @@ class Arc:
         """The arc from ``first`` through ``middle`` to ``last``; the three points must not be collinear."""
         (ax, ay), (bx, by), (cx, cy) = _pair(first, "first"), _pair(middle, "middle"), _pair(last, "last")
         ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+        exponent = math.frexp(max(abs(ux), abs(uy), abs(vx), abs(vy)))[1]
+        ux, uy, vx, vy = (math.ldexp(x, -exponent) for x in (ux, uy, vx, vy))
         double = 2 * (ux * vy - uy * vx)
         if double == 0:
             raise InputError("first, middle and last lie on a line; leave the piece straight")
@@ -90,6 +92,7 @@ class Arc:
         x, y = (vy * u2 - uy * v2) / double, (ux * v2 - vx * u2) / double
         start = angle_of(-y, -x)
         sweep = (angle_of(vy - y, vx - x) - start) % (2 * math.pi)
+        x, y = math.ldexp(x, exponent), math.ldexp(y, exponent)
         return cls((ax + x, ay + y), math.hypot(x, y), start, sweep if double > 0 else sweep - 2 * math.pi)
 
     def point(self, t: Array) -> Array:
@@ -234,11 +237,12 @@ class Batch:
                 else:
                     blocks.append(bezier_points(self.controls[k][self.row[which]], t[some]))
         others = np.flatnonzero(kind == 2)
-        others = others[np.argsort(piece[others], kind="stable")]
-        heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
-        for some in np.split(others, heads[1:]) if len(others) else ():
-            rows.append(some)
-            blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
+        if len(others):
+            others = others[np.argsort(piece[others], kind="stable")]
+            heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
+            for some in np.split(others, heads[1:]):
+                rows.append(some)
+                blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
         if not rows:
             return np.empty(0, dtype=np.int64), np.empty((0, 2))
-        return np.concatenate(rows), np.concatenate(blocks)
+        return (rows[0], blocks[0]) if len(rows) == 1 else (np.concatenate(rows), np.concatenate(blocks))

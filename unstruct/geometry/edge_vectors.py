@@ -54,14 +54,15 @@ def exponents(values: np.ndarray) -> np.ndarray:
 
 
 def lengths(vectors: np.ndarray) -> np.ndarray:
-    """The lengths of vectors (..., d), also of those whose squares are below all doubles."""
-    result = np.asarray(np.sqrt((vectors**2).sum(axis=-1)))
-    small = result < LEAST_LENGTH
-    if small.any():
-        rows = vectors[small]
-        exponent = np.frexp(np.abs(rows).max(axis=-1))[1]
-        rows = np.ldexp(rows, -exponent[..., None])
-        result[small] = np.ldexp(np.sqrt((rows**2).sum(axis=-1)), exponent)
+    """The lengths of vectors (..., d), also of those whose squares are below or above all doubles."""
+    with np.errstate(over="ignore", under="ignore"):
+        result = np.asarray(np.sqrt((vectors**2).sum(axis=-1)))
+        lost = ~((result >= LEAST_LENGTH) & (result < np.inf))
+        if lost.any():
+            rows = vectors[lost]
+            exponent = np.frexp(np.abs(rows).max(axis=-1))[1]
+            rows = np.ldexp(rows, -exponent[..., None])
+            result[lost] = np.ldexp(np.sqrt((rows**2).sum(axis=-1)), exponent)
     return result
 
 

@@ -162,7 +162,25 @@ def front_inside(points: np.ndarray, triangles: np.ndarray) -> NDArray[np.bool_]
         return np.zeros(0, dtype=bool)
     xyz = unit_points(points)
     component, against, count = triangle_components(triangles)
-    heads = _heads(xyz, triangles, component, count)
+    front = np.zeros(count, dtype=bool)  # of the first triangle of each part
+    left = np.arange(count)
+    for _ in range(3):  # a part in a plane may be seen edge-on along one axis or two
+        heads = _heads(xyz, triangles, component, count)[left]
+        turned = np.array([turn(xyz, 1, 2, *triangles[t]) for t in heads.tolist()])
+        seen = turned != 0
+        heads = heads[seen]
+        # an odd number of triangles to the right: the side towards larger x is inside
+        inside = _inside_to_the_right(xyz, triangles, heads) == (turned[seen] > 0)
+        front[left[seen]] = inside ^ against[heads]
+        left = left[~seen]
+        if len(left) == 0:
+            break
+        xyz = np.ascontiguousarray(xyz[:, [1, 2, 0]])
+    return front[component] ^ against
+
+
+def _inside_to_the_right(xyz: np.ndarray, triangles: np.ndarray, heads: np.ndarray) -> NDArray[np.bool_]:
+    """Whether rays along x from the barycenters of some triangles meet an odd number of others; exact."""
     corners = xyz[triangles]
     low, high = bounding_boxes(corners)
     center = corners[heads].mean(axis=1)
@@ -175,11 +193,7 @@ def front_inside(points: np.ndarray, triangles: np.ndarray) -> NDArray[np.bool_]
     _center_rays(xyz, center, triangles, query, hit, met)
     for i in np.flatnonzero(met == 2).tolist():
         met[i] = _exactly_met(xyz, triangles[heads[query[i]]], triangles[hit[i]])
-    # an odd number of triangles to the right: the side towards larger x is inside
-    right = np.bincount(query[met == 1], minlength=count) % 2 == 1
-    facing = np.array([turn(xyz, 1, 2, *triangles[t]) > 0 for t in heads])
-    front = (right == facing) ^ against[heads]  # of the first triangle of each part
-    return front[component] ^ against
+    return np.bincount(query[met == 1], minlength=len(heads)) % 2 == 1
 
 
 def _heads(xyz: np.ndarray, triangles: np.ndarray, component: np.ndarray, count: int) -> NDArray[np.int64]:

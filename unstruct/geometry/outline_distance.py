@@ -46,18 +46,26 @@ def _distance_to_curve(outline: Outline, piece: int, x: np.ndarray) -> tuple[np.
     from scipy.spatial import cKDTree
 
     samples = np.linspace(0, 1, 2049)
-    nearest = cKDTree(outline.at(piece, samples)).query(x)[1]
+    there = outline.at(piece, samples)
+    # squares are taken of distances in a unit in which they are neither below nor above all doubles
+    shift = -int(np.frexp(max(np.abs(there).max(), np.abs(x).max(initial=0.0)))[1])
+
+    def at(t: np.ndarray) -> np.ndarray:
+        return np.ldexp(outline.at(piece, t), shift)
+
+    x = np.ldexp(x, shift)
+    nearest = cKDTree(np.ldexp(there, shift)).query(x)[1]
     low, high = samples[np.maximum(nearest - 1, 0)], samples[np.minimum(nearest + 1, 2048)]
     for _ in range(40):
         left, right = low + (high - low) / 3, high - (high - low) / 3
-        at_left = ((outline.at(piece, left) - x) ** 2).sum(axis=1)
-        at_right = ((outline.at(piece, right) - x) ** 2).sum(axis=1)
+        at_left = ((at(left) - x) ** 2).sum(axis=1)
+        at_right = ((at(right) - x) ** 2).sum(axis=1)
         low, high = np.where(at_left > at_right, left, low), np.where(at_left > at_right, high, right)
     t = (low + high) / 2
     # Comparing squares finds only half of the digits of t; steps along the tangent find the rest.
     before, after = np.maximum(t - 1e-4, 0), np.minimum(t + 1e-4, 1)
-    tangent = (outline.at(piece, after) - outline.at(piece, before)) / (after - before)[:, None]
+    tangent = (at(after) - at(before)) / (after - before)[:, None]
     for _ in range(8):
-        along = ((outline.at(piece, t) - x) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
+        along = ((at(t) - x) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
         t = np.clip(t - along, 0, 1)
-    return np.linalg.norm(outline.at(piece, t) - x, axis=1), t
+    return np.ldexp(np.hypot(*(at(t) - x).T), -shift), t

@@ -131,7 +131,22 @@ class Polygons(Sequence[Any]):
 
     def select(self, which: NDArray[np.int64]) -> Polygons:
         """Those polygons, in this order."""
-        return Polygons.of_rings([self.rings(int(i)) for i in which])
+        which = np.asarray(which, dtype=np.int64)
+        rings = np.diff(self.first_ring)[which]
+        ring = _ranges(self.first_ring[which], rings)
+        sizes = np.diff(self.ring_start)[ring]
+        at = _ranges(self.ring_start[ring], sizes)
+        starts, firsts = (np.concatenate([[0], np.cumsum(count)]) for count in (sizes, rings))
+        return Polygons(self.vertices[at], starts, firsts)
+
+    def turned(self, which: NDArray[np.int64]) -> Polygons:
+        """All polygons, those in the other direction."""
+        starts = self.ring_start[:-1]
+        sizes = np.diff(self.ring_start)
+        at = np.arange(len(self.vertices))
+        back = np.repeat(np.isin(self.polygon_of_ring, which), sizes)
+        at[back] = np.repeat(2 * starts + sizes - 1, sizes)[back] - at[back]
+        return Polygons(self.vertices[at], self.ring_start, self.first_ring)
 
     def renumbered(self, number: NDArray[np.int32]) -> Polygons:
         """The same polygons with ``number[v]`` in place of vertex v."""
@@ -148,3 +163,8 @@ class Polygons(Sequence[Any]):
 
     def __repr__(self) -> str:
         return f"<{len(self)} polygons of {len(self.vertices)} vertices>"
+
+
+def _ranges(starts: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The numbers from each start on, as many as its count, one after the other."""
+    return np.arange(counts.sum()) + np.repeat(starts - (np.cumsum(counts) - counts), counts)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import scaled
+from ..predicates.filters import filter_orient2
 from ..predicates.kernels import orient2, orient3
 from .boxes import BoxTree, bounding_boxes
 
@@ -30,9 +31,11 @@ __all__ = [
     "edges_of",
     "meetings_in_space",
     "place_in_triangle",
+    "places_on_triangles",
     "points_on_edges",
     "points_on_triangles",
     "side",
+    "sides_index",
     "turn",
     "unit_points",
 ]
@@ -170,19 +173,19 @@ def _in_plane(xyz, p, q, a, b, c):
 @kernel
 def meeting(xyz, p, q, a, b, c):
     """How the segment p q meets the triangle outside of common vertices: kind (0: not at all), and vertex."""
-    common = 0
-    for v in (p, q):
-        if v in (a, b, c):
-            common += 1
-    if common == 2:
-        return 0, -1
-    one, two = side(xyz, a, b, c, p), side(xyz, a, b, c, q)
+    one_common, two_common = p == a or p == b or p == c, q == a or q == b or q == c
+    if one_common or two_common:  # most pairs in a surface; the sign of a common vertex is 0, and expensive
+        if one_common and two_common:
+            return 0, -1
+        if side(xyz, a, b, c, q if one_common else p) != 0:
+            return 0, -1
+        return _in_plane(xyz, p, q, a, b, c)
+    one = side(xyz, a, b, c, p)
+    two = side(xyz, a, b, c, q)
     if one * two > 0:
         return 0, -1
     if one == 0 and two == 0:
         return _in_plane(xyz, p, q, a, b, c)
-    if common == 1:
-        return 0, -1
     if one == 0 or two == 0:
         v = p if one == 0 else q
         on = place_in_triangle(xyz, a, b, c, v)
@@ -204,14 +207,51 @@ def meeting(xyz, p, q, a, b, c):
 
 
 @kernel
-def _judge(xyz, edges, triangles, pairs, kinds, vertices):
+def _views(xyz, triangles, views):
+    """For each triangle the two coordinates in whose plane it is seen counterclockwise, as 3 i + j."""
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        view = clear_view(xyz, a, b, c)
+        i, j = view // 3, view % 3
+        views[t] = view if turn(xyz, i, j, a, b, c) > 0 else 3 * j + i
+
+
+@inline
+def _beyond(xyz, i, j, u, v, p):
+    """Whether p surely lies to the right of u v, in the plane of the coordinates i and j."""
+    return filter_orient2(xyz[u, i], xyz[u, j], xyz[v, i], xyz[v, j], xyz[p, i], xyz[p, j]) == -1
+
+
+@inline
+def _surely_apart(xyz, view, p, q, a, b, c):
+    """Whether the segment and the triangle are, as seen along an axis, without doubt on two sides of a line.
+
+    It spares exact signs where surfaces are flat. At a common vertex the line goes through it: nothing of the
+    triangle is seen there but this vertex, and so they meet nowhere else in space.
+    """
+    i, j = view // 3, view % 3
+    for _ in range(3):
+        if p == a or q == a:
+            other = q if p == a else p
+            return _beyond(xyz, i, j, a, b, other) or _beyond(xyz, i, j, c, a, other)
+        a, b, c = b, c, a
+    for _ in range(3):
+        if _beyond(xyz, i, j, a, b, p) and _beyond(xyz, i, j, a, b, q):
+            return True
+        a, b, c = b, c, a
+    return False
+
+
+@kernel
+def _judge(xyz, edges, triangles, views, pairs, kinds, vertices):
     """Keep the pairs that meet, in place; return how many they are."""
     count = 0
     for i in range(pairs.shape[1]):
         e, t = pairs[0, i], pairs[1, i]
-        kind, vertex = meeting(
-            xyz, edges[e, 0], edges[e, 1], triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        )
+        p, q, a, b, c = edges[e, 0], edges[e, 1], triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        if _surely_apart(xyz, views[t], p, q, a, b, c):
+            continue
+        kind, vertex = meeting(xyz, p, q, a, b, c)
         if kind != 0:
             pairs[0, count], pairs[1, count], kinds[count], vertices[count] = e, t, kind, vertex
             count += 1
@@ -236,8 +276,17 @@ def edges_of(triangles: np.ndarray) -> np.ndarray:
 
 def _once(ends: np.ndarray) -> np.ndarray:
     ends = np.sort(ends, axis=1).astype(np.int64)
-    key = np.unique((ends[:, 0] << 32) | ends[:, 1])
+    key = np.sort((ends[:, 0] << 32) | ends[:, 1])  # np.unique uses a hash table, which takes twice as long
+    key = key[np.concatenate([[True], key[1:] != key[:-1]])] if len(key) else key
     return np.column_stack([key >> 32, key & (2**32 - 1)]).astype(np.int32)
+
+
+def sides_index(triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The sides of triangles as sorted keys, and the triangle of each."""
+    ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1).astype(np.int64)
+    key = (ends[:, 0] << 32) | ends[:, 1]
+    order = np.argsort(key, kind="stable")
+    return key[order], order // 3
 
 
 def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> Meetings:
@@ -259,13 +308,15 @@ def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarr
     """
     xyz = unit_points(points)
     tree = BoxTree(*bounding_boxes(xyz[triangles]))
+    views = np.empty(len(triangles), dtype=np.int8)
+    _views(xyz, triangles, views)
     found = []
     for first in range(0, len(edges) if len(triangles) else 0, EDGES_AT_ONCE):
         part = edges[first : first + EDGES_AT_ONCE]
         query, hit = tree.pairs(*bounding_boxes(xyz[part]))
         pairs = np.stack([query + first, hit])
         kinds, vertices = np.empty(len(query), dtype=np.int8), np.empty(len(query), dtype=np.int32)
-        count = _judge(xyz, edges, triangles, pairs, kinds, vertices)
+        count = _judge(xyz, edges, triangles, views, pairs, kinds, vertices)
         found.append((*pairs[:, :count].copy(), kinds[:count].copy(), vertices[:count].copy()))
     if not found:
         none = np.empty(0, dtype=np.int64)
@@ -274,7 +325,7 @@ def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarr
 
 
 @kernel
-def _on_triangles(xyz, rows, triangles, query, hit, where):
+def places_on_triangles(xyz, rows, triangles, query, hit, where):
     """For each pair 0 apart, 1 inside, 2 + k on the edge opposite vertex k, 5 at a vertex."""
     for i in range(query.shape[0]):
         p, t = rows[query[i]], hit[i]
@@ -300,7 +351,7 @@ def points_on_triangles(
     xyz = unit_points(points)
     query, hit = BoxTree(*bounding_boxes(xyz[triangles])).pairs(xyz[rows], xyz[rows])
     where = np.empty(len(query), dtype=np.int8)
-    _on_triangles(xyz, rows, triangles, query, hit, where)
+    places_on_triangles(xyz, rows, triangles, query, hit, where)
     on = (where > 0) & (where < 5)
     return rows[query[on]], hit[on], where[on]
 

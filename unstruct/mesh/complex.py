@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.arguments import as_mapping
 from ..base.arrays import INT32, as_points, as_weights, counted_off, distinct, frozen, refrozen, within
 from ..base.errors import InputError, MeshError
 from . import topology
@@ -82,11 +83,14 @@ class CellComplex:
             if not within(self.hidden[:, None], n):
                 raise InputError(f"hidden refers to vertices outside 0..{n - 1}")
         self.markers: dict[str, np.ndarray] = {}
-        if markers:
+        if markers is not None:
             size = self.size
-            self.markers = {name: self._marker(name, values, size) for name, values in markers.items()}
-        self.regions: dict[str, int] = as_region_names(regions, self.markers) if regions else {}
-        if periodic:
+            named = as_mapping(markers, "markers")
+            self.markers = {name: self._marker(name, values, size) for name, values in named.items()}
+        self.regions: dict[str, int] = {}
+        if regions is not None and len(as_mapping(regions, "regions")):
+            self.regions = as_region_names(regions, self.markers)
+        if periodic is not None:
             self.periodic = as_periodic(periodic, n, d)
 
     @staticmethod

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.arrays import frozen
 from ..base.errors import InputError, MeshError
 from ..base.files import suffix_of
 from .cells import CELL_TYPES, cell_dimension
@@ -27,8 +28,8 @@ FACES_HEADER = "faces:"
 ORDER = "polygon:number"  # cell data: the numbers of polygons before a file grouped them by size
 
 
-def exchange_of(mesh: CellComplex) -> Exchange:
-    """The blocks and data of a mesh; see `to_meshio`."""
+def exchange_of(mesh: CellComplex, *, flags: bool = True) -> Exchange:
+    """The blocks and data of a mesh; see `to_meshio`. Without ``flags`` named faces have no data of cells."""
     blocks: list[tuple[str, np.ndarray]] = []
     rows: list[np.ndarray] = []  # the cells of each block
     start = 0
@@ -58,16 +59,14 @@ def exchange_of(mesh: CellComplex) -> Exchange:
             values = values.astype(np.int8) if values.dtype == bool else values
             missing = np.zeros(1, dtype=values.dtype)
             data[name] = [values[r] for r in rows] + [np.repeat(missing, len(a)) for _, a in faces]
-    for i, (name, _) in enumerate(faces):
-        flags = data.setdefault(
-            FACES_HEADER + name, [np.zeros(len(block), dtype=np.int8) for _, block in blocks]
-        )
-        flags[len(rows) + i][:] = 1
+    none = [frozen(np.zeros(len(block), dtype=np.int8)) for _, block in blocks]  # shared by all names
+    for i, (name, array) in enumerate(faces if flags else ()):
+        data.setdefault(FACES_HEADER + name, list(none))[len(rows) + i] = np.ones(len(array), dtype=np.int8)
     if sum(name == "polygon" for name, _ in blocks) > 1:
         data[ORDER] = [r.astype(np.int32) for r in rows] + [
             np.zeros(len(a), dtype=np.int32) for _, a in faces
         ]
-    for name, array in named.items():
+    for name, array in named.items() if flags else ():
         if len(array) == 0:
             data[FACES_HEADER + name] = [
                 np.full(len(block), -array.shape[1], dtype=np.int8) for _, block in blocks

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..base.arrays import distinct
 from ..base.errors import InputError
 from .complex import CellComplex
 from .grouping import group_rows
-from .marked import marked_facets
 from .periodic import Periodic
 
 __all__ = ["Block", "Exchange", "border_groups", "plain_names", "rows_in_runs"]
@@ -110,12 +110,14 @@ def rows_in_runs(
 def plain_names(names: Iterable[str]) -> dict[str, str]:
     """Names as configuration files of solvers can use them: letters, digits, _ - . + only; all different."""
     found: dict[str, str] = {}
+    taken: set[str] = set()
     for name in names:
         word = plain = re.sub(r"[^\w.+-]+", "_", name) or "_"
         count = 2
-        while word in found.values():
+        while word in taken:
             word, count = f"{plain}_{count}", count + 1
         found[name] = word
+        taken.add(word)
     return found
 
 
@@ -140,6 +142,7 @@ def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.n
     owner = np.full(len(border), -1)
     names: list[str] = []
     lost = []
+    wide: list[np.ndarray] = []
     for name, faces in mesh.markers.items():
         if faces.ndim == 1:
             lost.append(name)
@@ -147,19 +150,18 @@ def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.n
             if faces.shape[1] > width or len(faces) == 0:
                 lost.append(name)
                 continue
-            wide = np.pad(faces, ((0, 0), (0, width - faces.shape[1])), constant_values=-1)
-            found = _among(border, wide, len(mesh.points))
-            if found.sum() < len(group_rows(np.sort(wide, axis=1))[1]) or (owner[found] >= 0).any():
-                lost.append(name)
-            owner[found & (owner < 0)] = len(names)
+            wide.append(np.pad(faces, ((0, 0), (0, width - faces.shape[1])), constant_values=-1))
             names.append(name)
-    groups = {name: np.flatnonzero(owner == i) for i, name in enumerate([*names, "facets"])}
-    groups["facets"] = np.flatnonzero(owner < 0)
+    group, first = group_rows(np.sort(np.concatenate([border, *wide]), axis=1))  # of all names at once
+    ends = np.cumsum([len(border), *(len(rows) for rows in wide)])
+    for i, (name, part) in enumerate(zip(names, np.split(group, ends)[1:-1])):
+        faces = distinct(part)
+        place = first[faces]
+        found = place[place < len(border)]
+        if len(found) < len(faces) or (owner[found] >= 0).any():
+            lost.append(name)
+        owner[found[owner[found] < 0]] = i
+    order = np.argsort(owner, kind="stable")
+    parts = np.split(order, np.searchsorted(owner[order], np.arange(len(names) + 1)))
+    groups = dict(zip(names, parts[1:])) | {"facets": parts[0]}
     return {name: rows for name, rows in groups.items() if len(rows)}, lost
-
-
-def _among(border: np.ndarray, faces: np.ndarray, n: int) -> np.ndarray:
-    if (border >= 0).all() and (faces >= 0).all():
-        return marked_facets(border, faces, n)
-    group, _ = group_rows(np.sort(np.concatenate([faces, border]), axis=1))
-    return np.isin(group[len(faces) :], group[: len(faces)])

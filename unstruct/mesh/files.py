@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from codecs import BOM_UTF8
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -22,7 +22,7 @@ from ..base.errors import InputError, MeshError
 from ..base.files import as_path, bytes_of, replacing, suffix_of
 from ..base.optional import optional
 from .complex import CellComplex
-from .conversion import FACES_HEADER, arguments_of, exchange_of, named_faces
+from .conversion import arguments_of, exchange_of, named_faces
 from .exchange import Block, Exchange
 from .foam import write_foam
 from .formats import MAY_BE_DOMAINS, NEED_H5PY, NOT_MESHES, fits, meshio_options, refuse_options
@@ -54,8 +54,14 @@ def to_meshio(mesh: CellComplex) -> Any:
         markers. Named faces follow as blocks of lower dimension; "faces:<name>" is 1 on them and 0 elsewhere.
         For a name of k vertices per face that has no faces, it is -k everywhere. ``field_data`` has the names
         of regions, each with its number and the dimension of cells, as meshio has those of Gmsh's groups.
+
+    Warns
+    -----
+    UserWarning
+        Of weights and of sides that match, for which there is no place; `.msh` files have one for the sides.
     """
     meshio = optional("meshio", "Mesh.to_meshio")
+    _say_lost(mesh, "meshio.Mesh")
     other = exchange_of(mesh)
     return meshio.Mesh(
         other.points,
@@ -175,9 +181,9 @@ def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | 
             raise InputError(f"meshio cannot write this mesh as {suffix!r}: {error}") from error
 
 
-def _say_lost(mesh: CellComplex, what: str) -> None:
-    """Warn of what no format stores, or all but .msh do not."""
-    lost = [] if mesh.weights is None else ["weights"]
+def _say_lost(mesh: CellComplex, what: str, names: Iterable[str] = ()) -> None:
+    """Warn of what no format stores, or all but .msh do not, and of these markers."""
+    lost = [*names] if mesh.weights is None else [*names, "weights"]
     lost += ["periodic"] if mesh.periodic and what != ".msh" else []
     if lost:
         warnings.warn(f"not written: {', '.join(map(repr, lost))}; {what} does not store them", stacklevel=4)
@@ -192,17 +198,18 @@ def _drop(mesh: CellComplex, why: str, names: Any, *, duplicates: bool = False) 
 
 
 def _drop_whole(mesh: CellComplex) -> None:
-    whole = [k for k, v in mesh.markers.items() if v.ndim == 2 and k not in named_faces(mesh)]
+    named = named_faces(mesh)
+    whole = [name for name, rows in mesh.markers.items() if rows.ndim == 2 and name not in named]
     _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
 
 
 def _for_gmsh(mesh: CellComplex) -> Exchange:
     """Make regions and named faces physical groups; keep real data if there is only one block of cells."""
-    other = exchange_of(mesh)
+    other = exchange_of(mesh, flags=False)
     other.points = _padded(other.points)
     _drop_whole(mesh)
     faces = named_faces(mesh)
-    data = {name: v for name, v in other.cell_data.items() if not name.startswith(FACES_HEADER)}
+    data = dict(other.cell_data)
     held, lost = to_groups(mesh, other, faces)
     why = ".msh stores each face in one group, that of its first marker other than facets and inner"
     _drop(mesh, why, lost)
@@ -306,6 +313,11 @@ def to_skfem(mesh: CellComplex) -> Any:
 
     A boolean marker of cells is one subdomain; one of integers has a subdomain for each value: "region 2", or
     the name of that region.
+
+    Warns
+    -----
+    UserWarning
+        Of what has no place there: weights, sides that match, markers with real numbers and of vertices.
     """
     skfem = optional("skfem", "Mesh.to_skfem")
     kinds = {
@@ -331,6 +343,12 @@ def to_skfem(mesh: CellComplex) -> Any:
     cells = mesh.cells[name][:, SKFEM_HEX] if name == "hexahedron" else mesh.cells[name]
     result = getattr(skfem, kind)(mesh.points[used].T.copy(), number[cells].T.copy())
     boundaries, subdomains = _skfem_facets(mesh, result, number), {}
+    lost = [
+        marker
+        for marker, values in mesh.markers.items()
+        if (values.dtype.kind not in "biu" if values.ndim == 1 else marker not in boundaries)
+    ]
+    _say_lost(mesh, "scikit-fem", lost)
     for marker, values in mesh.markers.items():
         if values.ndim == 1 and values.dtype == bool:
             subdomains[marker] = np.nonzero(values)[0]

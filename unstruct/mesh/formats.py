@@ -38,7 +38,7 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
 NEED_H5PY = (".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf")
 DOMAIN = "read it with Domain.read, and mesh the domain"
 NOT_MESHES = {
-    **dict.fromkeys([".poly", ".geojson", ".json", ".shp", ".shx", ".dbf"], DOMAIN),
+    **dict.fromkeys([".poly", ".smesh", ".geojson", ".json", ".shp", ".shx", ".dbf"], DOMAIN),
     **dict.fromkeys([".geo", ".step", ".stp", ".igs", ".iges"], "Gmsh makes meshes of such files"),
     **dict.fromkeys([".png", ".jpg", ".svg", ".pdf"], "a picture has no cells"),
 }

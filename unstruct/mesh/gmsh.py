@@ -117,18 +117,22 @@ def _split(faces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     rows = np.concatenate(list(faces.values()))
     owner = np.repeat(np.arange(len(faces)), [len(part) for part in faces.values()])
     _, first = group_rows(np.sort(rows, axis=1))
-    return {name: rows[first[owner[first] == i]] for i, name in enumerate(faces)}
+    first = first[np.argsort(owner[first], kind="stable")]
+    ends = np.searchsorted(owner[first], np.arange(1, len(faces)))
+    return dict(zip(faces, np.split(rows[first], ends)))
 
 
 def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[str, np.ndarray]:
     """Add faces of other groups to "facets", if the mesh ends there, and to "inner", if it does not."""
     result = dict(groups)
-    for name, rows in groups.items():
-        if name not in OWN_NAMES and len(border) and rows.shape[1] == border.shape[1]:
-            ends = marked_facets(rows, border, n)
-            for own, part in zip(OWN_NAMES, (rows[ends], rows[~ends])):
-                if own in groups:
-                    result[own] = np.concatenate([result[own], part])
+    width = border.shape[1]
+    others = [rows for name, rows in groups.items() if name not in OWN_NAMES and rows.shape[1] == width]
+    if others and len(border):
+        rows = np.concatenate(others)
+        ends = marked_facets(rows, border, n)
+        for own, part in zip(OWN_NAMES, (rows[ends], rows[~ends])):
+            if own in groups:
+                result[own] = np.concatenate([result[own], part])
     return result
 
 

@@ -38,7 +38,7 @@ class Locator:
         """The lowest-numbered cell that contains each point of ``x`` (..., d), -1 for none."""
         try:
             queries = np.asarray(x, dtype=np.float64)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"x is not an array of real numbers: {error}") from None
         d = self.points.shape[1]
         if queries.ndim == 0 or queries.shape[-1] != d:

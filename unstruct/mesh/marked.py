@@ -5,7 +5,7 @@ A mesh of millions of triangles has a few thousand marked edges; `numpy.isin` wo
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from .complex import CellComplex
 from .grouping import group_rows
 from .periodic import renumbered
 
-__all__ = ["marked_facets", "marked_sides", "parts", "remaining", "selected"]
+__all__ = ["marked_facets", "marked_sides", "parts", "remaining", "remaining_of", "selected"]
 
 
 def marked_sides(simplices: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -89,15 +89,35 @@ def parts(mesh: CellComplex, edges: Iterable) -> np.ndarray:
 
 def remaining(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     """The rows of vertices that are still faces of some cell; -1 is a vertex that is gone."""
-    faces = faces[(faces >= 0).all(axis=1)]
+    return faces[_there(faces, simplices)]
+
+
+def _there(faces: np.ndarray, simplices: np.ndarray) -> np.ndarray:
+    """Which rows of vertices are faces of some cell."""
+    there: np.ndarray = np.asarray((faces >= 0).all(axis=1))
     width = faces.shape[1]
-    if len(faces) == 0 or width > simplices.shape[1]:
-        return faces[:0]
+    if not there.any() or width > simplices.shape[1]:
+        return np.zeros(len(faces), dtype=bool)
     present = (
         topology.faces(simplices, width - 1) if width < simplices.shape[1] else np.sort(simplices, axis=1)
     )
-    group, _ = topology.group_rows(np.concatenate([present, np.sort(faces, axis=1)]))
-    return faces[np.isin(group[len(present) :], group[: len(present)])]
+    group, _ = topology.group_rows(np.concatenate([present, np.sort(faces[there], axis=1)]))
+    known = np.zeros(len(group), dtype=bool)
+    known[group[: len(present)]] = True
+    there[there] = known[group[len(present) :]]
+    return there
+
+
+def remaining_of(markers: Mapping[str, np.ndarray], simplices: np.ndarray) -> dict[str, np.ndarray]:
+    """`remaining` for the faces of many markers, those of equal width at once."""
+    result = dict(markers)
+    for width in {faces.shape[1] for faces in markers.values()}:
+        some = {name: faces for name, faces in markers.items() if faces.shape[1] == width}
+        every = np.concatenate(list(some.values()))
+        there = _there(every, simplices)
+        ends = np.cumsum([len(faces) for faces in some.values()])[:-1]
+        result |= {n: rows[kept] for (n, rows), kept in zip(some.items(), np.split(there, ends))}
+    return result
 
 
 def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
@@ -118,11 +138,14 @@ def selected(mesh: CellComplex, chosen: np.ndarray) -> dict[str, Any]:
         for name, block in cells.items()
     }
     markers = {}
+    faces = {name: number[rows] for name, rows in mesh.markers.items() if rows.ndim > 1}
+    if mesh.is_simplicial:
+        faces = remaining_of(faces, next(iter(cells.values())))
     for name, values in mesh.markers.items():
         if values.ndim == 1:
             markers[name] = values[order]
         elif mesh.is_simplicial:
-            markers[name] = remaining(number[values], next(iter(cells.values())))
+            markers[name] = faces[name]
         else:
             whole = ((number[values] >= 0) | (values < 0)).all(axis=1)
             markers[name] = remaining_faces(number[values[whole]], cells)

@@ -355,11 +355,15 @@ class Mesh(CellComplex):
         return cls(**files.read(path))
 
     def to_meshio(self) -> Any:
-        """The mesh as a `meshio.Mesh`, without weights and sides that match."""
+        """The mesh as a `meshio.Mesh`; a warning names weights and sides that match, which it cannot have."""
         return files.to_meshio(self)
 
     def to_skfem(self) -> Any:
-        """The mesh as a scikit-fem mesh: `MeshLine`, `MeshTri`, `MeshTet`, `MeshQuad` or `MeshHex`."""
+        """The mesh as a scikit-fem mesh: `MeshLine`, `MeshTri`, `MeshTet`, `MeshQuad` or `MeshHex`.
+
+        A warning names what it cannot have: weights, sides that match, markers with real numbers and of
+        vertices. For periodic conditions ``mesh.pairs`` has the vertices to identify.
+        """
         return files.to_skfem(self)
 
     def _repr_html_(self) -> str:

@@ -44,8 +44,11 @@ def as_periodic(values: Iterable[Any], n: int, d: int) -> tuple[Periodic, ...]:
         For anything else; the message names the first row that is wrong.
     """
     found = []
-    for i, (motion, rows) in enumerate(values):
-        array = np.asarray(rows)
+    try:
+        couples = [(motion, np.asarray(rows)) for motion, rows in values]
+    except (TypeError, ValueError):
+        raise InputError(f"periodic must be pairs (motion, rows of vertices), not {values!r:.60}") from None
+    for i, (motion, array) in enumerate(couples):
         if array.ndim != 2 or array.shape[1] != 2 or (array.size and array.dtype.kind not in "iu"):
             raise InputError(f"periodic[{i}] needs pairs of vertices, integers (k, 2), not {array.shape}")
         if not (motion is None or (isinstance(motion, Motion) and len(motion.shift) == d)):

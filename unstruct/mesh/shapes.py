@@ -45,6 +45,8 @@ def cell_quality(mesh: CellComplex, name: str) -> np.ndarray:
     InputError
         For a name that is unknown, or that some kind of cell in the mesh does not have.
     """
+    if not isinstance(name, str):
+        raise InputError(f"the name of a quality must be a string, not {name!r:.60}")
     others = [kind for kind in mesh.cells if simplex_dimension(kind) is None]
     if list(mesh.cells) == ["triangle"]:
         found = planar_shapes(name, mesh.points, mesh.cells["triangle"])

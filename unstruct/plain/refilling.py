@@ -13,6 +13,7 @@ Roundtable (2003), for flips that a refill contains as special cases.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
 from itertools import islice
 from typing import Any
 
@@ -104,25 +105,28 @@ def meets(points: Points, a: int, b: int, face: Face) -> bool:
 
 
 def _meets_in_plane(points: Points, a: int, b: int, face: Face) -> bool:
-    """The same in the plane of the face, in a projection in which it is a triangle."""
-    for drop in range(3):
-        flat = [[x for k, x in enumerate(p) if k != drop] for p in (points[v] for v in (*face, a, b))]
-        if orient(flat[:3]) != 0:
-            break
-    p, q = flat[3], flat[4]
-    edges = [(flat[i], flat[(i + 1) % 3]) for i in range(3)]
-    turn = orient(flat[:3])
-    # what is left of pq after cutting by each edge's half-plane is more than a point of contact with it
-    if any(orient([u, v, p]) * turn <= 0 and orient([u, v, q]) * turn <= 0 for u, v in edges):
-        return any(_between(p, q, x) for x in flat[:3])
-    sides = {orient([p, q, x]) for x in flat[:3]}
-    return {-1, 1} <= sides or any(_between(p, q, x) for x in flat[:3])
+    """The same in the plane of the face, in a projection in which it is a triangle.
+
+    The part of the segment from p to q that is on the inner side of all edges: from p + low (q - p) to
+    p + high (q - p).
+    """
+    rows = [[Fraction(x) for x in points[v]] for v in (*face, a, b)]
+    flat = next(f for f in ([row[:k] + row[k + 1 :] for row in rows] for k in range(3)) if _area(*f[:3]) != 0)
+    p, q, turn = flat[3], flat[4], _area(*flat[:3])
+    low, high = Fraction(0), Fraction(1)
+    for i in range(3):
+        start, end = (_area(flat[i], flat[(i + 1) % 3], x) * turn for x in (p, q))
+        if start < 0 and end < 0:
+            return False
+        if start < 0 <= end:
+            low = max(low, start / (start - end))
+        if end < 0 <= start:
+            high = min(high, start / (start - end))
+    return low <= high and low < 1 and high > 0
 
 
-def _between(p: Sequence[Any], q: Sequence[Any], x: Sequence[Any]) -> bool:
-    """Whether x is on the open segment pq of the plane."""
-    low, high = min(tuple(p), tuple(q)), max(tuple(p), tuple(q))
-    return orient([p, q, x]) == 0 and low < tuple(x) < high
+def _area(p: Sequence[Fraction], q: Sequence[Fraction], r: Sequence[Fraction]) -> Fraction:
+    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
 
 def _cavities(cells: frozenset[Cell], way: set[Face], most: int) -> Iterator[frozenset[Cell]]:

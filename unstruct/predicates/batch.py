@@ -135,6 +135,25 @@ def scaled(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
     return result, bool(np.array_equal(result / factor, points))
 
 
+def unscaled(points: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+    """Vertices of a mesh that was made of scaled points, in the units of the input.
+
+    Raises
+    ------
+    InputError
+        Where this rounds, because coordinates are below the normal doubles: the mesh with rounded vertices is
+        not the one whose signs were decided.
+    """
+    result = points / factor
+    if factor > 1.0 and not np.array_equal(result * factor, points):
+        row = int(np.argmax((result * factor != points).any(axis=1)))
+        raise InputError(
+            f"a new vertex would be at {result[row].tolist()}, where doubles have no digits left to keep "
+            "triangles apart: scale the domain and the size, for example by 1e300"
+        )
+    return result
+
+
 def _factors(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
     """`power_of_two` of each of the m arrays in ``blocks``, shape (m, ...)."""
     largest = np.zeros(len(blocks))

@@ -8,8 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import finite
 from ..base.arrays import as_numbers, distinct
 from ..base.errors import InputError, MeshError
+from ..geometry.edge_vectors import exponents, lengths
 from ..geometry.segment_tree import SegmentTree
 from ..mesh.mesh import Mesh, is_planar
 from ..predicates.batch import orient
@@ -57,8 +59,10 @@ class Background(SizeField):
     def _within(self, cells: NDArray[np.int32], x: Array) -> Array:
         corners = self.mesh.points[self.mesh.simplices[cells]]
         weights = np.empty((len(x), 3))
+        away, exponent = corners - x[:, None], exponents(corners - x[:, None])
+        away = np.ldexp(away, -exponent[:, None, None])  # squares of lengths may be beyond the doubles
         for i in range(3):
-            a, b = corners[:, (i + 1) % 3] - x, corners[:, (i + 2) % 3] - x
+            a, b = away[:, (i + 1) % 3], away[:, (i + 2) % 3]
             weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         weights /= weights.sum(axis=1, keepdims=True)
         values = self.values[self.mesh.simplices[cells]]
@@ -154,10 +158,10 @@ def limit_nodes(mesh: Mesh, values: ArrayLike, growth: float) -> Array:
     from scipy.sparse.csgraph import dijkstra
 
     nodal = _nodal(mesh, values)
-    if not (np.isfinite(growth) and growth > 0):
+    if not finite(growth, "growth") > 0:
         raise InputError(f"growth must be a positive number, not {growth!r}")
     i, j = mesh.edges.T
-    length = np.linalg.norm(mesh.points[i] - mesh.points[j], axis=1)
+    length = lengths(mesh.points[i] - mesh.points[j])
     n = len(nodal)
     used = distinct(mesh.simplices)
     ends = np.concatenate([i, np.full(len(used), n)]), np.concatenate([j, used])

@@ -6,17 +6,19 @@ See the book, chapter 2.3.
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_number, finite
 from ..base.arrays import as_points
 from ..base.elementary import turns
 from ..base.errors import InputError
 from ..base.heap import pop, push
 from ..base.jit import inline, kernel
 from ..geometry.boxes import BOXES_IN_LEAF
+from ..geometry.edge_vectors import exponents, lengths
 from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
@@ -58,6 +60,7 @@ def _chain(domain: Outline, piece: int, fine: float = TURN_STEP) -> Chain:
 def _joints(points: Array) -> Array:
     """The absolute angle by which a chain of points turns at each of its inner points, in radians."""
     d = np.diff(points, axis=0)
+    d = np.ldexp(d, -exponents(d))  # products of lengths may be beyond the doubles
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
     return np.abs(turns(cross, (d[:-1] * d[1:]).sum(axis=1)))
 
@@ -169,6 +172,11 @@ def _feature_sizes(x, tree, features, far, result):
                         size = push(heap, what, size, d, -1 - np.int64(order[k]))
 
 
+def _region(domain: Any) -> None:
+    if not isinstance(domain, Outline):
+        raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
+
+
 class FeatureSize:
     """Ruppert's local feature size of a region, as a callable object; see `local_feature_size`.
 
@@ -178,6 +186,7 @@ class FeatureSize:
     """
 
     def __init__(self, domain: Outline):
+        _region(domain)
         vertices = np.unique(np.concatenate([domain.pieces.ravel(), domain.loose])).astype(np.int64)
         straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
         chains = [_chain(domain, piece) for piece in domain.curves]
@@ -268,7 +277,7 @@ def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None =
         features are apart, if there is no cut-off.
     """
     for name, value in (("fraction", fraction), ("far", np.inf if far is None else far)):
-        if not value > 0:
+        if not (as_number(value, name) > 0 and (name == "far" or np.isfinite(value))):
             raise InputError(f"{name} must be positive, not {value!r}")
     feature = FeatureSize(domain)
     cap = np.inf if far is None else far
@@ -312,13 +321,16 @@ def from_curvature(
         For numbers that are not positive.
     """
     for name, value in (("per_turn", per_turn), ("far", far), ("lower", far if lower is None else lower)):
-        if not (np.isfinite(value) and value > 0):
+        if not (as_number(value, name) > 0 and np.isfinite(value)):
             raise InputError(f"{name} must be positive, not {value!r}")
+    _region(domain)
+    if finite(growth, "growth") < 0:
+        raise InputError(f"growth must be at least 0, not {growth!r}")
     rows, sizes = [], []
     for piece in domain.curves:
         points = _chain(domain, piece, min(TURN_STEP, np.pi / 4 / per_turn)).points  # eight steps per edge
         joint = _joints(points)
-        length = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        length = lengths(np.diff(points, axis=0))
         # This is the curvature at the joints. The curvature of a step is the mean of that at its two ends,
         # where an end of the piece has the same curvature as the joint next to it.
         bend = joint / ((length[1:] + length[:-1]) / 2)

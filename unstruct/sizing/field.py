@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import positive
 from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..geometry.simplex import circumcenter, circumradius
@@ -305,8 +306,7 @@ def clip(size: Any, lower: float, upper: float) -> SizeField:
     InputError
         For bounds that are not positive, or not in order.
     """
-    for bound in (lower, upper):
-        as_size(bound)
+    lower, upper = positive(lower, "lower"), positive(upper, "upper")
     if lower > upper:
         raise InputError(f"clip needs lower <= upper, not {lower!r} > {upper!r}")
     return _combined("clip", partial(_clipped, lower, upper), (size,))

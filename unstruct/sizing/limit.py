@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import finite
 from ..base.arrays import distinct
 from ..base.errors import InputError
 from ..connect.insertion.delaunay import delaunay
@@ -237,7 +238,7 @@ def limited(
     the book, chapter 2.3.
     """
     field = as_size(size)
-    if not (np.isfinite(growth) and growth > 0):
+    if not finite(growth, "growth") > 0:
         raise InputError(f"growth must be a positive number, not {growth!r}")
     if field.growth is not None and field.growth <= growth:
         return field

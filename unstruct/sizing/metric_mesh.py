@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import finite
 from ..base.arrays import distinct
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
@@ -17,6 +18,7 @@ from ..predicates.batch import orient
 from .directions import intersected
 from .metric import MOST_STRETCH, InverseMetric, symmetric_rows
 from .metric_table import inverted, spectrum
+from .solution import second_derivatives
 
 __all__ = ["BackgroundMetric", "gradation", "metric_background", "metric_from_hessian"]
 
@@ -146,18 +148,8 @@ def metric_from_hessian(
     """
     if not is_planar(mesh) or mesh.size == 0:
         raise MeshError("metrics from a solution need a mesh of triangles in the plane")
-    array = np.asarray(second, dtype=np.float64)
-    if array.shape != (len(mesh.points), 2, 2):
-        raise InputError(f"second must have shape ({len(mesh.points)}, 2, 2), not {array.shape}")
-    bad = ~np.isfinite(array).all(axis=(1, 2))
-    if bad.any():
-        row = int(np.argmax(bad))
-        raise InputError(f"the second derivatives at vertex {row} are not finite: {array[row].tolist()}")
-    if not (np.isfinite(error) and error > 0):
-        raise InputError(f"error must be positive, not {error!r}")
-    if not (0 < lower <= upper < np.inf):
-        raise InputError(f"bounds must be 0 < lower <= upper, not {lower!r}, {upper!r}")
-    if not 1 <= ratio <= MOST_STRETCH:
+    array = second_derivatives(mesh, second, error, lower, upper)
+    if not 1 <= finite(ratio, "ratio") <= MOST_STRETCH:
         raise InputError(f"ratio must lie between 1 and {MOST_STRETCH:g}, not {ratio!r}")
     values, vectors = np.linalg.eigh((array + array.transpose(0, 2, 1)) / 2)
     with np.errstate(divide="ignore"):
@@ -198,9 +190,9 @@ def gradation(metric: BackgroundMetric, growth: float, *, space: str = "metric")
     """
     if not isinstance(metric, BackgroundMetric):
         raise InputError(f"gradation needs a metric of `metric_background`, not {metric!r:.60}")
-    if not (np.isfinite(growth) and growth > 0):
+    if not finite(growth, "growth") > 0:
         raise InputError(f"growth must be a positive number, not {growth!r}")
-    if space not in SPACES:
+    if not isinstance(space, str) or space not in SPACES:
         raise InputError(f"space = {space!r} must be one of {', '.join(map(repr, SPACES))}")
     rows = np.ascontiguousarray(metric.values.reshape(-1, 4)[:, [0, 1, 3]])
     edges = np.ascontiguousarray(metric.mesh.edges, dtype=np.int64)

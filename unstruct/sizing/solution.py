@@ -10,7 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.arguments import as_flags, finite
+from ..base.arrays import as_numbers
 from ..base.errors import InputError, MeshError
+from ..geometry.edge_vectors import lengths
 from ..mesh.mesh import Mesh, is_planar
 from .background_mesh import Background, background
 
@@ -28,7 +31,7 @@ def _plane(mesh: Mesh) -> None:
 
 
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
-    array = np.asarray(values, dtype=np.float64)
+    array = as_numbers(values, "values")
     if array.shape != (count,):
         raise InputError(f"give one number per {what}, shape ({count},), not {array.shape}")
     if not np.isfinite(array).all():
@@ -54,6 +57,9 @@ def to_vertices(mesh: Mesh, values: ArrayLike, *, largest: bool = False) -> Arra
     ndarray, shape (n,)
         NaN at vertices that no cell uses.
     """
+    as_flags(largest=largest)
+    if not isinstance(mesh, Mesh):
+        raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
     array = _numbers(values, mesh.size, "cell")
     corners = mesh.simplices
     if largest:
@@ -79,7 +85,7 @@ def mesh_size(mesh: Mesh) -> Array:
     ndarray, shape (n,)
     """
     i, j = mesh.edges.T
-    length = np.linalg.norm(mesh.points[i] - mesh.points[j], axis=1)
+    length = lengths(mesh.points[i] - mesh.points[j])
     n = len(mesh.points)
     count = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
     total = np.bincount(i, length, n) + np.bincount(j, length, n)
@@ -130,12 +136,12 @@ def from_error(
     """
     _plane(mesh)
     for name, number, least in (("target", target, 0), ("order", order, 0)):
-        if not (np.isfinite(number) and number > least):
+        if not finite(number, name) > least:
             raise InputError(f"{name} must be positive, not {number!r}")
     for name, number in (("finer", finer), ("coarser", coarser)):
-        if not (np.isfinite(number) and number >= 1):
+        if not finite(number, name) >= 1:
             raise InputError(f"{name} must be at least 1, not {number!r}")
-    array = np.asarray(error, dtype=np.float64)
+    array = as_numbers(error, "error")
     used = np.unique(mesh.simplices)
     if array.shape == (mesh.size,) != (len(mesh.points),):
         array = to_vertices(mesh, array, largest=True)
@@ -269,17 +275,25 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
     linear interpolation at the vertices of a simplex* (1998). See the book, chapter 2.3.
     """
     _plane(mesh)
-    array = np.asarray(second, dtype=np.float64)
+    array = second_derivatives(mesh, second, error, lower, upper)
+    steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))
+
+
+def second_derivatives(
+    mesh: Mesh, second: ArrayLike, error: float, lower: float, upper: float
+) -> NDArray[np.float64]:
+    """Second derivatives at the vertices (n, 2, 2), after a check of these, of an error and of bounds."""
+    array = as_numbers(second, "second")
     if array.shape != (len(mesh.points), 2, 2):
         raise InputError(f"second must have shape ({len(mesh.points)}, 2, 2), not {array.shape}")
     bad = ~np.isfinite(array).all(axis=(1, 2))
     if bad.any():
         row = int(np.argmax(bad))
         raise InputError(f"the second derivatives at vertex {row} are not finite: {array[row].tolist()}")
-    if not (np.isfinite(error) and error > 0):
+    if not finite(error, "error") > 0:
         raise InputError(f"error must be positive, not {error!r}")
-    if not (0 < lower <= upper < np.inf):
+    if not 0 < finite(lower, "lower") <= finite(upper, "upper"):
         raise InputError(f"bounds must be 0 < lower <= upper, not {lower!r}, {upper!r}")
-    steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
-    with np.errstate(divide="ignore"):
-        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))
+    return array

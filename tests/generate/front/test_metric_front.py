@@ -14,7 +14,9 @@ from regions import KINDS, random_region
 import unstruct
 from unstruct import Domain, InputError, advancing_front, check, sizing, statistics
 from unstruct.assess.statistics import metric_quality
+from unstruct.generate.front.metric_cavity import ROOM_AROUND
 from unstruct.generate.front.run import FRONT_REASONS, ORDERS
+from unstruct.sizing.metric_table import root_at
 
 SQUARE = Domain.polygon([(0, 0), (1, 0), (1, 1), (0, 1)])
 ARC = unstruct.Arc.through((4, 0), (4.8, 1.5), (4, 3))
@@ -186,7 +188,7 @@ def test_the_record_replays_the_front(order: str) -> None:
     assert mesh.counts["new point"] == int(new.sum())
 
 
-def test_budget_and_rough_metrics() -> None:
+def test_budget_of_a_metric() -> None:
     with pytest.warns(unstruct.IncompleteWarning):
         mesh = advancing_front(SQUARE, wave(0.02, 10), budget=300)
     assert not mesh.complete and set(mesh.reasons) == {"budget"} and check(mesh, domain=SQUARE)
@@ -194,6 +196,31 @@ def test_budget_and_rough_metrics() -> None:
     assert np.isin(mesh.unrefined, np.arange(mesh.size)).all()
     whole = advancing_front(SQUARE, wave(0.02, 10))
     assert whole.complete and whole.counts["moves"] > 0 and whole.steps is None
+
+
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.sampled_from([4, 30, 300]), st.integers(1, 40), st.booleans())
+def test_no_two_points_are_near_however_rough_the_metric(
+    seed: int, ratio: float, parts: int, finish: bool
+) -> None:
+    """A new point has no other vertex nearer than `ROOM_AROUND`, in the metric there: the front must end."""
+    angle = np.random.default_rng(seed).uniform(0, np.pi, (parts, parts))
+
+    def direction(x: np.ndarray) -> np.ndarray:
+        i, j = np.clip((x * parts).astype(int), 0, parts - 1).T
+        return np.stack([np.cos(angle[i, j]), np.sin(angle[i, j])], axis=1)
+
+    metric = sizing.directional(direction, 0.1 * ratio**0.5, 0.1 / ratio**0.5)
+    mesh = advancing_front(SQUARE, metric, finish=finish)
+    assert check(mesh, domain=SQUARE)
+    assert "budget" not in set(mesh.reasons)
+    if not finish:  # vertices are in the order in which they were placed, and have not moved
+        table, x = metric.table(*SQUARE.bounds, factor=1.0).nodes, mesh.points
+        for v in range(len(SQUARE.sampled(metric).points), len(x)):
+            m = root_at(table, *x[v])
+            far = np.linalg.norm((x[:v] - x[v]) @ np.array([[m[0], m[1]], [m[1], m[2]]]), axis=1)
+            assert far.min() >= ROOM_AROUND * (1 - 1e-9)
 
 
 def test_options_that_a_metric_does_not_have() -> None:

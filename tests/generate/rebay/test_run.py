@@ -1,15 +1,17 @@
-"""Runs of `voronoi_segment` where pieces must stay as they are."""
+"""Runs of `voronoi_segment`: where pieces must stay as they are, and where vertices are renumbered."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import Domain, UnstructError, check, voronoi_segment
+from unstruct import Domain, DomainMesh, UnstructError, advancing_front, check, voronoi_segment
+from unstruct.generate.rebay import run
 from unstruct.generate.rebay.run import VoronoiSegmentRun
 
 # Refinement for the angle leaves triangles waiting here; the queue was then filled a second time, so that a
@@ -57,3 +59,48 @@ def test_finishing_never_spoils_what_stays(seed: int) -> None:
     assert mesh.figures["minimum angle after"] == pytest.approx(mesh.quality("min_angle").min())
     if not mesh.complete:
         assert len(mesh.reasons) == len(mesh.unrefined)
+
+
+# --- large meshes, whose vertices are renumbered before finishing ------------------------------------
+
+
+def varied(x: np.ndarray) -> np.ndarray:
+    return 0.02 + 0.1 * np.hypot(x[:, 0], x[:, 1])
+
+
+@pytest.mark.parametrize("mesher", [voronoi_segment, advancing_front])
+def test_the_record_knows_vertices_that_were_renumbered(
+    mesher: Callable[..., DomainMesh], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    domain = Domain.polygon([(-1, -1), (1, -1), (1.3, 1), (0, 0.4), (-1, 1)])
+    usual = mesher(domain, varied, history=True)
+    monkeypatch.setattr(run, "RENUMBERED_FROM", 0)
+    mesh = mesher(domain, varied, history=True)
+    assert check(mesh, domain=domain, delaunay="constrained")
+    # Finishing goes another way, by a part of an edge at the most; what was made before it is the same.
+    name = "vertex" if mesher is voronoi_segment else "apex"
+    made = min(len(usual.steps[name]), len(mesh.steps[name]))
+    old, new = usual.steps[name][:made], mesh.steps[name][:made]
+    both = (old >= 0) & (new >= 0)
+    assert made > 300 and both.sum() > 0.98 * made
+    far = np.linalg.norm(usual.points[old[both]] - mesh.points[new[both]], axis=1)
+    assert (far < varied(mesh.points[new[both]])).all() and (old != new).any()
+    place = "point" if mesher is voronoi_segment else "ideal"
+    np.testing.assert_array_equal(usual.steps[place][: made // 2], mesh.steps[place][: made // 2])
+    assert mesh.quality("min_angle").min() > 25
+
+
+def test_points_added_after_renumbering_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "RENUMBERED_FROM", 0)
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        t = np.sort(rng.uniform(0, 2 * np.pi, 9))
+        r = rng.uniform(0.3, 1.0, 9)
+        domain = Domain.polygon(np.column_stack([r * np.cos(t), r * np.sin(t)]))
+        mesh = voronoi_segment(domain, varied, history=True)
+        steps = mesh.steps
+        # the two ends of the edge that a point was made for are near it
+        seen = (steps["vertex"] >= 0) & (steps["edge"] >= 0).all(axis=1)
+        x = mesh.points[steps["vertex"][seen]]
+        for end in steps["edge"][seen].T:
+            assert (np.linalg.norm(mesh.points[end] - x, axis=1) < 4 * varied(x)).all()

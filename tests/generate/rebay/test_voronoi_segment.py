@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import fuzz_work
@@ -16,7 +17,15 @@ from interrupts import interrupt
 from regions import KINDS, random_region
 
 import unstruct
-from unstruct import Domain, InputError, constrained_delaunay, simplex
+from unstruct import (
+    Domain,
+    DomainMesh,
+    InputError,
+    advancing_front,
+    constrained_delaunay,
+    refine,
+    simplex,
+)
 from unstruct.assess.check import check
 from unstruct.connect.insertion.halfedges import end_of, start_of
 from unstruct.connect.planar.cavity import blocked_by, find_cavity
@@ -427,7 +436,7 @@ def test_budget() -> None:
     ("options", "message"),
     [
         ({"accept": 1.0}, "above 1"),
-        ({"accept": "much"}, "above 1"),
+        ({"accept": "much"}, "accept must be a number"),
         ({"accept": np.nan}, "above 1"),
         ({"evaluate": "nowhere"}, "'center' or 'middle'"),
         ({"order": "random"}, "'first' or 'last'"),
@@ -584,6 +593,17 @@ def test_wide_exponents(points: list) -> None:
     report = check(mesh, domain=domain, delaunay="constrained")
     assert report, str(report)
     assert mesh.size < 5000
+
+
+@pytest.mark.parametrize("method", [voronoi_segment, advancing_front])
+@pytest.mark.parametrize("short", [1e-12, 1e-50, 1e-150, 1e-290])
+def test_a_short_edge_is_no_row_of_needles(method: Callable[..., DomainMesh], short: float) -> None:
+    """Finishing put one point for each octave along the needle: 4,137 triangles; refined again, 2 10^7."""
+    domain = Domain.polygon([(0, 0), (1, 0), (1, 1), (0, 1), (0, short)])
+    mesh = method(domain, 1 / 7)
+    assert mesh.size < 1300 and check(mesh, domain=domain, delaunay="constrained")
+    again = refine(mesh, 1 / 14, budget=3000)
+    assert again.size < 2000 and check(again)
 
 
 @pytest.mark.parametrize("number", [1053, 1035])

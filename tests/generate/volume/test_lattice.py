@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from solids import cube
 
 from unstruct import Domain, sizing
-from unstruct.generate.volume.lattice import CLEARANCE, lattice_points
+from unstruct.generate.volume.lattice import FROM_SURFACE, lattice_points
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -20,9 +20,9 @@ SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (
 def test_as_many_as_wanted() -> None:
     for h in (0.1, 0.07):
         found = lattice_points(Domain(CORNERS, SIDES), sizing.as_size(h))
-        side = 1 - 2 * CLEARANCE * h
+        side = 1 - 2 * FROM_SURFACE * h
         assert len(found) == pytest.approx(2 * (side / (1.1 * h)) ** 3, rel=0.25)
-        assert (np.abs(found - 0.5) <= 0.5 - CLEARANCE * h).all()
+        assert (np.abs(found - 0.5) <= 0.5 - FROM_SURFACE * h).all()
 
 
 def test_nested_lattices_follow_the_size() -> None:
@@ -63,7 +63,7 @@ def test_far_from_the_surface(seed: int, h: float) -> None:
     found = lattice_points(domain, sizing.as_size(h))
     if len(found):
         assert domain.contains(found).all()
-        assert np.linalg.norm(found - 3 * inside, axis=1).min() >= CLEARANCE * h
+        assert np.linalg.norm(found - 3 * inside, axis=1).min() >= FROM_SURFACE * h
     for p in found[:5]:
         least = min(distance(p, domain.points[list(row)]) for row in domain.facets.tolist())
-        assert least >= CLEARANCE * h - 1e-9
+        assert least >= FROM_SURFACE * h - 1e-9

@@ -27,10 +27,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import as_flags
 from ...base.arrays import as_points
 from ...base.codes import DONE, OUTSIDE, ROOM
 from ...base.errors import InputError, MeshError
-from ...mesh.marked import remaining
+from ...mesh.marked import remaining_of
 from ...mesh.mesh import Mesh
 from ...predicates.batch import orient, power_of_two
 from . import generalized_cavity as kernels
@@ -112,6 +113,7 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True, fixed: Any = None) ->
     points one at a time, use `Baker`.
     Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2.
     """
+    as_flags(reduce=reduce)
     growing = Baker(mesh, fixed=fixed)
     points = np.asarray(point)
     growing.insert(points[None] if points.ndim == 1 else points, reduce=reduce)
@@ -200,6 +202,8 @@ class Baker:
         number = np.full(self._counters[0] + 1, -1, dtype=np.int32)  # the last entry is for "no neighbor"
         number[live] = np.arange(len(live))
         old, simplices = self._old, self._cells[live]
+        faces = {name: rows for name, rows in old.markers.items() if rows.ndim > 1}
+        faces = remaining_of(faces, simplices)
         return Mesh(
             self._points[: self._count].copy(),
             simplices,
@@ -207,7 +211,7 @@ class Baker:
             origin=np.concatenate([old.origin, np.full(self._count - len(old.points), -1, np.int32)]),
             duplicates=np.concatenate([old.duplicates, *self._twins]),
             markers={
-                name: values[self._source[live]] if values.ndim == 1 else remaining(values, simplices)
+                name: values[self._source[live]] if values.ndim == 1 else faces[name]
                 for name, values in old.markers.items()
             },
             regions=old.regions,

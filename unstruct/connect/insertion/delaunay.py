@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from ...base.arguments import as_flags
 from ...base.arrays import as_points, as_weights
 from ...base.errors import InputError
 from ...mesh.mesh import Mesh
@@ -59,6 +60,7 @@ def delaunay(points: ArrayLike, *, weights: ArrayLike | None = None, progress: b
     which points are hidden does not depend on its order. Source: H. Edelsbrunner, N. R. Shah, Algorithmica 15
     (1996) 223-241. Book: 2.1.
     """
+    as_flags(progress=progress)
     rows = as_points(points)
     n, d = rows.shape
     if n < d + 1:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.arguments import as_count
 from ...base.arrays import as_points
 from ...base.errors import InputError, MeshError
 from ...base.progress import progress_bar
@@ -62,6 +63,7 @@ class Triangulation:
     def __init__(
         self, points: ArrayLike | None = None, *, dimension: int | None = None, progress: bool = False
     ):
+        dimension = None if dimension is None else as_count(dimension, "dimension")
         if points is None and dimension is None:
             raise InputError("give points or dimension")
         first = None if points is None else as_points(points)

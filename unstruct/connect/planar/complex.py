@@ -17,6 +17,7 @@ from ...base.arrays import as_points
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...mesh.domain_mesh import DomainMesh
+from ...predicates.batch import unscaled
 from ..insertion.engine import BUSY, COUNT, FREE, grown
 from ..insertion.halfedges import SEGMENTS, VERTICES
 from ..insertion.whole import half_edges
@@ -324,5 +325,7 @@ class PlanarComplex:
         """The coordinates of all vertices in the units of the domain; the first of them are ``known``."""
         n = self.size
         if known is None:
-            return self.xy[:n] / self.factor
-        return known if len(known) == n else np.concatenate([known, self.xy[len(known) : n] / self.factor])
+            return unscaled(self.xy[:n], self.factor)
+        if len(known) == n:
+            return known
+        return np.concatenate([known, unscaled(self.xy[len(known) : n], self.factor)])

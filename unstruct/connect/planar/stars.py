@@ -149,7 +149,7 @@ def touched(vertex, t, moved):
 @lean
 def legalize_moved(stars, region, count, moved):
     """Swap the diagonals that the moves of all these vertices require; return how many."""
-    vertex, twin, mark, stack = stars.vertex, stars.twin, stars.mark, stars.stack
+    xy, vertex, twin, mark, stack = stars.xy, stars.vertex, stars.twin, stars.mark, stars.stack
     flips, full = 0, True
     while full:  # repeated if the stack was too short, which is rare
         full = False
@@ -157,10 +157,15 @@ def legalize_moved(stars, region, count, moved):
             if region[t] < 0 or not touched(vertex, t, moved):
                 continue
             for e in range(3 * t, 3 * t + 3):
-                if mark[e] < 0 and (twin[e] > e or not touched(vertex, twin[e] // 3, moved)):
-                    stack[0] = e
-                    more = legalize(stars.xy, vertex, twin, mark, stars.where, stars.at, stack, np.int64(1))
-                    flips, full = flips + max(more, 0), full or more < 0
+                o = twin[e]
+                if mark[e] < 0 and (o > e or not touched(vertex, o // 3, moved)):
+                    # most edges stay: this test, here, takes a third of the time of a call for each of them
+                    p, a, b, q = vertex[e], start_of(vertex, e), end_of(vertex, e), vertex[o]
+                    ax, ay, bx, by = xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1]
+                    if q >= 0 and incircle(xy[p, 0], xy[p, 1], ax, ay, bx, by, xy[q, 0], xy[q, 1]) > 0:
+                        stack[0] = e
+                        more = legalize(xy, vertex, twin, mark, stars.where, stars.at, stack, np.int64(1))
+                        flips, full = flips + max(more, 0), full or more < 0
     return flips
 
 

@@ -1,1 +1,1 @@
-"""Tetrahedra of given points in which given segments and triangles are recovered, by refilling small cavities."""
+"""Tetrahedra of given points: given segments and triangles are recovered by refilling small cavities."""

@@ -99,8 +99,8 @@ class CellArrays:
         everything = np.concatenate([rows * scale, _box(rows * scale)])
         if not np.array_equal(everything[: len(rows)] / scale, rows):
             raise InputError(
-                "the exponents of the coordinates differ too much for one scale: drop or move points that are "
-                "closer to each other than 1e-300 of the largest coordinate"
+                "the exponents of the coordinates differ too much for one scale: drop or move points that "
+                "are closer to each other than 1e-300 of the largest coordinate"
             )
         made = Triangulation(everything, progress=progress)
         for copy, kept in made.duplicates[:1].tolist():
@@ -182,9 +182,9 @@ class CellArrays:
         return self.vertex[: 4 * self.slots].reshape(-1, 4)[self.used()]
 
     def validate(self) -> None:
-        """Check the arrays: positive cells by exact signs, faces in pairs, marks on both sides, the box as hull.
+        """Check the arrays: positive cells by exact signs, faces in pairs, marks on both sides, the hull.
 
-        Positive cells whose faces cancel to the hull are a triangulation of it, so there is nothing else to check.
+        Positive cells whose faces cancel to the hull are a triangulation of it: there is no more to check.
 
         Raises
         ------

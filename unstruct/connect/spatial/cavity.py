@@ -5,12 +5,23 @@ from __future__ import annotations
 from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
 from .held import holds
-from .records import BEST, CELLS, CELLS_ROOM, CORNERS, GUARDS, HASH, KIND, NUMBERED, SEED, TARGET
-from .refill import DEGREE, EDGE, FACE, OPEN, SHAPE, UNSEEN, face_cost, face_number, tet_cost
+from .records import (
+    CELLS_ROOM,
+    COST_KIND,
+    GUARD_COUNT,
+    HASH,
+    LOCALS,
+    NEW_CELLS,
+    NUMBERED,
+    OLD_CELLS,
+    SEED,
+    TARGET,
+)
+from .refill import DEGREE, EDGE, FACE, SHAPE, UNFILLED, UNSEEN, face_cost, face_number, tet_cost
 
 __all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "wall"]
 
-NOTHING = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
+NOWHERE = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
 
 
 @inline
@@ -42,7 +53,7 @@ def _local(r, n, v):
 @lean
 def _absorb(solid, r, stamp):
     """Take in all cells beyond unmarked faces whose vertices are all in the cavity; False if too many are."""
-    head, n, size = 0, r.size[CORNERS], r.size[CELLS]
+    head, n, size = 0, r.size[LOCALS], r.size[OLD_CELLS]
     while head < size:
         t = r.cells[head]
         head += 1
@@ -56,7 +67,7 @@ def _absorb(solid, r, stamp):
                 r.cells[size] = over >> 2
                 size += 1
                 solid.stamp[over >> 2] = stamp
-    r.size[CELLS] = size
+    r.size[OLD_CELLS] = size
     return True
 
 
@@ -64,7 +75,7 @@ def _absorb(solid, r, stamp):
 def _widen(solid, r, stamp, noise):
     """Take in the vertex beyond most faces, plus up to ``noise`` by chance; False if there is none."""
     found = 0  # distinct vertices, in `guard` with their numbers of faces
-    for i in range(r.size[CELLS]):
+    for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
         for k in range(4):
             over = solid.across[4 * t + k]
@@ -85,14 +96,14 @@ def _widen(solid, r, stamp, noise):
         if score > best:
             best, chosen = score, j
     if chosen >= 0:
-        r.label[r.size[CORNERS]] = r.guard[chosen, 0]
-        r.size[CORNERS] += 1
+        r.label[r.size[LOCALS]] = r.guard[chosen, 0]
+        r.size[LOCALS] += 1
     return chosen >= 0
 
 
 @apart
 def grow(solid, r, count, wanted, noise):
-    """Grow a cavity of ``wanted`` vertices from the first ``count`` cells in ``r``; False if there is none."""
+    """Grow a cavity of ``wanted`` vertices from the first ``count`` cells; False if there is none."""
     state, n = solid.state, 0
     state[STAMP] += 1
     stamp = 2 * state[STAMP]
@@ -105,10 +116,10 @@ def grow(solid, r, count, wanted, noise):
                     return False
                 r.label[n] = solid.vertex[4 * t + k]
                 n += 1
-    r.size[CORNERS], r.size[CELLS] = n, count
+    r.size[LOCALS], r.size[OLD_CELLS] = n, count
     if not _absorb(solid, r, stamp):
         return False
-    while r.size[CORNERS] < wanted:
+    while r.size[LOCALS] < wanted:
         if not _widen(solid, r, stamp, noise) or not _absorb(solid, r, stamp):
             return False
     return True
@@ -126,9 +137,9 @@ def beside(solid, r, face):
 
 @lean
 def reset(r):
-    """Empty the tables for ``r.size[CORNERS]`` vertices, and number those of the target that are none."""
-    n = r.size[CORNERS]
-    m, kind = n, r.size[KIND]
+    """Empty the tables for ``r.size[LOCALS]`` vertices, and number other vertices of the target."""
+    n = r.size[LOCALS]
+    m, kind = n, r.size[COST_KIND]
     wanted = 2 if kind == EDGE else (3 if kind == FACE or (kind == DEGREE and r.size[TARGET + 1] >= 0) else 0)
     for k in range(wanted):
         r.goal[k] = _local(r, m, r.size[TARGET + k])
@@ -141,20 +152,20 @@ def reset(r):
     for i in range(n**3):
         r.cost[i] = -1.0
         r.code[i] = 0
-        r.beyond[i] = NOTHING
+        r.beyond[i] = NOWHERE
         r.number[i] = -1
     for i in range(n * n):
         r.edge[i] = 0
-    r.size[GUARDS] = r.size[HASH] = 0
+    r.size[GUARD_COUNT] = r.size[HASH] = 0
 
 
 @lean
 def wall(r, length, x, y, z):
     """Open a face of the boundary; return how many faces are in the front."""
-    n = r.size[CORNERS]
+    n = r.size[LOCALS]
     face = face_number(n, x, y, z)
-    r.code[face] = OPEN
-    r.code[face_number(n, x, z, y)] = 2 * OPEN  # closed: the outside is there
+    r.code[face] = UNFILLED
+    r.code[face_number(n, x, z, y)] = 2 * UNFILLED  # closed: the outside is there
     r.front[length] = face
     for i, j in ((x, y), (y, z), (z, x)):
         r.edge[min(i, j) * n + max(i, j)] |= 1
@@ -168,8 +179,8 @@ def load(solid, held, r):
     Marked faces inside must stay, so they are open in both orientations. Held edges inside must stay.
     """
     reset(r)
-    n, stamp, length, cost, mixed = r.size[CORNERS], 2 * solid.state[STAMP], 0, 0.0, 0
-    for i in range(r.size[CELLS]):
+    n, stamp, length, cost, mixed = r.size[LOCALS], 2 * solid.state[STAMP], 0, 0.0, 0
+    for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
         mask = 0
         for k in range(4):
@@ -182,18 +193,18 @@ def load(solid, held, r):
                 length = wall(r, length, x, y, z)
                 r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
             elif solid.mark[4 * t + k] >= 0:
-                r.code[face] = OPEN
+                r.code[face] = UNFILLED
                 r.front[length] = face
                 length += 1
                 r.number[face] = solid.mark[4 * t + k]
         mixed += mask * mask * 2654435 + mask
     _find_guards(solid, held, r)
-    for i in range(r.size[CELLS]):
+    for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
         a, b = _local(r, n, solid.vertex[4 * t]), _local(r, n, solid.vertex[4 * t + 1])
         c, d = _local(r, n, solid.vertex[4 * t + 2]), _local(r, n, solid.vertex[4 * t + 3])
         here = tet_cost(solid.xyz, r, a, b, c, d)
-        cost = max(cost, here) if r.size[KIND] == SHAPE else cost + here
+        cost = max(cost, here) if r.size[COST_KIND] == SHAPE else cost + here
         for k in range(4):
             over = solid.across[4 * t + k]
             if over > 4 * t + k and solid.stamp[over >> 2] == stamp and solid.mark[4 * t + k] < 0:
@@ -208,14 +219,14 @@ def load(solid, held, r):
 @lean
 def _find_guards(solid, held, r):
     """List the held edges inside the cavity."""
-    n, count = r.size[CORNERS], 0
+    n, count = r.size[LOCALS], 0
     for i in range(n):
         for j in range(i + 1, n):
             if r.edge[i * n + j] & 1 == 0 and holds(held, r.label[i], r.label[j]):
-                # an edge between vertices of the cavity, held and thus somewhere: inside, unless no cell has it
+                # it is somewhere: inside, or outside, where no face of the cavity meets it
                 r.guard[count, 0], r.guard[count, 1] = i, j
                 count += 1
-    r.size[GUARDS] = count
+    r.size[GUARD_COUNT] = count
 
 
 @lean
@@ -232,8 +243,8 @@ def new_slot(solid):
 @apart
 def commit(solid, r):
     """Replace the cells of the cavity by the best refill; ``r.cells`` then lists the new cells."""
-    n, vertex, across, mark, state = r.size[CORNERS], solid.vertex, solid.across, solid.mark, solid.state
-    old, new, region = r.size[CELLS], r.size[BEST], solid.region[r.cells[0]]
+    n, vertex, across, mark, state = r.size[LOCALS], solid.vertex, solid.across, solid.mark, solid.state
+    old, new, region = r.size[OLD_CELLS], r.size[NEW_CELLS], solid.region[r.cells[0]]
     for i in range(new, old):
         vertex[4 * r.cells[i]] = -2
         solid.free[state[FREE]] = r.cells[i]
@@ -253,14 +264,14 @@ def commit(solid, r):
             x, y, z = r.best[i, corner(k, 0)], r.best[i, corner(k, 1)], r.best[i, corner(k, 2)]
             face, reverse = face_number(n, x, y, z), face_number(n, x, z, y)
             mark[place] = r.number[face]
-            if r.beyond[face] > NOTHING:  # on the boundary
+            if r.beyond[face] > NOWHERE:  # on the boundary
                 over = r.beyond[face]
                 across[place] = over
                 if over >= 0:
                     across[over] = place
-            elif r.beyond[reverse] < NOTHING:  # the tetrahedron on the other side was here already
-                other = NOTHING - 1 - r.beyond[reverse]
+            elif r.beyond[reverse] < NOWHERE:  # the tetrahedron on the other side was here already
+                other = NOWHERE - 1 - r.beyond[reverse]
                 across[place], across[other] = other, place
             else:
-                r.beyond[face] = NOTHING - 1 - place
-    r.size[CELLS] = new
+                r.beyond[face] = NOWHERE - 1 - place
+    r.size[OLD_CELLS] = new

@@ -19,6 +19,7 @@ from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
+WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -63,8 +64,8 @@ class SpatialMesh(NamedTuple):
     """The cells inside, as arrays.
 
     ``vertex[i]`` is the vertex of the complex that point i is: below ``given`` the number of a given point.
-    ``neighbors[t, k]`` is the cell opposite vertex k, -1 for none. ``faces`` are the marked faces of the cells,
-    once each, seen from a cell that has them; ``triangle`` are the numbers of their given triangles.
+    ``neighbors[t, k]`` is the cell opposite vertex k, -1 for none. ``faces`` are the marked faces of the
+    cells, once each, seen from a cell that has them; ``triangle`` are the numbers of their given triangles.
     """
 
     points: NDArray[np.float64]
@@ -124,9 +125,10 @@ class SpatialComplex(CellArrays):
 
         Notes
         -----
-        The same input and seed give the same complex. The time is about proportional to the number of segments
-        that are missing at first. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
-        2005-2039; P.-L. George, F. Hecht, E. Saltel, Comput. Methods Appl. Mech. Eng. 92 (1991) 269-288.
+        The same input and seed give the same complex. The time is about proportional to the number of
+        segments that are missing at first. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng.
+        37 (1994) 2005-2039; P.-L. George, F. Hecht, E. Saltel, Comput. Methods Appl. Mech. Eng. 92 (1991)
+        269-288.
         """
         corners = np.asarray(triangles, dtype=np.int32).reshape(-1, 3)
         ends = (
@@ -141,7 +143,7 @@ class SpatialComplex(CellArrays):
             rank = (missing, len(found.steiner), len(found.inner))
             if score is None or rank < score:
                 score, result, best = rank, (found, parts), self.saved()
-            if found.exact:
+            if found.exact or missing + len(found.steiner) > WORTH_ANOTHER:
                 break
             self.restore(before)
         assert result is not None

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...base.jit import apart, inline
 from ..insertion.engine import STAMP
 from .refill import EDGE
-from .signs import APART, INSIDE, ON_EDGE, meets
+from .signs import DISJOINT, INSIDE, ON_EDGE, meets
 
 __all__ = ["classify", "crossings", "mark_face", "ring", "star"]
 
@@ -57,17 +57,17 @@ def _in_the_way(solid, kind, goal, face):
     t, k = face & ~3, face & 3
     u, v, w = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
     if kind == EDGE:
-        return meets(solid.xyz, goal[0], goal[1], u, v, w) != APART
+        return meets(solid.xyz, goal[0], goal[1], u, v, w) != DISJOINT
     return (
-        meets(solid.xyz, u, v, goal[0], goal[1], goal[2]) != APART
-        or meets(solid.xyz, v, w, goal[0], goal[1], goal[2]) != APART
-        or meets(solid.xyz, w, u, goal[0], goal[1], goal[2]) != APART
+        meets(solid.xyz, u, v, goal[0], goal[1], goal[2]) != DISJOINT
+        or meets(solid.xyz, v, w, goal[0], goal[1], goal[2]) != DISJOINT
+        or meets(solid.xyz, w, u, goal[0], goal[1], goal[2]) != DISJOINT
     )
 
 
 @apart
 def _entrance(solid, kind, goal, found):
-    """A cell at goal[0] whose opposite face is in the way; -1 if the goal is there, -2 if there is no cell."""
+    """A cell at goal[0] whose opposite face is in the way; -1 if the goal is there, -2 for no cell."""
     size = star(solid, found, goal[0])
     for i in range(size):
         t = found.cells[i]
@@ -85,7 +85,7 @@ def _entrance(solid, kind, goal, found):
 
 @apart
 def crossings(solid, kind, goal, found):
-    """Write the faces in the way of the goal to ``found.faces``, and the cells beside them to ``found.cells``.
+    """Write the faces in the way of the goal to ``found.faces``, the cells beside them to ``found.cells``.
 
     Returns how many faces there are: 0 if the goal is there, -1 if no way leads to it.
     """

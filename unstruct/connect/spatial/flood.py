@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT
-from .signs import APART, INSIDE, meets
+from .signs import DISJOINT, INSIDE, meets
 
 __all__ = ["flood_parts", "parities"]
 
@@ -13,9 +13,9 @@ __all__ = ["flood_parts", "parities"]
 def flood_parts(solid, stack, facet, parity):
     """Number the parts that marked faces separate; returns how many there are, and how many faces disagree.
 
-    ``region`` becomes the part of each cell; part 0 touches the hull. ``parity[part]`` is 1 if an odd number of
-    facets (``facet[number]`` of the face) lies between the part and the hull. A face disagrees if the parities
-    on its two sides do not fit; then some facets are not there.
+    ``region`` becomes the part of each cell; part 0 touches the hull. ``parity[part]`` is 1 if an odd number
+    of facets (``facet[number]`` of the face) lies between the part and the hull. A face disagrees if the
+    parities on its two sides do not fit; then some facets are not there.
     """
     vertex, across, mark, region = solid.vertex, solid.across, solid.mark, solid.region
     slots, parts = solid.state[COUNT], 0
@@ -70,7 +70,7 @@ def _parity(xyz, corner, facets, p, q):
         how = meets(xyz, p, q, corner[i, 0], corner[i, 1], corner[i, 2])
         if how == INSIDE:
             crossed ^= 1
-        elif how != APART:
+        elif how != DISJOINT:
             return -1
     return crossed
 
@@ -79,8 +79,8 @@ def _parity(xyz, corner, facets, p, q):
 def parities(solid, corner, facets, p, region):
     """Write to ``region`` 0 for the cells whose centroid is inside the given facets, otherwise -1.
 
-    Decided by segments that end outside, O(cells * facets): for complexes that lack facets. Vertices p and p + 1
-    are scratch.
+    Decided by segments that end outside, O(cells * facets): for complexes that lack facets. Vertices p and
+    p + 1 are scratch.
     """
     xyz = solid.xyz
     for t in range(solid.state[COUNT]):

@@ -87,7 +87,7 @@ class Given:
         a, b, c = self.corner[t].tolist()
         return iter((edge(a, b), edge(b, c), edge(c, a)))
 
-    def _add(self, corners: tuple[int, int, int], root: int) -> int:
+    def _add(self, corners: list[int], root: int) -> int:
         t = self.count
         self.corner, self.root = grown(self.corner, t + 1), grown(self.root, t + 1)
         self.alive = grown(self.alive, t + 1)
@@ -112,7 +112,7 @@ class Given:
             corners = self.corner[t].tolist()
             (c,) = set(corners) - {a, b}
             for end in (a, b):
-                children.append(self._add(tuple(p if v == end else v for v in corners), int(self.root[t])))
+                children.append(self._add([p if v == end else v for v in corners], int(self.root[t])))
             inner.append(edge(p, c))
             self._kill(t)
         return Split(p, edge(a, b), tuple(parents), tuple(children), tuple(inner))
@@ -120,7 +120,7 @@ class Given:
     def split_triangle(self, t: int, p: int) -> Split:
         """Split a triangle in three at the vertex p."""
         corners = self.corner[t].tolist()
-        children = [self._add(tuple(p if v == w else v for v in corners), int(self.root[t])) for w in corners]
+        children = [self._add([p if v == w else v for v in corners], int(self.root[t])) for w in corners]
         self._kill(t)
         return Split(p, None, (t,), tuple(children), tuple(edge(p, v) for v in corners))
 

@@ -11,22 +11,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "BEST", "CELLS", "CORNERS", "DEPTH", "GUARDS", "HASH", "KIND", "NODES", "NUMBERED", "ROOM", "SEED", "TARGET", "Held",
-    "Local", "Search", "Solid", "new_local", "new_search",
+    "CELLS_ROOM",
+    "COST_KIND",
+    "GUARD_COUNT",
+    "HASH",
+    "LOCALS",
+    "LOCAL_ROOM",
+    "NEW_CELLS",
+    "NODES",
+    "NUMBERED",
+    "OLD_CELLS",
+    "SEED",
+    "TARGET",
+    "TETS_ROOM",
+    "Held",
+    "Local",
+    "Search",
+    "Solid",
+    "new_local",
+    "new_search",
 ]  # fmt: skip
 
-ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches explode
+LOCAL_ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches explode
 CELLS_ROOM = 128  # its cells
-DEPTH = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
+TETS_ROOM = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
 MEMO = 1 << 15  # exact signs that are remembered
 SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
 
 # Entries of ``size`` in a `Local`.
-CORNERS = 0  # how many vertices the cavity has
-CELLS = 1  # how many cells
-BEST = 2  # how many tetrahedra the best refill has
-GUARDS = 3  # how many edges must stay
-KIND = 4  # what a refill costs
+LOCALS = 0  # how many vertices the cavity has
+OLD_CELLS = 1  # how many cells
+NEW_CELLS = 2  # how many tetrahedra the best refill has
+GUARD_COUNT = 3  # how many edges must stay
+COST_KIND = 4  # what a refill costs
 TARGET = 5  # three entries: the vertices of the segment or triangle that is sought
 NODES = 8  # nodes that the last search has visited
 NUMBERED = 10  # how many local numbers there are: corners, then those vertices of the target that are none
@@ -63,10 +80,10 @@ class Search(NamedTuple):
 
 
 class Local(NamedTuple):
-    """A cavity of at most ROOM vertices, with local numbers, and the state of the search for its refill.
+    """A cavity of at most LOCAL_ROOM vertices, with local numbers, and the state of a search for refills.
 
     A face with local vertices x, y, z, the least first, has the number ``(x n + y) n + z``; it is seen from
-    the tetrahedron that it belongs to. Tables indexed by it have ROOM^3 entries.
+    the tetrahedron that it belongs to. Tables indexed by it have LOCAL_ROOM^3 entries.
     """
 
     cells: NDArray[np.int32]
@@ -92,15 +109,15 @@ class Local(NamedTuple):
 
 
 def new_local() -> Local:
-    """Arrays for any cavity of ROOM vertices."""
-    cube = ROOM**3
+    """Arrays for any cavity of LOCAL_ROOM vertices."""
+    n, cube, square = LOCAL_ROOM, LOCAL_ROOM**3, LOCAL_ROOM**2
     return Local(
-        np.empty(CELLS_ROOM, dtype=np.int32), np.empty(ROOM + 3, dtype=np.int32),
-        np.empty((ROOM + 3) ** 4, dtype=np.int8), np.empty(cube), np.empty(ROOM**2, dtype=np.int8),
+        np.empty(CELLS_ROOM, dtype=np.int32), np.empty(n + 3, dtype=np.int32),
+        np.empty((n + 3) ** 4, dtype=np.int8), np.empty(cube), np.empty(square, dtype=np.int8),
         np.empty(cube, dtype=np.uint8), np.empty(cube, dtype=np.int64), np.empty(cube, dtype=np.int32),
-        np.empty(4 * (CELLS_ROOM + DEPTH), dtype=np.int32), np.empty((DEPTH, 8), dtype=np.int32),
-        np.empty((DEPTH + 1, ROOM), dtype=np.int32), np.empty((DEPTH + 1, ROOM)), np.empty(DEPTH + 1),
-        np.empty((DEPTH, 4), dtype=np.int32), np.empty((ROOM**2, 2), dtype=np.int32),
+        np.empty(4 * (CELLS_ROOM + TETS_ROOM), dtype=np.int32), np.empty((TETS_ROOM, 8), dtype=np.int32),
+        np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
+        np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty((square, 2), dtype=np.int32),
         np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
     )  # fmt: skip
 

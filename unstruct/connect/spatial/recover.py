@@ -1,6 +1,8 @@
-"""Recovery as a whole: segments, then triangles; then points where nothing else helps, released at the end."""
+"""Recovery as a whole: segments, then triangles; with further points where nothing else helps."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +13,17 @@ from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
 from .records import SEED, new_local
-from .recovery import SLACK, recover_all, survey
+from .recovery import SPARE_SLOTS, recover_all, survey
 from .refill import EDGE, FACE
-from .signs import APART, meets
+from .signs import DISJOINT, meets
 from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
 
 __all__ = ["Recovery"]
 
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
 # Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
-ROUNDS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
-GENERATIONS = 8  # how often parts of a segment are split
+EFFORTS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+PART_ROUNDS = 8  # how often parts of a segment are split
 AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
 
 
@@ -75,9 +77,9 @@ class Recovery:
 
     def _room(self) -> None:
         cells = self.cells
-        cells.reserve(cells.size, cells.slots + 4 * SLACK)
+        cells.reserve(cells.size, cells.slots + 4 * SPARE_SLOTS)
 
-    def _recover(self, kind: int, goals: NDArray[np.int32], bar) -> NDArray[np.int64]:
+    def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
         left = np.zeros(len(goals), dtype=np.int64)
         for i in range(0, len(goals), CHUNK):
@@ -86,7 +88,7 @@ class Recovery:
                 self.cells.solid(), self.held, self.cells.found, kind, goals[part], left[part], self.crossed
             )
         bar.update(int((left == 0).sum()))
-        for options in ROUNDS:
+        for options in EFFORTS:
             waiting = np.flatnonzero(left != 0)
             for i in range(0, len(waiting), CHUNK):
                 rows = waiting[i : i + CHUNK]
@@ -114,15 +116,15 @@ class Recovery:
     def _split_segments(self, waiting: list[tuple[int, int]]) -> None:
         """Split these segments, then what comes of them, until all are there.
 
-        Those that came of one split are split only after all others have been tried: in the meantime refills may
-        find them. After some generations, or when the budget is used up, what is left is lost.
+        Those that came of one split are split only after all others have been tried: in the meantime refills
+        may find them. After some generations, or when the budget is used up, what is left is lost.
         """
-        for generation in range(GENERATIONS):
+        for generation in range(PART_ROUNDS):
             following: list[tuple[int, int]] = []
             for a, b in waiting:
                 if self._one(a, b):
                     continue
-                p = self._insert_on_segment(a, b) if generation < GENERATIONS - 1 else -1
+                p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
                     self.lost_edges.append((a, b))
                     continue
@@ -151,7 +153,7 @@ class Recovery:
         cells = self.cells
         if len(self.splits) >= self.budget:
             return False
-        cells.reserve(cells.size + 1, cells.slots + len(cells.found.faces) // 64 + 4 * SLACK)
+        cells.reserve(cells.size + 1, cells.slots + len(cells.found.faces) // 64 + 4 * SPARE_SLOTS)
         return True
 
     def _place(self, row: NDArray[np.float64]) -> int:
@@ -161,7 +163,7 @@ class Recovery:
         return p
 
     def _insert_on_segment(self, a: int, b: int) -> int:
-        """Insert a point of the segment where it crosses a face or an edge, the first possible; -1 for none."""
+        """Insert the first possible point where the segment crosses a face or an edge; -1 for none."""
         if not self._next_vertex():
             return -1
         cells, goal = self.cells, np.array([a, b, 0, 0], dtype=np.int32)
@@ -188,7 +190,7 @@ class Recovery:
         return -1
 
     def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int) -> bool:
-        """Insert vertex p at the crossed edge; or between the two cells at the face, or around one of its edges.
+        """Insert vertex p at the crossed edge, or between the two cells at the face, or around an edge of it.
 
         Where the segment passes by an edge more closely than coordinates are rounded, the two cells may not
         see p, and the cells around the edge do.
@@ -216,7 +218,7 @@ class Recovery:
             crossing |= {
                 edge(p, q)
                 for p, q in ((u, v), (v, w), (w, u))
-                if meets(cells.xyz, p, q, goal[0], goal[1], goal[2]) != APART
+                if meets(cells.xyz, p, q, goal[0], goal[1], goal[2]) != DISJOINT
             }
         for u, v in sorted(crossing):
             where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])

@@ -12,31 +12,31 @@ from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, grow, load
 from .crossing import classify, crossings, mark_face
 from .held import hold
-from .records import KIND, NODES, ROOM, TARGET
+from .records import COST_KIND, LOCAL_ROOM, NODES, TARGET
 from .refill import EDGE, NEVER, refill
 
-__all__ = ["LARGEST", "SHAKES", "SLACK", "recover_all", "survey"]
+__all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
 
-SLACK = 128  # slots that a refill may need
-FEW = 8  # cells that a segment crosses, for cavities around all of them
-SMALLEST = 5  # vertices of two cells with a common face
+SPARE_SLOTS = 128  # slots that a refill may need
+FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
+FEWEST_CORNERS = 5  # vertices of two cells with a common face
 # Entries of the options.
-LARGEST = 0  # vertices of the largest cavity
+MOST_WANTED = 0  # vertices of the largest cavity
 SHAKES = 1  # how many refills of equal cost
-BUDGET = 2  # nodes of one search
+SEARCH_NODES = 2  # nodes of one search
 TOTAL = 3  # nodes of all searches for one goal
 
 
 @apart
 def _attempt(solid, held, r, count, wanted, options, noise, equal):
-    """Refill a cavity grown from ``count`` cells at lower cost, or at no higher cost; True if that is done."""
+    """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
     if not grow(solid, r, count, wanted, noise):
         return False
     faces, cost = load(solid, held, r)
     if cost >= NEVER or (cost == 0.0 and not equal):
         return False
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
-    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[BUDGET]) >= NEVER:
+    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER:
         return False
     commit(solid, r)
     return True
@@ -45,7 +45,7 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
 @apart
 def _lower(solid, held, r, found, count, options):
     """Try all faces in the way, with larger and larger cavities; True at the first success."""
-    for wanted in range(SMALLEST, options[LARGEST] + 1):
+    for wanted in range(FEWEST_CORNERS, options[MOST_WANTED] + 1):
         start = draw(solid.state, count)
         for j in range(count):
             if beside(solid, r, found.faces[(start + j) % count]):
@@ -58,9 +58,9 @@ def _lower(solid, held, r, found, count, options):
 def _lower_all(solid, held, r, found, options):
     """Try cavities that contain all cells in the way, if these are few; True at the first success."""
     count = found.sizes[0]
-    if count > FEW:
+    if count > FEW_CELLS:
         return False
-    for wanted in range(6, ROOM + 1):
+    for wanted in range(6, LOCAL_ROOM + 1):
         for i in range(count):
             r.cells[i] = found.cells[i]
         if _attempt(solid, held, r, count, wanted, options, 4, False):
@@ -70,13 +70,13 @@ def _lower_all(solid, held, r, found, options):
 
 @apart
 def recover_one(solid, held, r, found, kind, goal, options):
-    """Recover one segment or triangle; returns how many faces are still in the way, -2 if slots are lacking."""
-    r.size[KIND], r.size[NODES] = kind, 0
+    """Recover one segment or triangle; how many faces are still in the way, -2 if slots are lacking."""
+    r.size[COST_KIND], r.size[NODES] = kind, 0
     for k in range(3):
         r.size[TARGET + k] = goal[k]
     shakes = options[SHAKES]
     while True:
-        if solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
+        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
             return -2
         count = crossings(solid, kind, goal, found)
         if count <= 0 or r.size[NODES] > options[TOTAL]:
@@ -89,10 +89,22 @@ def recover_one(solid, held, r, found, kind, goal, options):
             return count
         shakes -= 1
         for _ in range(4):
-            wanted = 5 + draw(solid.state, options[LARGEST] - 4)
-            if beside(solid, r, found.faces[draw(solid.state, count)]):
-                if _attempt(solid, held, r, 2, wanted, options, 8, True):
-                    break
+            wanted = 5 + draw(solid.state, options[MOST_WANTED] - 4)
+            face = _wander(solid, found.faces[draw(solid.state, count)])
+            if beside(solid, r, face) and _attempt(solid, held, r, 2, wanted, options, 8, True):
+                break
+
+
+@apart
+def _wander(solid, face):
+    """A face of a cell few steps away, by chance."""
+    t = face >> 2
+    for _ in range(draw(solid.state, 4)):
+        over = solid.across[4 * t + draw(solid.state, 4)]
+        if over >= 0:
+            t = over >> 2
+            face = 4 * t + draw(solid.state, 4)
+    return face
 
 
 @kernel

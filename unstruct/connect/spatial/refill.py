@@ -19,10 +19,32 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import apart, inline, lean
-from .records import BEST, CORNERS, DEPTH, GUARDS, HASH, KIND, NODES, NUMBERED, SEED, TARGET
-from .signs import APART, meets, remembered_side
+from .records import (
+    COST_KIND,
+    GUARD_COUNT,
+    HASH,
+    LOCALS,
+    NEW_CELLS,
+    NODES,
+    NUMBERED,
+    SEED,
+    TARGET,
+    TETS_ROOM,
+)
+from .signs import DISJOINT, meets, remembered_side
 
-__all__ = ["ANY", "DEGREE", "EDGE", "FACE", "OPEN", "SHAPE", "face_cost", "face_number", "refill", "tet_cost"]
+__all__ = [
+    "ANY",
+    "DEGREE",
+    "EDGE",
+    "FACE",
+    "SHAPE",
+    "UNFILLED",
+    "face_cost",
+    "face_number",
+    "refill",
+    "tet_cost",
+]
 
 # What is summed over a refill (SHAPE: what is the largest in it).
 ANY = 0  # nothing: any refill is as good as another
@@ -31,11 +53,11 @@ FACE = 2  # edges of faces that meet the triangle TARGET
 SHAPE = 3  # the badness of the worst tetrahedron
 DEGREE = 4  # tetrahedra at the vertex TARGET; other faces must not meet the segment of the two next entries
 
-OPEN, CLOSED = 1, 2
+UNFILLED, FILLED = 1, 2
 NEVER = 1e300  # more than any cost
 UNSEEN = 2  # a sign that is not known yet
 # Columns of `chosen`.
-APEX, OPENED, LENGTH, FOUND, NEXT = 3, 4, 5, 6, 7
+CHOSEN_APEX, OPENED, LENGTH, FOUND, NEXT_APEX = 3, 4, 5, 6, 7
 
 
 @inline
@@ -91,10 +113,10 @@ def _in_the_way(xyz, r, a, b, u, v, w):
         y, z = (v, w) if s == u else ((w, u) if s == v else (u, v))
         if _sign(xyz, r, s, y, z, o) != 0:
             return False
-        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != DISJOINT
     above, below = _sign(xyz, r, u, v, w, a), _sign(xyz, r, u, v, w, b)
     if above == 0 and below == 0:
-        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != APART
+        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != DISJOINT
     if above * below >= 0:
         return False
     first, second = _sign(xyz, r, a, b, u, v), _sign(xyz, r, a, b, v, w)
@@ -107,7 +129,7 @@ def _in_the_way(xyz, r, a, b, u, v, w):
 @lean
 def _edge_cost(xyz, r, i, j):
     """1 if the edge between local vertices meets the triangle that is sought, otherwise 0."""
-    at = min(i, j) * r.size[CORNERS] + max(i, j)
+    at = min(i, j) * r.size[LOCALS] + max(i, j)
     known = r.edge[at] >> 1
     if known == 0:
         goal = r.goal
@@ -119,7 +141,7 @@ def _edge_cost(xyz, r, i, j):
 @apart
 def _fill_cost(xyz, r, at):
     """Write what the face with this number costs."""
-    n, kind = r.size[CORNERS], r.size[KIND]
+    n, kind = r.size[LOCALS], r.size[COST_KIND]
     x, y, z = at // (n * n), at // n % n, at % n
     cost = 0.0
     if kind == EDGE:
@@ -130,7 +152,7 @@ def _fill_cost(xyz, r, at):
         p = r.goal[0]  # what is between the segment and the point on it is not in the way
         if x != p and y != p and z != p and _in_the_way(xyz, r, r.goal[1], r.goal[2], x, y, z):
             cost = NEVER
-    for i in range(r.size[GUARDS]):
+    for i in range(r.size[GUARD_COUNT]):
         if _in_the_way(xyz, r, r.guard[i, 0], r.guard[i, 1], x, y, z):
             cost = NEVER
             break
@@ -141,7 +163,7 @@ def _fill_cost(xyz, r, at):
 def face_cost(xyz, r, x, y, z):
     """What the face costs: NEVER if an edge that must stay meets it."""
     low, high = min(x, y, z), max(x, y, z)
-    n = r.size[CORNERS]
+    n = r.size[LOCALS]
     at = (low * n + x + y + z - low - high) * n + high
     if r.cost[at] < 0:
         _fill_cost(xyz, r, at)
@@ -150,7 +172,7 @@ def face_cost(xyz, r, x, y, z):
 
 @apart
 def badness(xyz, a, b, c, d):
-    """Between 0 for a regular tetrahedron and 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
+    """From 0 for a regular tetrahedron to 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
     wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]
@@ -166,7 +188,7 @@ def badness(xyz, a, b, c, d):
 @inline
 def tet_cost(xyz, r, a, b, c, d):
     """What the tetrahedron on local vertices costs beside its faces."""
-    kind, label = r.size[KIND], r.label
+    kind, label = r.size[COST_KIND], r.label
     if kind == SHAPE:
         return badness(xyz, label[a], label[b], label[c], label[d])
     if kind == DEGREE:
@@ -178,12 +200,12 @@ def tet_cost(xyz, r, a, b, c, d):
 @inline
 def _gain(xyz, r, x, y, z, d):
     """What it costs to set the apex d on the open face x, y, z; NEVER if it does not fit."""
-    n = r.size[CORNERS]
+    n = r.size[LOCALS]
     cost = 0.0
     for k in range(3):
         a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
         code = r.code[face_number(n, b, a, d)]
-        if code >= CLOSED:
+        if code >= FILLED:
             return NEVER
     if _sign(xyz, r, x, y, z, d) <= 0:
         return NEVER
@@ -200,11 +222,11 @@ def _choose(xyz, r, depth, length, limit):
 
     At the next depth is scratch: the candidates of the face that is looked at.
     """
-    n, shape = r.size[CORNERS], r.size[KIND] == SHAPE
+    n, shape = r.size[LOCALS], r.size[COST_KIND] == SHAPE
     fewest = n + 1
     for i in range(length):
         face = r.front[i]
-        if r.code[face] != OPEN:
+        if r.code[face] != UNFILLED:
             continue
         x, y, z = face // (n * n), face // n % n, face % n
         found = 0
@@ -251,23 +273,23 @@ def _sort(r, state, depth, count):
 @lean
 def _set(r, depth, length):
     """Set the chosen tetrahedron; return how many faces are in the front and by how many more are open."""
-    n = r.size[CORNERS]
-    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, APEX]
+    n = r.size[LOCALS]
+    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, CHOSEN_APEX]
     opened, more = 0, 0
     r.chosen[depth, LENGTH] = length
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
         face = face_number(n, a, b, c)
-        if r.code[face] == OPEN:
+        if r.code[face] == UNFILLED:
             more -= 1
         else:
             reverse = face_number(n, a, c, b)
-            r.code[reverse] = OPEN
+            r.code[reverse] = UNFILLED
             r.front[length] = reverse
             length += 1
             more += 1
             opened |= 1 << k
-        r.code[face] = CLOSED
+        r.code[face] = FILLED
     r.chosen[depth, OPENED] = opened
     return length, more
 
@@ -275,8 +297,8 @@ def _set(r, depth, length):
 @lean
 def _unset(r, depth):
     """Take the chosen tetrahedron away; return by how many fewer faces are open."""
-    n = r.size[CORNERS]
-    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, APEX]
+    n = r.size[LOCALS]
+    x, y, z, d = r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2], r.chosen[depth, CHOSEN_APEX]
     fewer = 0
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
@@ -286,7 +308,7 @@ def _unset(r, depth):
             r.code[face_number(n, a, c, b)] = 0
             fewer += 1
         else:
-            r.code[face] = OPEN
+            r.code[face] = UNFILLED
             fewer -= 1
     return fewer
 
@@ -301,7 +323,7 @@ def _complete(r, depth):
             mask |= 1 << int(r.chosen[i, k])
         used |= mask
         mixed += mask * mask * 2654435 + mask
-    return used == (1 << r.size[CORNERS]) - 1, mixed
+    return used == (1 << r.size[LOCALS]) - 1, mixed
 
 
 @apart
@@ -311,38 +333,38 @@ def refill(xyz, r, state, faces, limit, goal, budget):
     ``r.front`` begins with ``faces`` open faces. The search ends after ``budget`` nodes. A refill that equals
     the present one (HASH) is passed over. The tetrahedra are written to ``r.best``.
     """
-    n, shape = r.size[CORNERS], r.size[KIND] == SHAPE
+    shape = r.size[COST_KIND] == SHAPE
     depth, length, still_open, nodes, found = 0, faces, faces, 0, NEVER
     r.total[0] = 0.0
-    r.chosen[0, FOUND], r.chosen[0, NEXT] = _choose(xyz, r, 0, length, limit), 0
+    r.chosen[0, FOUND], r.chosen[0, NEXT_APEX] = _choose(xyz, r, 0, length, limit), 0
     _sort(r, state, 0, r.chosen[0, FOUND])
     while depth >= 0 and nodes < budget:
-        i = r.chosen[depth, NEXT]
-        if i == r.chosen[depth, FOUND] or depth >= DEPTH - 2:
+        i = r.chosen[depth, NEXT_APEX]
+        if i == r.chosen[depth, FOUND] or depth >= TETS_ROOM - 2:
             depth -= 1
             if depth >= 0:
                 length = r.chosen[depth, LENGTH]
                 still_open -= _unset(r, depth)
             continue
-        r.chosen[depth, NEXT] = i + 1
+        r.chosen[depth, NEXT_APEX] = i + 1
         gain = r.gain[depth, i]
         total = max(r.total[depth], gain) if shape else r.total[depth] + gain
         if total >= limit:
             continue
         nodes += 1
-        r.chosen[depth, APEX] = r.apex[depth, i]
+        r.chosen[depth, CHOSEN_APEX] = r.apex[depth, i]
         length, more = _set(r, depth, length)
         still_open += more
         r.total[depth + 1] = total
         if still_open > 0:
             depth += 1
-            r.chosen[depth, FOUND], r.chosen[depth, NEXT] = _choose(xyz, r, depth, length, limit), 0
+            r.chosen[depth, FOUND], r.chosen[depth, NEXT_APEX] = _choose(xyz, r, depth, length, limit), 0
             _sort(r, state, depth, r.chosen[depth, FOUND])
             continue
         whole, mixed = _complete(r, depth)
         if whole and mixed != r.size[HASH]:
             found, limit = total, total
-            r.size[BEST] = depth + 1
+            r.size[NEW_CELLS] = depth + 1
             for j in range(depth + 1):
                 for k in range(4):
                     r.best[j, k] = r.chosen[j, k]

@@ -17,9 +17,9 @@ from .arrays import CellArrays
 from .cavity import beside, commit, corner, grow, load, new_slot, reset, wall
 from .crossing import star
 from .given import Split
-from .records import BEST, CORNERS, HASH, KIND, ROOM, TARGET, Local
+from .records import COST_KIND, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
 from .recover import Recovery
-from .recovery import SLACK
+from .recovery import SPARE_SLOTS
 from .refill import ANY, DEGREE, EDGE, NEVER, refill
 from .steiner import sees
 
@@ -27,14 +27,14 @@ __all__ = ["Release"]
 
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
-HALVINGS = 50  # how often a point is moved half of the way back to the surface
+STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
 NODES_WITHOUT = 4000  # of the search for a sector without its point
 WALLS = 400  # faces of the largest star that is looked at
 
 
 @kernel
 def refill_walls(solid, r, walls, budget):
-    """Refill what these oriented triangles bound; False if that is not found, or there are too many vertices."""
+    """Refill what these oriented triangles bound; False if that is not found or has too many vertices."""
     n = 0
     local = np.empty((walls.shape[0], 3), dtype=np.int64)
     for i in range(walls.shape[0]):
@@ -43,12 +43,12 @@ def refill_walls(solid, r, walls, budget):
             while place < n and r.label[place] != walls[i, k]:
                 place += 1
             if place == n:
-                if n == ROOM:
+                if n == LOCAL_ROOM:
                     return False
                 r.label[n] = walls[i, k]
                 n += 1
             local[i, k] = place
-    r.size[CORNERS] = n
+    r.size[LOCALS] = n
     reset(r)
     length = 0
     for i in range(walls.shape[0]):
@@ -61,16 +61,16 @@ def refill_walls(solid, r, walls, budget):
 def lower_degree(solid, held, r, found, goal):
     """Refill around vertex goal[0] so that fewer cells have it, as long as that is possible.
 
-    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how many
-    cells have the vertex in the end.
+    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
+    many cells have the vertex in the end.
     """
     p = goal[0]
-    r.size[KIND] = DEGREE
+    r.size[COST_KIND] = DEGREE
     for k in range(3):
         r.size[TARGET + k] = goal[k]
     while True:
         size = star(solid, found, p)
-        if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
+        if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
             return size
         before = size
         for wanted in range(5, 9):
@@ -135,7 +135,7 @@ class Release:
     def _star(self, p: int, segment: tuple[int, int] | None) -> list[int]:
         """The cells at p, after refills that have made them few."""
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
-        self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SLACK)
+        self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
         lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal)
         size = star(self.cells.solid(), self.cells.found, p)
         return self.cells.found.cells[:size].tolist()
@@ -234,20 +234,20 @@ class Release:
     def _without(self, walls: list[Face], segment: tuple[int, int] | None) -> list[Cell] | None:
         """Tetrahedra within these walls on their vertices alone, with the segment, if any."""
         size = self.local.size
-        size[KIND] = ANY if segment is None else EDGE
+        size[COST_KIND] = ANY if segment is None else EDGE
         if segment is not None:
             size[TARGET : TARGET + 2] = segment
         if not walls:
             return []
         rows = np.array(walls, dtype=np.int32)
-        if len(np.unique(rows)) > ROOM or not refill_walls(
+        if len(np.unique(rows)) > LOCAL_ROOM or not refill_walls(
             self.cells.solid(), self.local, rows, NODES_WITHOUT
         ):
             return None
-        return [tuple(row) for row in self.local.label[self.local.best[: size[BEST]]].tolist()]
+        return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 
     def _moved(self, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
-        """The star of a new point close to p that sees all walls: those of the star of p, and whole triangles."""
+        """The star of a new point close to p that sees all walls, those around p and whole triangles."""
         cells, walls = self.cells, link + whole
         rows = np.array(walls, dtype=np.int32)
         here, q = cells.xyz[p].copy(), cells.size
@@ -260,7 +260,7 @@ class Release:
         cells.size += 1
         for step in (_inward(normals) * reach, center):
             length = 1.0
-            for _ in range(HALVINGS):
+            for _ in range(STEPS_BACK):
                 cells.xyz[q] = here + length * step
                 if sees(cells.xyz, rows, len(rows), q):
                     return [(*face, q) for face in walls]

@@ -10,12 +10,12 @@ from ...base.jit import apart, kernel
 from ...predicates.filters import UNDECIDED, filter_orient3
 from ...predicates.kernels import orient2, orient3
 
-__all__ = ["APART", "FLAT", "INSIDE", "ON_EDGE", "meets", "remembered_side", "side"]
+__all__ = ["COPLANAR", "DISJOINT", "INSIDE", "ON_EDGE", "meets", "remembered_side", "side"]
 
-APART = 0  # the open segment does not meet the closed triangle
+DISJOINT = 0  # the open segment does not meet the closed triangle
 INSIDE = 1  # it crosses the interior
 ON_EDGE = 2  # it crosses one edge, from one side of the plane to the other
-FLAT = 3  # it lies in the plane of the triangle, or goes through a vertex
+COPLANAR = 3  # it lies in the plane of the triangle, or goes through a vertex
 
 
 @kernel
@@ -77,57 +77,56 @@ def _axis(xyz, u, v, w):
 def _in_angle(xyz, s, o, y, z):
     """Whether the segment from s to o enters the triangle s, y, z."""
     if side(xyz, s, y, z, o) != 0:
-        return APART
+        return DISJOINT
     axis = _axis(xyz, s, y, z)
     if axis == 3:
-        return FLAT
+        return COPLANAR
     t = turn(xyz, axis, s, y, z)
-    return FLAT if turn(xyz, axis, s, y, o) * t >= 0 and turn(xyz, axis, s, z, o) * t <= 0 else APART
+    return COPLANAR if turn(xyz, axis, s, y, o) * t >= 0 and turn(xyz, axis, s, z, o) * t <= 0 else DISJOINT
 
 
 @apart
 def _cross(xyz, axis, a, b, p, q):
-    """Whether two segments in a plane meet."""
+    """Whether the open segment ab meets the closed segment pq, in a plane."""
     p_side, q_side = turn(xyz, axis, a, b, p), turn(xyz, axis, a, b, q)
     a_side, b_side = turn(xyz, axis, p, q, a), turn(xyz, axis, p, q, b)
     if p_side == 0 and q_side == 0:  # on a line
         for k in range(3):
-            if max(xyz[p, k], xyz[q, k]) < min(xyz[a, k], xyz[b, k]):
-                return False
-            if max(xyz[a, k], xyz[b, k]) < min(xyz[p, k], xyz[q, k]):
+            low, high = min(xyz[a, k], xyz[b, k]), max(xyz[a, k], xyz[b, k])
+            if low < high and (max(xyz[p, k], xyz[q, k]) <= low or min(xyz[p, k], xyz[q, k]) >= high):
                 return False
         return True
-    return p_side * q_side <= 0 and a_side * b_side <= 0
+    return p_side * q_side <= 0 and a_side * b_side < 0
 
 
 @apart
 def meets(xyz, a, b, u, v, w):
-    """How the open segment ab meets the closed triangle uvw; APART also if ab is an edge of it."""
+    """How the open segment ab meets the closed triangle uvw; DISJOINT also if ab is an edge of it."""
     s = o = y = z = -1
     if a == u or a == v or a == w:
         s, o = a, b
     if b == u or b == v or b == w:
         if s >= 0:
-            return APART
+            return DISJOINT
         s, o = b, a
     if s >= 0:
         y, z = (v, w) if s == u else ((w, u) if s == v else (u, v))
         return _in_angle(xyz, s, o, y, z)
     above, below = side(xyz, u, v, w, a), side(xyz, u, v, w, b)
     if above * below > 0:
-        return APART
+        return DISJOINT
     if above == 0 and below == 0:
         axis = _axis(xyz, u, v, w)
         if axis == 3:
-            return FLAT
+            return COPLANAR
         crosses = (
             _cross(xyz, axis, a, b, u, v) or _cross(xyz, axis, a, b, v, w) or _cross(xyz, axis, a, b, w, u)
         )
-        return FLAT if crosses else APART
+        return COPLANAR if crosses else DISJOINT
     if above == 0 or below == 0:  # the plane meets the open segment nowhere
-        return APART
+        return DISJOINT
     first, second, third = side(xyz, a, b, u, v), side(xyz, a, b, v, w), side(xyz, a, b, w, u)
     if min(first, second, third) < 0 < max(first, second, third):
-        return APART
+        return DISJOINT
     zeros = (first == 0) + (second == 0) + (third == 0)
-    return INSIDE if zeros == 0 else (ON_EDGE if zeros == 1 else FLAT)
+    return INSIDE if zeros == 0 else (ON_EDGE if zeros == 1 else COPLANAR)

@@ -16,9 +16,11 @@ from ..insertion.space import Cavity, Space, star3
 from .cavity import corner
 from .crossing import ring
 from .held import holds
-from .signs import FLAT, ON_EDGE, meets, side
+from .signs import COPLANAR, ON_EDGE, meets, side
 
 __all__ = ["crossed_edges", "insert_around", "insert_between", "on_line", "on_plane", "sees"]
+
+Row = NDArray[np.float64]  # a point
 
 
 @kernel
@@ -115,26 +117,26 @@ def crossed_edges(solid, goal, found, faces, edges):
         t, k = found.faces[i] & ~3, found.faces[i] & 3
         u, v, w = solid.vertex[t + (k + 1) % 4], solid.vertex[t + (k + 2) % 4], solid.vertex[t + (k + 3) % 4]
         edges[i, 0] = edges[i, 1] = -1
-        if meets(solid.xyz, a, b, u, v, w) in (ON_EDGE, FLAT):
+        if meets(solid.xyz, a, b, u, v, w) in (ON_EDGE, COPLANAR):
             for p, q in ((u, v), (v, w), (w, u)):
                 if _crossed(solid.xyz, a, b, p, q):
                     edges[i, 0], edges[i, 1] = p, q
 
 
-def on_plane(a: NDArray[np.float64], b: NDArray[np.float64], u, v, w) -> float:
+def on_plane(a: Row, b: Row, u: Row, v: Row, w: Row) -> float:
     """Where the line ab meets the plane uvw: 0 at a, 1 at b; NaN if it nowhere does."""
     normal = np.cross(v - u, w - u)
     above, below = normal @ (a - u), normal @ (b - u)
     return float(above / (above - below)) if above != below else np.nan
 
 
-def on_line(a: NDArray[np.float64], b: NDArray[np.float64], p, q) -> float:
+def on_line(a: Row, b: Row, p: Row, q: Row) -> float:
     """Where the line ab is closest to the line pq: 0 at a, 1 at b; NaN if they are parallel."""
     normal = np.cross(b - a, q - p)
     square = normal @ normal
     return float(np.cross(p - a, q - p) @ normal / square) if square > 0 else np.nan
 
 
-def distance(p: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+def distance(p: Row, a: Row, b: Row) -> float:
     """From p to the line ab."""
     return float(np.linalg.norm(np.cross(b - a, p - a)) / np.linalg.norm(b - a))

@@ -35,6 +35,8 @@ class VoronoiComplex:
         )  # read-only, which pickle forgets
 
     def __init__(self, mesh: Mesh, *, _trusted: bool = False):
+        if not isinstance(mesh, Mesh):
+            raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}: give delaunay(points)")
         points, simplices = mesh.points, mesh.simplices
         n, d = points.shape
         if simplices.shape[1] != d + 1:

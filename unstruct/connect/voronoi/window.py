@@ -63,7 +63,7 @@ def as_window(clip: Any) -> Window:
         return _of_polygons(list(_polygons(clip)))
     try:
         array = np.array(clip, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         rings = _rings(clip)
         if rings is None:
             raise InputError(f"clip is not an array of real numbers: {error}") from None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 __all__ = ["Place", "Repair"]
 
-Place = tuple[float, float]
+Place = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -18,11 +18,13 @@ class Repair:
     kind : str
         "index out of range", "duplicate points", "zero length", "repeated segment", "crossing", "overlap",
         "vertex on a segment", "vertex on an arc", "closed curve", "open boundary" or "vertex without
-        pieces"; of `Domain.simplified` "dropped vertices" or "dropped ring".
+        pieces"; of `Domain.simplified` "dropped vertices" or "dropped ring". In space also "repeated vertex",
+        "not flat", "crossing itself", "zero area", "repeated facet", "vertex on a facet", "vertex near an
+        edge", "edge in a facet" or "turned facets".
     text : str
         What was found and what was done. Pieces and points have the numbers of the input; new points are
         named by their coordinates.
-    place : (float, float)
+    place : tuple of float
         Coordinates; NaN if there are none.
     pieces, vertices : tuple of int
         Pieces and points of the input that had the fault.

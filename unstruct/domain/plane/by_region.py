@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -169,65 +169,49 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
     beside = np.maximum(c.region[half // 3], c.region[c.twin[half] // 3])
     rows = np.flatnonzero(beside >= 0)
     name = f"{len(set(size))} {'metrics' if metrics else 'sizes'} by region"
-    tree = SegmentTree(xy[c.ends[rows]])
-    locator = Locator(Mesh(xy, cells, neighbors=None))
+    regions = RegionMap(
+        Locator(Mesh(xy, cells, neighbors=None)), number.copy(), SegmentTree(xy[c.ends[rows]]), beside[rows]
+    )
     given = metrics or fields
     marks = [xy[cells].mean(axis=1), *[field.landmarks for field in given if len(field.landmarks)]]
     if metrics:
-        return InverseMetric(
-            partial(_metric_by_region, metrics, locator, number.copy(), tree, beside[rows]),
-            landmarks=np.concatenate(marks),
-            name=name,
-        )
-    function = partial(_by_region, fields, locator, number.copy(), tree, beside[rows])
-    return SizeField(function, landmarks=np.concatenate(marks), name=name)
+        function = partial(_metric_by_region, metrics, regions)
+        return InverseMetric(function, landmarks=np.concatenate(marks), name=name)
+    return SizeField(partial(_by_region, fields, regions), landmarks=np.concatenate(marks), name=name)
 
 
-def _regions_at(
-    locator: Locator,
-    number: NDArray[np.int32],
-    tree: SegmentTree,
-    beside: NDArray[np.int32],
-    x: NDArray[np.float64],
-) -> tuple[NDArray, NDArray]:
-    """Pairs (point, region): those that contain each point, or the one beside the nearest subsegment."""
-    query, cell = locator.holding(np.ascontiguousarray(x))
-    region = number[cell]
-    out = np.setdiff1d(np.arange(len(x)), query)
-    if len(out):
-        _, nearest = tree.least(x[out], 1.0)
-        query, region = np.concatenate([query, out]), np.concatenate([region, beside[nearest]])
-    return query, region
+class RegionMap(NamedTuple):
+    """Which regions there are at a point."""
+
+    locator: Locator
+    number: NDArray[np.int32]  # the region of each cell
+    tree: SegmentTree
+    beside: NDArray[np.int32]  # a region beside each segment of the tree
+
+    def at(self, x: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Each region, with the rows of the points that it contains; outside, the one beside the boundary."""
+        query, cell = self.locator.holding(np.ascontiguousarray(x))
+        region = self.number[cell]
+        out = np.setdiff1d(np.arange(len(x)), query)
+        if len(out):
+            _, nearest = self.tree.least(x[out], 1.0)
+            query, region = np.concatenate([query, out]), np.concatenate([region, self.beside[nearest]])
+        for r in np.unique(region).tolist():
+            yield r, np.unique(query[region == r])
 
 
-def _by_region(
-    fields: list[SizeField],
-    locator: Locator,
-    number: NDArray[np.int32],
-    tree: SegmentTree,
-    beside: NDArray[np.int32],
-    x: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    query, region = _regions_at(locator, number, tree, beside, x)
+def _by_region(fields: list[SizeField], regions: RegionMap, x: NDArray[np.float64]) -> NDArray[np.float64]:
     sizes = np.full(len(x), np.inf)
-    for r in np.unique(region).tolist():
-        rows = np.unique(query[region == r])
+    for r, rows in regions.at(x):
         sizes[rows] = np.minimum(sizes[rows], fields[r](x[rows]))
     return sizes
 
 
 def _metric_by_region(
-    fields: list[Metric],
-    locator: Locator,
-    number: NDArray[np.int32],
-    tree: SegmentTree,
-    beside: NDArray[np.int32],
-    x: NDArray[np.float64],
+    fields: list[Metric], regions: RegionMap, x: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    query, region = _regions_at(locator, number, tree, beside, x)
     found, seen = np.empty((len(x), 3)), np.zeros(len(x), dtype=bool)
-    for r in np.unique(region).tolist():
-        rows = np.unique(query[region == r])
+    for r, rows in regions.at(x):
         matrices = inverted(fields[r].inverses(x[rows]))
         again = seen[rows]
         common = found[rows[again]]

@@ -64,7 +64,9 @@ def crossings_at_corners(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
 
 def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
     """How far rounding may move the second point; the flatter the angle of the pieces, the farther."""
-    return np.maximum(SAME_VERTEX * scale, 2 * SHALLOW * scale / np.maximum(away * difference, 1e-300))
+    with np.errstate(over="ignore"):
+        farthest = 2 * SHALLOW * scale / np.maximum(away * difference, 1e-300)
+    return np.maximum(SAME_VERTEX * scale, farthest)
 
 
 def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:

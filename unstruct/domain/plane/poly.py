@@ -31,7 +31,16 @@ from ..arguments import composed
 from .sample import Sampled
 from .seeds import first_on_piece
 
-__all__ = ["account", "read_poly", "write_poly"]
+__all__ = [
+    "account",
+    "hull_parts",
+    "is_marker",
+    "is_value",
+    "numbers_for",
+    "read_poly",
+    "region_name",
+    "write_poly",
+]
 
 
 # ---------------------------------------------------------------------- reading
@@ -97,7 +106,7 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
     areas: dict[str, float] = {}
     for _ in range(0 if rows.end() else rows.count("the number of regions")[0]):
         _, x, y, value, *bound = (rows.number(w, "regions") for w in rows.next(4, "a region"))
-        name = _region_name(value)
+        name = region_name(value)
         regions.setdefault(name, []).append([x, y])
         if bound and bound[0] > 0:
             areas[name] = min(areas.get(name, np.inf), bound[0])
@@ -123,7 +132,7 @@ def read_poly(path: Path, *, make: Callable[..., Any], resolve: bool) -> Poly:
     return Poly(parts, areas, walls, walls.piece_origin[order], seeds)
 
 
-def _region_name(value: float) -> str:
+def region_name(value: float) -> str:
     """The name of a region by its value, with all digits: seeds with equal names are one region."""
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
@@ -135,7 +144,7 @@ def _seeds(rows: Rows, what: str) -> Iterator[list[float]]:
 
 def _bounding(walls: Outline, seeds: np.ndarray) -> np.ndarray:
     """Which segments lie between a part that Triangle removes and a part that is left."""
-    mesh, part, beyond = _hull_parts(walls.points, walls.inner)
+    mesh, part, beyond = hull_parts(walls.points, walls.inner)
     cells = mesh.find_simplex(seeds) if len(seeds) else np.empty(0, dtype=np.int64)
     removed = np.isin(part, np.concatenate([part[cells[cells >= 0]], beyond]))
     cells, corner = np.nonzero(np.ones_like(mesh.neighbors, dtype=bool))
@@ -150,7 +159,7 @@ def _bounding(walls: Outline, seeds: np.ndarray) -> np.ndarray:
     return np.isin(low * n + high, between)
 
 
-def _hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray, np.ndarray]:
+def hull_parts(points: np.ndarray, walls: np.ndarray) -> tuple[Mesh, np.ndarray, np.ndarray]:
     """Triangles of the convex hull, the part of each between segments, and the parts open to the outside."""
     complex_ = PlanarComplex(points)
     many = len(walls)
@@ -186,11 +195,11 @@ def write_poly(
     """Write vertices, segments, a seed for each hole, and regions; every number has full precision."""
     if suffix_of(path) != ".poly":
         raise InputError(f"a region is written as .poly, not as {path.suffix!r}: change the file's name")
-    marks = _numbers(domain.markers, _is_marker)
+    marks = numbers_for(domain.markers, is_marker)
     mark = np.full(len(domain.pieces), "0", dtype=object)
     for name, pieces in domain.markers.items():
         mark[pieces] = marks[name]
-    values = _numbers(domain.regions, _is_value)
+    values = numbers_for(domain.regions, is_value)
     lines = [f"# marker {number}: {name!r}" for name, number in marks.items() if name != number]
     lines += [f"# region {number}: {name!r}" for name, number in values.items() if name != number]
     lines += [f"{len(sampled.points)} 2 0 0"]
@@ -200,7 +209,7 @@ def write_poly(
         f"{i} {a} {b} {mark[piece]}"
         for i, ((a, b), piece) in enumerate(zip(sampled.ends.tolist(), sampled.piece))
     ]
-    mesh, part, beyond = _hull_parts(sampled.points, sampled.ends)
+    mesh, part, beyond = hull_parts(sampled.points, sampled.ends)
     order = np.lexsort((-mesh.volumes, part))
     largest = order[np.unique(part[order], return_index=True)[1]]  # the triangle of each part
     middle = mesh.points[mesh.simplices[largest[~np.isin(part[largest], beyond)]]].mean(axis=1)
@@ -215,21 +224,21 @@ def write_poly(
         beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _numbers(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:
+def numbers_for(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:
     """The number for each name in a file: the name itself if it is a number, or else a free number."""
     taken = {name for name in names if is_one(name)}
     free = (str(i) for i in count(1) if str(i) not in taken)
     return {name: name if name in taken else next(free) for name in names}
 
 
-def _is_marker(name: str) -> bool:
+def is_marker(name: str) -> bool:
     """Whether `read_poly` can give this name to a marker; 0 stands for no marker."""
     return fullmatch("-?[1-9][0-9]*", name) is not None
 
 
-def _is_value(name: str) -> bool:
+def is_value(name: str) -> bool:
     """Whether `read_poly` can give this name to a region."""
     try:
-        return _region_name(float(name)) == name
+        return region_name(float(name)) == name
     except ValueError:
         return False

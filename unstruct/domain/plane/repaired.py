@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from .arc_meetings import arc_meetings
 from .faults import find_faults
 from .repair import Repair, Repairer
 
-__all__ = ["Repaired", "repaired"]
+__all__ = ["PARTS", "Repaired", "repaired"]
 
 
 PARTS = ("points", "facets", "inner", "curves", "markers", "regions")
@@ -23,8 +23,8 @@ class Repaired(NamedTuple):
     """The result of ``resolve=True``: the attributes of a `Domain` of the same names."""
 
     points: np.ndarray
-    facets: np.ndarray
-    inner: np.ndarray
+    facets: Any
+    inner: Any
     curves: dict[int, CurveLike]
     markers: dict[str, np.ndarray]
     origin: np.ndarray

@@ -26,6 +26,7 @@ __all__ = ["Sampled"]
 
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
 CHORDS_WITHIN = len(SAMPLES) - 1  # the number of short chords between these samples
+ON_CHORD = 2.0**-46  # of the largest coordinate: a vertex so near to a chord is on it, up to rounding
 TURN = np.pi / 3  # the largest angle by which a curve may turn over one chord
 # Curves that still conflict after so many halvings are reported as meeting.
 HALVINGS = 40
@@ -125,7 +126,8 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
     """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of the subsegments ``rows``."""
-    t = sampled.span[rows, :1] + np.diff(sampled.span[rows]) * SAMPLES
+    first, last = sampled.span[rows, :1], sampled.span[rows, 1:]
+    t = first + (last - first) * SAMPLES
     chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
         -1, CHORDS_WITHIN + 1, 2
     )
@@ -208,6 +210,13 @@ def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chai
     query, hit = query[~own], hit[~own]
     inside = np.zeros(len(query), dtype=bool)
     _enclosed(at, chains, query, hit, inside)
+    # A vertex on the chord itself would become one of the boundary.
+    first, last = chains[hit, 0], chains[hit, -1]
+    within = (at[query] >= np.minimum(first, last)) & (at[query] <= np.maximum(first, last))
+    along, away = last - first, at[query] - first
+    height = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])  # times the length of the chord
+    rounding = ON_CHORD * np.abs(sampled.points).max() * np.hypot(*along.T)
+    inside |= within.all(axis=1) & (height <= rounding)
     cut = rows[hit[inside]]
     return np.column_stack([cut, cut])
 

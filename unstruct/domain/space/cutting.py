@@ -1,9 +1,10 @@
 """Polygons in space cut into triangles: what all that follows works on.
 
 A polygon is seen along the axis along which it appears largest, and triangulated there, exactly, as a
-constrained Delaunay triangulation. The vertices of a polygon seldom lie in a plane exactly. So the rule is:
-the facet *is* its triangles. It must be flat up to `PLANAR` of its extent, because the triangles would else
-depend on the choice of the view.
+constrained Delaunay triangulation. Sides of other pieces that join two of its vertices are edges of it, so
+that an inner piece may end in its plane. The vertices of a polygon seldom lie in a plane exactly. So the rule
+is: the facet *is* its triangles. It must be flat up to `PLANAR` of its extent, because the triangles would
+else depend on the choice of the view.
 """
 
 from __future__ import annotations
@@ -15,17 +16,12 @@ from numpy.typing import NDArray
 
 from ...base.arrays import frozen
 from ...base.jit import kernel
-from ...connect.insertion.engine import COUNT
-from ...connect.planar.bounded import SEGMENTS_AT_ONCE, bound_at_once
-from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.flood import mark_regions
-from ...connect.planar.inserting import insert_all
-from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ...geometry.triangle_pairs import turn, unit_points
-from ..plane.faults import Fault, find_faults
+from ..plane.faults import Fault
+from .flat import NO_ENDS, chords_of, sides_of, triangulated
 
-__all__ = ["PLANAR", "Shell", "at", "cut", "place"]
+__all__ = ["PLANAR", "Shell", "at", "cut", "place", "views"]
 
 PLANAR = 1e-3  # a vertex may be so far from the plane of its polygon; unit: the extent of the polygon
 
@@ -104,7 +100,7 @@ def _quads(xyz, rows, view, cells):
     return done
 
 
-def _views(xyz: np.ndarray, polygons: Polygons) -> tuple[np.ndarray, np.ndarray]:
+def views(xyz: np.ndarray, polygons: Polygons) -> tuple[np.ndarray, np.ndarray]:
     """For each polygon its normal by Newell's sum, (f, 3), and the two coordinates to look at, as 3 i + j."""
     ends, owner = polygons.sides
     low = np.full((len(polygons), 3), np.inf)
@@ -146,7 +142,7 @@ def cut(points: np.ndarray, polygons: Polygons, facets: int) -> tuple[Shell, lis
     triangles = np.flatnonzero(single & (corners == 3))
     quads = np.flatnonzero(single & (corners == 4))
     xyz = unit_points(points)
-    normal, view = _views(xyz, polygons)
+    normal, view = views(xyz, polygons)
     faults = _bent(points, xyz, polygons, normal)
     bent = np.zeros(len(polygons), dtype=bool)
     bent[[fault.pieces[0] for fault in faults]] = True
@@ -155,19 +151,22 @@ def cut(points: np.ndarray, polygons: Polygons, facets: int) -> tuple[Shell, lis
     four = polygons.vertices[starts[quads][:, None] + np.arange(4)]
     cells = np.empty((len(quads), 6), dtype=np.int32)
     _quads(xyz, four, view[quads], cells)
-    good = (cells[:, 0] >= 0) & ~bent[quads]
+    chords = chords_of(polygons)
+    whole_quad = np.ones(len(polygons), dtype=bool)
+    whole_quad[list(chords)] = False
+    good = (cells[:, 0] >= 0) & ~bent[quads] & whole_quad[quads]
     rows.append(cells[good].reshape(-1, 3))
     owner.append(np.repeat(quads[good], 2))
     done = bent.copy()
     done[segments], done[triangles], done[quads[good]] = True, True, True
     for i in np.flatnonzero(~done).tolist():
-        found, wrong = _triangulated(
-            xyz, polygons.rings(i), int(view[i]), bool(normal[i, _axis(view[i])] > 0)
+        found, wrong = triangulated(
+            xyz, sides_of(polygons.rings(i)), int(view[i]), chords=chords.get(i, NO_ENDS)
         )
         if wrong is not None:
             faults.append(_crossed(points, polygons, i, wrong))
             continue
-        rows.append(found)
+        rows.append(found if normal[i, _axis(view[i])] > 0 else found[:, ::-1])
         owner.append(np.full(len(found), i))
     piece = np.concatenate(owner).astype(np.int32)
     order = np.argsort(piece, kind="stable")
@@ -214,33 +213,6 @@ def _bent(points: np.ndarray, xyz: np.ndarray, polygons: Polygons, normal: np.nd
         )
         result.append(Fault("not flat", text, place(points[v]), (i,), (v,)))
     return result
-
-
-def _triangulated(
-    xyz: np.ndarray, rings: tuple[np.ndarray, ...], view: int, front: bool
-) -> tuple[np.ndarray, Fault | None]:
-    """The triangles of one polygon in the direction of its outline, or what is wrong with its rings."""
-    number, sides = np.unique(np.concatenate(rings), return_inverse=True)
-    ends, first = [], 0
-    for ring in rings:
-        at = sides[first : first + len(ring)]
-        ends.append(np.column_stack([at, np.roll(at, -1)]))
-        first += len(ring)
-    flat = np.ascontiguousarray(xyz[number][:, [view // 3, view % 3]])
-    segments = np.concatenate(ends).astype(np.int32)
-    wrong = find_faults(Outline(flat, segments, segments[:0], {}, {}, {}))
-    if wrong:
-        return segments[:0], wrong[0]
-    many = len(segments)
-    pieces = (segments, np.arange(many, dtype=np.int32), np.tile([0.0, 1.0], (many, 1)))
-    complex_ = PlanarComplex(flat)
-    if many > SEGMENTS_AT_ONCE or not bound_at_once(complex_, pieces, many, {}, False):
-        complex_ = PlanarComplex(flat)
-        insert_all(complex_, *pieces, facets=many, progress=False)
-        mark_regions(complex_, many, {}, False)
-    count = int(complex_.state[COUNT])
-    inside = complex_.vertex[: 3 * count].reshape(-1, 3)[complex_.region[:count] >= 0]
-    return number[inside if front else inside[:, ::-1]].astype(np.int32), None
 
 
 def _crossed(points: np.ndarray, polygons: Polygons, i: int, wrong: Fault) -> Fault:

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ...geometry.outline import Outline
-from ...geometry.polygons import Polygons
 from ...geometry.triangle_pairs import (
     EDGES_CROSS,
     OVERLAP,
@@ -25,14 +24,30 @@ from ...geometry.triangle_pairs import (
     meetings_in_space,
     points_on_edges,
     points_on_triangles,
+    sides_index,
     unit_points,
 )
 from ..plane.faults import Fault
 from .cutting import Shell, at, cut, place
+from .open_edges import open_edges
 
-__all__ = ["find_faults", "first_copies", "shell_of"]
+__all__ = [
+    "crossing_faults",
+    "crossing_place",
+    "find_faults",
+    "first_copies",
+    "flat_triangles",
+    "meeting_faults",
+    "repeats",
+    "shell_of",
+]
 
 NOWHERE = (float("nan"),) * 3
+CROSSING_BODIES = (
+    "the facets of a body must not cross: unite the bodies first (with manifold3d, for example; here only "
+    "crossings at doubles are cut, by resolve=True)"
+)
+CROSSING_INNER = "put a vertex of both there, or leave the inner piece out"
 
 
 def shell_of(outline: Outline) -> Shell:
@@ -51,7 +66,7 @@ def find_faults(outline: Outline) -> list[Fault]:
     shell, faults = cut(outline.points, polygons, len(outline.facets))
     if faults:
         return [replace(f, text=f.text.format(name=outline.name(f.pieces[0]))) for f in faults]
-    for later in (_flat, _repeated, _meetings, _loose, _open_edges):
+    for later in (_flat, _repeated, _meetings, _loose, open_edges):
         faults = later(outline, shell)
         if faults:
             return faults
@@ -131,49 +146,49 @@ def _rows(outline: Outline, shell: Shell, t: int) -> str:
     return f"{outline.name(i)}{row}"
 
 
-def _flat(outline: Outline, shell: Shell) -> list[Fault]:
-    """Triangles whose vertices lie on a line."""
-    xyz = unit_points(shell.points)
-    a, b, c = (xyz[shell.triangles[:, k]] for k in range(3))
+def flat_triangles(points: np.ndarray, triangles: np.ndarray) -> list[int]:
+    """The triangles whose vertices lie on a line, exactly."""
+    xyz = unit_points(points)
+    a, b, c = (xyz[triangles[:, k]] for k in range(3))
     area = np.abs(np.cross(b - a, c - a)).max(axis=1)
     suspects = np.flatnonzero(area <= 2.0**-48 * np.abs(np.stack([b - a, c - a])).max(axis=(0, 2)))
+    return [t for t in suspects.tolist() if clear_view(xyz, *triangles[t]) < 0]
+
+
+def _flat(outline: Outline, shell: Shell) -> list[Fault]:
+    """Triangles whose vertices lie on a line."""
     result = []
-    for t in suspects.tolist():
+    for t in flat_triangles(shell.points, shell.triangles):
         row = shell.triangles[t]
-        if clear_view(xyz, *row) < 0:
-            text = (
-                f"{_rows(outline, shell, t)} has no area: its vertices lie on a line, "
-                f"{at(shell.points[row[0]])}; leave it out, or let resolve=True do so"
-            )
-            result.append(
-                Fault(
-                    "zero area",
-                    text,
-                    place(shell.points[row[0]]),
-                    (int(shell.piece[t]),),
-                    tuple(row.tolist()),
-                )
-            )
+        text = (
+            f"{_rows(outline, shell, t)} has no area: its vertices lie on a line, "
+            f"{at(shell.points[row[0]])}; leave it out, or let resolve=True do so"
+        )
+        where = place(shell.points[row[0]])
+        result.append(Fault("zero area", text, where, (int(shell.piece[t]),), tuple(row.tolist())))
     return result
+
+
+def repeats(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of rows with the same vertices: each with the next one of its kind."""
+    rows = np.sort(rows, axis=1)
+    order = np.lexsort(rows.T[::-1])
+    same = np.flatnonzero((rows[order[1:]] == rows[order[:-1]]).all(axis=1))
+    return order[same], order[same + 1]
 
 
 def _repeated(outline: Outline, shell: Shell) -> list[Fault]:
     """Facets, or inner segments, with the same vertices."""
     result = []
-    for rows, piece in (
-        (np.sort(shell.triangles, axis=1), shell.piece),
-        (np.sort(shell.segments, axis=1), shell.segment_piece),
-    ):
-        order = np.lexsort(rows.T[::-1])
-        same = np.flatnonzero((rows[order[1:]] == rows[order[:-1]]).all(axis=1))
-        for one, two in zip(order[same].tolist(), order[same + 1].tolist()):
+    for rows, piece in ((shell.triangles, shell.piece), (shell.segments, shell.segment_piece)):
+        for one, two in zip(*map(np.ndarray.tolist, repeats(rows))):
             i, j = int(piece[one]), int(piece[two])
             text = (
-                f"{outline.name(i)} and {outline.name(j)} have the same points {rows[one].tolist()}, "
-                f"{at(shell.points[rows[one][0]])}; drop one, or let resolve=True do so (by the even-odd "
+                f"{outline.name(i)} and {outline.name(j)} have the same points {sorted(rows[one].tolist())}, "
+                f"{at(shell.points[rows[one].min()])}; drop one, or let resolve=True do so (by the even-odd "
                 "rule it drops both of two equal facets)"
             )
-            result.append(Fault("repeated facet", text, place(shell.points[rows[one][0]]), (i, j)))
+            result.append(Fault("repeated facet", text, place(shell.points[rows[one].min()]), (i, j)))
     return result
 
 
@@ -182,24 +197,38 @@ def _meetings(outline: Outline, shell: Shell) -> list[Fault]:
     own = edges_of(shell.triangles) if len(shell.triangles) else np.empty((0, 2), dtype=np.int32)
     edges = np.concatenate([own, shell.segments]).astype(np.int32)
     met = meetings_in_space(shell.points, shell.triangles, edges)
+    return [*meeting_faults(outline, shell, edges, met), *crossing_faults(outline, shell)]
+
+
+def meeting_faults(outline: Outline, shell: Shell, edges: np.ndarray, met: Meetings) -> list[Fault]:
+    """These meetings as faults; the edges of triangles come first, then the segments."""
+    own = len(edges) - len(shell.segments)
     found: dict[Any, Fault] = {}
+    if len(met.edge) == 0:
+        return []
+    key, triangle = sides_index(shell.triangles)
+    low, high = np.sort(edges[:own], axis=1).astype(np.int64).T
+    # the piece of each edge: that of its first triangle, or the segment's
+    owner = np.concatenate(
+        [shell.piece[triangle[np.searchsorted(key, (low << 32) | high)]], shell.segment_piece]
+    )
     for k in range(len(met.edge)):
-        fault = _meeting(outline, shell, edges, len(own), met, k)
+        fault = _meeting(outline, shell, edges, owner, met, k)
         found.setdefault((fault.kind, tuple(sorted(fault.pieces)), fault.vertices), fault)
-    return [*found.values(), *_crossing_segments(outline, shell, own)]
+    return list(found.values())
 
 
-def _meeting(outline: Outline, shell: Shell, edges: np.ndarray, own: int, met: Meetings, k: int) -> Fault:
+def _meeting(
+    outline: Outline, shell: Shell, edges: np.ndarray, owner: np.ndarray, met: Meetings, k: int
+) -> Fault:
     """One meeting as a fault."""
     e, t, kind, v = int(met.edge[k]), int(met.triangle[k]), int(met.kind[k]), int(met.vertex[k])
+    j = int(owner[e])
     p, q = edges[e].tolist()
     i = int(shell.piece[t])
-    if e < own:
-        of = np.flatnonzero((shell.triangles == p).any(axis=1) & (shell.triangles == q).any(axis=1))
-        j = int(shell.piece[of[0]])
+    if e < len(edges) - len(shell.segments):
         one = f"{outline.name(j)} (edge {p}-{q})"
     else:
-        j = int(shell.segment_piece[e - own])
         one = f"{outline.name(j)} = [{p}, {q}]"
     two = _rows(outline, shell, t)
     if v >= 0:
@@ -214,33 +243,37 @@ def _meeting(outline: Outline, shell: Shell, edges: np.ndarray, own: int, met: M
         )
         return Fault(name, text, where, (i, j), (v,))
     if kind in (PIERCES, EDGES_CROSS):
-        where = _crossing_place(shell.points, p, q, shell.triangles[t])
-        text = (
-            f"{one} crosses {two} {at(np.array(where))}; the facets of a body must not cross: "
-            "unite the bodies first"
-        )
+        where = tuple(map(float, crossing_place(shell.points, p, q, shell.triangles[t])))
+        remedy = CROSSING_BODIES if max(i, j) < shell.facets else CROSSING_INNER
+        text = f"{one} crosses {two} {at(np.array(where))}; {remedy}"
         return Fault("crossing", text, where, (i, j))
     assert kind == OVERLAP
     where = place(shell.points[[p, q]].mean(axis=0))
-    text = (
-        f"{one} and {two} overlap in a plane, near {at(np.array(where))[3:]}; cut both along the outline of "
-        "what they have in common, and drop what is there twice"
-    )
+    if e < len(edges) - len(shell.segments):
+        text = (
+            f"{one} and {two} overlap in a plane, near {at(np.array(where))[3:]}; cut both along the outline "
+            "of what they have in common, and drop what is there twice, or let resolve=True do so"
+        )
+    else:
+        text = (
+            f"{one} lies in {two} and crosses an edge of it, or ends inside, near {at(np.array(where))[3:]}; "
+            "split the facet and the segment there, or let resolve=True do so"
+        )
     return Fault("overlap", text, where, (i, j))
 
 
-def _crossing_place(points: np.ndarray, p: int, q: int, triangle: np.ndarray) -> tuple[float, ...]:
-    """Where a segment crosses the plane of a triangle, in rational arithmetic and rounded once."""
+def crossing_place(points: np.ndarray, p: int, q: int, triangle: np.ndarray) -> tuple[Fraction, ...]:
+    """Where a segment crosses the plane of a triangle, as rational numbers."""
     rows = [[Fraction(x) for x in points[v].tolist()] for v in (p, q, *triangle.tolist())]
     a, b, o, u, v = rows
     u, v = ([x - y for x, y in zip(w, o)] for w in (u, v))
     n = [u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3] for k in range(3)]
-    one, two = (sum(x * (y - z) for x, y, z in zip(n, w, o)) for w in (a, b))
+    one, two = (sum((x * (y - z) for x, y, z in zip(n, w, o)), Fraction(0)) for w in (a, b))
     share = one / (one - two)
-    return tuple(float(x + share * (y - x)) for x, y in zip(a, b))
+    return tuple(x + share * (y - x) for x, y in zip(a, b))
 
 
-def _crossing_segments(outline: Outline, shell: Shell, own: np.ndarray) -> list[Fault]:
+def crossing_faults(outline: Outline, shell: Shell) -> list[Fault]:
     """Inner segments that meet another inner segment, or an end of one, apart from facets."""
     rows = shell.segments
     if len(rows) == 0:
@@ -294,25 +327,3 @@ def _loose(outline: Outline, shell: Shell) -> list[Fault]:
             )
             result.append(Fault("vertex on a segment", text, place(shell.points[v]), (i,), (v,)))
     return [*{(f.kind, f.pieces, f.vertices): f for f in result}.values()]
-
-
-def _open_edges(outline: Outline, shell: Shell) -> list[Fault]:
-    """Edges at which an odd number of facets meets."""
-    facets = Polygons.of(outline.facets)
-    ends, owner = facets.sides
-    sides = np.sort(ends, axis=1).astype(np.int64)
-    key, at_key, count = np.unique((sides[:, 0] << 32) | sides[:, 1], return_inverse=True, return_counts=True)
-    result = []
-    order = np.argsort(at_key, kind="stable")
-    start = np.cumsum(count) - count
-    for k in np.flatnonzero(count % 2).tolist():
-        a, b = int(key[k] >> 32), int(key[k] & (2**32 - 1))
-        touching = tuple(owner[order[start[k] : start[k] + count[k]]].tolist())
-        middle = outline.points[[a, b]].mean(axis=0)
-        text = (
-            f"the boundary is open: {count[k]} facet{'s meet' if count[k] > 1 else ' ends'} at the edge "
-            f"{a}-{b}, near {at(middle)[3:]} (facets {', '.join(map(str, touching))}), but an even number "
-            "must meet. Close the hole, or give facets that bound nothing as inner"
-        )
-        result.append(Fault("open boundary", text, place(middle), touching, (a, b)))
-    return result

@@ -13,7 +13,15 @@ from ...geometry.triangle_pairs import points_on_edges, points_on_triangles
 from .cutting import Shell
 from .faults import first_copies
 
-__all__ = ["bounds", "check_seeds", "check_seeds_off_pieces", "contains", "outward", "volume"]
+__all__ = [
+    "bounds",
+    "check_seeds",
+    "check_seeds_off_pieces",
+    "contains",
+    "outward",
+    "turned_facets",
+    "volume",
+]
 
 
 def contains(outline: Outline, shell: Shell, rows: np.ndarray) -> np.ndarray:
@@ -26,6 +34,12 @@ def outward(shell: Shell) -> np.ndarray:
     """The triangles of facets, turned so that their normals point out of the body: (t, 3) int32."""
     rows = shell.bounding
     return np.where(front_inside(shell.points, rows)[:, None], rows[:, ::-1], rows)
+
+
+def turned_facets(shell: Shell) -> np.ndarray:
+    """The facets whose normals point into the body: (k,) int64."""
+    piece = shell.piece[shell.piece < shell.facets]
+    return np.unique(piece[front_inside(shell.points, shell.bounding)]).astype(np.int64)
 
 
 def volume(outline: Outline, shell: Shell) -> float:

@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import as_count
+from ...base.arguments import as_count, as_flags
 from ...base.arrays import frozen
 from ...base.elementary import turns
 from ...base.errors import InputError
@@ -143,9 +143,10 @@ def conforming_delaunay(
     of a round is proportional to the subsegments that the round before touched. Termination is proved for
     straight pieces. Book: 2.4b.
     """
-    if test not in ("missing", "gabriel"):
+    as_flags(progress=progress)
+    if not isinstance(test, str) or test not in ("missing", "gabriel"):
         raise InputError(f"test = {test!r} must be 'missing' or 'gabriel'")
-    if shells not in (True, False, "auto"):
+    if not (isinstance(shells, bool | np.bool_) or (isinstance(shells, str) and shells == "auto")):
         raise InputError(f"shells = {shells!r} must be True, False or 'auto'")
     budget = None if budget is None else as_count(budget, "budget")
     domain = as_domain(domain)

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from ...base.arguments import as_flag
+from ...base.arguments import as_flag, as_flags
 from ...base.errors import InputError
 from ...connect.planar.bounded import SEGMENTS_AT_ONCE, bound_at_once
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.holes import eat_holes
 from ...connect.planar.inserting import insert_all
+from ...domain.arguments import refuse_tiny
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..volume.filling import filled
@@ -78,13 +79,12 @@ def constrained_delaunay(
     nothing else helps, and taken away again if possible (N. P. Weatherill, O. Hassan, Int. J. Numer. Methods
     Eng. 37 (1994) 2005-2039). Where this has changed nothing, the tetrahedra are Delaunay. Book: 2.5, 2.8b.
     """
+    as_flags(progress=progress)
     domain = as_domain(domain, None)
     if domain.dimension == 3:
         if hull is not False:
-            raise InputError(
-                "hull is for planar domains; delaunay(domain.points) fills the convex hull in space"
-            )
-        return noticed(filled(domain, progress=as_flag(progress, "progress")))
+            raise InputError("hull is for planar domains; delaunay(points) fills the convex hull in space")
+        return noticed(filled(domain, progress=progress))
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
     if isinstance(hull, str) and not holes:
@@ -114,6 +114,7 @@ def planar_complex(domain: Domain, size: Any = None, *, progress: bool = False) 
     PlanarComplex
         Its triangles are numbered by regions. For regions, errors and sources see `constrained_delaunay`.
     """
+    refuse_tiny(domain.points)
     return complex_of(domain, domain.sampled(size), progress=progress)
 
 

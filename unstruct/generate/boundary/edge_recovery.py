@@ -20,7 +20,7 @@ from ...connect.planar.inserting import insert_all
 from ...connect.planar.segments import absent, fill_corners
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
-from ...mesh.marked import remaining
+from ...mesh.marked import remaining_of
 from ...mesh.mesh import Mesh, is_planar
 from ...mesh.topology import as_simplices, twins
 from ...predicates.batch import power_of_two, scaled
@@ -76,8 +76,10 @@ def recover_edges(mesh: Mesh, edges: ArrayLike) -> DomainMesh:
     neighbors = complex_.twin[: 3 * m].reshape(-1, 3) // 3
     neighbors[neighbors >= m] = -1
     changed = crossed.any()
+    faces = {name: rows for name, rows in mesh.markers.items() if rows.ndim > 1}
+    faces = remaining_of(faces, simplices)
     markers = {
-        name: values if values.ndim == 1 else remaining(values, simplices)
+        name: values if values.ndim == 1 else faces[name]
         for name, values in mesh.markers.items()
         if not (changed and values.ndim == 1)
     }

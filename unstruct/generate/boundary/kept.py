@@ -9,9 +9,16 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 
-__all__ = ["SplitBoundary", "kept_pieces"]
+__all__ = ["SplitBoundary", "check_split_boundary", "kept_pieces"]
 
 SplitBoundary = bool | Literal["inner"]
+
+
+def check_split_boundary(split_boundary: SplitBoundary) -> None:
+    """Raise an error unless this is True, False or "inner"."""
+    named = isinstance(split_boundary, str) and split_boundary == "inner"
+    if not (named or isinstance(split_boundary, bool | np.bool_)):
+        raise InputError(f"split_boundary must be True, False or 'inner', not {split_boundary!r}")
 
 
 def kept_pieces(
@@ -33,8 +40,7 @@ def kept_pieces(
     InputError
         For another choice.
     """
-    if not (isinstance(split_boundary, bool | np.bool_) or split_boundary == "inner"):
-        raise InputError(f"split_boundary must be True, False or 'inner', not {split_boundary!r}")
+    check_split_boundary(split_boundary)
     kept = np.zeros(pieces, dtype=np.uint8)
     if split_boundary == "inner":
         kept[:facets] = 1

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arguments import finite
+from ...base.arguments import as_flags, finite
 from ...base.arrays import as_points
 from ...base.codes import HIDDEN, INSERTED, OUTSIDE
 from ...base.errors import InputError
@@ -92,6 +92,7 @@ def insert_without_breaking(
     Exact. A point breaks an edge if it lies in the open circles of both triangles beside it, or on the edge.
     A point is located by a walk from the one before; this is fast if the two are near each other. Book: 2.4b.
     """
+    as_flags(progress=progress)
     rows = as_points(points)
     if rows.shape[1] != 2:
         raise InputError(f"points have {rows.shape[1]} coordinates; a planar domain needs 2")

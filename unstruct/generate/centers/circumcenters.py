@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arguments import as_count
+from ...base.arguments import as_count, as_flags
 from ...base.arrays import as_points
 from ...base.codes import DONE, MORE, SPLIT
 from ...base.errors import InputError
@@ -118,6 +118,7 @@ def circumcenter_insertion(
     89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a,
     2.6b.
     """
+    as_flags(history=history, progress=progress)
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
     if not isinstance(size, Mapping):

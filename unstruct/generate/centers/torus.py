@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arguments import as_count
+from ...base.arguments import as_count, as_flags
 from ...base.codes import MORE, ROUNDED
 from ...base.errors import InputError
 from ...base.progress import progress_bar
@@ -60,6 +60,7 @@ def periodic_circumcenters(
     With the priority "circumradius", R_n never increases and l_n = min(l_0, R_0, ..., R_{n-1}), up to the
     rounding of a circumcenter to a multiple of 2^-50. Book: 2.6a.
     """
+    as_flags(history=history, progress=progress)
     start = periodic_delaunay(points)
     field = None if size is None else _wrapped(size)
     if priority is not None and not isinstance(priority, str):

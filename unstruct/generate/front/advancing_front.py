@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
@@ -14,7 +14,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.directions import as_metric
 from ...sizing.metric import Metric
 from ..boundary.constrained import planar_complex
-from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
 from .classical import SEARCHES, classical_front, classical_mesh
@@ -130,7 +130,9 @@ def advancing_front(
     *Metrics.* With a metric everything that is measured goes through it: R, the ideal point, distances,
     angles, and the circles of the cavity. Lengths are 1 where they are as wanted. A cavity grows across an
     edge only if the point strictly sees both new edges, by exact signs, so the mesh is valid whatever the
-    metric is; but it is not Delaunay, neither here nor in the metric. ``placement`` is "circle" or "equal
+    metric is; but it is not Delaunay, neither here nor in the metric. No point is placed within the metric
+    distance 0.05 of the boundary of its cavity, hence of any other vertex, so that the number of points is
+    bounded whatever the metric is. ``placement`` is "circle" or "equal
     sides", and "smallest" compares the geometric means of the two lengths. ``split_boundary`` has no effect.
     The finishing pass swaps diagonals and moves vertices for the metric quality, 4 sqrt(3) area / (sum of
     squared edges); it gives edges longer than sqrt(2) a point ("points again"), and removes vertices at edges
@@ -146,7 +148,9 @@ def advancing_front(
     Mueller, P. L. Roe, H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256;
     D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3.
     """
-    if method not in FRONT_METHODS:
+    check_split_boundary(split_boundary)
+    as_flags(finish=finish, history=history, progress=progress)
+    if not isinstance(method, str) or method not in FRONT_METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if not (isinstance(search, str) and search in SEARCHES):
         raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
@@ -154,11 +158,13 @@ def advancing_front(
         if _has_metric(size):
             raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
         return _classical(
-            domain, size, order or "smallest", placement or "equal sides", search, finish, split_boundary,
+            domain, size, "smallest" if order is None else order,
+            "equal sides" if placement is None else placement, search, finish, split_boundary,
             budget, history, progress,
         )  # fmt: skip
-    order, placement = order or "widest", placement or "circle"
-    if order not in ORDERS:
+    order = "widest" if order is None else order
+    placement = "circle" if placement is None else placement
+    if not isinstance(order, str) or order not in ORDERS:
         raise InputError(f"order = {order!r} must be one of {', '.join(map(repr, ORDERS))}")
     if not (placement in PLACEMENTS if isinstance(placement, str) else callable(placement)):
         raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,11 +17,12 @@ from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, Sampled
 from ...mesh.domain_mesh import DomainMesh
+from ...predicates.batch import unscaled
 from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
 from . import classical_steps as k
-from .made_mesh import Made, domain_mesh_of, quality_figures
+from .made_mesh import Made, Subsegments, domain_mesh_of, quality_figures
 from .open_front import (
     TRIANGLES_MADE,
     VERTEX_COUNT,
@@ -33,7 +35,7 @@ from .open_front import (
 
 __all__ = [
     "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun",
-    "classical_front", "classical_mesh", "enter_all", "no_apex", "waiting_for",
+    "classical_front", "classical_mesh", "emptied", "enter_all", "finished_mesh", "waiting_for",
 ]  # fmt: skip
 
 CLASSICAL_PLACEMENTS = ("equal sides", "circle")
@@ -104,9 +106,9 @@ def classical_front(
     All signs that decide the topology are exact; the front always has a valid triangle ahead (see
     `classical_steps`). Expected O(n log n): a step costs some searches in two digital trees. Book: 3.1.
     """
-    if order not in CLASSICAL_ORDERS:
+    if not isinstance(order, str) or order not in CLASSICAL_ORDERS:
         raise InputError(f"order = {order!r} must be one of {CLASSICAL_ORDERS} for the classical method")
-    if placement not in CLASSICAL_PLACEMENTS:
+    if not isinstance(placement, str) or placement not in CLASSICAL_PLACEMENTS:
         raise InputError(
             f"placement = {placement!r} must be one of {CLASSICAL_PLACEMENTS} for the classical method"
         )
@@ -129,21 +131,17 @@ def classical_front(
         table,
     )
     front = _boundary_front(c)
-    waiting, journal = waiting_for(front, None), _journal(front, None, history)
-    counts = np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
-    k.start_waiting(front, choices, waiting)
+    journal, counts = _journal(front, None, history), np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
+
+    def advance(front: OpenFront, waiting: k.Waiting) -> int:
+        nonlocal journal
+        journal = _journal(front, journal, history, counts)
+        return int(k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL))
+
     with progress_bar(progress, " triangles") as bar:
-        while True:
-            before = int(front.state[TRIANGLES_MADE])
-            code = k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL)
-            bar.update(int(front.state[TRIANGLES_MADE]) - before)
-            if code == DONE:
-                break
-            if code == k.NONE_FITS:
-                raise MeshError(no_apex(front, c.factor))
-            if code == ROOM:
-                front = larger_front(front)
-                waiting, journal = waiting_for(front, waiting), _journal(front, journal, history, counts)
+        waiting = waiting_for(front, None)
+        k.start_waiting(front, choices, waiting)
+        front = emptied(front, waiting, advance, c.factor, bar)
     return _account(c, front, journal, counts, most, history)
 
 
@@ -188,6 +186,27 @@ def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
     )
 
 
+def emptied(
+    front: OpenFront, waiting: k.Waiting, advance: Callable[[OpenFront, k.Waiting], int], factor: float,
+    bar: Any,
+) -> OpenFront:  # fmt: skip
+    """Advance until the front is empty; return it, in larger arrays if need be.
+
+    ``advance`` takes some steps and returns how it ended: DONE, MORE, ROOM or NONE_FITS.
+    """
+    while True:
+        before = int(front.state[TRIANGLES_MADE])
+        code = advance(front, waiting)
+        bar.update(int(front.state[TRIANGLES_MADE]) - before)
+        if code == DONE:
+            return front
+        if code == k.NONE_FITS:
+            raise MeshError(_no_apex(front, factor))
+        if code == ROOM:
+            front = larger_front(front)
+            waiting = waiting_for(front, waiting)
+
+
 def _journal(
     front: OpenFront, old: k.Journal | None, history: bool, counts: NDArray[np.int64] | None = None
 ) -> k.Journal:
@@ -201,7 +220,7 @@ def _journal(
     return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
 
 
-def no_apex(front: OpenFront, factor: float) -> str:
+def _no_apex(front: OpenFront, factor: float) -> str:
     """What to say if no vertex can be joined to the oldest edge of the front."""
     rows = np.flatnonzero(front.ends[:, 0] >= 0)
     row = int(rows[np.argmin(front.stamp[rows])])
@@ -218,7 +237,7 @@ def _account(
     history: bool,
 ) -> ClassicalRun:
     m, n = int(front.state[TRIANGLES_MADE]), int(front.state[VERTEX_COUNT])
-    points = front.xy[:n] / c.factor
+    points = unscaled(front.xy[:n], c.factor)
     made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
     named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
     steps = None
@@ -282,14 +301,32 @@ def classical_mesh(
             domain, subsegments, run.made, unrefined=everything, reasons=reasons, counts=run.counts,
             figures=before, steps=run.steps,
         )  # fmt: skip
-    origin = np.full(len(run.made.points), -1, dtype=np.int32)
-    origin[: len(domain.points)] = np.arange(len(domain.points))
-    whole = complex_of(domain, Sampled(run.made.points, origin, *subsegments, domain))
-    rule = rule_of(1.35, "center", "first", None, True)
     kept = np.zeros(len(domain.pieces), dtype=np.uint8) if kept is None else kept
+    return finished_mesh(domain, subsegments, run.made.points, size, kept, budget, before, run.counts)
+
+
+def finished_mesh(
+    domain: Domain,
+    subsegments: Subsegments,
+    points: NDArray[np.float64],
+    size: Any,
+    kept: NDArray[np.uint8],
+    budget: int | None,
+    before: dict[str, float],
+    counts: dict[str, int],
+) -> DomainMesh:
+    """The constrained Delaunay triangulation of the points of a front, improved as `voronoi_segment` does.
+
+    ``points`` are first those of the domain and of its subsegments; further ones may move. ``before`` are
+    the `quality_figures` of what the front made, and ``counts`` its counts.
+    """
+    origin = np.full(len(points), -1, dtype=np.int32)
+    origin[: len(domain.points)] = np.arange(len(domain.points))
+    whole = complex_of(domain, Sampled(points, origin, *subsegments, domain))
+    rule = rule_of(1.35, "center", "first", None, True)
     base = VoronoiSegmentRun(domain, whole, size, None, rule, kept, False)
-    base.first = c.size
+    base.first = max(len(domain.points), int(subsegments[0].max()) + 1)
     result = base.finish(budget)
-    result["counts"] = run.counts | result["counts"]
+    result["counts"] = counts | result["counts"]
     result["figures"] |= {f"{name} before": x for name, x in before.items()}
     return base.result(result)

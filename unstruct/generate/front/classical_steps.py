@@ -68,8 +68,8 @@ __all__ = [
 ]  # fmt: skip
 
 NONE_FITS = 8  # no vertex is valid, which cannot happen if the boundary is valid
-NOT_ROUND, NO_CLEARANCE, NOT_WANTED = 4, 5, 6  # verdicts, besides those of `first_fault`
-ORDER_SMALLEST, ORDER_SHORTEST, ORDER_OLDEST = range(3)
+NOT_ROUND, NO_CLEARANCE = 4, 5  # verdicts, besides those of `first_fault`
+ORDER_SHORTEST, ORDER_OLDEST = 1, 2  # 0: the smallest wanted length first
 ABOUT_MIDDLE, ABOUT_IDEAL = range(2)
 KEPT_CLEAR = 0.45  # times the sides: no new point is nearer to an edge of the front
 # Places in the counts; the first four are also the reasons for a choice.

@@ -9,12 +9,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flag
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.arrays import as_points
-from ...base.codes import DONE, ROOM
-from ...base.errors import InputError, MeshError
+from ...base.errors import InputError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
+from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
 from ...domain.derived import held_by
@@ -24,17 +24,18 @@ from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
 from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...predicates.batch import power_of_two, scaled
+from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
+from ..boundary.kept import kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import TOLERANCE
 from . import delaunay_steps as k
-from .classical import enter_all, no_apex, waiting_for
-from .classical_steps import Choices
+from .classical import emptied, enter_all, finished_mesh, waiting_for
+from .classical_steps import Choices, Waiting
 from .empty_circle import new_ahead
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, larger_front, new_front
+from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, new_front
 
 __all__ = ["front_delaunay"]
 
@@ -45,6 +46,7 @@ def front_delaunay(
     domain: Domain,
     points_or_size: Any,
     *,
+    finish: bool = False,
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
@@ -57,6 +59,8 @@ def front_delaunay(
     points_or_size : array_like, shape (k, 2); or a size
         Points to be triangulated, or the wanted edge length: a number, function, SizeField, or dict of region
         name to one of these. With a size the boundary is cut by it, and points are made ahead of the front.
+    finish : bool
+        With a size: whether to improve the result afterwards, as `voronoi_segment` does. Given points stay.
     budget : int, optional
         With a size: the largest number of new points, besides those that cut the boundary; 10^7 by default.
     history : bool
@@ -76,41 +80,51 @@ def front_delaunay(
         test of all points would have taken for obstacles; "outside" points, which were left out. With a size
         also "points", "circumcenters", "forced" cells and edges "set aside", from making the points.
         ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R". ``steps`` (with
-        ``history``): "edge", "apex" and "cocircular", one row for each cell.
+        ``history``): "edge", "apex" and "cocircular", one row for each cell. With ``finish=True`` the order
+        of the cells is lost, and counts, figures and ``unrefined`` are those of the finishing pass, too.
 
     Raises
     ------
     InputError
         For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
-        first such row), for sizes that are not positive and finite, and for exponents too wide for one scale.
+        first such row), for sizes that are not positive and finite, for exponents too wide for one scale, and
+        for ``finish`` with points, or together with ``history``.
 
-    Notes ----- The apex of a front edge is the visible vertex on its left whose circle with the edge has no
-    other one inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge
-    may have no apex. The proof that there always is one, and that the result is constrained Delaunay, is in
-    `empty_circle`. No other triangulation is used. A search goes through digital trees of the vertices and
-    edges of the front, expected O(log n) for even distributions; if k vertices are on one circle up to
-    rounding and none inside, each of them costs O(k). All signs are exact.
+    Notes
+    -----
+    The apex of a front edge is the visible vertex on its left whose circle with the edge has no other one
+    inside; of several on one circle the leftmost, lowest one. Without the word *visible* an edge may have no
+    apex. The proof that there always is one, and that the result is constrained Delaunay, is in
+    `empty_circle`. No other triangulation is used, except to finish. A search goes through digital trees of
+    the vertices and edges of the front, expected O(log n) for even distributions; if k vertices are on one
+    circle up to rounding and none inside, each of them costs O(k). All signs are exact.
 
     With a size the points come first, from a front of their own that takes the widest cell first; then they
     are triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1
     (1986) 201-217, for visibility. Book: 3.4.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
-    domain, history = as_domain(domain), as_flag(history, "history")
+    as_flags(history=history, finish=finish, progress=progress)
+    domain = as_domain(domain)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
     points = _as_given(points_or_size)
+    if finish and (history or points is not None):
+        told = "points, which stay where they are" if points is not None else "history, since cells change"
+        raise InputError(f"finish=True goes with a size, and not with {told}")
+    size = points_or_size
     counts: dict[str, int] = {}
     spent = False
     with progress_bar(progress, " cells") as bar:
         if points is not None:
             sampled = _with_points(domain, points).sampled()
             _refuse_on_curves(sampled, points, len(domain.points) + len(points))
-            _refuse_on_chords(sampled, points, len(domain.points))
             rows = sampled.points
         else:
-            sampled = domain.sampled(points_or_size)
-            new, counts, spent = _points_ahead(domain, sampled, points_or_size, budget, bar)
+            sampled = domain.sampled(size)
+            if isinstance(size, Mapping):
+                size = size_by_region(planar_complex(domain, size), size, domain.regions)
+            new, counts, spent = _points_ahead(domain, sampled, size, budget, bar)
             rows = np.concatenate([sampled.points, new])
         order = hilbert_order(rows)
         made, ties, more = _wrapped(_first_front(sampled, rows, order), power_of_two(rows), bar)
@@ -118,14 +132,20 @@ def front_delaunay(
     if points is not None:
         loose = np.arange(len(domain.points), len(domain.points) + len(points))
         more["outside"] = len(points) - int(np.isin(loose, made).sum())
+    figures, subsegments = quality_figures(rows, made), (sampled.ends, sampled.piece, sampled.span)
+    if finish and not spent:
+        kept = kept_pieces(True, len(domain.facets), len(domain.pieces), domain.held())
+        counts = more | counts
+        return noticed(
+            paired(domain, finished_mesh(domain, subsegments, rows, size, kept, budget, figures, counts))
+        )
     result = _labelled(domain, sampled, rows, made)
     steps = None
     if history:
         steps = {"edge": made[:, :2].copy(), "apex": made[:, 2].copy(), "cocircular": ties}
     everything = np.arange(len(made)) if spent else None
     mesh = domain_mesh_of(
-        domain, (sampled.ends, sampled.piece, sampled.span), result, steps=steps, counts=more | counts,
-        figures=quality_figures(rows, made), unrefined=everything,
+        domain, subsegments, result, steps=steps, counts=more | counts, figures=figures, unrefined=everything,
         reasons=np.full(len(made), "budget") if spent else None,
     )  # fmt: skip
     return noticed(paired(domain, mesh))
@@ -188,19 +208,6 @@ def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int)
         )
 
 
-def _refuse_on_chords(sampled: Sampled, points: NDArray[np.float64], n: int) -> None:
-    """Refuse points, vertices n and on, that lie on a chord of a curve: such a chord would have to be cut."""
-    mine = np.arange(n, n + len(points))
-    on = vertices_on_segments(sampled.points, mine, sampled.ends)
-    if len(on):
-        i, s = on[np.argmin(on[:, 0])].tolist()
-        a, b = sampled.points[sampled.ends[s]].tolist()
-        raise InputError(
-            f"points[{i - n}] = {points[i - n].tolist()} lies on the chord from {a} to {b} of piece "
-            f"{sampled.piece[s]}, which is a curve: move it, or divide the curve by a vertex"
-        )
-
-
 def _first_front(
     sampled: Sampled, rows: NDArray[np.float64], order: NDArray[np.int64] | None = None
 ) -> OpenFront:
@@ -246,22 +253,17 @@ def _wrapped(
     front: OpenFront, factor: float, bar: Any
 ) -> tuple[NDArray[np.int32], NDArray[np.bool_], dict[str, int]]:
     """Cell by cell until the front is empty: the cells, which of them have a choice, and the counts."""
-    waiting, ahead, counts = waiting_for(front, None), new_ahead(), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    ahead, counts = new_ahead(), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
     ties = np.zeros(len(front.made), dtype=bool)
+
+    def advance(front: OpenFront, waiting: Waiting) -> int:
+        nonlocal ties
+        ties, ahead.found[3] = grown(ties, len(front.made)), 0
+        return int(k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL))
+
+    waiting = waiting_for(front, None)
     k.start_in_turn(front, waiting)
-    while True:
-        before = int(front.state[TRIANGLES_MADE])
-        ahead.found[3] = 0
-        code = k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL)
-        bar.update(int(front.state[TRIANGLES_MADE]) - before)
-        if code == DONE:
-            break
-        if code == k.WITHOUT_APEX:
-            raise MeshError(no_apex(front, factor))
-        if code == ROOM:
-            front = larger_front(front)
-            waiting = waiting_for(front, waiting)
-            ties = np.concatenate([ties, np.zeros(len(front.made) - len(ties), dtype=bool)])
+    front = emptied(front, waiting, advance, factor, bar)
     m = int(front.state[TRIANGLES_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
@@ -271,8 +273,6 @@ def _points_ahead(
     domain: Domain, sampled: Sampled, size: Any, budget: int, bar: Any
 ) -> tuple[NDArray[np.float64], dict[str, int], bool]:
     """New points ahead of the front, in the order of making; counts; whether the budget is spent."""
-    if isinstance(size, Mapping):
-        size = size_by_region(planar_complex(domain, size), size, domain.regions)
     field, (lower, upper) = as_size(size), domain.bounds
     factor, n = power_of_two(sampled.points), len(sampled.points)
     table = field.table(lower, upper, factor=factor, tolerance=TOLERANCE).nodes
@@ -280,25 +280,19 @@ def _points_ahead(
     choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
     waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
-    k.start_widest(front, choices, ahead, waiting)
-    while True:
-        before = int(front.state[TRIANGLES_MADE])
+
+    def advance(front: OpenFront, waiting: Waiting) -> int:
         ahead.found[3] = 0
-        code = k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL)
-        bar.update(int(front.state[TRIANGLES_MADE]) - before)
-        if code == DONE:
-            break
-        if code == k.WITHOUT_APEX:
-            raise MeshError(no_apex(front, factor))
-        if code == ROOM:
-            front = larger_front(front)
-            waiting = waiting_for(front, waiting)
+        return int(k.place_ahead(front, choices, ahead, waiting, counts, CELLS_A_CALL))
+
+    k.start_widest(front, choices, ahead, waiting)
+    front = emptied(front, waiting, advance, factor, bar)
     names = {
         "points": int(counts[k.PLACED]), "circumcenters": int(counts[k.AT_CENTERS]),
         "forced": int(counts[k.FORCED_CELLS]), "set aside": int(counts[k.SET_ASIDE]),
     }  # fmt: skip
     stop = int(front.state[VERTEX_COUNT])
-    return front.xy[n:stop] / factor, names, stop >= n + budget
+    return unscaled(front.xy[n:stop], factor), names, stop >= n + budget
 
 
 # --- regions --------------------------------------------------------------------------------------

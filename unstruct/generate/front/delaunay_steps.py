@@ -22,6 +22,7 @@ from ...predicates.kernels import incircle
 from ...sizing.table import ROOT3
 from .classical_steps import (
     LATER,
+    NONE_FITS,
     OCTAVE,
     between,
     ideal_point,
@@ -49,7 +50,6 @@ __all__ = [
     "PLACED",
     "SET_ASIDE",
     "TIES",
-    "WITHOUT_APEX",
     "WRAP_COUNTS",
     "place_ahead",
     "start_in_turn",
@@ -57,7 +57,6 @@ __all__ = [
     "wrap",
 ]
 
-WITHOUT_APEX = 9  # no apex: the boundary is not valid
 PLACED, AT_CENTERS, FORCED_CELLS, SET_ASIDE, TIES, HIDDEN_TIMES, WRAP_COUNTS = range(7)
 NODES_A_CALL = 10_000_000  # visited nodes, a fraction of a second: Ctrl-C works between calls
 SMALL_ENOUGH = 1.2  # times the wanted circumradius
@@ -90,7 +89,7 @@ def is_full(front, waiting):
 
 @lean
 def wrap(front, ahead, waiting, ties, counts, limit):
-    """Make up to ``limit`` cells by the empty circle; return DONE, MORE, ROOM, or WITHOUT_APEX.
+    """Make up to ``limit`` cells by the empty circle; return DONE, MORE, ROOM, or NONE_FITS.
 
     The caller sets the number of visited nodes to zero. ``ties`` gets 1 for cells whose circle has another
     visible vertex on it.
@@ -106,7 +105,7 @@ def wrap(front, ahead, waiting, ties, counts, limit):
         c = apex_ahead(front, ahead, row)
         if c < 0:
             in_turn(front, waiting, row, -1.0)
-            return WITHOUT_APEX
+            return NONE_FITS
         ties[front.state[TRIANGLES_MADE]] = ahead.found[1]
         counts[TIES] += ahead.found[1]
         counts[HIDDEN_TIMES] += ahead.found[2]
@@ -281,7 +280,7 @@ def place_ahead(front, choices, ahead, waiting, counts, limit):
         c = choose_ahead(front, choices, ahead, counts, row, aside)
         if c == -3:
             in_turn(front, waiting, row, -1.0)
-            return WITHOUT_APEX
+            return NONE_FITS
         if c == -1:
             counts[SET_ASIDE] += 1
             in_turn(front, waiting, row, ASIDE_AFTER + float(front.stamp[row]))

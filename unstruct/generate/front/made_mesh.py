@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...connect.planar.extraction import named_sets
 from ...domain.domain import Domain
+from ...geometry.edge_vectors import local_edges
 from ...geometry.ordering import radix_argsort
 from ...mesh.domain_mesh import DomainMesh
 
-__all__ = ["Made", "domain_mesh_of", "neighbors_of", "quality_figures"]
+__all__ = ["Made", "Subsegments", "domain_mesh_of", "neighbors_of", "quality_figures"]
 
 
 @dataclass(frozen=True)
@@ -124,11 +125,12 @@ def _sides_of(ends: NDArray[np.int32], triangles: NDArray[np.int32], n: int) -> 
 
 def quality_figures(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> dict[str, float]:
     """Number of triangles, minimum angle in degrees, minimum and mean 2 r / R; NaN where there are none."""
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    p, q, r = (np.hypot(*side.T) for side in (b - a, c - b, a - c))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    edges, _ = local_edges(points[triangles])  # each triangle by its own scale
+    u, v = edges.transpose(1, 0, 2)
+    p, q, r = (np.hypot(*side.T) for side in (u, v - u, v))
+    with np.errstate(invalid="ignore", divide="ignore", under="ignore"):
         ratio = (q + r - p) * (r + p - q) * (p + q - r) / (p * q * r)
-        twice = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+        twice = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
         # The smallest angle is the one opposite the shortest side.
         short = np.minimum(p, np.minimum(q, r))
         sine = twice * short / (p * q * r)

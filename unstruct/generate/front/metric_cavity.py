@@ -13,6 +13,13 @@ about X, no triangle is met twice, and the star of X is a valid triangulation, w
             b---+---a
              \\     /
                 X             Source: Book, 3.3.
+
+**Why this ends.** A point is placed only if the boundary of its cavity is at least `ROOM_AROUND` away, in the
+metric at the point. The interior of a cavity contains no vertex, hence neither does the metric circle of this
+radius about the new point, whatever the circles of the triangles around it are like. If h is the smallest
+length that the table of the metric has, all points are at least `ROOM_AROUND` h from each other in the plane,
+so that there is room for finitely many. (Distances to the vertices that it is joined to would not do: the
+triangles beyond are not Delaunay in this metric, so a nearer vertex may be behind an edge.)
 """
 
 from __future__ import annotations
@@ -25,6 +32,7 @@ from ...connect.insertion.halfedges import end_of, next_edge, prev_edge, start_o
 from ...predicates.kernels import orient2
 
 WALK = 1000  # triangles on the way to a point; a longer way is given up
+ROOM_AROUND = 0.05  # no point nearer than that to the boundary of its cavity
 
 
 @inline
@@ -133,11 +141,22 @@ def find_metric_cavity(plane, scratch, m, t, on, x, y):
 
 
 @inline
+def is_close(sx, sy, vx, vy):
+    """Whether the segment between two points of the mapped plane is nearer to 0 than `ROOM_AROUND`."""
+    wx, wy = vx - sx, vy - sy
+    square, along, cross = wx * wx + wy * wy, sx * wx + sy * wy, sx * vy - sy * vx
+    if along >= 0.0 or along <= -square:  # an end is the nearest point
+        return min(sx * sx + sy * sy, vx * vx + vy * vy) < ROOM_AROUND * ROOM_AROUND
+    return cross * cross < ROOM_AROUND * ROOM_AROUND * square
+
+
+@inline
 def judge_in_metric(plane, rim, k, e, m, point, clearance):
     """What may speak against joining a point to the boundary of its cavity, measured in the metric.
 
     Returns the nearest vertex, apart from the ends of e, that is nearer than ``clearance`` (or -1); whether
-    the point sees a marked edge under 120 degrees or more; and whether e belongs to the boundary (or is -1).
+    the point sees a marked edge under 120 degrees or more, or is too near to any edge of the boundary; and
+    whether e belongs to the boundary (or is -1).
     """
     xy, vertex, mark = plane.xy, plane.vertex, plane.mark
     x, y = point
@@ -152,8 +171,9 @@ def judge_in_metric(plane, rim, k, e, m, point, clearance):
         if square < near and s != a and s != b:
             nearest, near = np.int64(s), square
         seen = seen or g == e
+        vx, vy = mapped(m, xy[v, 0] - x, xy[v, 1] - y)
+        flat = flat or is_close(sx, sy, vx, vy)
         if mark[g] >= 0 and g != e:
-            vx, vy = mapped(m, xy[v, 0] - x, xy[v, 1] - y)
             dot = sx * vx + sy * vy
             flat = flat or (dot < 0.0 and 4.0 * dot * dot >= square * (vx * vx + vy * vy))
     return nearest, flat, seen
@@ -165,7 +185,7 @@ def attempt_in_metric(plane, scratch, t, e, m, point, clearance):
 
     The search for the point begins at triangle t; the half-edge e must be on the boundary of its cavity,
     unless it is -1. Outcomes: INSERTED, OUTSIDE (the point is hidden), ROUNDED (it sees a marked edge under
-    120 degrees or more, or it has a vertex that is too near).
+    120 degrees or more, or it has a vertex or an edge that is too near).
     """
     t, on = walk_inside(plane, t, point[0], point[1])
     if t < 0:

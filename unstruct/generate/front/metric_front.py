@@ -18,8 +18,8 @@ from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
 from . import metric_resize as resizing
 from . import metric_steps as k
-from .run import FRONT_REASONS, LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted
-from .steps import FRONT_COUNTS, MADE, WIDEST, Diary, FrontRule
+from .bookkeeping import FRONT_COUNTS, MADE, WIDEST, FrontRule
+from .run import LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted, columns, longer_diary
 
 __all__ = ["MetricRun"]
 
@@ -31,10 +31,6 @@ FINISH_ROUNDS = 7  # of swaps and moves, at most
 FEW_CHANGES = 2e-3  # a round that changes fewer places than this share of the vertices is the last one
 GOOD_STAR = 0.96  # stars whose triangles have all at least this metric quality are not looked at
 MOVED_A_CALL = 50_000  # vertices looked at in one kernel call
-MOST_TIMES, MOST_MORE = (
-    20.0,
-    10_000,
-)  # a metric that takes more points than so many times the expected is rough
 REPORTED_LENGTH = 2.0  # triangles with a longer edge, in the metric, are reported
 
 
@@ -74,8 +70,7 @@ class MetricRun:
         self.links, self.gates, self.turn = empty_queue(0, buckets, 0)
         self.counts = np.zeros(FRONT_COUNTS, dtype=np.int64)
         self.first, self.spent, self.most = c.size, "", c.size
-        self.slots = np.zeros(0, dtype=np.int32)
-        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
+        self.diary = longer_diary(None, 0, history)
         self.reserve(int(c.size + 1000 + min(1.2 * self.expected, 1e7)))
 
     def _scale(self, rank: int) -> float:
@@ -93,12 +88,7 @@ class MetricRun:
         if len(c.region) > len(self.links):
             self.links = grown_links(self.links, len(c.region))
         self.scratch = c.scratch()
-        more = len(c.region) - len(self.slots)
-        if more > 0:
-            self.slots = np.concatenate([self.slots, np.empty(more, dtype=np.int32)])
-            if self.history:
-                self.log = np.concatenate([self.log, np.full((more, 5), -1, dtype=np.int32)])
-                self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
+        self.diary = longer_diary(self.diary, len(c.region), self.history)
 
     def marching(self) -> k.MetricMarching:
         """The queue, the metric and the choices, as they are now."""
@@ -124,16 +114,16 @@ class MetricRun:
         for _ in range(passes):
             if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
                 break
-        most = int(min(budget, MOST_TIMES * (self.expected + self.first) + MOST_MORE))
-        self.most = self.first + most
+        self.most = self.first + budget
         k.start_metric_front(c.plane(), self.marching())
         while True:
-            before, limit = c.size, min(FRONT_STEPS_A_CALL, self.first + most - c.size)
+            before, limit = c.size, min(FRONT_STEPS_A_CALL, self.most - c.size)
             if limit <= 0:
-                self.spent = "budget" if most == budget else "the metric is too rough"
+                self.spent = "budget"
                 break
-            diary = Diary(self.slots, self.log, self.numbers)
-            status = k.advance_in_metric(c.plane(), self.marching(), self.scratch, diary, self.counts, limit)
+            status = k.advance_in_metric(
+                c.plane(), self.marching(), self.scratch, self.diary, self.counts, limit
+            )
             if status == ROOM:
                 self.reserve(2 * c.size + 1000)
             if bar is not None:
@@ -208,7 +198,7 @@ class MetricRun:
     def result(self, finish: bool) -> DomainMesh:
         """The mesh with its account, after the finishing pass if it is wanted."""
         c = self.complex
-        made = self.slots[: int(self.counts[MADE])]
+        made = self.diary.slots[: int(self.counts[MADE])]
         figures, more, order = self.figures(), {}, None
         if finish and not self.spent:
             more = self.finish(self.most)
@@ -233,13 +223,8 @@ class MetricRun:
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
         """The record by columns; see `advancing_front`. ``place[v]`` is the final number of vertex v."""
         c, made = self.complex, int(self.counts[MADE])
-        log, numbers = self.log[:made], self.numbers[:made]
-        named = np.append(place, -1)
-        return {
-            "edge": named[log[:, :2]],
-            "apex": named[log[:, 2]],
-            "reason": np.array(FRONT_REASONS)[log[:, 3]],
-            "near": named[log[:, 4]],
+        numbers = self.diary.numbers[:made]
+        return columns(self.diary, made, place) | {
             "ideal": numbers[:, :2] / c.factor,
             "size": numbers[:, 2] / c.factor,
             "radius": numbers[:, 3].copy(),

@@ -17,14 +17,10 @@ from ...base.codes import DONE, INSERTED, MORE, OUTSIDE, ROOM
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
-from ...connect.planar.cavity import commit_here
 from ...sizing.metric_table import MetricNodes, root_at
 from ...sizing.table import ROOT3
-from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
-from ..rebay.steps import clear
-from .metric_cavity import attempt_in_metric, mapped, scale_of, square_of, unmapped
-from .placing import LONGEST_SIDE, ON_CIRCLE, SHORTEST_SIDE
-from .steps import (
+from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
+from .bookkeeping import (
     CENTERED,
     CLEARANCE,
     CLOSED,
@@ -36,7 +32,6 @@ from .steps import (
     MADE,
     NEW,
     OLDEST,
-    PUT_ASIDE,
     SHORTEST,
     SMALLEST,
     SNAPPED,
@@ -44,8 +39,17 @@ from .steps import (
     WAS_FLAT_ANGLE,
     WAS_NEAR,
     FrontRule,
-    is_marked,
+    accept,
+    enters_front,
+    leaves_queue,
+    next_nook,
+    put_aside,
+    put_neighbors,
+    put_star,
+    set_unfinished,
 )
+from .metric_cavity import attempt_in_metric, mapped, scale_of, square_of, unmapped
+from .placing import LONGEST_SIDE, ON_CIRCLE, SHORTEST_SIDE
 
 UNIT_RADIUS = 1.0 / ROOT3  # f: the circumradius of an equilateral triangle with edges of length 1
 ACCEPTED_SQUARE = (FRONT_ACCEPT * UNIT_RADIUS) ** 2
@@ -132,78 +136,44 @@ def grade_metric(plane, march, t):
 @inline
 def enqueue_metric(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    links = march.links
-    if links[t, STATUS] >= 0:
-        if links[t, LEVEL] != LAST_LEVEL and march.rule.order != SHORTEST:
-            return
-        unlink(links, march.gates, t, WAITING)
+    if leaves_queue(march, t):
         grade_metric(plane, march, t)
-    elif march.rule.order == SHORTEST:
-        grade_metric(plane, march, t)
-    push(links, march.gates, march.turn, t, march.rule.last_first)
+        push(march.links, march.gates, march.turn, t, march.rule.last_first)
 
 
 @lean
 def accept_triangle(plane, march, diary, counts, t, e, reason):
     """Accept triangle t, on whose edge e the front is: its other edges enter the front, or leave it."""
-    vertex, twin, mark, number = plane.vertex, plane.twin, plane.mark, march.rule.number
-    if march.links[t, STATUS] >= 0:
-        unlink(march.links, march.gates, t, ACCEPTED)
-    march.links[t, STATUS] = ACCEPTED
-    row = counts[MADE]
-    diary.slots[row] = t
-    if len(diary.log) > 0:
-        diary.log[row, 0], diary.log[row, 1] = start_of(vertex, e), end_of(vertex, e)
-        diary.log[row, 2], diary.log[row, 3] = vertex[e], reason
-    counts[MADE] += 1
-    counts[reason] += 1
+    accept(plane, march, diary, counts, t, e, reason)
     for j in range(3 * t, 3 * t + 3):
-        o = twin[j]
-        if mark[j] == number:
-            mark[j] = mark[o] = -1
-        elif mark[j] < 0:
-            mark[j] = mark[o] = number
-            enqueue_metric(plane, march, np.int64(o // 3))
+        if enters_front(plane, march, j):
+            enqueue_metric(plane, march, np.int64(plane.twin[j] // 3))
 
 
 @inline
 def finish_metric_step(plane, march, diary, counts, t, e, reason, stack):
     """Accept triangle t, then all triangles that are small enough and have two edges or more at the front."""
-    vertex, twin, mark, links = plane.vertex, plane.twin, plane.mark, march.links
     accept_triangle(plane, march, diary, counts, t, e, reason)
-    depth = 0
-    for j in range(3 * t, 3 * t + 3):
-        stack[depth] = twin[j] // 3
-        depth += 1
+    depth = put_neighbors(plane.twin, t, stack, 0)
     while depth > 0:
-        depth -= 1
-        o = np.int64(stack[depth])
-        if vertex[3 * o] < 0 or links[o, STATUS] == ACCEPTED or is_marked(mark, o) < 2:
-            continue
+        o, depth = next_nook(plane, march, stack, depth)
+        if o < 0:
+            break
         square, _, _ = circle_in_metric(plane, march.table, o)
         if square < ACCEPTED_SQUARE:
             g, _ = shortest_edge(plane, march, o, 0)
             accept_triangle(plane, march, diary, counts, o, g, CLOSED)
-            for j in range(3 * o, 3 * o + 3):
-                if depth < len(stack):
-                    stack[depth] = twin[j] // 3
-                    depth += 1
+            depth = put_neighbors(plane.twin, o, stack, depth)
 
 
 @lean
 def start_metric_front(plane, march):
     """Put the triangles along all subsegments into the queue, in the order of the boundary."""
-    links = march.links
-    for t in range(plane.state[COUNT]):
-        if plane.region[t] < 0:
-            links[t, STATUS] = ACCEPTED
-        else:
-            links[t, STATUS] = WAITING
-            grade_metric(plane, march, np.int64(t))
+    set_unfinished(plane, march)
     for s in range(plane.state[SEGMENTS]):
         e = np.int64(plane.where[s])
         for t in (e // 3, np.int64(plane.twin[e] // 3)):
-            if links[t, STATUS] != ACCEPTED:
+            if march.links[t, STATUS] != ACCEPTED:
                 enqueue_metric(plane, march, t)
 
 
@@ -263,16 +233,11 @@ def ideal_in_metric(plane, march, e):
 @inline
 def place_point(plane, march, scratch, m, k, x, y):
     """Replace the cavity by the star of (x, y), and put the new triangles at the front into the queue."""
-    clear(march.links, march.gates, scratch.cells, m)
-    v = plane.state[VERTICES]
-    plane.xy[v, 0], plane.xy[v, 1] = x, y
-    commit_here(plane, scratch, m, k, v)
+    put_star(plane, march, scratch, m, k, x, y)
     for i in range(k):
         t = np.int64(scratch.fresh[i])
-        march.links[t, STATUS] = WAITING
-        grade_metric(plane, march, t)
         if plane.mark[3 * t] >= 0:
-            push(march.links, march.gates, march.turn, t, march.rule.last_first)
+            enqueue_metric(plane, march, t)
 
 
 @lean
@@ -281,12 +246,7 @@ def without_metric_ideal(plane, march, scratch, counts, t):
 
     At first it is set aside. At the end its circumcenter is inserted if it can be.
     """
-    links = march.links
-    if links[t, LEVEL] != LAST_LEVEL:
-        unlink(links, march.gates, t, WAITING)
-        links[t, LEVEL] = LAST_LEVEL
-        push(links, march.gates, march.turn, t, march.rule.last_first)
-        counts[PUT_ASIDE] += 1
+    if put_aside(march, counts, t):
         return False
     square, x, y = circle_in_metric(plane, march.table, t)
     if not square < inf:

@@ -17,10 +17,11 @@ from ...mesh.domain_mesh import DomainMesh
 from ..rebay.finishing import figures
 from ..rebay.queue import ACCEPTED, BATCH, STATUS, WAITING, empty_queue
 from ..rebay.run import FRONT_STEPS_A_CALL, VoronoiSegmentRun
+from . import bookkeeping as book
 from . import placing
 from . import steps as k
 
-__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun", "accounted"]
+__all__ = ["FRONT_REASONS", "ORDERS", "PLACEMENTS", "FrontRun", "accounted", "columns", "longer_diary"]
 
 Placement = Callable[[NDArray, NDArray, NDArray, NDArray, float], ArrayLike | None]
 ORDERS = ("widest", "smallest", "shortest", "oldest")
@@ -60,21 +61,48 @@ def accounted(
     **rest
         ``order`` and ``figures``, as for `PlanarComplex.mesh`.
     """
-    c, slots = complex_, sorted(missed)
-    used = np.zeros(c.size, dtype=bool)
-    used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-    place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+    c, slots, record = complex_, sorted(missed), None
+    if steps is not None:
+        used = np.zeros(c.size, dtype=bool)
+        used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
+        record = steps(np.where(used, np.cumsum(used) - 1, -1).astype(np.int32))
     return c.mesh(
         facets=len(domain.facets),
         markers=domain.markers,
         origin=np.arange(len(domain.points), dtype=np.int32),
         points=domain.points,
-        steps=None if steps is None else steps(place),
+        steps=record,
         unrefined=np.array(slots, dtype=np.int64),
         reasons=np.array([missed[slot] for slot in slots], dtype=str),
         counts=dict(zip(FRONT_COUNT_NAMES, counts[: len(FRONT_COUNT_NAMES)].tolist())) | more,
         **rest,
     )
+
+
+def longer_diary(diary: book.Diary | None, rows: int, history: bool) -> book.Diary:
+    """The record with at least so many rows, one for each triangle that there may be."""
+    if diary is None:
+        none = np.zeros(0, dtype=np.int32)
+        diary = book.Diary(none, np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4)))
+    more = rows - len(diary.slots)
+    if more <= 0:
+        return diary
+    slots, log, numbers = diary
+    if history:
+        log = np.concatenate([log, np.full((more, 5), -1, dtype=np.int32)])
+        numbers = np.concatenate([numbers, np.full((more, 4), np.nan)])
+    return book.Diary(np.concatenate([slots, np.empty(more, dtype=np.int32)]), log, numbers)
+
+
+def columns(diary: book.Diary, made: int, place: NDArray[np.int32]) -> dict[str, NDArray]:
+    """The columns of the record that contain vertices or reasons; ``place`` has the final numbers."""
+    log, named = diary.log[:made], np.append(place, -1)
+    return {
+        "edge": named[log[:, :2]],
+        "apex": named[log[:, 2]],
+        "reason": np.array(FRONT_REASONS)[log[:, 3]],
+        "near": named[log[:, 4]],
+    }
 
 
 class FrontRun:
@@ -101,34 +129,23 @@ class FrontRun:
         rank = ORDERS.index(order)
         kind = placing.AS_ASKED if not isinstance(placement, str) else PLACEMENTS.index(placement)
         constant = base.rule.constant
-        self.rule = k.FrontRule(rank, kind, self._scale(rank), c.segments, constant)
-        buckets = WIDTHS if rank == k.WIDEST else LENGTHS
-        even = constant > 0.0 and rank == k.WIDEST and self.place is None
+        self.rule = book.FrontRule(rank, kind, self._scale(rank), c.segments, constant)
+        buckets = WIDTHS if rank == book.WIDEST else LENGTHS
+        even = constant > 0.0 and rank == book.WIDEST and self.place is None
         _, self.gates, self.turn = empty_queue(0, buckets, BATCH if even else 0)
-        self.counts = np.zeros(k.FRONT_COUNTS, dtype=np.int64)
+        self.counts = np.zeros(book.FRONT_COUNTS, dtype=np.int64)
         self.ask, self.answer = np.array([-1, 0], dtype=np.int64), np.zeros(2)
-        self.slots = np.zeros(0, dtype=np.int32)
-        self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 4))
-        self._grow()
+        self.diary = longer_diary(None, len(c.region), history)
 
     def _scale(self, rank: int) -> float:
         """What the squared measure of the order is divided by, so that it is at least about 1."""
         c = self.base.complex
-        if rank == k.SMALLEST:
+        if rank == book.SMALLEST:
             return float(self.base.table.values.max() ** 2)
-        if rank == k.SHORTEST:
+        if rank == book.SHORTEST:
             ends = c.ends[: c.segments]
             return float(np.square(c.xy[ends[:, 0]] - c.xy[ends[:, 1]]).sum(axis=1).max())
-        return k.FRONT_ACCEPT**2
-
-    def _grow(self) -> None:
-        """Give the record as many rows as there may be triangles."""
-        more = len(self.base.complex.region) - len(self.slots)
-        if more > 0:
-            self.slots = np.concatenate([self.slots, np.empty(more, dtype=np.int32)])
-            if self.history:
-                self.log = np.concatenate([self.log, np.full((more, 5), -1, dtype=np.int32)])
-                self.numbers = np.concatenate([self.numbers, np.full((more, 4), np.nan)])
+        return book.FRONT_ACCEPT**2
 
     def marching(self) -> k.Marching:
         """The queue and the choices, as they are now."""
@@ -143,15 +160,21 @@ class FrontRun:
             if limit <= 0:
                 base.spent = True
                 break
-            diary = k.Diary(self.slots, self.log, self.numbers)
             status = k.advance_front(
-                c.plane(), self.marching(), base.scratch, diary, self.counts, self.ask, self.answer, limit
+                c.plane(),
+                self.marching(),
+                base.scratch,
+                self.diary,
+                self.counts,
+                self.ask,
+                self.answer,
+                limit,
             )
             if status == k.ASK:
                 self.answer[:] = self._asked(int(self.ask[0]))
             elif status == ROOM:
                 base.reserve(2 * c.size + 1000)
-                self._grow()
+                self.diary = longer_diary(self.diary, len(c.region), self.history)
             if bar is not None:
                 bar.update(c.size - before)
             if status == DONE:
@@ -208,7 +231,7 @@ class FrontRun:
     @property
     def made(self) -> int:
         """How many triangles have been accepted."""
-        return int(self.counts[k.MADE])
+        return int(self.counts[book.MADE])
 
     def legalize(self) -> int:
         """Make the triangulation constrained Delaunay again, across what was the front."""
@@ -222,7 +245,7 @@ class FrontRun:
     def result(self, budget: int, finish: bool) -> DomainMesh:
         """The mesh with its account, after the finishing pass if it is wanted."""
         base, c = self.base, self.base.complex
-        made = self.slots[: self.made]
+        made = self.diary.slots[: self.made]
         missed: dict[int, str] = {}
         order = None
         if finish and not base.spent:
@@ -252,13 +275,9 @@ class FrontRun:
     def steps(self, place: NDArray[np.int32]) -> dict[str, NDArray]:
         """The record by columns; see `advancing_front`. ``place[v]`` is the final number of vertex v."""
         c = self.base.complex
-        log, numbers = self.log[: self.made], self.numbers[: self.made] / c.factor
-        named = np.append(place, -1)
-        return {
-            "edge": named[log[:, :2]],
-            "apex": named[log[:, 2]],
-            "reason": np.array(FRONT_REASONS)[log[:, 3]],
-            "near": named[log[:, 4]],
+        found = columns(self.diary, self.made, self.base.in_old_order(place))
+        numbers = self.diary.numbers[: self.made] / c.factor
+        return found | {
             "ideal": numbers[:, :2].copy(),
             "size": numbers[:, 2] * k.ROOT3,
             "radius": numbers[:, 3].copy(),

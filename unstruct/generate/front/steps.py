@@ -27,36 +27,44 @@ from ...base.codes import DONE, INSERTED, MORE, OUTSIDE, ROOM, ROUNDED
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
-from ...connect.planar.cavity import commit_here, find_cavity_here
+from ...connect.planar.cavity import find_cavity_here
 from ...predicates.kernels import incircle, orient2
 from ...sizing.table import ROOT3, Nodes
-from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
-from ..rebay.steps import circle, clear, wanted
+from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
+from ..rebay.steps import circle, wanted
+from .bookkeeping import (
+    CENTERED,
+    CLEARANCE,
+    CLOSED,
+    CONNECTED,
+    EMPTY,
+    FITS,
+    FORCED,
+    FRONT_ACCEPT,
+    LAST_LEVEL,
+    MADE,
+    NEW,
+    OLDEST,
+    SHORTEST,
+    SMALLEST,
+    SNAPPED,
+    WAS_BEYOND,
+    WAS_FLAT_ANGLE,
+    WAS_NEAR,
+    FrontRule,
+    accept,
+    enters_front,
+    leaves_queue,
+    next_nook,
+    put_aside,
+    put_neighbors,
+    put_star,
+    set_unfinished,
+)
 from .placing import AS_ASKED, ideal
 
 ASK = 8  # how a call ended: a point is wanted from a function of the caller
 TOO_FLAT, NO_SPACE = 9, 10  # outcomes of a judgment, besides INSERTED, OUTSIDE and ROUNDED
-# Orders of the queue.
-WIDEST, SMALLEST, SHORTEST, OLDEST = range(4)
-# Why a triangle was accepted; each is also the place of its count.
-NEW, FITS, EMPTY, SNAPPED, CONNECTED, CLOSED, CENTERED, FORCED = range(8)
-PUT_ASIDE, WAS_BEYOND, WAS_FLAT_ANGLE, WAS_NEAR = range(8, 12)
-MADE, FRONT_COUNTS = 12, 13  # further places: how many triangles are accepted
-LAST_LEVEL = 0  # the bucket of triangles that are set aside: it is served when all others are empty
-
-FRONT_ACCEPT = 1.2  # a triangle ahead with R < FRONT_ACCEPT f is accepted as it is
-CLEARANCE = 0.8  # times the wanted length: no point nearer than that to a vertex
-
-
-class FrontRule(NamedTuple):
-    """What the caller chooses."""
-
-    order: int  # of the queue: WIDEST, ...
-    placement: int  # of the ideal point: EQUAL_SIDES, ...
-    scale: float  # the squared measure is divided by this before it is sorted into buckets
-    number: int  # the number that marks edges of the front
-    constant: float  # f, if it is the same everywhere; otherwise 0
-    last_first: bool = False
 
 
 class Marching(NamedTuple):
@@ -67,20 +75,6 @@ class Marching(NamedTuple):
     turn: NDArray[np.int64]
     size: Nodes
     rule: FrontRule
-
-
-class Diary(NamedTuple):
-    """The record: one row for each accepted triangle, in order."""
-
-    slots: NDArray[np.int32]
-    log: NDArray[np.int32]  # (., 5) A, B, apex, reason, the vertex that was too near; (0, 5) if not wanted
-    numbers: NDArray[np.float64]  # (., 4) the ideal point, h / sqrt(3), R of the triangle ahead
-
-
-@inline
-def is_marked(mark, t):
-    """How many edges of triangle t belong to the front (or to the boundary), if it is unfinished."""
-    return (mark[3 * t] >= 0) + (mark[3 * t + 1] >= 0) + (mark[3 * t + 2] >= 0)
 
 
 @inline
@@ -142,77 +136,46 @@ def grade(plane, march, t):
 @inline
 def enqueue(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    links = march.links
-    if links[t, STATUS] >= 0:
-        if links[t, LEVEL] != LAST_LEVEL and march.rule.order != SHORTEST:
-            return
-        unlink(links, march.gates, t, WAITING)
+    if leaves_queue(march, t):
         grade(plane, march, t)
-    elif march.rule.order == SHORTEST:
-        grade(plane, march, t)
-    push(links, march.gates, march.turn, t, march.rule.last_first)
+        push(march.links, march.gates, march.turn, t, march.rule.last_first)
 
 
 @inline
 def advance_past(plane, march, diary, counts, t, e, reason):
     """Accept triangle t, on whose edge e the front is: its other edges enter the front, or leave it."""
-    vertex, twin, mark, number = plane.vertex, plane.twin, plane.mark, march.rule.number
-    if march.links[t, STATUS] >= 0:
-        unlink(march.links, march.gates, t, ACCEPTED)
-    march.links[t, STATUS] = ACCEPTED
-    row = counts[MADE]
-    diary.slots[row] = t
-    if len(diary.log) > 0:
-        diary.log[row, 0], diary.log[row, 1] = start_of(vertex, e), end_of(vertex, e)
-        diary.log[row, 2], diary.log[row, 3] = vertex[e], reason
-    counts[MADE] += 1
-    counts[reason] += 1
+    accept(plane, march, diary, counts, t, e, reason)
     for j in range(3 * t, 3 * t + 3):
-        o = twin[j]
-        if mark[j] == number:
-            mark[j] = mark[o] = -1
-        elif mark[j] < 0:
-            mark[j] = mark[o] = number
-            enqueue(plane, march, np.int64(o // 3))
+        if enters_front(plane, march, j):
+            enqueue(plane, march, np.int64(plane.twin[j] // 3))
 
 
 @inline
 def finish_step(plane, march, diary, counts, t, e, reason, stack):
     """Accept triangle t, then all triangles that are small enough and have two edges or more at the front."""
-    vertex, twin, mark, links = plane.vertex, plane.twin, plane.mark, march.links
-    advance_past(plane, march, diary, counts, t, e, reason)
     depth = 0
-    for j in range(3 * t, 3 * t + 3):
-        stack[depth] = twin[j] // 3
-        depth += 1
-    while depth > 0:
-        depth -= 1
-        o = np.int64(stack[depth])
-        if links[o, STATUS] == ACCEPTED or is_marked(mark, o) < 2:
-            continue
-        above, below, f = radius(plane, march, o)
-        if above < below * FRONT_ACCEPT * FRONT_ACCEPT * f * f:
-            advance_past(plane, march, diary, counts, o, front_edge(plane.xy, vertex, mark, o, 0), CLOSED)
-            for j in range(3 * o, 3 * o + 3):
-                if depth < len(stack):
-                    stack[depth] = twin[j] // 3
-                    depth += 1
+    while t >= 0:
+        advance_past(plane, march, diary, counts, t, e, reason)
+        depth = put_neighbors(plane.twin, t, stack, depth)
+        t = np.int64(-1)
+        while depth > 0 and t < 0:
+            t, depth = next_nook(plane, march, stack, depth)
+            if t >= 0:
+                above, below, f = radius(plane, march, t)
+                if above < below * FRONT_ACCEPT * FRONT_ACCEPT * f * f:
+                    e, reason = front_edge(plane.xy, plane.vertex, plane.mark, t, 0), CLOSED
+                else:
+                    t = np.int64(-1)
 
 
 @lean
 def start_front(plane, march):
     """Put the triangles along all subsegments into the queue, in the order of the boundary."""
-    links = march.links
-    for t in range(plane.state[COUNT]):
-        if plane.region[t] < 0:
-            links[t, STATUS] = ACCEPTED
-        else:
-            links[t, STATUS] = WAITING
-            grade(plane, march, np.int64(t))
+    set_unfinished(plane, march)
     for s in range(plane.state[SEGMENTS]):
         e = np.int64(plane.where[s])
         for t in (e // 3, np.int64(plane.twin[e] // 3)):
-            if links[t, STATUS] != ACCEPTED:
+            if march.links[t, STATUS] != ACCEPTED:
                 enqueue(plane, march, t)
 
 
@@ -270,16 +233,11 @@ def in_circle_of(plane, t, x, y):
 @inline
 def insert_here(plane, march, scratch, m, k, x, y):
     """Replace the cavity by the star of (x, y), and put the new triangles at the front into the queue."""
-    clear(march.links, march.gates, scratch.cells, m)
-    v = plane.state[VERTICES]
-    plane.xy[v, 0], plane.xy[v, 1] = x, y
-    commit_here(plane, scratch, m, k, v)
+    put_star(plane, march, scratch, m, k, x, y)
     for i in range(k):
         t = np.int64(scratch.fresh[i])
-        march.links[t, STATUS] = WAITING
-        grade(plane, march, t)
         if plane.mark[3 * t] >= 0:
-            push(march.links, march.gates, march.turn, t, march.rule.last_first)
+            enqueue(plane, march, t)
 
 
 @inline
@@ -295,15 +253,9 @@ def note(diary, row, point, square, near):
 def without_ideal(plane, march, scratch, counts, t):
     """Whether a triangle for none of whose edges an ideal point was possible must be accepted as it is.
 
-    At first it is set aside, since the front may reach it from another side. At the end its circumcenter is
-    inserted if it can be.
+    At first it is set aside. At the end its circumcenter is inserted if it can be.
     """
-    links = march.links
-    if links[t, LEVEL] != LAST_LEVEL:
-        unlink(links, march.gates, t, WAITING)
-        links[t, LEVEL] = LAST_LEVEL
-        push(links, march.gates, march.turn, t, march.rule.last_first)
-        counts[PUT_ASIDE] += 1
+    if put_aside(march, counts, t):
         return False
     square, x, y, _, _ = circle(plane.xy, plane.vertex, t)
     if square == inf or not in_circle_of(plane, t, x, y):

@@ -11,6 +11,8 @@ from __future__ import annotations
 from ...base.jit import lean
 from ...connect.insertion.halfedges import start_of
 from ...connect.planar.stars import (
+    FAIRNESS,
+    ROUNDNESS,
     better,
     floor_for,
     measures,
@@ -21,49 +23,56 @@ from ...connect.planar.stars import (
     touched,
 )
 
+BY_MEANS, FAIRER, ROUNDER = range(3)  # ways: Laplace steps; a pattern search as well; the same by 2 r / R
 OVER = 0.2  # a step goes beyond the mean by this share of its length: three rounds then do the work of five
 
 
 @lean
-def improve(stars, todo, moved, threshold, patterns, judge, start, stop):
+def improve(stars, todo, moved, threshold, way, start, stop, rounds):
     """Look at the vertices ``start <= v < stop`` on the list ``todo``, and move those that gain by it.
 
     A vertex is moved to the mean of its neighbors, and a little farther, if its star is `better` there (a
-    *smart* Laplace step). Otherwise, with ``patterns``, it is moved to the best place that a pattern search
-    finds. A star whose triangles all have at least the quality ``threshold`` (fairness or 2 r / R: ``judge``)
-    is left alone. The vertex that was moved and those around it are put on the list again. With ``patterns``
-    diagonals are swapped at once; otherwise the caller does this with `legalize_moved`, as of 10^5 Laplace
-    steps in a good mesh only about a hundred need it. ``counts``: moves, swaps.
+    *smart* Laplace step). Otherwise, unless the ``way`` is `BY_MEANS`, it is moved to the best place that a
+    pattern search finds. A star whose triangles all have at least the quality ``threshold`` (fairness, or
+    2 r / R if the way is `ROUNDER`) is left alone. The vertex that was moved and those around it are put on
+    the list again. In a pattern search diagonals are swapped at once; otherwise the caller does this with
+    `legalize_moved`, as of 10^5 Laplace steps in a good mesh only about a hundred need it. This is repeated
+    until nothing moves, for at most ``rounds`` rounds. Returns the number of moves. ``counts``: moves, swaps.
     """
     xy, places, ring = stars.xy, stars.places, stars.ring
+    judge, patterns = ROUNDNESS if way == ROUNDER else FAIRNESS, way != BY_MEANS
     moves = 0
-    for v in range(start, stop):
-        if not todo[v] or stars.still[v]:
-            continue
-        todo[v] = False
-        k = star_of(xy, stars.vertex, stars.twin, stars.at[v], ring, places)
-        x0, y0 = xy[v, 0], xy[v, 1]
-        old = star_measures(places, k, x0, y0, -1.0, judge)
-        if old[0] >= threshold:
-            continue
-        sx = sy = 0.0
-        for i in range(k):
-            sx, sy = sx + places[i, 0], sy + places[i, 1]
-        x, y = sx / k + OVER * (sx / k - x0), sy / k + OVER * (sy / k - y0)
-        new = star_measures(places, k, x, y, floor_for(old[0], judge), judge)
-        if not better(new, old, judge):
-            x, y = x0, y0
-            if patterns:
-                x, y = search(places, k, x, y, old, judge)
-            if x == x0 and y == y0:
+    for _ in range(rounds):
+        before = moves
+        for v in range(start, stop):
+            if not todo[v] or stars.still[v]:
                 continue
-        xy[v, 0], xy[v, 1] = x, y
-        moves += 1
-        todo[v] = moved[v] = True
-        for i in range(k):
-            todo[start_of(stars.vertex, ring[i])] = True
-        if patterns:
-            stars.counts[1] += swap_around(stars, k)
+            todo[v] = False
+            k = star_of(xy, stars.vertex, stars.twin, stars.at[v], ring, places)
+            x0, y0 = xy[v, 0], xy[v, 1]
+            old = star_measures(places, k, x0, y0, -1.0, judge)
+            if old[0] >= threshold:
+                continue
+            sx = sy = 0.0
+            for i in range(k):
+                sx, sy = sx + places[i, 0], sy + places[i, 1]
+            x, y = sx / k + OVER * (sx / k - x0), sy / k + OVER * (sy / k - y0)
+            new = star_measures(places, k, x, y, floor_for(old[0], judge), judge)
+            if not better(new, old, judge):
+                x, y = x0, y0
+                if patterns:
+                    x, y = search(places, k, x, y, old, judge)
+                if x == x0 and y == y0:
+                    continue
+            xy[v, 0], xy[v, 1] = x, y
+            moves += 1
+            todo[v] = moved[v] = True
+            for i in range(k):
+                todo[start_of(stars.vertex, ring[i])] = True
+            if patterns:
+                stars.counts[1] += swap_around(stars, k)
+        if moves == before:
+            break
     stars.counts[0] += moves
     return moves
 

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arguments import as_count, finite
+from ...base.arguments import as_count, as_flags, finite
 from ...base.errors import InputError, MeshError
 from ...connect.planar.stars import Stars, opposite_half_edges
 from ...connect.swapping import constraints, first_fault, planar_coordinates
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...mesh.topology import twins
+from ...predicates.batch import unscaled
 from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, SEARCH, WORSE, smooth_round
 
 __all__ = ["smooth"]
@@ -84,7 +85,8 @@ def smooth(
     round takes O(n). Ctrl-C leaves the input untouched. Sources: Field (1988); Chen and Holst (2011).
     Book: 2.6d.
     """
-    if method not in METHODS:
+    as_flags(smart=smart, swap=swap, progress=progress)
+    if not isinstance(method, str) or method not in METHODS:
         *names, last = METHODS
         raise InputError(f"no method is called {method!r}; there are {', '.join(names)} and {last}")
     rounds = as_count(rounds, "rounds")
@@ -123,7 +125,7 @@ def smooth(
     found = {name: int(counts[place]) for name, place in COUNTED.items()} | {"rounds": done}
     moved = (xy != coordinates).any(axis=1)
     points = np.array(mesh.points)
-    points[moved] = (xy / _factor(mesh.points, coordinates))[moved]
+    points[moved] = unscaled(xy[moved], _factor(mesh.points, coordinates))
     points[mesh.duplicates[:, 0]] = points[mesh.duplicates[:, 1]]
     return _result(mesh, points, vertex.reshape(-1, 3), markers, found)
 

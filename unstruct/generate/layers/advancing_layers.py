@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from inspect import signature
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import as_count, as_mapping
+from ...base.arguments import as_count, as_flags, as_mapping
 from ...base.errors import InputError
 from ...connect.planar.extraction import named_sets
 from ...domain.domain import Domain, as_domain
@@ -33,6 +34,7 @@ FILLS: dict[str, Callable[..., DomainMesh]] = {
     "refine": refine,
 }
 DEFAULT_FILL = "advancing_front"
+LARGEST_SCALE = 2.0**300  # products of lengths, and of their inverses, are doubles
 LAYER_CELLS, STOP_RULES = ("triangle", "quad"), ("nearest", "spring")
 
 
@@ -124,21 +126,32 @@ def advancing_layers(
     O(r k log(r k)) for r rays of k layers, in practice, besides the method for the rest. Sources: S.
     Pirzadeh, AIAA Journal 32 (1994) 1735-1737 and 34 (1996) 43-49. Book: 3.3.
     """
+    as_flags(progress=progress)
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., growth=...), not {type(layers).__name__}")
     for name, value, known in (("cells", cells, LAYER_CELLS), ("stop", stop, STOP_RULES)):
-        if value not in known:
+        if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be {known[0]!r} or {known[1]!r}, not {value!r}")
     method = FILLS.get(fill) if isinstance(fill, str) else fill
     if method is None or not callable(method):
         names = ", ".join(map(repr, FILLS))
         raise InputError(f"fill must be one of {names}, or a function of a domain and a size, not {fill!r}")
-    options = dict(as_mapping(fill_options or {}, "fill_options"))
+    options = dict(as_mapping({} if fill_options is None else fill_options, "fill_options"))
+    if method in FILLS.values():
+        unknown = [key for key in options if key not in signature(method).parameters]
+        if unknown:
+            raise InputError(f"fill_options has {unknown[0]!r}, which {method.__name__} does not know")
     if budget is not None:
         options["budget"] = as_count(budget, "budget")
     if progress:
         options["progress"] = True
     domain = as_domain(domain)
+    farthest = float(np.abs(domain.points).max(initial=0.0))
+    if not 1 / LARGEST_SCALE <= farthest <= LARGEST_SCALE:
+        raise InputError(
+            f"layers are made of coordinates whose largest is between {1 / LARGEST_SCALE:.0e} and "
+            f"{LARGEST_SCALE:.0e}, but here it is {farthest}: scale the domain, the size and the layers"
+        )
     run = LayersRun(domain, size, layers, *_pieces(domain, walls, wakes), stop == "spring")
     run.advance()
     run.fill(method, options)

@@ -116,6 +116,9 @@ class LayersRun:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", IncompleteWarning)
                 self.filled = method(self.rest.domain, wanted, **options)
+            if not isinstance(self.filled, DomainMesh):
+                what = type(self.filled).__name__
+                raise InputError(f"fill must return a mesh of the domain, a DomainMesh, not {what}")
             angle = self.filled.quality("min_angle")
             least = float(angle.min(initial=180.0))
             if least > best[0]:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ...base.codes import DONE, MORE
 from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.stars import FAIRNESS, ROUNDNESS, Stars, legalize_moved, opposite_half_edges
+from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
-from ..improve.relocation import changed, improve, look_for, survey
+from ..improve.relocation import BY_MEANS, FAIRER, ROUNDER, changed, improve, look_for, survey
 from ..refinement.account import account
 from ..refinement.encroachment import FREE_VERTEX, INPUT_VERTEX
 from ..refinement.limits import make_limits
@@ -100,36 +100,28 @@ def smooth_poor(
     else:
         before = _named(_survey(c, NEARLY, todo))
         seen = todo.copy()
-        if _rounds(stars, todo, moved, NEARLY, False, LAPLACE_ROUNDS):
+        if _rounds(stars, todo, moved, NEARLY, BY_MEANS, LAPLACE_ROUNDS):
             counts[1] += legalize_moved(stars, c.region, count, moved)
         todo[:] = False
         # the other triangles have not changed: their 2 r / R is still at least NEARLY
         look_for(c.xy, c.vertex, c.region, count, effort.poor, seen | moved, todo)
-    _rounds(stars, todo, moved, effort.poor, True, effort.search_rounds)
+    _rounds(stars, todo, moved, effort.poor, FAIRER, effort.search_rounds)
     todo[:] = False
     look_for(c.xy, c.vertex, c.region, count, effort.improved_below, seen | moved, todo)
-    _rounds(stars, todo, moved, effort.improved_below, True, effort.sharp_rounds, ROUNDNESS)
+    _rounds(stars, todo, moved, effort.improved_below, ROUNDER, effort.sharp_rounds)
     changed(corners, c.vertex, moved)
     return int(counts[0]), int(counts[1]), moved, before
 
 
-def _rounds(
-    stars: Stars,
-    todo: NDArray,
-    moved: NDArray,
-    threshold: float,
-    patterns: bool,
-    rounds: int,
-    judge: int = FAIRNESS,
-) -> int:
+def _rounds(stars: Stars, todo: NDArray, moved: NDArray, threshold: float, way: int, rounds: int) -> int:
     """Repeat `improve` until nothing moves, for at most ``rounds`` rounds, and return the number of moves."""
     n, moves = len(todo), 0
+    if n <= STARS_A_CALL:
+        return int(improve(stars, todo, moved, threshold, way, 0, n, rounds))
     for _ in range(rounds):
         before = moves
         for start in range(0, n, STARS_A_CALL):
-            moves += improve(
-                stars, todo, moved, threshold, patterns, judge, start, min(start + STARS_A_CALL, n)
-            )
+            moves += improve(stars, todo, moved, threshold, way, start, min(start + STARS_A_CALL, n), 1)
         if moves == before:
             break
     return moves

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET
+from ...base.arguments import DEFAULT_BUDGET, as_number
 from ...base.codes import DONE, ROOM, SPLIT
 from ...base.errors import InputError
 from ...connect.planar.cavity import blocked_by, commit_split, find_split
 from ...connect.planar.complex import PlanarComplex
+from ...connect.planar.renumbering import renumber
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing import as_size
@@ -44,6 +45,7 @@ BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one tak
 ORDER_BUCKETS = 96  # for any other measure
 
 
+RENUMBERED_FROM = 1 << 14  # new vertices: smaller meshes are in the processor's cache anyway
 MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
 
 
@@ -75,9 +77,11 @@ class VoronoiSegmentRun:
         history: bool,
     ):
         self.domain, self.complex, self.kept = domain, complex_, kept
-        lower, upper = domain.bounds
         field = as_size(size)
         self.effort = THOROUGH if field.thorough else QUICK
+        # The table of a number is a number, whatever its box.
+        even = field.constant is not None and priority is None
+        lower, upper = complex_.box().reshape(2, 2) if even else domain.bounds
         self.table = field.table(lower, upper, factor=complex_.factor, tolerance=TOLERANCE).nodes
         self.order, buckets, scale = self.table, BUCKETS, rule.accept**2
         if priority is not None:
@@ -94,11 +98,14 @@ class VoronoiSegmentRun:
         self.counts = np.zeros(k.COUNTS, dtype=np.int64)
         self.ask = np.zeros(1, dtype=np.int64)
         self.first = complex_.size  # vertices from here on are new
+        self.numbers_now: NDArray[np.int32] | None = None  # of the vertices, once they have been renumbered
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
         # Make room for all points at once where their number can be estimated; unused memory costs nothing.
-        h = np.inf if field.constant is None else field.constant
-        expected = 1.2 * domain.area * 2.0 / k.ROOT3 / h / h
+        h = np.inf if field.constant is None else float(self.table.values[0, 0])
+        expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
+        if not np.isfinite(expected):  # the area is beyond all doubles
+            expected = 0.0
         self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
@@ -197,6 +204,8 @@ class VoronoiSegmentRun:
     def finish(self, budget: int | None) -> dict[str, Any]:
         """Run the finishing pass; return what `result` reports about it."""
         c, most = self.complex, None if budget in (None, DEFAULT_BUDGET) else self.first + budget
+        if self.rule.constant == 0.0 and c.size - self.first >= RENUMBERED_FROM:
+            self._renumber()
         ceiling = MOST_GROWTH * c.size + SPARE_POINTS
         done = dict.fromkeys(FINISH_NAMES, 0)
         before: dict[str, float] = {}
@@ -263,6 +272,21 @@ class VoronoiSegmentRun:
         kept |= {f"{name} after": x for name, x in after.items()}
         return {"counts": done, "figures": kept, "slots": slots, "reasons": reasons}
 
+    def _renumber(self) -> None:
+        """Put neighbors near each other in memory: where the size varies, the front has not."""
+        found = renumber(self.complex, self.first)
+        if found is not None:
+            self.numbers_now, slot = found
+            links = self.links.copy()
+            links[slot] = self.links[: len(slot)]
+            self.links = links
+
+    def in_old_order(self, values: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Values by vertex, for vertices by the numbers that they had before they were renumbered."""
+        if self.numbers_now is None:
+            return values
+        return np.concatenate([values[self.numbers_now], values[len(self.numbers_now) :]])
+
     def _refined(
         self, found: dict[str, int], done: dict[str, int], before: dict[str, float]
     ) -> tuple[bool, dict[str, float]]:
@@ -281,8 +305,12 @@ class VoronoiSegmentRun:
         stop, c = self.complex.size, self.complex
         used = np.zeros(c.size, dtype=bool)
         used[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()].ravel()] = True
-        place = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
-        log, numbers = self.log[self.first : stop], self.numbers[self.first : stop] / c.factor
+        place = self.in_old_order(np.where(used, np.cumsum(used) - 1, -1).astype(np.int32))
+        log, numbers = self.log[self.first : stop].copy(), self.numbers[self.first : stop] / c.factor
+        if self.numbers_now is not None:  # rows that were written since then
+            now = np.append(np.argsort(self.in_old_order(np.arange(stop, dtype=np.int32))), -1)
+            since = len(self.numbers_now) - self.first
+            log[since:, :4] = now[log[since:, :4]]
         edge, case = log[:, :2], log[:, 4].astype(np.uint8)
         f, p, q, d = numbers[:, 2:].T
         last = edge.max(axis=1, initial=-1)
@@ -333,15 +361,21 @@ class VoronoiSegmentRun:
         )
 
 
+def _area(c: PlanarComplex) -> float:
+    """The area of the domain, up to rounding, in the units of the kernels."""
+    a, b, d = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]].transpose(1, 2, 0)
+    return float(((b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0])).sum()) / 2.0
+
+
 def rule_of(accept: float, evaluate: str, order: str, priority: Any, split: bool) -> k.Rule:
     """Check the caller's choices and collect them in a `Rule`."""
-    if not (isinstance(accept, (int, float)) and 1.0 < accept < np.inf):
+    if not 1.0 < as_number(accept, "accept") < np.inf:
         raise InputError(
             f"accept = {accept!r} must be a finite number above 1; the default is 1.35, Rebay's value is 1.5"
         )
-    if evaluate not in ("center", "middle"):
+    if not isinstance(evaluate, str) or evaluate not in ("center", "middle"):
         raise InputError(f"evaluate = {evaluate!r} must be 'center' or 'middle'")
-    if order not in ("first", "last"):
+    if not isinstance(order, str) or order not in ("first", "last"):
         raise InputError(f"order = {order!r} must be 'first' or 'last'")
     if isinstance(priority, str) and priority not in ("alpha", "circumradius"):
         raise InputError(

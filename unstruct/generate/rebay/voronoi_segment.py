@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..boundary.constrained import planar_complex
-from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
@@ -135,6 +135,8 @@ def voronoi_segment(
     Sources: S. Rebay, Journal of Computational Physics 106 (1993) 125-138; L. P. Chew, Symposium on
     Computational Geometry (1993) 274-280. Book: 2.6c.
     """
+    check_split_boundary(split_boundary)
+    as_flags(finish=finish, history=history, progress=progress)
     rule = rule_of(accept, evaluate, order, priority, bool(split_boundary))
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)

@@ -26,6 +26,7 @@ from ...base.jit import inline
 
 STRAIGHT, ARC, OTHER = 0, 1, 2  # kinds of pieces
 FIRST, SECOND = 1, 2  # bits: which end of a subsegment is the apex of a small angle
+NEEDLE = 1e-3  # a squared sine: triangles with an angle below 1.8 degrees
 SAME_ANGLE = 0.998  # the quotient of squared sines of two angles that differ by a thousandth
 # Kinds of vertices. The kind of another vertex is the number of the piece that it lies on.
 FREE_VERTEX, INPUT_VERTEX, REMOVED_VERTEX = -1, -2, -3
@@ -142,11 +143,20 @@ def _least_sine(ax, ay, bx, by, cx, cy):
 
 
 @inline
-def spoils(xy, vertex, t, a, b, px, py):
-    """Whether the triangle of a subsegment a-b that stays and p would have a smaller angle than t has."""
+def spoils(xy, vertex, t, a, b, px, py, guarded):
+    """Whether a point p in place of triangle t makes a triangle with a subsegment a-b that stays too sharp.
+
+    Beside a ``guarded`` one no angle may be smaller than that of t. If t is a needle along a-b, whether that
+    is guarded or not, its circumcenter lies in the needle, as near to a-b: the new triangle would be as
+    sharp, and so on, one point for each octave of the needle. So the angle of a needle must become twice as
+    large. (Both are 0 where the squares are below all doubles.)
+    """
     c, d, e = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
     now = _least_sine(xy[c, 0], xy[c, 1], xy[d, 0], xy[d, 1], xy[e, 0], xy[e, 1])
-    return _least_sine(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py) < now
+    if not guarded and now >= NEEDLE:
+        return False
+    then = _least_sine(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], px, py)
+    return (guarded and then < now) or (now < NEEDLE and then <= 4.0 * now)
 
 
 @inline

@@ -77,10 +77,11 @@ class Predicate:
 
     def _answer(self, slots: NDArray[np.int64]) -> NDArray[np.bool_]:
         c = self.run.complex
-        corners = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]] / c.factor
+        corners = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]]
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        areas = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        raw = self.function(corners, areas, self.numbers[c.region[slots]])
+        with np.errstate(over="ignore", under="ignore"):  # an area may be beyond all doubles: inf, or 0
+            areas = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / c.factor / c.factor
+        raw = self.function(corners / c.factor, areas, self.numbers[c.region[slots]])
         answer = np.asarray(raw)
         if answer.shape != (len(slots),) or answer.dtype != np.bool_ or np.ma.isMaskedArray(raw):
             raise InputError(

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import MOST_VERTICES, as_number
+from ...base.arguments import MOST_VERTICES, as_flags, as_number
 from ...base.arrays import counted_off
 from ...base.codes import DONE, MORE
 from ...base.elementary import cosine, sine
@@ -24,7 +24,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from ..boundary.constrained import planar_complex
-from ..boundary.kept import SplitBoundary, kept_pieces
+from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from .account import account, history_of
 from .limits import make_limits
@@ -139,6 +139,8 @@ def refine(
     S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
     non-termination of Ruppert's algorithm (2011). Book: 2.6a, 2.6d.
     """
+    check_split_boundary(split_boundary)
+    as_flags(history=history, progress=progress)
     domain = as_domain(domain) if isinstance(domain, Sampled) else domain
     if not isinstance(domain, Domain | Mesh):
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
@@ -193,7 +195,7 @@ def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:
     angle = 25.0 if min_angle is None else as_number(min_angle, "min_angle")
     if not 0.0 <= angle <= LARGEST_MIN_ANGLE:
         raise InputError(f"min_angle = {min_angle} must be between 0 and {LARGEST_MIN_ANGLE:g} degrees")
-    if method not in ("ruppert", "chew", "off-centers"):
+    if not isinstance(method, str) or method not in ("ruppert", "chew", "off-centers"):
         raise InputError(f"method = {method!r} must be 'ruppert', 'chew' or 'off-centers'")
     return _shape(method, angle)
 

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET
-from ...base.arrays import frozen
+from ...base.arrays import distinct, frozen
 from ...base.errors import InputError, MeshError
 from ...base.jit import lean
 from ...connect.insertion.halfedges import SEGMENTS
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.inserting import insert_all
-from ...geometry.edge_vectors import lengths
+from ...geometry.edge_vectors import content, lengths
 from ...mesh.domain_mesh import DomainMesh
+from ...mesh.grouping import group_rows
 from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh, is_planar
 from ...mesh.naming import names_by_number
@@ -66,7 +67,7 @@ def plan_mesh(
     _judge(mesh)
     used, place = _used(mesh)
     values, group = _groups(mesh)
-    edges, left, right, kinds = _constraints(mesh, group)
+    edges, left, right, (kinds, sets) = _constraints(mesh, group)
     links = matched_edges(mesh, edges)
     labels = np.column_stack([kinds, left < 0, right < 0, links.label])
     ends, chain, span, flipped = chains(mesh.points, edges, labels)
@@ -101,7 +102,7 @@ def plan_mesh(
             "mesh": {
                 "facets": int((~inner).sum()), "origin": mesh.origin[used],
                 "points": np.concatenate([mesh.points[used], cut_.points]),
-                "markers": {name: np.unique(chain[kinds[:, k]]) for k, name in enumerate(_names(mesh))},
+                "markers": {name: np.unique(chain[part]) for name, part in zip(_names(mesh), sets)},
             },
         },
     )  # fmt: skip
@@ -215,27 +216,46 @@ def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
 
 def _constraints(
     mesh: Mesh, group: NDArray[np.int64]
-) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Edges (a < b) that must stay, the groups of cells on the left and right, and the markers of each."""
+) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64], Any]:
+    """Edges (a < b) that must stay, the groups of cells on the left and right, and `_named_edges`."""
     n = len(mesh.points)
     stay = (mesh.neighbors < 0) | (group[mesh.neighbors] != group[:, None])
-    for name, rows in mesh.markers.items():
-        if rows.ndim == 2 and rows.shape[1] == 2:
-            sides, found = marked_sides(mesh.simplices, rows, n)
-            if not found.all():
-                edge = rows[int(np.argmin(found))].tolist()
-                raise MeshError(f"markers[{name!r}]: {edge} is not an edge of the mesh: drop it")
-            stay |= sides
+    named = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2}
+    if named:  # all at once: there may be thousands
+        every = np.concatenate(list(named.values()))
+        sides, found = marked_sides(mesh.simplices, every, n)
+        if not found.all():
+            row = int(np.argmin(found))
+            name = list(named)[
+                int(np.searchsorted(np.cumsum([len(r) for r in named.values()]), row, "right"))
+            ]
+            raise MeshError(f"markers[{name!r}]: {every[row].tolist()} is not an edge of the mesh: drop it")
+        stay |= sides
     cells, corner = np.nonzero(stay)
     start, end = (mesh.simplices[cells, (corner + k) % 3].astype(np.int64) for k in (1, 2))
     key, where = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)
     side = np.full((2, len(key)), -1, dtype=np.int64)
     side[(start > end).astype(int), where] = group[cells]
     edges = np.column_stack([key // n, key % n]).astype(np.int32)
-    kinds = np.zeros((len(key), len(_names(mesh))), dtype=bool)
-    for k, name in enumerate(_names(mesh)):
-        kinds[:, k] = np.isin(key, np.sort(mesh.markers[name].astype(np.int64), axis=1) @ [n, 1])
-    return edges, side[0], side[1], kinds
+    return edges, side[0], side[1], _named_edges(mesh, key)
+
+
+def _named_edges(mesh: Mesh, key: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[NDArray[np.int64]]]:
+    """A number for the set of markers of each edge, and the edges of each marker, which ``key`` contains."""
+    names = _names(mesh)
+    if not names:
+        return np.zeros(len(key), dtype=np.int64), []
+    rows = [np.sort(mesh.markers[name].astype(np.int64), axis=1) @ [len(mesh.points), 1] for name in names]
+    owner = np.repeat(np.arange(len(names)), [len(part) for part in rows])
+    edge, owner = np.divmod(
+        distinct(np.searchsorted(key, np.concatenate(rows)) * len(names) + owner), len(names)
+    )
+    count = np.bincount(edge, minlength=len(key))
+    table = np.full((len(key), max(int(count.max(initial=0)), 1)), -1)
+    table[edge, np.arange(len(edge)) - (np.cumsum(count) - count)[edge]] = owner
+    order = np.argsort(owner, kind="stable")
+    sets = np.split(edge[order], np.searchsorted(owner[order], np.arange(1, len(names))))
+    return group_rows(table)[0], sets
 
 
 # --- straight chains -------------------------------------------------------------------------------
@@ -342,15 +362,15 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     rows = c.vertex[: 3 * c.triangles].reshape(-1, 3)[c.kept()]
     if (rows < 0).any():
         raise MeshError("the boundary of the mesh does not close: see unstruct.check")
-    a, b, d = (c.xy[rows[:, k]] / c.factor for k in range(3))
-    u, v = b - a, d - a
-    area = 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
-    cells = mesh.volume
+    area = float(content(c.xy[rows[:, 1:]] - c.xy[rows[:, :1]]).sum() / 2)  # scaled, as doubles hold it
+    corners = mesh.corners * c.factor
+    cells = float(content(corners[:, 1:] - corners[:, :1]).sum() / 2)
     if abs(area - cells) > 1e-9 * cells and (
         _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[_used(mesh)[0]], rows)
     ):
         raise MeshError(
-            f"cells of the mesh overlap: their area is {cells}, that of the region {area}; see unstruct.check"
+            f"cells of the mesh overlap: their area is {cells / c.factor / c.factor}, that of the region "
+            f"{area / c.factor / c.factor}; see unstruct.check"
         )
 
 

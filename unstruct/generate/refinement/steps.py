@@ -248,10 +248,9 @@ def _in_the_way(w, tally, limits, t, k, center, by, floor):
         if s >= 0:
             marked += 1
             a, b = start_of(w.vertex, e), end_of(w.vertex, e)
-            if w.lock[s] == KEPT:  # it stays whether it is encroached or not, so that p may come near it
-                continue
-            if w.lock[s] == GUARDED:
-                if by == BY_ANGLE and spoils(w.xy, w.vertex, t, a, b, px, py):
+            # These stay whether they are encroached or not, so that p may come near them, within limits.
+            if w.lock[s] == KEPT or w.lock[s] == GUARDED:
+                if by == BY_ANGLE and spoils(w.xy, w.vertex, t, a, b, px, py, w.lock[s] == GUARDED):
                     found += 1
                     why = KEPT
                 continue

@@ -23,7 +23,7 @@ __all__ = ["MOST_INNER", "lattice_points"]
 
 Array = NDArray[np.float64]
 CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
-CLEARANCE = 0.6  # how near to the surface points may be; unit: the wanted length there
+FROM_SURFACE = 0.6  # how near to the surface points may be; unit: the wanted length there
 JITTER = 1e-3  # of the side of a cell
 MOST_INNER = 2_000_000  # points, unless a budget is given
 SPARSE = (
@@ -71,7 +71,7 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
     size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
-    rows = rows[~_near(shell, domain, rows, CLEARANCE * size)]
+    rows = rows[~_near(shell, domain, rows, FROM_SURFACE * size)]
     rows = rows[even_odd_in_space(shell.points, shell.bounding, rows)[0]]
     if len(rows) > most:
         raise InputError(_too_many(len(rows), most))

@@ -15,7 +15,7 @@ from ...connect.insertion.engine import COUNT, FREE, STAMP
 from ...connect.spatial.arrays import CellArrays
 from ...connect.spatial.held import hold, new_held
 from ...connect.spatial.records import SEED, new_local, new_search
-from ...connect.spatial.recovery import SLACK
+from ...connect.spatial.recovery import SPARE_SLOTS
 from ...mesh.marked import marked_facets
 from ...predicates.batch import orient_rows, power_of_two
 from .steps import REFILLED, SMOOTHED, cell_badness, refill_bad, smooth_bad
@@ -136,7 +136,7 @@ def rounded(
         poor = poor[np.argsort(-bad[poor], kind="stable")].astype(np.int32)
         limits = np.array([POOR_CELL, LARGEST_CAVITY, NODES_OF_A_SEARCH, number], dtype=np.float64)
         while len(poor):
-            work.reserve(work.size, work.slots + len(poor) // 4 + 8 * SLACK)
+            work.reserve(work.size, work.slots + len(poor) // 4 + 8 * SPARE_SLOTS)
             poor = poor[refill_bad(work.solid(), held, local, poor, touched, limits, counts) :]
         limits[0] = UNEVEN_STAR
         smooth_bad(work.solid(), work.found, vertices, touched, limits, counts)

@@ -13,8 +13,8 @@ from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import beside, commit, corner, grow, load
 from ...connect.spatial.crossing import star
-from ...connect.spatial.records import CORNERS, KIND
-from ...connect.spatial.recovery import SLACK
+from ...connect.spatial.records import COST_KIND, LOCALS
+from ...connect.spatial.recovery import SPARE_SLOTS
 from ...connect.spatial.refill import NEVER, SHAPE, badness, refill
 from ...connect.spatial.signs import side
 
@@ -39,7 +39,7 @@ def _refilled(solid, held, r, count, wanted, noise, budget):
     """Refill a cavity grown from ``count`` cells if that makes its worst cell better."""
     if not grow(solid, r, count, wanted, noise):
         return False
-    r.size[KIND] = SHAPE
+    r.size[COST_KIND] = SHAPE
     faces, cost = load(solid, held, r)
     if cost >= NEVER:
         return False
@@ -59,7 +59,7 @@ def refill_bad(solid, held, r, cells, touched, limits, counts):
     """
     most, budget, now = int(limits[1]), int(limits[2]), int(limits[3])
     for i in range(cells.shape[0]):
-        if solid.state[COUNT] - solid.state[FREE] + SLACK > solid.stamp.shape[0]:
+        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
             return i
         t = cells[i]
         if solid.vertex[4 * t] < 0:
@@ -81,7 +81,7 @@ def refill_bad(solid, held, r, cells, touched, limits, counts):
                 break
         if done:
             counts[REFILLED] += 1
-            for j in range(r.size[CORNERS]):
+            for j in range(r.size[LOCALS]):
                 touched[r.label[j]] = now
     return cells.shape[0]
 

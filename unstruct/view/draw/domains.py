@@ -10,11 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from ...base.errors import DomainError
+from ...base.errors import DomainError, InputError
 from ...geometry.outline import Outline
 from ...geometry.parity import left_parity
 from . import frames as fr
+from .bodies import body_parts
 from .colors import role
+from .space import item3, picture
 from .strips import draw_items, fit, flat_axes, marks
 
 __all__ = ["plot_domain"]
@@ -32,8 +34,10 @@ def plot_domain(
     names: bool = True,
     vertices: bool | None = None,
     faults: Iterable[Any] = (),
+    azimuth: float | None = None,
+    elevation: float | None = None,
 ) -> Axes:
-    """Draw what bounds a region: facets, inner pieces, loose vertices, markers, seeds and faults.
+    """Draw what bounds a region or a body: facets, inner pieces, loose vertices, names, seeds and faults.
 
     Parameters
     ----------
@@ -51,6 +55,9 @@ def plot_domain(
         Whether to mark the vertices; by default where there are at most 400. Loose ones are always marked.
     faults : sequence of Fault
         Their pieces and vertices are emphasized, and each is marked and described at its place.
+    azimuth, elevation : float, optional
+        From where bodies in space are seen, in degrees; by default -55 and 22. `view3d` lets a reader turn
+        them.
 
     Returns
     -------
@@ -64,7 +71,16 @@ def plot_domain(
             names=names,
             vertices=vertices,
             faults=[*domain.faults, *faults],
+            azimuth=azimuth,
+            elevation=elevation,
         )
+    given = {"azimuth": azimuth, "elevation": elevation}
+    view: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    if domain.points.shape[1] == 3:
+        parts = body_parts(domain, numbers=numbers, names=names, vertices=vertices, faults=faults)
+        return picture([item3(kind, look, *rest, **more) for kind, look, *rest, more in parts], ax, **view)
+    if view:
+        raise InputError(f"{' and '.join(view)} are options of bodies in space; this domain is planar")
     points, count = domain.points, len(domain.pieces)
     lines = _lines(domain)
     ax = flat_axes(ax)

@@ -72,7 +72,7 @@ def plot(
     label : str
         Of the color bar.
     azimuth, elevation : float, optional
-        From where solids and surfaces in space are seen, in degrees; by default -55 and 22.
+        From where solids, surfaces and bodies in space are seen, in degrees; by default -55 and 22.
     explode : float, optional
         How far cells are moved apart, in units of their size; by default they are not.
 
@@ -86,11 +86,11 @@ def plot(
         For more than three dimensions, or if ``values`` does not have one entry per cell.
     """
     given = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
-    view = {name: value for name, value in given.items() if value is not None}
+    view: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if isinstance(mesh, Outline | DomainError):
-        if role != "cell" or values is not None or label or view:
-            raise InputError("role, values, label and views in space are options of meshes; see plot_domain")
-        return plot_domain(mesh, ax, numbers=names or None, vertices=vertices)
+        if role != "cell" or values is not None or label or explode is not None:
+            raise InputError("role, values, label and explode are options of meshes; see plot_domain")
+        return plot_domain(mesh, ax, numbers=names or None, vertices=vertices, **view)
     if not hasattr(mesh, "points") or not (hasattr(mesh, "cells") or hasattr(mesh, "simplices")):
         raise InputError(f"plot draws a Mesh or a Domain, not a {type(mesh).__name__}")
     points = np.asarray(mesh.points, dtype=float)

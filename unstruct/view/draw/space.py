@@ -22,8 +22,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize, to_hex, to_rgb
 
-from ...base.errors import InputError
+from ...base.errors import DomainError, InputError
+from ...geometry.outline import Outline
 from ...mesh.cells import incident_facets
+from .bodies import body_parts
 from .colors import line_style, styles
 from .colors import role as style_of
 from .stills import STILL_DPI, picture_of, with_still
@@ -121,6 +123,8 @@ def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any 
     Other solids and mixtures are always shown by their boundary. ``values`` gives the cells colors, in that
     case by their faces; ``only`` selects some of the cells (indices or a mask).
     """
+    if isinstance(mesh, Outline | DomainError):
+        return domain_items3(mesh)
     points = np.asarray(mesh.points, dtype=float)
     if points.shape[1] not in (2, 3):
         raise InputError(
@@ -145,6 +149,16 @@ def mesh_items3(mesh: Any, role: str = "cell", values: Any = None, *, only: Any 
     if values is not None:
         _color(items, np.asarray(values, dtype=float))
     return items
+
+
+def domain_items3(domain: Outline | DomainError) -> list[Item]:
+    """A body in space, or the one that an error refused with its faults marked, as items."""
+    outline: Outline = domain.outline if isinstance(domain, DomainError) else domain
+    if outline.points.shape[1] != 3:
+        raise InputError("a view in space shows bodies in space; plot draws planar domains")
+    faults = domain.faults if isinstance(domain, DomainError) else ()
+    parts = body_parts(outline, faults=faults)
+    return [item3(kind, role, *rest, **more) for kind, role, *rest, more in parts]
 
 
 def _skin(mesh: Any, role: str, points: np.ndarray, values: Any) -> Item:
@@ -187,14 +201,15 @@ def view3d(
     explode: float = 0.0,
     size: int = 420,
 ) -> Space:
-    """Show a mesh or a scene that the reader turns by dragging or with the arrow keys.
+    """Show a mesh, a body or a scene that the reader turns by dragging or with the arrow keys.
 
     A slider moves the cells apart.
 
     Parameters
     ----------
-    mesh : Mesh or list of dict
-        Tetrahedra, a surface or edges; or items made by `item3` and `mesh_items3`.
+    mesh : Mesh, Domain, DomainError or list of dict
+        Tetrahedra, a surface or edges; a body in space, or the error that refused it, with its faults marked;
+        or items made by `item3` and `mesh_items3`.
     alt : str
         A sentence for readers who cannot see the picture.
     role, values

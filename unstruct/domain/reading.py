@@ -1,0 +1,30 @@
+"""`Domain.read`: from planar sources, or from files of bodies in space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .plane.sources import read_domain
+from .space.sources import body_path, read_body
+from .space.surfaces import account
+
+__all__ = ["read"]
+
+
+def read(
+    cls: Any,
+    make: Callable[[dict[str, Any], Mapping[str, Any]], Any],
+    source: str | Path,
+    *,
+    shape: str,
+    name: str | None,
+    options: Mapping[str, Any],
+) -> Any:
+    """The domain of a source; see `Domain.read`. ``make`` joins parts and options."""
+    path = body_path(source)
+    if path is None:
+        return read_domain(cls, make, source, shape=shape, name=name, options=options)
+    found = read_body(path, make=cls, resolve=bool(options.get("resolve")))
+    return account(make(found.parts, options), found)
