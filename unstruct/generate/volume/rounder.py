@@ -155,7 +155,7 @@ def _result(points: NDArray, cells: tuple, work: _Cells, vertices: NDArray, coun
     after[vertices] = work.xyz[vertices] / work.factor
     simplices = work.cells().copy()
     if (orient_rows(after, simplices) <= 0).any():  # coordinates so small that scaling has rounded them
-        return Rounded(points, *cells, 0, 0)
+        return Rounded(points, cells[0], cells[1], cells[2], 0, 0)
     return Rounded(
         after, simplices, np.where(across >= 0, number[across >> 2], -1).astype(np.int32),
         work.region[slots].copy(), int(counts[REFILLED]), int(counts[SMOOTHED]),
