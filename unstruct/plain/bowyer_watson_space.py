@@ -1,8 +1,8 @@
-"""Bowyer and Watson's insertion in space, from a large tetrahedron or a large cube (section 2.8a of the book).
+"""Bowyer and Watson's insertion in space, from a large tetrahedron or cube (section 2.8a of the book).
 
 All points lie inside of an artificial start, so every point lies in some cell. Afterwards all cells with an
-artificial vertex are removed. What remains can lack a part of the convex hull: a cell whose sphere contains an
-artificial vertex was never made. ``unstruct.plain.bowyer_watson`` has vertices at infinity instead.
+artificial vertex are removed. What remains can lack a part of the convex hull: a cell whose sphere contains
+an artificial vertex was never made. ``unstruct.plain.bowyer_watson`` has vertices at infinity instead.
 
 Sources: A. Bowyer, The Computer Journal 24 (1981) 162-166; D. F. Watson, ibid. 167-172; the cube of five
 tetrahedra: N. P. Weatherill and O. Hassan, Int. J. Numer. Methods Eng. 37 (1994) 2005-2039.
@@ -34,7 +34,9 @@ __all__ = [
 ]
 
 Point = tuple[Fraction, ...]
-Tetrahedron = tuple[int, ...]
+Cell = tuple[int, ...]
+Points = Sequence[tuple[Fraction, ...]]
+Cells = frozenset[tuple[int, ...]]
 # Corner k of a cube is (k & 1, k >> 1 & 1, k >> 2 & 1). The first cell has the four even corners, each
 # other one cuts off an odd corner.
 FIVE = ((0, 3, 5, 6), (1, 0, 3, 5), (2, 0, 6, 3), (4, 0, 5, 6), (7, 3, 6, 5))
@@ -44,12 +46,12 @@ class Insertion(NamedTuple):
     """One insertion: the new vertex, the cells that go, those that come, and all cells afterwards."""
 
     vertex: int
-    cavity: frozenset[Tetrahedron]
-    star: frozenset[Tetrahedron]
-    cells: frozenset[Tetrahedron]
+    cavity: Cells
+    star: Cells
+    cells: Cells
 
 
-def triangulate_space(points: Sequence[Any], start: str = "cube", size: Any = 10) -> set[Tetrahedron]:
+def triangulate_space(points: Sequence[Any], start: str = "cube", size: Any = 10) -> set[Cell]:
     """The cells of the points after insertion into an artificial start, and after its removal.
 
     Parameters
@@ -68,7 +70,7 @@ def triangulate_space(points: Sequence[Any], start: str = "cube", size: Any = 10
     return without_start(cells, len(points))
 
 
-def around(points: Sequence[Any], start: str, size: Any) -> tuple[list[Point], frozenset[Tetrahedron]]:
+def around(points: Sequence[Any], start: str, size: Any) -> tuple[list[Point], Cells]:
     """The points as rationals, followed by the corners of the start, and the cells of the start."""
     rows = [tuple(map(Fraction, p)) for p in points]
     if not rows or any(len(p) != 3 for p in rows):
@@ -84,7 +86,7 @@ def around(points: Sequence[Any], start: str, size: Any) -> tuple[list[Point], f
     return rows, frozenset(positive(rows, cell) for cell in named)
 
 
-def big_cube(points: Sequence[Point], size: Any) -> tuple[list[Point], tuple[Tetrahedron, ...]]:
+def big_cube(points: Points, size: Any) -> tuple[list[Point], tuple[Cell, ...]]:
     """A cube around the points, ``size`` times as large as they are, of five tetrahedra."""
     middle, reach = ball_of(points)
     half = reach * Fraction(size)
@@ -92,15 +94,13 @@ def big_cube(points: Sequence[Point], size: Any) -> tuple[list[Point], tuple[Tet
     return corners, FIVE
 
 
-def big_tetrahedron(points: Sequence[Point], size: Any) -> tuple[list[Point], tuple[Tetrahedron, ...]]:
-    """The tetrahedron of four corners of a cube; it contains the middle third of the cube, in each direction."""
+def big_tetrahedron(points: Points, size: Any) -> tuple[list[Point], tuple[Cell, ...]]:
+    """The tetrahedron of four corners of a cube; it contains the middle third of the cube each way."""
     corners, _ = big_cube(points, 3 * Fraction(size))
     return [corners[v] for v in FIVE[0]], ((0, 1, 2, 3),)
 
 
-def by_insertion(
-    points: Sequence[Point], cells: frozenset[Tetrahedron], vertices: Iterable[int]
-) -> Iterator[Insertion]:
+def by_insertion(points: Points, cells: Cells, vertices: Iterable[int]) -> Iterator[Insertion]:
     """Insert one vertex after another, and yield each step; a copy of an earlier vertex is left out."""
     known = {points[v] for cell in cells for v in cell}
     for vertex in vertices:
@@ -111,30 +111,32 @@ def by_insertion(
             yield step
 
 
-def insert_in_space(points: Sequence[Point], cells: frozenset[Tetrahedron], vertex: int) -> Insertion:
-    """Remove the cells whose open spheres contain the vertex, and join their outer faces to it."""
+def insert_in_space(points: Points, cells: Cells, vertex: int) -> Insertion:
+    """Remove the cells whose spheres contain the vertex, join their faces to it."""
     cavity = cavity_of(points, cells, vertex)
     star = frozenset(joined(points, face, vertex) for face in faces_of(cavity))
     return Insertion(vertex, cavity, star, (cells - cavity) | star)
 
 
-def cavity_of(points: Sequence[Point], cells: Iterable[Tetrahedron], vertex: int) -> frozenset[Tetrahedron]:
+def cavity_of(points: Points, cells: Iterable[Cell], vertex: int) -> Cells:
     """The cells whose open circumspheres contain the vertex."""
-    return frozenset(c for c in cells if in_sphere([points[v] for v in c], points[vertex]) > 0)
+    p = points[vertex]
+    return frozenset(c for c in cells if in_sphere([points[v] for v in c], p) > 0)
 
 
-def faces_of(cells: Iterable[Tetrahedron]) -> list[Tetrahedron]:
+def faces_of(cells: Iterable[Cell]) -> list[Cell]:
     """The triangles that belong to one of the cells only."""
-    count = Counter(tuple(sorted(set(cell) - {v})) for cell in cells for v in cell)
+    faces = (tuple(sorted({*cell} - {v})) for cell in cells for v in cell)
+    count = Counter(faces)
     return [face for face, times in count.items() if times == 1]
 
 
-def joined(points: Sequence[Point], face: Tetrahedron, vertex: int) -> Tetrahedron:
+def joined(points: Points, face: Cell, vertex: int) -> Cell:
     """A face and a vertex as a cell of positive orientation."""
     return positive(points, (*face, vertex))
 
 
-def positive(points: Sequence[Point], cell: Tetrahedron) -> Tetrahedron:
+def positive(points: Points, cell: Cell) -> Cell:
     """The cell with ascending vertices, the last two exchanged where the orientation asks for it."""
     a, b, c, d = sorted(cell)
     sign = orient([points[v] for v in (a, b, c, d)])
@@ -143,12 +145,12 @@ def positive(points: Sequence[Point], cell: Tetrahedron) -> Tetrahedron:
     return (a, b, c, d) if sign > 0 else (a, b, d, c)
 
 
-def without_start(cells: Iterable[Tetrahedron], n: int) -> set[Tetrahedron]:
+def without_start(cells: Iterable[Cell], n: int) -> set[Cell]:
     """The cells that have none of the artificial vertices n, n + 1, ..."""
     return {cell for cell in cells if max(cell) < n}
 
 
-def ball_of(points: Sequence[Point]) -> tuple[Point, Fraction]:
+def ball_of(points: Points) -> tuple[Point, Fraction]:
     """The middle of the box around the points, and half of its longest side."""
     low, high = (tuple(map(end, zip(*points))) for end in (min, max))
     middle = tuple((a + b) / 2 for a, b in zip(low, high))

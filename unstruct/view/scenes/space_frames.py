@@ -23,7 +23,7 @@ def space_frame(
     """A scene of `item3` as a frame, seen from a direction given in degrees.
 
     Faces are painted by the depths of their middles, edges and points a little in front of faces there; last
-    come labels, spheres, and what is being inserted, so that it is seen inside of cells. A sphere is a circle.
+    come labels, spheres, and what is being inserted, which is seen inside of cells. A sphere is a circle.
     """
     turn = axes3(azimuth, elevation)
     lift = 0.02 * max((float(np.abs(row).max()) for i in items for row in i["points"]), default=1.0)
