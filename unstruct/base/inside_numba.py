@@ -82,6 +82,8 @@ NOT_NEEDED = {
     "WithLifting",
 }
 
+LONG_WRAPPER = 120  # blocks
+
 if KNOWN:
     NARROW_TYPES = (types.int8, types.int16, types.int32)
 
@@ -124,6 +126,14 @@ if KNOWN:
 
     class _Library(JITCodeLibrary):
         """The code of a kernel, of which numba also optimized the functions that are only declared."""
+
+        def add_ir_module(self, ir_module: Any) -> None:
+            """Add code; what takes Python's objects apart, once per call, is not optimized if it is long."""
+            for function in ir_module.functions:
+                if function.name.startswith("_ZN7cpython") and len(function.blocks) > LONG_WRAPPER:
+                    function.attributes.add("noinline")
+                    function.attributes.add("optnone")
+            super().add_ir_module(ir_module)
 
         def _optimize_functions(self, ll_module: Any) -> None:
             ll_module.data_layout = self._codegen._data_layout
