@@ -1,8 +1,8 @@
 """How kernels call ``min``, ``max``, ``int`` and ``np.empty``: a part of `inside_numba`.
 
-For each combination of types numba compiles a function of its own around one instruction or one allocation, which
-the kernel then copies: a tenth of the time that the first call of a mesher takes. Here the same instructions are
-written into the kernel at once, by the same parts of numba.
+For each combination of types numba compiles a function of its own around one instruction or one
+allocation, which the kernel then copies: a tenth of the time that the first call of a mesher takes. Here the
+same instructions are written into the kernel at once, by the same parts of numba.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from importlib import import_module
+from inspect import Parameter, Signature
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ _parts: dict[str, Any] = {}  # of numba, which loads them when it compiles for t
 
 
 def direct(function: Any) -> Callable | None:
-    """What gives the key and the signature of a call from a context and the types of its arguments, or None."""
+    """What gives key and signature of a call, from a context and the types of the arguments; or None."""
     if types is None or not _found():
         return None
     try:
@@ -90,9 +91,9 @@ def _array(context: Any, args: tuple, kws: Any) -> Any:
 
 
 if types is not None:
-    from inspect import Parameter, Signature
-
-    SHAPE_AND_KIND = Signature([Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in ("shape", "dtype")])
+    SHAPE_AND_KIND = Signature(
+        [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in ("shape", "dtype")]
+    )
 
     def _lower_least(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return _parts["do_minmax"](context, builder, list(sig.args), args, operator.lt)

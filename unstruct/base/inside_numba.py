@@ -49,7 +49,8 @@ else:
         FunctionCache: "_load_overload save_overload _index_key _guard_against_spurious_io_errors",
         IndexDataCacheFile: "_load_index load save",
         Context: "resolve_function_type _lookup_global load_additional_registries",
-        CPUContext: "load_additional_registries insert_user_function remove_user_function get_abi_sizeof get_executable",
+        CPUContext: "load_additional_registries install_registry insert_user_function remove_user_function "
+        "get_abi_sizeof get_executable",
         CPUTargetOptions: "nogil forceinline _nrt no_cpython_wrapper no_cfunc_wrapper",
         CompilerBase: "define_pipelines compile_extra",
         CompileResultCacheImpl: "reduce rebuild check_cachable",

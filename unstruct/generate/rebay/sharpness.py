@@ -12,7 +12,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from ...base.jit import apart, inline, lean
+from ...base.jit import apart, inline
 from ...connect.insertion.halfedges import end_of, next_edge, prev_edge, start_of
 from ...connect.planar.stars import CERTAIN, COMPASS, TINY_AREA, legalize, star_of, swap_around
 from ...predicates.kernels import orient2
