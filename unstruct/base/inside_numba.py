@@ -16,14 +16,7 @@ from typing import Any, ClassVar
 
 from .inside_builtins import direct
 
-__all__ = [
-    "KNOWN",
-    "CopiedCode",
-    "CopiedPipeline",
-    "Record",
-    "ShortPipeline",
-    "one_type",
-]
+__all__ = ["KNOWN", "CopiedCode", "CopiedPipeline", "Record", "ShortPipeline", "one_type"]
 
 try:
     from llvmlite import binding
@@ -322,7 +315,8 @@ if KNOWN:
             found = self.typed(context, args, kws)
             if found is None:
                 return super().get_call_type(context, args, kws)
-            self._impl_keys[found[1].args], result = found
+            keys: dict[Any, Any] = vars(self)["_impl_keys"]
+            keys[found[1].args], result = found
             return result
 
     register_model(_Direct)(OpaqueModel)
@@ -382,7 +376,7 @@ if KNOWN:
     @contextmanager
     def _no_word_of_locks() -> Iterator[None]:
         """numba would report each of 30,000 calls of LLVM, to each kernel that waits for a callee."""
-        lock = getattr(binding.ffi.lib, "_lock", None)
+        lock: Any = getattr(binding.ffi.lib, "_lock", None)
         listeners = getattr(lock, "_cblist", None)
         if not listeners:
             yield
