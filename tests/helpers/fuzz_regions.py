@@ -1,7 +1,7 @@
 """Mesh very many small random regions and judge every mesh.
 
 ``python tests/helpers/fuzz_regions.py COUNT --seed S`` runs it.
-Region i of seed S is `regions.random_region` of the pair (S, i), so that ``--first i --count 1`` repeats it.
+Region i of seed S is made from the pair (S, i), by `regions.KINDS` or `extreme_regions.EXTREME`, so that ``--first i --count 1`` repeats it.
 Its kind is number i modulo their number, unless ``--kind`` names one.
 Each mesh is judged by a compiled check (adjacency, orientation and empty circles by exact signs, area, every
 limit that the mesh claims to keep), and now and then, and wherever that finds a fault, by `unstruct.check`.
@@ -21,11 +21,13 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+import regions
+from extreme_regions import EXTREME
 from fuzz_work import WORK
-from regions import KINDS
 
 from unstruct import IncompleteWarning, UnstructError, check
 
+KINDS = regions.KINDS | EXTREME
 SECONDS = 20  # of the processor, for one mesh
 SAMPLE = 50  # one mesh in so many gets the full check
 LARGEST = 3000  # cells, for the full check where nothing is suspicious
