@@ -114,9 +114,9 @@ def circumcenter_insertion(
     halvings suffice; without a budget these are counted. With a limit on shapes there is no such bound: then
     the budget (by default 10^6 points) ends a run that does not end by itself. Triangles with circumradii
     below about 2^-44 of the largest coordinate are refined only where a size asks for it. O(log n) to find
-    the worst triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew, Cornell TR
-    89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a,
-    2.6b.
+    the worst triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew,
+    Cornell TR 89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585.
+    Book: 2.6a, 2.6b.
     """
     as_flags(history=history, progress=progress)
     if size is None and limit is None and budget is None:
