@@ -11,6 +11,7 @@ limit that the mesh claims to keep), and now and then, and wherever that finds a
 from __future__ import annotations
 
 import argparse
+import re
 import signal
 import sys
 import time
@@ -79,7 +80,9 @@ def one(seed: int, i: int, names: list[str], kind: str | None = None) -> tuple[s
         except TooLong as error:
             faults.append(f"{name}: {error}")
         except InputError as error:
-            told = kind in EXTREME and "too few digits for new vertices" in str(error)
+            told = kind in EXTREME and re.search(
+                "too few digits|no digits left|not 0.0$|= 0.0 must", str(error)
+            )
             (outcomes if told else faults).append(f"{name}: {'too few digits' if told else error}")
         except Exception as error:
             faults.append(f"{name}: {type(error).__name__}: {error}\n{traceback.format_exc(limit=-3)}")

@@ -65,7 +65,7 @@ def write_su2(mesh: CellComplex, path: Path) -> list[str]:
 
 
 def _lines_of(border: np.ndarray, groups: list[np.ndarray]) -> list[bytes]:
-    """The line of each facet, group by group, facets with fewer corners first: all at once, for many groups."""
+    """The line of each facet, group by group, facets with fewer corners first: all groups at once."""
     if not groups:
         return []
     faces = border[np.concatenate(groups)]
