@@ -10,6 +10,7 @@ import fuzz_work
 import numpy as np
 import pytest
 from alone import run
+from extreme_regions import EXTREME
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS
@@ -280,6 +281,14 @@ def test_wide_exponents(seed: tuple[int, int]) -> None:
     assert check(mesh, domain=domain, delaunay="constrained")
     if seed in WIDE_THIN:
         assert any("narrow" in reason for reason in mesh.reasons)
+
+
+@pytest.mark.parametrize("kind", ["spokes", "sides", "huge"])
+def test_extreme_scales(kind: str) -> None:
+    for seed in range(3):
+        domain = EXTREME[kind](np.random.default_rng(seed))
+        _, mesh, fault, _ = fuzz_work.centers(domain, np.random.default_rng([seed, 1]))
+        assert fault == "" and check(mesh, domain=domain, delaunay="constrained")
 
 
 def test_spokes_shorter_than_rounding_are_left() -> None:
