@@ -166,8 +166,9 @@ def run(case: Case) -> Outcome:
                 domain, what = case.make(resolve=True), "mended"
             except UnstructError as worse:
                 return Outcome("refused", str(worse), 0)
-        mesh = unstruct.constrained_delaunay(domain, hull=case.hull)
-        report = unstruct.check(mesh, domain=None if case.hull else domain)
+        hull = case.hull or not len(domain.facets)  # open chains around a hole are taken for inner segments
+        mesh = unstruct.constrained_delaunay(domain, hull="holes" if hull else False)
+        report = unstruct.check(mesh, domain=None if hull else domain)
     except UnstructError as error:
         return Outcome("fault", f"not meshed: {error}", 0)
     except Exception as error:  # the point of this program is to find these

@@ -55,6 +55,12 @@ def _space() -> None:
     unstruct.check(mesh, delaunay=True)
 
 
+def _bodies() -> None:
+    body = unstruct.Domain.box((0, 0, 0), (1, 1, 1), regions={"all": [0.5, 0.4, 0.5]})
+    unstruct.check(unstruct.constrained_delaunay(body), domain=body)
+    unstruct.check(unstruct.tetrahedralize(unstruct.Domain.ball(size=0.9), 0.9))
+
+
 def _many_dimensions() -> None:
     unstruct.delaunay(_points(4))
 
@@ -130,6 +136,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "the plane": _plane,
     "space": _space,
     "refine": _refine,
+    "bodies": _bodies,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
     "metrics": _metrics,

@@ -99,3 +99,13 @@ def test_other_meshes_are_refused() -> None:
         compare([SQUARE])  # type: ignore[arg-type]
     with pytest.raises(MeshError, match="triangle meshes"):
         angle_histogram(spatial(2))
+
+
+def test_dihedral_angles_of_tetrahedra() -> None:
+    found = statistics(Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]))
+    assert (
+        found.min_dihedral == found.low_dihedral == pytest.approx(math.degrees(math.acos(1 / math.sqrt(3))))
+    )
+    assert found.max_dihedral == pytest.approx(90.0)
+    assert "mean 3r/R" in str(found) and "minimum dihedral angle" in str(found)
+    assert np.isnan(statistics(SQUARE).min_dihedral) and "dihedral" not in str(statistics(SQUARE))

@@ -11,16 +11,12 @@ import gc
 import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, ClassVar
 
-__all__ = [
-    "KNOWN",
-    "CopiedCode",
-    "CopiedPipeline",
-    "Record",
-    "ShortPipeline",
-    "one_type",
-]
+from .inside_builtins import direct
+
+__all__ = ["KNOWN", "CopiedCode", "CopiedPipeline", "Record", "ShortPipeline", "one_type"]
 
 try:
     from llvmlite import binding
@@ -30,7 +26,7 @@ try:
     from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_result
     from numba.core.compiler_machinery import PassManager
     from numba.core.cpu import CPUContext, CPUTargetOptions
-    from numba.core.datamodel.models import TupleModel
+    from numba.core.datamodel.models import OpaqueModel, TupleModel
     from numba.core.dispatcher import Dispatcher
     from numba.core.runtime import rtsys
     from numba.core.typeconv import Conversion
@@ -45,8 +41,9 @@ else:
         Dispatcher: "get_call_template get_overload add_overload compile",
         FunctionCache: "_load_overload save_overload _index_key _guard_against_spurious_io_errors",
         IndexDataCacheFile: "_load_index load save",
-        Context: "resolve_function_type _lookup_global",
-        CPUContext: "insert_user_function remove_user_function get_abi_sizeof get_executable",
+        Context: "resolve_function_type _lookup_global load_additional_registries",
+        CPUContext: "load_additional_registries install_registry insert_user_function remove_user_function "
+        "get_abi_sizeof get_executable",
         CPUTargetOptions: "nogil forceinline _nrt no_cpython_wrapper no_cfunc_wrapper",
         CompilerBase: "define_pipelines compile_extra",
         CompileResultCacheImpl: "reduce rebuild check_cachable",
@@ -69,6 +66,7 @@ NOT_NEEDED = {
     "AnnotateTypes",
     "DumpParforDiagnostics",
     "FindLiterallyCalls",
+    "InlineClosureLikes",
     "InlineInlinables",
     "LiteralPropagationSubPipelinePass",
     "LiteralUnroll",
@@ -77,6 +75,8 @@ NOT_NEEDED = {
     "RewriteDynamicRaises",
     "WithLifting",
 }
+
+LONG_WRAPPER = 120  # blocks
 
 if KNOWN:
     NARROW_TYPES = (types.int8, types.int16, types.int32)
@@ -120,6 +120,14 @@ if KNOWN:
 
     class _Library(JITCodeLibrary):
         """The code of a kernel, of which numba also optimized the functions that are only declared."""
+
+        def add_ir_module(self, ir_module: Any) -> None:
+            """Add code; what takes Python's objects apart, once per call, is not optimized if it is long."""
+            for function in ir_module.functions:
+                if function.name.startswith("_ZN7cpython") and len(function.blocks) > LONG_WRAPPER:
+                    function.attributes.add("noinline")
+                    function.attributes.add("optnone")
+            super().add_ir_module(ir_module)
 
         def _optimize_functions(self, ll_module: Any) -> None:
             ll_module.data_layout = self._codegen._data_layout
@@ -201,13 +209,17 @@ if KNOWN:
 
         library_class = _Library
 
+        def __init__(self, typingctx: Any, targetctx: Any, *rest: Any):
+            super().__init__(typingctx, targetctx, *rest)
+            self.contexts = typingctx, targetctx
+
         def compile_extra(self, function: Any) -> Any:
             """Compile a kernel."""
             state = self.state
             state.typingctx = state.targetctx.typing_context = _types_of(state.typingctx)
             state.targetctx.get_abi_sizeof = _SizeOf(state.targetctx)
             state.flags = _Options(state.flags)
-            with _without_collector():
+            with _without_collector(), _all_registered(*self.contexts), _no_word_of_locks():
                 return super().compile_extra(function)
 
         def define_pipelines(self) -> list[Any]:
@@ -258,7 +270,14 @@ if KNOWN:
                 if found not in self.operators:
                     self.operators[found] = _Operator(found.key[1])
                 return self.operators[found]
+            if type(found) is types.Function and direct(value) is not None:
+                if found not in self.operators:
+                    self.operators[found] = _Direct(found.key[1], direct(value))
+                return self.operators[found]
             return found
+
+        def load_additional_registries(self) -> None:
+            """numba's own context has done so."""
 
         def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
             if getattr(function, "__module__", "") == "_operator" and not kws:
@@ -284,6 +303,23 @@ if KNOWN:
                 if ours and not kws and found is not None and self.get_impl_key(found) is self.key[0]:
                     self.known[key] = found
             return found
+
+    class _Direct(types.Function):
+        """The type of a function that is written into the kernel, where its arguments are numbers."""
+
+        def __init__(self, templates: Any, typed: Any):
+            super().__init__(templates)
+            self.typed = typed
+
+        def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+            found = self.typed(context, args, kws)
+            if found is None:
+                return super().get_call_type(context, args, kws)
+            keys: dict[Any, Any] = vars(self)["_impl_keys"]
+            keys[found[1].args], result = found
+            return result
+
+    register_model(_Direct)(OpaqueModel)
 
     class _SizeOf:
         """The size of a value in memory, for which numba would have LLVM read a program each time."""
@@ -320,6 +356,36 @@ if KNOWN:
         finally:
             if was_on:
                 gc.enable()
+
+    @contextmanager
+    def _all_registered(*contexts: Any) -> Iterator[None]:
+        """numba would look for more functions of its own a thousand times, in thirty modules."""
+        new = [c for c in contexts if "load_additional_registries" not in vars(c)]
+        try:
+            for context in new:
+                context.load_additional_registries = partial(_look_again, context)
+            yield
+        finally:
+            for context in new:
+                del context.load_additional_registries
+
+    def _look_again(context: Any) -> None:
+        for registry in list(context._registries):
+            context.install_registry(registry)
+
+    @contextmanager
+    def _no_word_of_locks() -> Iterator[None]:
+        """numba would report each of 30,000 calls of LLVM, to each kernel that waits for a callee."""
+        lock: Any = getattr(binding.ffi.lib, "_lock", None)
+        listeners = getattr(lock, "_cblist", None)
+        if not listeners:
+            yield
+            return
+        try:
+            lock._cblist = []
+            yield
+        finally:
+            lock._cblist = listeners
 
 
 def one_type(kind: Any) -> Any:

@@ -23,7 +23,7 @@ from .inside_numba import Dispatcher, FunctionCache, IndexDataCacheFile, rtsys
 __all__ = ["KernelCache", "stamp"]
 
 CONSTANT = (bool, int, float, complex, str, bytes, type(None), np.generic)
-FORM = 3  # of compiled kernels: how they call each other; code of another form must not be read
+FORM = 4  # of compiled kernels: how they call each other; code of another form must not be read
 LONG = 1.0  # seconds of compilation after which it is announced
 ANNOUNCEMENT = (
     "unstruct: compiling, once for this machine; this may take a minute "

@@ -150,17 +150,18 @@ def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.n
             if faces.shape[1] > width or len(faces) == 0:
                 lost.append(name)
                 continue
-            wide.append(np.pad(faces, ((0, 0), (0, width - faces.shape[1])), constant_values=-1))
+            padded = np.full((len(faces), width), -1)
+            padded[:, : faces.shape[1]] = faces
+            wide.append(padded)
             names.append(name)
     group, first = group_rows(np.sort(np.concatenate([border, *wide]), axis=1))  # of all names at once
-    ends = np.cumsum([len(border), *(len(rows) for rows in wide)])
-    for i, (name, part) in enumerate(zip(names, np.split(group, ends)[1:-1])):
-        faces = distinct(part)
-        place = first[faces]
-        found = place[place < len(border)]
-        if len(found) < len(faces) or (owner[found] >= 0).any():
-            lost.append(name)
-        owner[found[owner[found] < 0]] = i
+    of = np.repeat(np.arange(len(names)), [len(rows) for rows in wide])
+    place = first[group[len(border) :]]
+    inside = place < len(border)
+    owner[place[inside][::-1]] = of[inside][::-1]  # the first name is assigned last
+    other = ~inside
+    other[inside] = owner[place[inside]] != of[inside]
+    lost += [names[i] for i in distinct(of[other])]
     order = np.argsort(owner, kind="stable")
     parts = np.split(order, np.searchsorted(owner[order], np.arange(len(names) + 1)))
     groups = dict(zip(names, parts[1:])) | {"facets": parts[0]}

@@ -54,15 +54,30 @@ def write_su2(mesh: CellComplex, path: Path) -> list[str]:
     groups, lost = border_groups(mesh, border)
     tags = plain_names(groups)
     parts.append(f"NMARK= {len(groups)}\n".encode())
+    at = 0
+    lines = _lines_of(border, list(groups.values()))
     for name, rows in groups.items():
-        faces = border[rows]
-        parts.append(f"MARKER_TAG= {tags[name]}\nMARKER_ELEMS= {len(faces)}\n".encode())
-        sizes = (faces >= 0).sum(axis=1)
-        for size in np.unique(sizes).tolist():
-            some = faces[sizes == size, :size]
-            parts.append(rows_as_text(np.column_stack([np.full(len(some), WIDTH_NUMBERS[size]), some])))
+        parts.append(f"MARKER_TAG= {tags[name]}\nMARKER_ELEMS= {len(rows)}\n".encode())
+        parts += lines[at : at + len(rows)]
+        at += len(rows)
     path.write_bytes(b"".join(parts))
     return lost
+
+
+def _lines_of(border: np.ndarray, groups: list[np.ndarray]) -> list[bytes]:
+    """The line of each facet, group by group, facets with fewer corners first: all groups at once."""
+    if not groups:
+        return []
+    faces = border[np.concatenate(groups)]
+    sizes = (faces >= 0).sum(axis=1)
+    order = np.lexsort((sizes, np.repeat(np.arange(len(groups)), [len(rows) for rows in groups])))
+    faces, sizes = faces[order], sizes[order]
+    lines = np.empty(len(faces), dtype=object)
+    for size in np.unique(sizes).tolist():
+        some = np.flatnonzero(sizes == size)
+        rows = np.column_stack([np.full(len(some), WIDTH_NUMBERS[size]), faces[some, :size]])
+        lines[some] = rows_as_text(rows).splitlines(keepends=True)
+    return lines.tolist()
 
 
 # ---------------------------------------------------------------------- reading

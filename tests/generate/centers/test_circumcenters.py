@@ -10,6 +10,7 @@ import fuzz_work
 import numpy as np
 import pytest
 from alone import run
+from extreme_regions import EXTREME
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS
@@ -280,6 +281,37 @@ def test_wide_exponents(seed: tuple[int, int]) -> None:
     assert check(mesh, domain=domain, delaunay="constrained")
     if seed in WIDE_THIN:
         assert any("narrow" in reason for reason in mesh.reasons)
+
+
+@pytest.mark.parametrize("kind", ["spokes", "sides", "huge"])
+def test_extreme_scales(kind: str) -> None:
+    for seed in range(3):
+        domain = EXTREME[kind](np.random.default_rng(seed))
+        _, mesh, fault, _ = fuzz_work.centers(domain, np.random.default_rng([seed, 1]))
+        assert fault == "" and check(mesh, domain=domain, delaunay="constrained")
+
+
+def test_spokes_shorter_than_rounding_are_left() -> None:
+    """Found by fuzzing (seed 1, region 6): centers went on toward 1e-251 through fans of hundreds of needles.
+
+    Each insertion made the whole fan be judged again, which took minutes for the 2000 points of the budget.
+    """
+    short = [(-7.4e-251, -6.7e-251), (6.4e-251, -7.7e-251), (-2.9e-7, 1e-5), (9.8e-101, -1.8e-101)]
+    points = [(-(2.0**-10), -(2.0**-20)), (1, -(2.0**-20)), (1, 1), (-(2.0**-10), 1), (0, 0), *short]
+    ring, inner = [(0, 1), (1, 2), (2, 3), (3, 0)], [(4, 5), (4, 6), (4, 7), (4, 8)]
+    domain = Domain(points, ring, inner=inner)
+    mesh = circumcenter_insertion(domain, priority="min_angle", limit=30.0, budget=2000)
+    assert mesh.size < 4000 and np.bincount(mesh.simplices.ravel()).max() < 20
+    assert mesh.counts["circumcenters"] + mesh.counts["splits"] < 2000  # it ended by itself
+    assert all("2**-44" in reason for reason in mesh.reasons)
+    good = np.setdiff1d(np.arange(mesh.size), mesh.unrefined)
+    assert simplex.circumradius(mesh.corners[mesh.unrefined]).max() < 2.0**-43
+    assert mesh.quality("min_angle")[good].min() > 30
+    assert check(mesh, domain=domain, delaunay="constrained")
+    tiny = circumcenter_insertion(
+        Domain.rectangle((0, 0), (2.0**-50, 2.0**-50)), limit=25.0, priority="min_angle"
+    )
+    assert tiny.complete  # the limit is relative to the coordinates
 
 
 @pytest.mark.parametrize("height", [1e-6, 1e-100])

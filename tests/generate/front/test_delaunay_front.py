@@ -265,3 +265,11 @@ def test_a_budget() -> None:
     mesh = front_delaunay(Domain.rectangle(), 0.1, budget=5)
     assert check(mesh, domain=Domain.rectangle(), delaunay="constrained")
     assert mesh.counts["points"] == 5 and set(mesh.reasons) == {"budget"}
+
+
+def test_a_point_on_a_curve_up_to_rounding_is_named() -> None:
+    """The middle of this arc is (6e-17, 1): beside (0, 1) there is no room for a chord. Found by fuzzing."""
+    half = Domain([[-1, 0], [1, 0]], [[0, 1], [1, 0]], curves={1: Arc((0, 0), 1.0, 0.0, np.pi)})
+    with pytest.raises(InputError, match=r"^points\[1\] = \[0.0, 1.0\] .* divides the curve"):
+        front_delaunay(half, [[0.3, 0.3], [0.0, 1.0], [0.1, 0.2]])
+    assert check(front_delaunay(half, [[0.3, 0.3], [0.1, 0.2]]), domain=half, delaunay="constrained")

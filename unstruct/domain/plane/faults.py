@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import fill
 from ...base.errors import DomainError, InputError
-from ...base.jit import kernel
+from ...base.jit import inline, kernel
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import CROSSING, OVERLAPPING, meetings, none_meet, vertices_on_segments
 from ...geometry.sweep import lexicographic
@@ -35,7 +35,8 @@ class Fault:
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
     first = np.arange(len(points))
-    if not _any_equal(np.ascontiguousarray(points)):
+    points = np.ascontiguousarray(points)
+    if not _any_equal(points, points.view(np.int64)):
         return first
     order = lexicographic(points)
     head = np.ones(len(points), dtype=bool)
@@ -47,19 +48,24 @@ def first_copies(points: np.ndarray) -> np.ndarray:
     return first
 
 
+@inline
+def _word(x, bits):
+    """The bits of a coordinate; those of -0.0 are the ones of 0.0."""
+    return np.int64(0) if x == 0.0 else bits
+
+
 @kernel
-def _any_equal(points):
+def _any_equal(points, bits):
     """Whether two points are equal, by a hash table: a point goes to the first free place from its slot on.
 
-    The slot mixes the halves of the bits of both coordinates by products that fit into 64 bits.
+    The slot mixes the halves of the ``bits`` of both coordinates by products that fit into 64 bits.
     """
-    bits = (points + 0.0).view(np.int64)  # -0.0 becomes 0.0
     size = 4
     while size < 2 * points.shape[0]:
         size *= 2
     table = fill(np.empty(size, dtype=np.int32), -1)
     for i in range(points.shape[0]):
-        x, y = bits[i, 0], bits[i, 1]
+        x, y = _word(points[i, 0], bits[i, 0]), _word(points[i, 1], bits[i, 1])
         key = ((x & HALF_WORD) * MIX[0]) ^ (((x >> 32) & HALF_WORD) * MIX[1])
         key ^= ((y & HALF_WORD) * MIX[2]) ^ (((y >> 32) & HALF_WORD) * MIX[3])
         slot = (key >> 28) & (size - 1)
@@ -93,10 +99,10 @@ def _any_repeated(segments, head, after, seen):
 
 
 @kernel
-def _sound(points, pieces, facets, straight):
+def _sound(points, bits, pieces, facets, straight):
     """Whether it is certain, by one quick test, that no stage of `find_faults` would find a fault.
 
-    ``straight`` contains the straight pieces.
+    ``bits`` are those of the points as integers, and ``straight`` contains the straight pieces.
     """
     n = points.shape[0]
     odd = fill(np.empty(n, dtype=np.bool_), False)
@@ -107,7 +113,7 @@ def _sound(points, pieces, facets, straight):
         if i < facets:  # an even number of facets must meet
             odd[a] ^= True
             odd[b] ^= True
-    spare, k = np.ones(n, dtype=np.bool_), n
+    spare, k = fill(np.empty(n, dtype=np.bool_), True), n
     for i in range(straight.shape[0]):
         for v in (straight[i, 0], straight[i, 1]):
             k -= spare[v]
@@ -120,7 +126,7 @@ def _sound(points, pieces, facets, straight):
         if spare[v]:
             alone[k] = v
             k += 1
-    return not _any_equal(points) and none_meet(points, straight, alone)
+    return not _any_equal(points, bits) and none_meet(points, straight, alone)
 
 
 def crossing_place(points: np.ndarray, s: np.ndarray, t: np.ndarray) -> tuple[float, float]:
@@ -152,7 +158,8 @@ def find_faults(outline: Outline) -> list[Fault]:
     """
     if len(outline.pieces) <= MANY:
         straight = _straight(outline)[1] if outline.curves else outline.pieces
-        if _sound(outline.points, outline.pieces, len(outline.facets), straight):
+        points = np.ascontiguousarray(outline.points)
+        if _sound(points, points.view(np.int64), outline.pieces, len(outline.facets), straight):
             return []
     for stage in (_indices, _duplicates, _zero_length, _repeated, _crossings, _open_vertices):
         faults = stage(outline)

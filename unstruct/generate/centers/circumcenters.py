@@ -28,13 +28,12 @@ from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
-from .steps import REASONS, TOO_THIN, UNSPLIT, enter_slots, insert_centers, note
+from .steps import REASONS, SHORTEST_SPLIT, TOO_THIN, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
 __all__ = ["circumcenter_insertion"]
 
 MOST_CENTERS = 1_000_000  # the default budget where a limit is given: a limit of shape may never be reached
-SHORTEST_SPLIT = 2.0**-44  # of the largest coordinate: rounding would bend the halves of a shorter subsegment
 # Where no budget is given: so many halvings that only the thinness of a gap asks for, for a piece and for
 # each subsegment of it that the size makes. A gap of width w and length L would need L / w.
 MOST_THIN, THIN_EACH = 1024, 16
@@ -113,10 +112,11 @@ def circumcenter_insertion(
     away from all vertices that it sees. An edge is halved for a center in its disk only if it is longer than
     sqrt(2/3) h_0, and for a center beyond it only if the triangle on it is so flat that finitely many
     halvings suffice; without a budget these are counted. With a limit on shapes there is no such bound: then
-    the budget (by default 10^6 points) ends a run that does not end by itself. O(log n) to find the worst
-    triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew, Cornell TR
-    89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585. Book: 2.6a,
-    2.6b.
+    the budget (by default 10^6 points) ends a run that does not end by itself. Triangles with circumradii
+    below about 2^-44 of the largest coordinate are refined only where a size asks for it. O(log n) to find
+    the worst triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew,
+    Cornell TR 89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585.
+    Book: 2.6a, 2.6b.
     """
     as_flags(history=history, progress=progress)
     if size is None and limit is None and budget is None:

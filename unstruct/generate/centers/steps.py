@@ -14,9 +14,9 @@ from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import VERTICES, end_of, next_edge, prev_edge, start_of
 from ...connect.planar.cavity import GHOST, blocked_by, commit, find_cavity
 from ...predicates.kernels import incircle, orient2
-from .worst import NONE, enter, is_small, measures, put, record, top, unwatch
+from .worst import NONE, enter, is_large, is_small, measures, put, record, top, unwatch
 
-UNSPLIT, TOO_THIN = 8, 9  # reasons why a triangle is left as it is, besides HIDDEN and ROUNDED
+UNSPLIT, TOO_THIN, TOO_SMALL = 8, 9, 10  # reasons why a triangle is left as it is, besides HIDDEN and ROUNDED
 REASONS = {
     HIDDEN: "its circumcenter lies beyond or on a boundary or inner edge",
     ROUNDED: "rounding to doubles leaves no valid place for its circumcenter",
@@ -24,8 +24,14 @@ REASONS = {
     "or a vertex lies between chord and curve",
     TOO_THIN: "narrow: a gap or wedge this long and thin would take very many vertices on its sides; a "
     "budget allows them",
+    TOO_SMALL: "it is so small that doubles cannot halve the edges near it: its circumradius is below "
+    "about 2**-44 of the largest coordinate",
     0: "budget",
 }
+# Of the largest coordinate: rounding would bend the halves of a shorter subsegment. The shapes of triangles
+# below it are not improved, either: beside edges that stay as they are, a chain of ever smaller centers would
+# go through all exponents of doubles, in fans of needles that are all judged again after each insertion.
+SHORTEST_SPLIT = 2.0**-44
 FAR_CENTER = 4.0  # of a center farther away only the direction is used (the domain lies within 1)
 
 
@@ -143,6 +149,10 @@ def insert_centers(plane, scratch, contest, why, kept, stop, first, ask):
         t = top(tree)
         a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
         radius, _, _, _, _, px, py = measures(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1])
+        if radius < SHORTEST_SPLIT and not is_large(contest.rule, radius, px, py):
+            why[t] = TOO_SMALL
+            put(tree, t, NONE)
+            continue
         m, k, e = judge_center(plane, scratch, t, px, py)
         longest, close = encroached(plane, kept, scratch.rim, k, px, py)
         if e >= 0 and not kept[plane.piece[plane.mark[e]]]:

@@ -182,6 +182,13 @@ def judge(rule, ax, ay, bx, by, cx, cy):
 
 
 @lean
+def is_large(rule, radius, qx, qy):
+    """Whether a triangle with this circumradius and circumcenter is larger than the size of the rule."""
+    size = rule.size
+    return rule.test[HAS_SIZE] > 0.0 and ROOT3 * radius >= size_at(size.child, size.values, size.box, qx, qy)
+
+
+@lean
 def is_small(rule, square, x, y):
     """Whether no bad triangle can be so small that its center lies in the disk of an edge at (x, y).
 

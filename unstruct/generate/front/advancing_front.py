@@ -81,6 +81,7 @@ def advancing_front(
         inner pieces only.
     budget : int, optional
         The largest number of new points, besides those that cut the boundary at first; 10^7 by default.
+        If it is spent before the front is empty, nothing is improved afterwards (``reasons``: "budget").
     history : bool
         Keep a record of each accepted triangle in ``steps``.
     progress : bool

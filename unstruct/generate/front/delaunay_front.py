@@ -186,11 +186,29 @@ def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
             "make it a vertex of the domain that divides the piece"
         )
     _refuse_on_curves(domain.sampled(), points, len(domain.points))
-    given = Domain(
-        rows, domain.facets, inner=domain.inner, curves=domain.curves, markers=domain.markers,
-        regions=domain.regions,
-    )  # fmt: skip
-    return held_by(given, domain.spacings, domain.matches)
+
+    def given(many: int) -> Domain:
+        return Domain(
+            rows[: n + many], domain.facets, inner=domain.inner, curves=domain.curves,
+            markers=domain.markers, regions=domain.regions,
+        )  # fmt: skip
+
+    try:
+        whole = given(len(points))
+    except InputError as error:
+        good, bad = 0, len(points)  # with so many of the points there is a domain, or none
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            try:
+                given(middle)
+                good = middle
+            except InputError:
+                bad = middle
+        raise InputError(
+            f"points[{good}] = {points[good].tolist()} cannot be a vertex of the domain; if it lies on a "
+            f"curve up to rounding, drop it, or make it a vertex that divides the curve ({error})"
+        ) from None
+    return held_by(whole, domain.spacings, domain.matches)
 
 
 def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline, lean
 from ...connect.insertion.engine import BUSY, LAST
 from ...connect.insertion.halfedges import (
     VERTICES,
@@ -90,7 +90,7 @@ def _fits(plane, place, t):
     return True
 
 
-@lean
+@apart
 def gather(plane, vertices, place, seed, patch, stars):
     """Copy the triangles around triangle ``seed``. ``place`` and ``name``, -1 everywhere, are left so."""
     still, name, row, spot = vertices.still, vertices.name, vertices.row, vertices.spot
@@ -141,7 +141,7 @@ def gather(plane, vertices, place, seed, patch, stars):
     patch.counters[CELLS], patch.counters[PATCH_VERTICES], patch.counters[RIM] = count, points, rim
 
 
-@lean
+@apart
 def same(patch, stars, other, target):
     """Make the second patch a copy of the first; what never changes in a patch is copied, too."""
     cells, points, rim = patch.counters[CELLS], patch.counters[PATCH_VERTICES], patch.counters[RIM]
@@ -270,7 +270,7 @@ def drop(patch, stars, v):
 # --- back to the triangulation ---------------------------------------------------------------------
 
 
-@lean
+@apart
 def put_back(plane, patch, stars, vertices, spots):
     """Replace the triangles that were gathered by those of the patch, in the same slots.
 

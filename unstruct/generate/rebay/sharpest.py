@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.heap import pop, push
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import VERTICES
 from ...connect.planar.stars import legalize
@@ -80,7 +80,7 @@ def change_patch(patch, stars, kind, grow):
     return not stars.still[v] and drop(patch, stars, v)
 
 
-@lean
+@apart
 def _try_all(plane, patches, spots, stack, goal, bound, tally):
     """Try the changes of the first patch: whether the third is now better, and whether it is still sharp."""
     (first, first_stars), (work, work_stars), (best, best_stars) = patches
@@ -162,7 +162,7 @@ def survey_sharp(plane, front, queue, goal):
     return count
 
 
-@lean
+@apart
 def _replace(plane, front, vertices, queue, patches, spots, goal, count):
     """Put the third patch in place; classify and queue what has changed; return the number in the queue."""
     patch, stars = patches[2]

@@ -12,7 +12,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline
 from ...connect.insertion.halfedges import end_of, next_edge, prev_edge, start_of
 from ...connect.planar.stars import CERTAIN, COMPASS, TINY_AREA, legalize, star_of, swap_around
 from ...predicates.kernels import orient2
@@ -81,7 +81,7 @@ def _slide(patch, stars, spots, v):
     return best != here
 
 
-@lean
+@apart
 def make_legal(patch, stars):
     """Swap diagonals until the patch is constrained Delaunay."""
     s, depth = stars, 0
@@ -110,7 +110,7 @@ def _shift(places, k, x, y, size, least, step):
     return x, y
 
 
-@lean
+@apart
 def settle_patch(patch, stars, spots, swap, bar):
     """Move the vertices of a patch until its sharpness decreases no longer; with ``swap`` swap diagonals.
 
@@ -145,7 +145,7 @@ def settle_patch(patch, stars, spots, swap, bar):
     return most
 
 
-@lean
+@apart
 def judge_patch(patch, stars, bound):
     """The smallest squared sine in a patch, and how many edges and triangles have a wrong size.
 

@@ -169,7 +169,9 @@ def _chains(
     added = np.flatnonzero(np.isin(made.vertex, found.steiner))
     scale = ON_SEGMENT * max(float(np.abs(domain.points).max()), 1e-300)
     lost = {tuple(row) for row in np.sort(found.segments, axis=1).tolist()}
-    ends, owner, span = [], [], []
+    ends: list[tuple[int, int]] = []
+    owner: list[int] = []
+    span: list[tuple[float, float]] = []
     for row, i in zip(shell.segments.tolist(), shell.segment_piece.tolist()):
         a, b = number[row].tolist()
         if tuple(sorted(row)) in lost or min(a, b) < 0:

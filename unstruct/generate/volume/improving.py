@@ -33,8 +33,8 @@ def improve(mesh: Mesh, *, seed: int = 0, progress: bool = False) -> DomainMesh:
     -------
     DomainMesh
         The same vertices and markers; ``counts`` has the "refills" and "moves". The boundary, marked faces
-        and edges, faces between cells of different markers, the pieces of a domain, and all vertices on these, named by a marker
-        or given with the domain stay.
+        and edges, faces between cells of different markers, pieces of a domain, and all vertices on these,
+        named by a marker or given with the domain stay.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _classes(mesh: Mesh) -> tuple[NDArray[np.int32], dict[str, NDArray]]:
     first, number = np.unique(
         np.stack(list(named.values()), axis=1), axis=0, return_index=True, return_inverse=True
     )[1:]
-    return number.ravel().astype(np.int32), {name: rows[first] for name, rows in named.items()}
+    return number.ravel().astype(np.int32), {name: values[first] for name, values in named.items()}
 
 
 def _staying(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]:

@@ -1,4 +1,4 @@
-"""Points inside a body for cells of a wanted size: body-centered cubic lattices, nested where the size varies.
+"""Points inside a body for cells of a wanted size: body-centered lattices, nested where the size varies.
 
 The Delaunay tetrahedra of a body-centered lattice are all alike, with dihedral angles of 60 and 90 degrees.
 Exact lattices are cospherical, which makes insertion slow; so each point is moved by about a thousandth of
@@ -23,14 +23,20 @@ __all__ = ["MOST_INNER", "lattice_points"]
 
 Array = NDArray[np.float64]
 CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
-GAP = 0.6  # how near to the surface points may be; unit: the wanted length there
+FROM_SURFACE = 0.6  # how near to the surface points may be; unit: the wanted length there
 JITTER = 1e-3  # of the side of a cell
-MOST_INNER = 5_000_000  # points, unless a budget is given
+MOST_INNER = 2_000_000  # points, unless a budget is given
+SPARSE = (
+    4  # times as many lattice points in the box are made and sorted out, for bodies that fill little of it
+)
 FINER = 0.7  # mean edges at a vertex of the surface over the size, from which the surface is called finer
-GROWTH = 0.4  # of the size from the finer surface, per length
-TOWARDS = 0.35  # where sizes are sampled between the center of a cell and its corners; unit: a side
-DEEPEST = 18  # levels of nested lattices; their places fit into 64 bits
-COARSE = 16  # cells along the box from which nesting starts, so that small features are met
+SURFACE_GROWTH = 0.4  # of the size from the finer surface, per length
+TOWARDS = 0.35  # within which distance of its center the size of a cell is seen; unit: a side
+NEARER = 0.75  # cells near a finer surface over the limit of their size, because levels are rounded
+FEW_PLACES = 4096  # are always allowed
+PROBES_ALONG = 8  # along each side of the box, to find the least size
+DEEPEST_LATTICE = 18  # levels of nested lattices; their places fit into 64 bits
+LOOKED_UP = 16  # places along the box where sizes are looked up at least, so that small features are met
 
 
 def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Array:
@@ -60,12 +66,12 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     surface = _finer(shell, field)
     most = MOST_INNER if budget is None else budget
     if surface is not None or field.constant is None:
-        places, side, unit, origin = _nested(field, surface, low, high, most)
+        places, side, unit, origin = _nested(field, surface, shell, low, high, most)
     else:
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
     size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
-    rows = rows[~_near(shell, domain, rows, GAP * size)]
+    rows = rows[~_near(shell, domain, rows, FROM_SURFACE * size)]
     rows = rows[even_odd_in_space(shell.points, shell.bounding, rows)[0]]
     if len(rows) > most:
         raise InputError(_too_many(len(rows), most))
@@ -80,12 +86,12 @@ def _too_many(count: float, most: int) -> str:
 
 
 def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.int64], Array, float, Array]:
-    """Both cubic lattices over the box; places in units of half a cell, sides of cells, that unit, the origin."""
+    """Both cubic lattices over the box; places in units of half a cell, sides, that unit, the origin."""
     side = CELL * h
     with np.errstate(over="ignore"):
         spans = (high - low) / side
         count = 2.0 * float(np.prod(spans + 1))
-    if not count <= 64.0 * most:  # even a body that fills little of its box has too many
+    if not count <= SPARSE * most + FEW_PLACES:
         raise InputError(_too_many(count, most))
     reach = (np.ceil(spans / 2) + 1).astype(np.int64)
     axes = [2 * np.arange(-k, k + 1) for k in reach]
@@ -94,9 +100,11 @@ def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.i
     return places, np.full(len(places), side), side / 2, low / 2 + high / 2
 
 
-def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Array, most: int) -> tuple:
-    """Corners and centers of the leaves of an octree, as in `_uniform`; the unit is half of the smallest side."""
-    root = float((high - low).max())
+def _nested(
+    field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array, most: int
+) -> tuple:
+    """Corners and centers of leaves of an octree, as in `_uniform`; the unit is half the least side."""
+    root = _root(field, surface, shell, low, high)
     spans = (high - low) / root
     cells, side, level = np.zeros((1, 3), dtype=np.int64), root, 0
     leaves: list[tuple[NDArray[np.int64], int]] = []
@@ -106,17 +114,17 @@ def _nested(field: SizeField, surface: SegmentTree | None, low: Array, high: Arr
     while len(cells):
         inside = (cells * 0.5**level < spans).all(axis=1)
         cells = cells[inside]
-        wanted = _least_size(field, surface, low, cells, side)
+        wanted = _least_size(field, surface, low, cells, (side, level))
         at, here = _cell_of(cells, np.floor((marks - low) / side).astype(np.int64))
         np.minimum.at(wanted, at, marked[here])
-        split = (side > np.sqrt(2.0) * CELL * wanted) | (2**level < COARSE) & (side > CELL * wanted)
+        split = side > np.sqrt(2.0) * CELL * wanted
         leaves.append((cells[~split], level))
         found += int(np.count_nonzero(~split))
-        if 8.0 * np.count_nonzero(split) + found > 16.0 * most:
+        if 8 * np.count_nonzero(split) + found > SPARSE * most + FEW_PLACES:
             raise InputError(_too_many(8.0 * np.count_nonzero(split) + found, most))
-        if split.any() and level == DEEPEST:
+        if split.any() and level == DEEPEST_LATTICE:
             raise InputError(
-                f"the size asks for cells below 2^-{DEEPEST} of the body; give a larger size, or mesh the part"
+                f"the size asks for cells below 2^-{DEEPEST_LATTICE} of the body; give a larger size"
             )
         steps = np.array(list(np.ndindex(2, 2, 2)))
         cells = (2 * cells[split][:, None] + steps).reshape(-1, 3)
@@ -139,12 +147,20 @@ def _finer(shell: Shell, field: SizeField) -> SegmentTree | None:
 
 def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
     """The size, made smaller near parts of the surface that are finer: it grows from there."""
-    return size if surface is None or len(x) == 0 else surface.least(x, GROWTH, size)[0]
+    return size if surface is None or len(x) == 0 else surface.least(x, SURFACE_GROWTH, size)[0]
+
+
+def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array) -> float:
+    """The side of the first cell: the extent at least, and such that the finest cells fit the least size."""
+    share = (np.array(list(np.ndindex(PROBES_ALONG, PROBES_ALONG, PROBES_ALONG))) + 0.5) / PROBES_ALONG
+    probes = np.concatenate([low + share * (high - low), shell.points[np.unique(shell.triangles)]])
+    least = CELL * float(_limited(surface, probes, field(probes)).min())
+    return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
 
 
 def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which cells of a level some places are in, and which of the places are in one."""
-    bits = DEEPEST + 2
+    bits = DEEPEST_LATTICE + 2
     inside = np.flatnonzero(((at >= 0) & (at < 1 << bits)).all(axis=1))
     keys, wanted = (
         (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2] for rows in (cells, at[inside])
@@ -158,20 +174,29 @@ def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[n
 
 
 def _least_size(
-    field: SizeField, surface: SegmentTree | None, low: Array, cells: NDArray[np.int64], side: float
+    field: SizeField,
+    surface: SegmentTree | None,
+    low: Array,
+    cells: NDArray[np.int64],
+    scale: tuple[float, int],
 ) -> Array:
-    """About the least wanted length in each cell: at the center and towards the corners."""
+    """The wanted length in each cell: that at the center, or twice the least one if this is less."""
     if len(cells) == 0:
         return np.empty(0)
+    side, level = scale
     centers = low + side * (cells + 0.5)
     wanted = field(centers)
+    least = wanted
     if field.growth is not None:
-        wanted = np.maximum(wanted - TOWARDS * side * field.growth, 0.25 * wanted)
+        least = wanted - TOWARDS * side * field.growth
     else:
-        for step in np.ndindex(2, 2, 2):
-            wanted = np.minimum(wanted, field(centers + side * TOWARDS * (2.0 * np.array(step) - 1)))
-    near = _limited(surface, centers, wanted + TOWARDS * side * GROWTH)
-    return np.maximum(near - TOWARDS * side * GROWTH, 0.25 * np.minimum(near, wanted))
+        k = max(2, LOOKED_UP >> level)
+        for place in np.ndindex(k, k, k):
+            least = np.minimum(least, field(low + side * (cells + (np.array(place) + 0.5) / k)))
+    near = _limited(surface, centers, wanted + TOWARDS * side * SURFACE_GROWTH)
+    least = np.minimum(least, near - TOWARDS * side * SURFACE_GROWTH)
+    at_center = np.where(near < wanted, NEARER * near, wanted)
+    return np.minimum(at_center, np.maximum(2 * least, at_center / 4))
 
 
 def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: Array) -> tuple:
@@ -183,7 +208,7 @@ def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: A
             places.append((2 * cells + corner) * step)
             sides.append(np.full(len(cells), root * 0.5**level))
     every, side = np.concatenate(places), np.concatenate(sides)
-    bits = DEEPEST + 3
+    bits = DEEPEST_LATTICE + 3
     key = (every[:, 0] << 2 * bits) | (every[:, 1] << bits) | every[:, 2]
     order = np.lexsort((side, key))
     key = key[order]

@@ -22,9 +22,9 @@ from .steps import REFILLED, SMOOTHED, cell_badness, refill_bad, smooth_bad
 
 __all__ = ["Rounded", "faces_of_cells", "rounded"]
 
-ROUNDS = 4
-POOR = 0.42  # badness from which cells are refilled
-UNEVEN = 0.25  # badness of the worst cell at a vertex from which the vertex is smoothed
+ROUNDINGS = 4
+POOR_CELL = 0.42  # badness from which cells are refilled
+UNEVEN_STAR = 0.25  # badness of the worst cell at a vertex from which the vertex is smoothed
 LARGEST_CAVITY = 8  # vertices
 NODES_OF_A_SEARCH = 100
 
@@ -125,20 +125,20 @@ def rounded(
     moving[segments.ravel()] = False
     vertices = np.flatnonzero(moving & (work.at >= 0)).astype(np.int32)
     counts, local = np.zeros(4, dtype=np.int64), new_local()
-    bar = progress_bar(progress, " rounds", total=ROUNDS)
+    bar = progress_bar(progress, " rounds", total=ROUNDINGS)
     touched = np.zeros(work.size, dtype=np.int32)
-    for number in range(1, ROUNDS + 1):
+    for number in range(1, ROUNDINGS + 1):
         bar.update(1)
         before = counts.sum()
         bad = np.empty(work.slots)
         cell_badness(work.solid(), work.slots, bad)
-        poor = np.flatnonzero(bad > POOR)
+        poor = np.flatnonzero(bad > POOR_CELL)
         poor = poor[np.argsort(-bad[poor], kind="stable")].astype(np.int32)
-        limits = np.array([POOR, LARGEST_CAVITY, NODES_OF_A_SEARCH, number], dtype=np.float64)
+        limits = np.array([POOR_CELL, LARGEST_CAVITY, NODES_OF_A_SEARCH, number], dtype=np.float64)
         while len(poor):
             work.reserve(work.size, work.slots + len(poor) // 4 + 8 * SPARE_SLOTS)
             poor = poor[refill_bad(work.solid(), held, local, poor, touched, limits, counts) :]
-        limits[0] = UNEVEN
+        limits[0] = UNEVEN_STAR
         smooth_bad(work.solid(), work.found, vertices, touched, limits, counts)
         if counts.sum() == before:
             break
@@ -155,8 +155,8 @@ def _result(points: NDArray, cells: tuple, work: _Cells, vertices: NDArray, coun
     after[vertices] = work.xyz[vertices] / work.factor
     simplices = work.cells().copy()
     if (orient_rows(after, simplices) <= 0).any():  # coordinates so small that scaling has rounded them
-        return Rounded(points, *cells, 0, 0)
+        return Rounded(points, cells[0], cells[1], cells[2], 0, 0)
     return Rounded(
-        after, simplices, np.where(across >= 0, number[across >> 2], -1).astype(np.int32), work.region[slots].copy(),
-        int(counts[REFILLED]), int(counts[SMOOTHED]),
+        after, simplices, np.where(across >= 0, number[across >> 2], -1).astype(np.int32),
+        work.region[slots].copy(), int(counts[REFILLED]), int(counts[SMOOTHED]),
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """Kernels that make tetrahedra rounder: refills around bad cells, and better places for inner vertices.
 
-A refill (`connect.spatial.refill`) is made only if its worst tetrahedron is better than the worst of the cavity;
-a vertex moves only if the worst cell at it becomes better, and all of them stay positive by exact signs. So
+A refill (`connect.spatial.refill`) is made only if its worst cell is better than the worst of the cavity; a
+vertex moves only if the worst cell at it becomes better, and all of them stay positive by exact signs. So
 the worst cells never become worse, and the loops end. See the book, 2.8c.
 """
 
@@ -13,15 +13,15 @@ from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import beside, commit, corner, grow, load
 from ...connect.spatial.crossing import star
+from ...connect.spatial.records import COST_KIND, LOCALS
 from ...connect.spatial.recovery import SPARE_SLOTS
-from ...connect.spatial.records import LOCALS, COST_KIND
 from ...connect.spatial.refill import NEVER, SHAPE, badness, refill
 from ...connect.spatial.signs import side
 
 __all__ = ["REFILLED", "SMOOTHED", "cell_badness", "refill_bad", "smooth_bad"]
 
 REFILLED, SMOOTHED = 0, 1  # entries of the counts
-GAIN = 1e-3  # by how much a change must be better to be made
+LEAST_GAIN = 1e-3  # by how much a change must be better to be made
 HALVINGS_OF_STEP = 5
 CLIMBS = 3  # steps along gradients at one visit
 
@@ -43,7 +43,7 @@ def _refilled(solid, held, r, count, wanted, noise, budget):
     faces, cost = load(solid, held, r)
     if cost >= NEVER:
         return False
-    if refill(solid.xyz, r, solid.state, faces, cost - GAIN, 0.0, budget) >= NEVER:
+    if refill(solid.xyz, r, solid.state, faces, cost - LEAST_GAIN, 0.0, budget) >= NEVER:
         return False
     commit(solid, r)
     return True
@@ -53,9 +53,9 @@ def _refilled(solid, held, r, count, wanted, noise, budget):
 def refill_bad(solid, held, r, cells, touched, limits, counts):
     """Refill around these cells, one after the other; returns the first for which slots are lacking.
 
-    Cells that are better than ``limits[0]`` by now are passed over, and so are those at whose vertices nothing
-    has changed since the last round. Cavities have up to ``limits[1]`` vertices; a search visits up to
-    ``limits[2]`` nodes.
+    Cells that are better than ``limits[0]`` by now are passed over, and so are those at whose vertices
+    nothing has changed since the last round. Cavities have up to ``limits[1]`` vertices; a search visits
+    up to ``limits[2]`` nodes.
     """
     most, budget, now = int(limits[1]), int(limits[2]), int(limits[3])
     for i in range(cells.shape[0]):
@@ -115,7 +115,7 @@ def _try(solid, found, size, p, place, worst):
     x, y, z = xyz[p, 0], xyz[p, 1], xyz[p, 2]
     xyz[p, 0], xyz[p, 1], xyz[p, 2] = place[0], place[1], place[2]
     now, _ = _worst(solid, found, size)
-    if now < worst - GAIN and _positive(solid, found, size):
+    if now < worst - LEAST_GAIN and _positive(solid, found, size):
         return now
     xyz[p, 0], xyz[p, 1], xyz[p, 2] = x, y, z
     return worst
@@ -137,7 +137,7 @@ def _mean(solid, found, size, p, place):
 
 @apart
 def _gradient(solid, t, p, step):
-    """The direction in which the cell becomes better soonest if p moves, as long as its edges are on average."""
+    """The direction in which a move of p helps the cell most, as long as its mean edge."""
     xyz, k = solid.xyz, 0
     while solid.vertex[4 * t + k] != p:
         k += 1

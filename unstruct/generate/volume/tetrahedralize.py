@@ -40,7 +40,7 @@ def tetrahedralize(
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
-        The largest number of points inside, and of points that recovery may add: by default 5,000,000, and
+        The largest number of points inside, and of points that recovery may add: by default 2,000,000, and
         100 plus a tenth of the number of triangles.
     progress : bool
         Show progress bars.
@@ -49,8 +49,8 @@ def tetrahedralize(
     -------
     DomainMesh
         As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
-        numbers of "refills" and "moves". No facet is divided: cells with a face on a piece whose edges are more
-        than twice as long as wanted are in ``unrefined``.
+        numbers of "refills" and "moves". No facet is divided: cells with a face on a piece whose edges are
+        more than twice as long as wanted are in ``unrefined``.
 
     Raises
     ------
@@ -62,7 +62,8 @@ def tetrahedralize(
     -----
     Points of body-centered cubic lattices, nested by the size where it varies, are inserted before the facets
     are recovered. Near a surface that is finer than the size, cells are as small as its triangles; their
-    edges grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and seed give the same mesh.
+    edges grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same
+    input and seed give the same mesh.
     O(n) in practice for n cells. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
     2005-2039; P.-L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998); L. A. Freitag,
     C. Ollivier-Gooch, Int. J. Numer. Methods Eng. 40 (1997) 3979-4002. Book: 2.8c.
