@@ -165,4 +165,5 @@ def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.n
     order = np.argsort(owner, kind="stable")
     parts = np.split(order, np.searchsorted(owner[order], np.arange(len(names) + 1)))
     groups = dict(zip(names, parts[1:])) | {"facets": parts[0]}
-    return {name: rows for name, rows in groups.items() if len(rows)}, lost
+    gone = set(lost)
+    return {name: rows for name, rows in groups.items() if len(rows)}, [n for n in mesh.markers if n in gone]
