@@ -42,7 +42,7 @@ __all__ = [
     "shell_of",
 ]
 
-NOWHERE = (float("nan"),) * 3
+NO_PLACE = (float("nan"),) * 3
 CROSSING_BODIES = (
     "the facets of a body must not cross: unite the bodies first (with manifold3d, for example; here only "
     "crossings at doubles are cut, by resolve=True)"
@@ -97,7 +97,7 @@ def _indices(outline: Outline) -> list[Fault]:
             "index out of range",
             f"{outline.name(i)} refers to points outside 0..{n - 1}: {v}; correct the index, or let "
             "resolve=True drop the facet",
-            NOWHERE,
+            NO_PLACE,
             (i,),
         )
         for i, v in dict(zip(owner.tolist()[::-1], flat[bad].tolist()[::-1])).items()

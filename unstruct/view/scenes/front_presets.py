@@ -19,7 +19,7 @@ __all__ = ["FRONT_PRESETS", "FRONT_WINDOW", "front_state"]
 
 FRONT_WINDOW = (-0.75, 5.25, -0.35, 3.35)  # contains all presets
 STEPS_SHOWN = 60
-OVERLAP = 1 + 1e-9  # a larger part of the region than this is wrong, not rounded
+COVERED_TWICE = 1 + 1e-9  # a larger part of the region than this is wrong, not rounded
 FRONT_KEYS = {"oldest": front.oldest, "shortest": front.shortest, "smallest": front.smallest}
 
 
@@ -123,7 +123,7 @@ def front_state(preset: str = "ten points", order: str = "oldest") -> list[fr.Fr
         x += [step.ideal] if step.reason == "new point" else []
         made.append([x[v] for v in (*step.edge, step.chosen)])
         covered += cross(*made[-1]) / region
-        if covered > OVERLAP:
+        if covered > COVERED_TWICE:
             ended = "the triangles cover more than the region: the hole is swallowed"
             break
     frames = candidate_frames(points, list(first.edges), steps)
