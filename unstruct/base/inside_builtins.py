@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from importlib import import_module
 from inspect import Parameter, Signature
 from typing import Any
 
@@ -23,11 +22,6 @@ except (ImportError, AttributeError):  # another numba, or none
     types = None  # type: ignore[assignment]
 
 __all__ = ["direct"]
-
-PLACES = {
-    "numba.cpython.builtins": ("do_minmax",),
-    "numba.np.arrayobj": ("ty_parse_shape", "ty_parse_dtype", "_parse_shape", "_empty_nd_impl"),
-}
 
 _parts: dict[str, Any] = {}  # of numba, which loads them when it compiles for the first time
 
@@ -45,9 +39,12 @@ def direct(function: Any) -> Callable | None:
 def _found() -> bool:
     """Whether this numba has all the parts."""
     if not _parts:
-        for place, names in PLACES.items():
-            module = import_module(place)
-            _parts.update({name: getattr(module, name, None) for name in names})
+        from numba.cpython import builtins
+        from numba.np import arrayobj
+
+        _parts["do_minmax"] = getattr(builtins, "do_minmax", None)
+        for name in ("ty_parse_dtype", "_parse_shape", "_empty_nd_impl"):
+            _parts[name] = getattr(arrayobj, name, None)
     return None not in _parts.values()
 
 
