@@ -51,9 +51,12 @@ class DomainError(InputError):
         names: bool = True,
         vertices: bool | None = None,
         faults: Any = (),
+        azimuth: float | None = None,
+        elevation: float | None = None,
     ) -> Any:
         """Draw what was given, with the faults marked; see `unstruct.Domain.plot` for the options."""
-        return _plot(self, ax, numbers=numbers, names=names, vertices=vertices, faults=faults)
+        given = {"azimuth": azimuth, "elevation": elevation}
+        return _plot(self, ax, numbers=numbers, names=names, vertices=vertices, faults=faults, **given)
 
 
 class DegenerateInputError(UnstructError):

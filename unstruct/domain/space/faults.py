@@ -32,6 +32,7 @@ from .cutting import Shell, at, cut, place
 from .open_edges import open_edges
 
 __all__ = [
+    "NO_PLACE",
     "crossing_faults",
     "crossing_place",
     "find_faults",

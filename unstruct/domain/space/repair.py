@@ -25,7 +25,7 @@ from ..plane.faults import Fault, refuse
 from ..plane.name_sets import name_sets
 from .closing import join_seams, set_sheets_apart, turn_outward
 from .cutting import Shell, cut, place
-from .faults import crossing_faults, first_copies, flat_triangles, meeting_faults
+from .faults import NO_PLACE, crossing_faults, first_copies, flat_triangles, meeting_faults
 from .same_facets import same_facets
 from .splitting import Splitting
 from .tangled import cleaned, untangled, without_area
@@ -33,7 +33,7 @@ from .tangled import cleaned, untangled, without_area
 __all__ = ["SpaceRepairer"]
 
 REPAIR_ROUNDS_IN_SPACE = 30
-NO_PLACE = (float("nan"),) * 3
+
 NAMES_SHOWN = 8
 
 
