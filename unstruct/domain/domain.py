@@ -108,7 +108,7 @@ class Domain(Shaped):
         if coordinates.shape[1] not in SIDES:
             raise InputError(f"points must have shape (n, 2) or (n, 3), not {coordinates.shape}")
         rows, others = SIDES[coordinates.shape[1]].rows(facets, inner)
-        if curves and coordinates.shape[1] == 3:
+        if curves is not None and coordinates.shape[1] == 3:
             raise InputError("curves are for planar domains; in space give more facets where a body is round")
         many = len(rows) + len(others)
         super().__init__(

@@ -14,7 +14,7 @@ SQUARES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4),
 CROSS = [(0, 0, 0), (1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
 
-@pytest.mark.parametrize("axes", permutations(range(3)))
+@pytest.mark.parametrize("axes", list(permutations(range(3))))
 def test_a_square_at_whose_four_sides_four_facets_meet(axes: tuple[int, ...]) -> None:
     """The top of the lowest of five cubes hangs together with nothing: its volume had the wrong sign."""
     every = np.concatenate([CORNERS + low for low in CROSS])[:, axes]

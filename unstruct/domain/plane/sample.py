@@ -20,6 +20,7 @@ from ...base.jit import kernel
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import meetings
+from ...predicates.batch import power_of_two
 from .corners import crossings_at_corners
 
 __all__ = ["Sampled"]
@@ -213,9 +214,10 @@ def _vertices_between(outline: Outline, sampled: Sampled, rows: np.ndarray, chai
     # A vertex on the chord itself would become one of the boundary.
     first, last = chains[hit, 0], chains[hit, -1]
     within = (at[query] >= np.minimum(first, last)) & (at[query] <= np.maximum(first, last))
-    along, away = last - first, at[query] - first
+    factor = power_of_two(sampled.points)  # products of very large coordinates are no doubles
+    along, away = last * factor - first * factor, at[query] * factor - first * factor
     height = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])  # times the length of the chord
-    rounding = ON_CHORD * np.abs(sampled.points).max() * np.hypot(*along.T)
+    rounding = ON_CHORD * np.abs(sampled.points * factor).max() * np.hypot(*along.T)
     inside |= within.all(axis=1) & (height <= rounding)
     cut = rows[hit[inside]]
     return np.column_stack([cut, cut])
