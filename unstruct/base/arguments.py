@@ -17,6 +17,7 @@ __all__ = [
     "as_flags",
     "as_mapping",
     "as_number",
+    "as_seed",
     "finite",
     "positive",
 ]
@@ -72,6 +73,11 @@ def as_count(value: Any, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
         raise InputError(f"{name} = {value!r} must be a whole number that is not negative")
     return int(value)
+
+
+def as_seed(value: Any) -> int:
+    """Return the seed of a generator of random numbers, a count of any size, as one of 62 bits."""
+    return as_count(value, "seed") & ((1 << 62) - 1)
 
 
 def as_mapping(value: Any, name: str) -> Mapping[Any, Any]:

@@ -20,6 +20,7 @@ from .release import Release
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
+MOST_ADDED = 200_000
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -110,7 +111,8 @@ class SpatialComplex(CellArrays):
         segments : array_like of int, shape (s, 2), optional
             Further segments; edges of triangles need not be repeated.
         budget : int, optional
-            How many points may be added: by default 100, and a tenth of the number of triangles.
+            How many points may be added: by default 100, and a tenth of the number of triangles; at most
+            200,000, since there is room for all of them from the beginning.
         seed : int
             Of the random numbers by which ties and cavities are chosen.
         restarts : int
@@ -134,7 +136,7 @@ class SpatialComplex(CellArrays):
         ends = (
             np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
         )
-        budget = 100 + len(corners) // 10 if budget is None else budget
+        budget = 100 + len(corners) // 10 if budget is None else min(budget, MOST_ADDED)
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import as_count, as_flag
+from ...base.arguments import as_flag, as_seed
 from ...base.errors import MeshError
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
@@ -48,7 +48,7 @@ def improve(mesh: Mesh, *, seed: int = 0, progress: bool = False) -> DomainMesh:
     Methods Eng. 40 (1997) 3979-4002. For triangles in the plane see `smooth`. Book: 2.8c.
     """
     _refuse(mesh)
-    seed, progress = as_count(seed, "seed"), as_flag(progress, "progress")
+    seed, progress = as_seed(seed), as_flag(progress, "progress")
     region, values = _classes(mesh)
     faces, edges, fixed = _staying(mesh)
     found = rounded(

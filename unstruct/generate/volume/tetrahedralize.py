@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...base.arguments import as_count, as_flag
+from ...base.arguments import as_count, as_flag, as_seed
 from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import as_size
@@ -70,7 +70,7 @@ def tetrahedralize(
     """
     domain = as_domain(domain, 3)
     optimize, progress = as_flag(optimize, "optimize"), as_flag(progress, "progress")
-    seed = as_count(seed, "seed")
+    seed = as_seed(seed)
     budget = None if budget is None else as_count(budget, "budget")
     field, inner = None, None
     if size is not None and len(domain.facets):
