@@ -31,7 +31,7 @@ from .records import (
     TARGET,
     TETS_ROOM,
 )
-from .signs import DISJOINT, meets, remembered_side
+from .signs import DISJOINT, in_order, meets, remembered_side
 
 __all__ = [
     "ANY",
@@ -81,17 +81,7 @@ def _fill_sign(xyz, label, memo, sign, at, m):
 def _sign(xyz, r, a, b, c, d):
     """Orientation of four local vertices, from the table if it is there."""
     m = r.size[NUMBERED]
-    sign = 1
-    if a > b:
-        a, b, sign = b, a, -sign
-    if c > d:
-        c, d, sign = d, c, -sign
-    if a > c:
-        a, c, sign = c, a, -sign
-    if b > d:
-        b, d, sign = d, b, -sign
-    if b > c:
-        b, c, sign = c, b, -sign
+    a, b, c, d, sign = in_order(a, b, c, d)
     at = ((a * m + b) * m + c) * m + d
     if r.sign[at] == UNSEEN:
         _fill_sign(xyz, r.label, r.memo, r.sign, at, m)
@@ -182,7 +172,8 @@ def badness(xyz, a, b, c, d):
     total += (vx - wx) ** 2 + (vy - wy) ** 2 + (vz - wz) ** 2
     total += (wx - ux) ** 2 + (wy - uy) ** 2 + (wz - uz) ** 2
     mean = total / 6.0
-    return 1.0 if mean <= 0.0 else 1.0 - np.sqrt(2.0) * six / (mean * np.sqrt(mean))
+    cube = mean * np.sqrt(mean)
+    return 1.0 if cube <= 0.0 else 1.0 - np.sqrt(2.0) * six / cube  # it may vanish by underflow
 
 
 @inline

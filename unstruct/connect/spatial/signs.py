@@ -6,11 +6,11 @@ half a minute of compiling.
 
 from __future__ import annotations
 
-from ...base.jit import apart, kernel
+from ...base.jit import apart, inline, kernel
 from ...predicates.filters import UNDECIDED, filter_orient3
 from ...predicates.kernels import orient2, orient3
 
-__all__ = ["COPLANAR", "DISJOINT", "INSIDE", "ON_EDGE", "meets", "remembered_side", "side"]
+__all__ = ["COPLANAR", "DISJOINT", "INSIDE", "ON_EDGE", "in_order", "meets", "remembered_side", "side"]
 
 DISJOINT = 0  # the open segment does not meet the closed triangle
 INSIDE = 1  # it crosses the interior
@@ -27,6 +27,23 @@ def side(xyz, a, b, c, d):
     )  # fmt: skip
 
 
+@inline
+def in_order(a, b, c, d):
+    """Four numbers in increasing order, and the sign of the permutation."""
+    sign = 1
+    if a > b:
+        a, b, sign = b, a, -sign
+    if c > d:
+        c, d, sign = d, c, -sign
+    if a > c:
+        a, c, sign = c, a, -sign
+    if b > d:
+        b, d, sign = d, b, -sign
+    if b > c:
+        b, c, sign = c, b, -sign
+    return a, b, c, d, sign
+
+
 @apart
 def remembered_side(xyz, memo, a, b, c, d):
     """`side`, where what the filter leaves open is remembered: rows of four vertices and the sign.
@@ -39,17 +56,7 @@ def remembered_side(xyz, memo, a, b, c, d):
     )  # fmt: skip
     if quick != UNDECIDED:
         return quick
-    sign = 1
-    if a > b:
-        a, b, sign = b, a, -sign
-    if c > d:
-        c, d, sign = d, c, -sign
-    if a > c:
-        a, c, sign = c, a, -sign
-    if b > d:
-        b, d, sign = d, b, -sign
-    if b > c:
-        b, c, sign = c, b, -sign
+    a, b, c, d, sign = in_order(a, b, c, d)
     at = (a * 73 + b * 1201 + c * 19_937 + d * 331_777) & (memo.shape[0] - 1)
     if memo[at, 0] != a or memo[at, 1] != b or memo[at, 2] != c or memo[at, 3] != d:
         memo[at, 4] = side(xyz, a, b, c, d)
