@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes"]
+__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes", "leaves_for"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
@@ -70,25 +70,63 @@ def _candidates(query_low, query_high, tree, start, boxes):
 
 
 @kernel
-def _morton(grid, bits, keys):
-    """Interleave the bits of integer coordinates, which gives the order along a Z-shaped curve."""
-    for i in range(grid.shape[0]):
+def _morton(box_low, box_high, bits, keys):
+    """Keys of boxes by their centers: interleaved bits of coordinates, in order along a Z-shaped curve.
+
+    Halves are used because the span of the largest doubles would overflow. The order need not be exact.
+    """
+    d = min(box_low.shape[1], 62)  # of more coordinates no bit has room
+    first, span = np.empty(d), np.finfo(np.float64).tiny
+    for j in range(d):
+        least, most = np.inf, -np.inf
+        for i in range(box_low.shape[0]):
+            center = box_low[i, j] / 2 + box_high[i, j] / 2
+            least, most = min(least, center), max(most, center)
+        first[j] = least / 2
+        span = max(span, most / 2 - least / 2)
+    wide, last = 2.0**bits, 2.0**bits - 1
+    grid = np.empty(d, dtype=np.int64)
+    for i in range(box_low.shape[0]):
+        for j in range(d):
+            half = (box_low[i, j] / 2 + box_high[i, j] / 2) / 2 - first[j]
+            grid[j] = int(min(half / span * wide, last))
         key = 0
         for b in range(bits - 1, -1, -1):
-            for j in range(grid.shape[1]):
-                key = 2 * key + ((grid[i, j] >> b) & 1)
+            for j in range(d):
+                key = 2 * key + ((grid[j] >> b) & 1)
         keys[i] = key
 
 
-def _curve_order(centers: np.ndarray) -> np.ndarray:
-    bits = max(1, 62 // centers.shape[1])
-    # Halves are used because the span of the largest doubles would overflow. The order need not be exact.
-    half = centers / 2 - centers.min(axis=0) / 2
-    span = max(half.max(), np.finfo(float).tiny)
-    grid = np.minimum(half / span * 2.0**bits, 2.0**bits - 1).astype(np.int64)[:, :62]
-    keys = np.empty(len(grid), dtype=np.int64)
-    _morton(grid, bits, keys)
+@kernel
+def _enclose(box_low, box_high, order, low, high):
+    """Write the boxes of the nodes of a tree: of the leaves from their boxes, of others from their children."""
+    leaves = low.shape[0] // 2
+    for node in range(2 * leaves - 1, -1, -1):
+        for j in range(low.shape[1]):
+            low[node, j], high[node, j] = np.inf, -np.inf
+        if node >= leaves:
+            first = (node - leaves) * BOXES_IN_LEAF
+            for i in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                t = order[i]
+                for j in range(low.shape[1]):
+                    low[node, j] = min(low[node, j], box_low[t, j])
+                    high[node, j] = max(high[node, j], box_high[t, j])
+        elif node > 0:
+            for child in (2 * node, 2 * node + 1):
+                for j in range(low.shape[1]):
+                    low[node, j] = min(low[node, j], low[child, j])
+                    high[node, j] = max(high[node, j], high[child, j])
+
+
+def _curve_order(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    keys = np.empty(len(low), dtype=np.int64)
+    _morton(low, high, max(1, 62 // low.shape[1]), keys)
     return np.argsort(keys, kind="stable")
+
+
+def leaves_for(m: int) -> int:
+    """How many leaves a tree over m boxes has: a power of two."""
+    return 1 << max(0, (-(-m // BOXES_IN_LEAF) - 1).bit_length())
 
 
 def bounding_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -100,25 +138,24 @@ def bounding_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class BoxTree:
-    """A static tree over axis-parallel closed boxes, sorted along a space-filling curve; O(m log m)."""
+    """A static tree over axis-parallel closed boxes; O(m log m).
 
-    def __init__(self, low: np.ndarray, high: np.ndarray):
+    Parameters
+    ----------
+    low, high : ndarray, shape (m, d)
+    order : ndarray of int, shape (m,), optional
+        The order of the boxes in the leaves; by default that of their centers along a space-filling curve.
+    """
+
+    def __init__(self, low: np.ndarray, high: np.ndarray, order: np.ndarray | None = None):
         m, d = low.shape
         self.box_low, self.box_high = np.ascontiguousarray(low), np.ascontiguousarray(high)
-        self.order = _curve_order(low / 2 + high / 2) if m else np.empty(0, dtype=np.int64)
-        blocks = -(-m // BOXES_IN_LEAF)
-        leaves = 1 << max(0, (blocks - 1).bit_length())
-        self.low, self.high = np.full((2 * leaves, d), np.inf), np.full((2 * leaves, d), -np.inf)
-        if blocks:
-            firsts = np.arange(0, m, BOXES_IN_LEAF)
-            self.low[leaves : leaves + blocks] = np.minimum.reduceat(self.box_low[self.order], firsts)
-            self.high[leaves : leaves + blocks] = np.maximum.reduceat(self.box_high[self.order], firsts)
-        while leaves > 1:
-            half = leaves // 2
-            left, right = slice(leaves, 2 * leaves, 2), slice(leaves + 1, 2 * leaves, 2)
-            self.low[half:leaves] = np.minimum(self.low[left], self.low[right])
-            self.high[half:leaves] = np.maximum(self.high[left], self.high[right])
-            leaves = half
+        if order is None:
+            order = _curve_order(self.box_low, self.box_high) if m else np.empty(0, dtype=np.int64)
+        self.order = order
+        leaves = leaves_for(m)
+        self.low, self.high = np.empty((2 * leaves, d)), np.empty((2 * leaves, d))
+        _enclose(self.box_low, self.box_high, self.order, self.low, self.high)
 
     def pairs(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All pairs of a query box and a box of the tree that meet, sorted by query."""

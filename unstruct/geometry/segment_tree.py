@@ -15,7 +15,7 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
-from .boxes import BOXES_IN_LEAF, BoxTree
+from .boxes import BOXES_IN_LEAF, BoxTree, leaves_for
 
 __all__ = ["SegmentTree", "to_box", "to_segment"]
 
@@ -23,9 +23,16 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+# In the plane loops over coordinates take twice the time, so what is needed most often has a branch for it.
+
+
 @inline
 def to_box(x, q, low, high, node):
     """The distance from point q to a box; infinite for an empty box."""
+    if x.shape[1] == 2:
+        u = max(low[node, 0] - x[q, 0], x[q, 0] - high[node, 0], 0.0)
+        v = max(low[node, 1] - x[q, 1], x[q, 1] - high[node, 1], 0.0)
+        return np.sqrt(u * u + v * v)
     total = 0.0
     for j in range(x.shape[1]):
         away = max(low[node, j] - x[q, j], x[q, j] - high[node, j], 0.0)
@@ -34,21 +41,42 @@ def to_box(x, q, low, high, node):
 
 
 @inline
-def to_segment(x, q, segments, i):
-    """The distance from point q to segment i, whose ends may be equal."""
+def _along(x, q, segments, i):
+    """The product of the vectors from the start of segment i to point q and to its end, and the latter's square."""
+    if x.shape[1] == 2:
+        ax, ay = segments[i, 0, 0], segments[i, 0, 1]
+        ux, uy = segments[i, 1, 0] - ax, segments[i, 1, 1] - ay
+        return ux * (x[q, 0] - ax) + uy * (x[q, 1] - ay), ux * ux + uy * uy
     along, square = 0.0, 0.0
     for j in range(x.shape[1]):
         side = segments[i, 1, j] - segments[i, 0, j]
         along += side * (x[q, j] - segments[i, 0, j])
         square += side * side
-    t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    return along, square
+
+
+@inline
+def _away(x, q, segments, i, t):
+    """The squared distance from point q to the point of segment i at t; at 1 this is its end, without rounding."""
+    if x.shape[1] == 2:
+        ax, ay, bx, by = segments[i, 0, 0], segments[i, 0, 1], segments[i, 1, 0], segments[i, 1, 1]
+        u = x[q, 0] - (bx if t == 1.0 else ax + t * (bx - ax))
+        v = x[q, 1] - (by if t == 1.0 else ay + t * (by - ay))
+        return u * u + v * v
     total = 0.0
     for j in range(x.shape[1]):
         start, end = segments[i, 0, j], segments[i, 1, j]
-        foot = end if t == 1.0 else start + t * (end - start)
-        away = x[q, j] - foot
+        away = x[q, j] - (end if t == 1.0 else start + t * (end - start))
         total += away * away
-    return np.sqrt(total)
+    return total
+
+
+@inline
+def to_segment(x, q, segments, i):
+    """The distance from point q to segment i, whose ends may be equal."""
+    along, square = _along(x, q, segments, i)
+    t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    return np.sqrt(_away(x, q, segments, i, t))
 
 
 @inline
@@ -60,47 +88,8 @@ def _from_segment(x, q, segments, weights, i, growth):
     If there is no such angle, it is taken at the end with the lower weight; if the point lies beyond an end,
     at that end.
     """
-    rise = weights[i, 1] - weights[i, 0]
-    if rise == 0.0:
-        return weights[i, 0] + growth * to_segment(x, q, segments, i)
-    along, square = 0.0, 0.0
-    for j in range(x.shape[1]):
-        side = segments[i, 1, j] - segments[i, 0, j]
-        along += side * (x[q, j] - segments[i, 0, j])
-        square += side * side
-    reach = growth * np.sqrt(square)
-    if abs(rise) >= reach:
-        t = 0.0 if rise > 0.0 else 1.0
-    else:
-        foot, total = along / square, 0.0
-        for j in range(x.shape[1]):
-            away = x[q, j] - (segments[i, 0, j] + foot * (segments[i, 1, j] - segments[i, 0, j]))
-            total += away * away
-        t = foot - np.sqrt(total / square) * rise / np.sqrt((reach - rise) * (reach + rise))
-        t = min(max(t, 0.0), 1.0)
-    total = 0.0
-    for j in range(x.shape[1]):
-        start, end = segments[i, 0, j], segments[i, 1, j]
-        away = x[q, j] - (end if t == 1.0 else start + t * (end - start))
-        total += away * away
-    return (weights[i, 1] if t == 1.0 else weights[i, 0] + t * rise) + growth * np.sqrt(total)
-
-
-@inline
-def _to_box_2(px, py, low, high, node):
-    """`to_box` in the plane."""
-    x = max(low[node, 0] - px, px - high[node, 0], 0.0)
-    y = max(low[node, 1] - py, py - high[node, 1], 0.0)
-    return np.sqrt(x * x + y * y)
-
-
-@inline
-def _from_segment_2(px, py, segments, weights, i, growth):
-    """`_from_segment` in the plane."""
-    ax, ay, bx, by = segments[i, 0, 0], segments[i, 0, 1], segments[i, 1, 0], segments[i, 1, 1]
     low, rise = weights[i, 0], weights[i, 1] - weights[i, 0]
-    ux, uy = bx - ax, by - ay
-    along, square = ux * (px - ax) + uy * (py - ay), ux * ux + uy * uy
+    along, square = _along(x, q, segments, i)
     if rise == 0.0:
         t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
     else:
@@ -109,11 +98,10 @@ def _from_segment_2(px, py, segments, weights, i, growth):
             t = 0.0 if rise > 0.0 else 1.0
         else:
             foot = along / square
-            x, y = px - (ax + foot * ux), py - (ay + foot * uy)
-            t = foot - np.sqrt((x * x + y * y) / square) * rise / np.sqrt((reach - rise) * (reach + rise))
+            total = _away(x, q, segments, i, foot)
+            t = foot - np.sqrt(total / square) * rise / np.sqrt((reach - rise) * (reach + rise))
             t = min(max(t, 0.0), 1.0)
-    x, y = (px - bx, py - by) if t == 1.0 else (px - (ax + t * ux), py - (ay + t * uy))
-    return (weights[i, 1] if t == 1.0 else low + t * rise) + growth * np.sqrt(x * x + y * y)
+    return (weights[i, 1] if t == 1.0 else low + t * rise) + growth * np.sqrt(_away(x, q, segments, i, t))
 
 
 class SegmentNodes(NamedTuple):
@@ -137,77 +125,123 @@ def _search(x, tree, growth, best, which):
     low, high, least, order, segments, weights = tree
     leaves = low.shape[0] // 2
     stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
+    last = -1
     for q in range(x.shape[0]):
-        i = which[q - 1] if q > 0 else -1
-        if i >= 0:
-            value = _from_segment(x, q, segments, weights, i, growth)
-            if value < best[q]:
-                best[q], which[q] = value, i
-        top = 1
-        stack[0], bound[0] = 1, least[1] + growth * to_box(x, q, low, high, 1)
-        while top > 0:
-            top -= 1
-            node = stack[top]
-            if bound[top] >= best[q]:
-                continue
+        lowest, found = best[q], np.int64(-1)
+        if last >= 0:
+            value = _from_segment(x, q, segments, weights, last, growth)
+            if value < lowest:
+                lowest, found = value, last
+        node, top = 1, 0
+        if not least[1] + growth * to_box(x, q, low, high, 1) < lowest:
+            node = 0
+        while node > 0:
             if node < leaves:
-                left = least[2 * node] + growth * to_box(x, q, low, high, 2 * node)
-                right = least[2 * node + 1] + growth * to_box(x, q, low, high, 2 * node + 1)
-                near = 0 if left <= right else 1
-                if max(left, right) < best[q]:
-                    stack[top], bound[top] = 2 * node + 1 - near, max(left, right)
-                    top += 1
-                if min(left, right) < best[q]:
-                    stack[top], bound[top] = 2 * node + near, min(left, right)
-                    top += 1
-                continue
-            first = (node - leaves) * BOXES_IN_LEAF
-            for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                i = order[k]
-                value = _from_segment(x, q, segments, weights, i, growth)
-                if value < best[q]:
-                    best[q] = value
-                    which[q] = i
+                near = 2 * node
+                far = near + 1
+                to_near = least[near] + growth * to_box(x, q, low, high, near)
+                to_far = least[far] + growth * to_box(x, q, low, high, far)
+                if to_far < to_near:
+                    near, far, to_near, to_far = far, near, to_far, to_near
+                if to_near < lowest:
+                    if to_far < lowest:
+                        stack[top], bound[top] = far, to_far
+                        top += 1
+                    node = near
+                    continue
+            else:
+                first = (node - leaves) * BOXES_IN_LEAF
+                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                    value = _from_segment(x, q, segments, weights, order[k], growth)
+                    if value < lowest:
+                        lowest, found = value, order[k]
+            node = 0
+            while top > 0 and node == 0:
+                top -= 1
+                if bound[top] < lowest:
+                    node = stack[top]
+        best[q], which[q], last = lowest, found, found
+
+
+@inline
+def _select(values, order, first, last, place):
+    """Reorder ``order[first:last]`` by values until that at ``place`` parts smaller ones from larger ones.
+
+    C. A. R. Hoare, Communications of the ACM 4 (1961) 321-322: linear time, as a rule.
+    """
+    left, right = first, last - 1
+    while left < right:
+        pivot = values[order[(left + right) // 2]]
+        i, j = left, right
+        while i <= j:
+            while values[order[i]] < pivot:
+                i += 1
+            while pivot < values[order[j]]:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i += 1
+                j -= 1
+        if place <= j:
+            right = j
+        elif place >= i:
+            left = i
+        else:
+            break
 
 
 @kernel
-def _search_2(x, tree, growth, best, which):
-    """`_search` in the plane: without loops over coordinates it takes half the time."""
-    low, high, least, order, segments, weights = tree
-    leaves = low.shape[0] // 2
-    stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
-    for q in range(x.shape[0]):
-        px, py = x[q, 0], x[q, 1]
-        i = which[q - 1] if q > 0 else -1
-        if i >= 0:
-            value = _from_segment_2(px, py, segments, weights, i, growth)
-            if value < best[q]:
-                best[q], which[q] = value, i
-        top = 1
-        stack[0], bound[0] = 1, least[1] + growth * _to_box_2(px, py, low, high, 1)
-        while top > 0:
-            top -= 1
-            node = stack[top]
-            if bound[top] >= best[q]:
-                continue
-            if node < leaves:
-                left = least[2 * node] + growth * _to_box_2(px, py, low, high, 2 * node)
-                right = least[2 * node + 1] + growth * _to_box_2(px, py, low, high, 2 * node + 1)
-                near = 0 if left <= right else 1
-                if max(left, right) < best[q]:
-                    stack[top], bound[top] = 2 * node + 1 - near, max(left, right)
-                    top += 1
-                if min(left, right) < best[q]:
-                    stack[top], bound[top] = 2 * node + near, min(left, right)
-                    top += 1
-                continue
+def _halved(segments, low, high, leaves, order):
+    """Order segments for the leaves of a tree: of each node they are divided at a median of its wider side.
+
+    Writes their boxes, too. Boxes are smaller than along a curve: a search looks at a third fewer.
+    """
+    m, d = segments.shape[0], segments.shape[2]
+    for i in range(m):
+        order[i] = i
+        for j in range(d):
+            low[i, j] = min(segments[i, 0, j], segments[i, 1, j])
+            high[i, j] = max(segments[i, 0, j], segments[i, 1, j])
+    values = np.empty(m)
+    stack = np.empty((64, 3), dtype=np.int64)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, m, leaves
+    top = 1
+    while top > 0:
+        top -= 1
+        first, last, half = stack[top, 0], stack[top, 1], stack[top, 2] // 2
+        middle = first + half * BOXES_IN_LEAF
+        if half == 0:
+            continue
+        if middle < last:
+            axis, widest = 0, -1.0
+            for j in range(d):
+                least, most = np.inf, -np.inf
+                for k in range(first, last):
+                    place = low[order[k], j] + high[order[k], j]
+                    least, most = min(least, place), max(most, place)
+                if most - least > widest:
+                    axis, widest = j, most - least
+            for k in range(first, last):
+                values[order[k]] = low[order[k], axis] + high[order[k], axis]
+            _select(values, order, first, last, middle)
+            stack[top, 0], stack[top, 1], stack[top, 2] = middle, last, half
+            top += 1
+        stack[top, 0], stack[top, 1], stack[top, 2] = first, min(middle, last), half
+        top += 1
+
+
+@kernel
+def _lowest(weights, order, least):
+    """Write the least weight below each node."""
+    leaves = least.shape[0] // 2
+    for node in range(2 * leaves - 1, -1, -1):
+        least[node] = np.inf
+        if node >= leaves:
             first = (node - leaves) * BOXES_IN_LEAF
             for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                i = order[k]
-                value = _from_segment_2(px, py, segments, weights, i, growth)
-                if value < best[q]:
-                    best[q] = value
-                    which[q] = i
+                least[node] = min(least[node], weights[order[k], 0], weights[order[k], 1])
+        elif node > 0:
+            least[node] = min(least[2 * node], least[2 * node + 1])
 
 
 class SegmentTree:
@@ -240,8 +274,11 @@ class SegmentTree:
         if given.shape not in ((len(array),), (len(array), 2)) or not np.isfinite(given).all():
             raise InputError(f"weights must be {len(array)} finite numbers, not shape {given.shape}")
         self.weights: Array = given if given.ndim == 2 else np.repeat(given[:, None], 2, axis=1)
-        tree = BoxTree(self.segments.min(axis=1), self.segments.max(axis=1))
-        lowest = _minima(self.weights.min(axis=1)[tree.order], len(tree.low) // 2)
+        leaves, shape = leaves_for(len(array)), (len(array), array.shape[2])
+        low, high, order = np.empty(shape), np.empty(shape), np.empty(len(array), dtype=np.int64)
+        _halved(self.segments, low, high, leaves, order)
+        tree, lowest = BoxTree(low, high, order), np.empty(2 * leaves)
+        _lowest(self.weights, order, lowest)
         self.nodes = SegmentNodes(tree.low, tree.high, lowest, tree.order, self.segments, self.weights)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
@@ -269,8 +306,7 @@ class SegmentTree:
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
         which = np.full(len(points), -1, dtype=np.int64)
         scaled = np.ascontiguousarray(points * self.factor)
-        search = _search_2 if scaled.shape[1] == 2 else _search
-        search(scaled, self.nodes, growth / self.factor, best, which)
+        _search(scaled, self.nodes, growth / self.factor, best, which)
         return best, which
 
     def distance(self, x: ArrayLike) -> Array:
@@ -289,15 +325,3 @@ class SegmentTree:
         if self.weights.any():
             raise InputError("this tree has weights; call `least` instead")
         return self.least(x, 1.0)
-
-
-def _minima(values: Array, leaves: int) -> Array:
-    """The minimum value below each node of a tree whose leaves have `BOXES_IN_LEAF` values each, in order."""
-    result = np.full(2 * leaves, np.inf)
-    firsts = np.arange(0, len(values), BOXES_IN_LEAF)
-    result[leaves : leaves + len(firsts)] = np.minimum.reduceat(values, firsts)
-    while leaves > 1:
-        half = leaves // 2
-        result[half:leaves] = np.minimum(result[leaves : 2 * leaves : 2], result[leaves + 1 : 2 * leaves : 2])
-        leaves = half
-    return result

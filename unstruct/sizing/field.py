@@ -86,6 +86,10 @@ class SizeField:
             result[i : i + ASKED_AT_ONCE] = self._values(points[i : i + ASKED_AT_ONCE], i)
         return result
 
+    def below(self, x: Array, bound: Array) -> Array:
+        """The smaller of the size and a bound at each of the points x (k, 2); where it is known to be quicker."""
+        return np.minimum(self(x), bound)
+
     def _values(self, points: Array, first: int) -> Array:
         """The function at some points; ``points[0]`` is row ``first`` of the array that the caller gave."""
         if self.constant is not None:

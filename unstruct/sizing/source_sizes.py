@@ -82,12 +82,19 @@ def sources(
     ends = array.reshape(-1, array.shape[-1])
     if array.ndim == 3:
         ends = np.concatenate([ends, array.mean(axis=1)])
-    return SizeField(
-        partial(_grown, tree, growth, cap),
-        landmarks=ends,
-        name=f"{len(values)} {name}, growth {growth:g}",
-        growth=growth,
-    )
+    return _Sources(tree, growth, cap, ends, f"{len(values)} {name}, growth {growth:g}")
+
+
+class _Sources(SizeField):
+    """The result of `sources`."""
+
+    def __init__(self, tree: SegmentTree, growth: float, cap: float, landmarks: Array, name: str):
+        super().__init__(partial(_grown, tree, growth, cap), landmarks=landmarks, name=name, growth=growth)
+        self.tree, self.cap, self.change = tree, cap, growth
+
+    def below(self, x: Array, bound: Array) -> Array:
+        """As `SizeField.below`: the tree looks only for what is below the bound."""
+        return self.tree.least(x, self.change, np.minimum(bound, self.cap))[0]
 
 
 def _grown(tree: SegmentTree, growth: float, cap: float, x: Array) -> Array:

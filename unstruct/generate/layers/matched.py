@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 COARSE = 0.15  # the relative tolerance of a table of the matched size
+MIDDLES = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])  # which of the places `FRESH` leaves may have
 BROADEST = 2.0  # wanted edge lengths: larger leaves are divided in any case
 
 
@@ -43,12 +44,16 @@ class MatchedSize(SizeField):
             growth=None if known is None else max(known, FILL_GROWTH),
         )  # fmt: skip
 
-    def least(self, x: Array, bound: Array) -> tuple[Array, Array, Integers]:
-        """The size at points x, where the given one is at least ``bound``; a better such bound; the edge."""
+    def least(self, x: Array, bound: Array, reach: Array) -> tuple[Array, Array, Integers]:
+        """The size at points x, where the given one is at least ``bound``; a better such bound; the edge.
+
+        The bounds tell of all points within ``reach`` of x whether the given size matters there.
+        """
         found, edge = self.tree.least(x, FILL_GROWTH)
         rows = np.flatnonzero(bound < found)
         bound = bound.copy()
-        bound[rows] = self.given(x[rows])
+        enough = found[rows] + (FILL_GROWTH + (self.given.growth or 0.0)) * reach[rows]
+        bound[rows] = self.given.below(x[rows], enough)
         return np.minimum(found, bound), bound, edge
 
     def behind(self, x: Array, edge: Integers, far: float) -> NDArray[np.bool_]:
@@ -78,9 +83,11 @@ class MatchedSize(SizeField):
         box = box_of(lower, upper, factor, tolerance)
         span, change = box[1] - box[0], self.given.growth or 0.0
 
-        def at(place: Array, bound: Array) -> tuple[Array, Array, Integers]:  # relative coordinates
+        def at(place: Array, bound: Array, reach: Any) -> tuple[Array, Array, Integers]:
+            """The sizes at relative coordinates; ``reach`` is in units of the diagonal of the box."""
             x = np.minimum(box[0] + place.reshape(-1, 2) * span, box[1])
-            values, better, edges = self.least(x, bound.ravel())
+            far = np.broadcast_to(np.hypot(*span) * reach, bound.shape).ravel()
+            values, better, edges = self.least(x, bound.ravel(), far)
             return values.reshape(bound.shape), better.reshape(bound.shape), edges.reshape(bound.shape)
 
         blocks, child, place, (middle, bound, edge) = self._first(at)
@@ -102,7 +109,9 @@ class MatchedSize(SizeField):
             if not len(rows):
                 break
             child[-1][rows] = count + 4 * np.arange(len(rows))
-            probes, better, edges = at((place[rows, None] + FRESH) * side, bound[rows, None] - side * away)
+            probes, better, edges = at(
+                (place[rows, None] + FRESH) * side, bound[rows, None] - side * away, side / 4 * MIDDLES
+            )  # fmt: skip
             known = np.concatenate([values[rows], middle[rows, None], probes[:, :4]], axis=1)
             values, middle = known[:, CHILD].reshape(-1, 4), probes[:, 4:].ravel()
             bound, edge = better[:, 4:].ravel(), edges[:, 4:].ravel()
@@ -118,8 +127,8 @@ class MatchedSize(SizeField):
         many = 1 << FIRST_LEVELS
         lattice = np.arange(2 * many + 1) / (2 * many)
         corner, center = (
-            at(np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1), np.full((len(t), len(t)), -np.inf))
-            for t in (lattice[::2], lattice[1::2])
+            at(np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1), np.full((len(t), len(t)), -np.inf), reach)
+            for t, reach in ((lattice[::2], 0.0), (lattice[1::2], 0.5 / many))
         )
         blocks, child = [], []
         place, count = np.zeros((1, 2), dtype=np.int64), 0
