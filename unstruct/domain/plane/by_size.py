@@ -5,12 +5,14 @@ With a metric the size is that in the direction of the piece; the integral is th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...geometry.outline import Outline
 from ...sizing.metric import Metric
 from .by_region import PieceSizes, piece_sizes, size_or_metric
@@ -80,6 +82,8 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     """Samples (piece, t) in order, with the integral of ds / size over all pieces up to each sample.
 
     Intervals are halved until their halves are nearly equal and agree with the whole, or far below a step.
+    A row of an interval has its parameters, the points at its start, middle and end, and the size at the
+    middle.
     """
     many = len(outline.pieces)
     parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
@@ -92,31 +96,29 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     piece = np.repeat(np.arange(many), parts)
     j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     t0, t1 = j / parts[piece], (j + 1) / parts[piece]
-    done: list[tuple[np.ndarray, ...]] = []
+    first, middle, last = outline.points_at(
+        np.tile(piece, 3), np.concatenate([t0, (t0 + t1) / 2, t1])
+    ).reshape(3, -1, 2)
+    here = size.at(piece, middle, last - first)
+    rows = np.column_stack([t0, t1, first, middle, last, here])
+    done: list[tuple[np.ndarray, np.ndarray]] = []
     while len(piece):
-        t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
-        x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
-        chord = x[2::2] - x[:-2:2]
-        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2), chord.reshape(-1, 2)).reshape(2, -1)
-        h1 = size.at(piece, x[2], x[4] - x[0])
-        dx, dy = chord.transpose(2, 0, 1)
-        length = np.hypot(dx, dy)
-        halves = length / h
-        whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)
-        even = np.abs(length[0] - length[1]) <= 0.02 * length.sum(axis=0)
-        even &= (np.abs(halves[0] - halves[1]) <= 0.02 * amount) & (np.abs(amount - whole) <= 0.01 * amount)
-        enough = even | ((amount < 0.02) & (whole < 0.02))
-        done.append((piece[enough], t0[enough], t1[enough], amount[enough]))
-        rest = ~enough
-        piece, (t0, t1) = (
-            np.repeat(piece[rest], 2),
-            np.stack([np.stack([t0, t[2]])[:, rest].T.ravel(), np.stack([t[2], t1])[:, rest].T.ravel()]),
-        )
+        quarters = np.concatenate([(3 * rows[:, 0] + rows[:, 1]) / 4, (rows[:, 0] + 3 * rows[:, 1]) / 4])
+        both = np.tile(piece, 2)
+        x = outline.points_at(both, quarters)
+        h = size.at(both, x, np.concatenate([rows[:, 4:6] - rows[:, 2:4], rows[:, 6:8] - rows[:, 4:6]]))
+        ended, ended_piece = np.empty((len(piece), 3)), np.empty(len(piece), dtype=np.int64)
+        halves, halves_piece = np.empty((2 * len(piece), 9)), np.empty(2 * len(piece), dtype=np.int64)
+        enough = _halve_uneven(rows, piece, x, h, ended, ended_piece, halves, halves_piece)
+        done.append((ended_piece[:enough], ended[:enough]))
+        rest = 2 * (len(piece) - enough)
+        rows, piece = halves[:rest], halves_piece[:rest]
         if len(piece) > max(STRETCH, STRETCH_SHARE * many):
-            raise InputError(_too_small(outline, int(piece[0]), float(t0[0])))
+            raise InputError(_too_small(outline, int(piece[0]), float(rows[0, 0])))
     if not done:
-        done.append((piece, t0, t1, t0))
-    piece, t0, t1, amount = (np.concatenate(parts) for parts in zip(*done))
+        done.append((piece, rows[:, :3]))
+    piece = np.concatenate([some for some, _ in done])
+    t0, t1, amount = np.concatenate([some for _, some in done]).T
     order = np.lexsort((t0, piece))
     piece, t1, amount = piece[order], t1[order], amount[order]
     # One more sample at the head of each piece has the integral of the end of the piece before.
@@ -127,6 +129,39 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
         np.insert(t1, heads, 0.0),
         np.insert(total, heads, np.concatenate([[0.0], total])[heads]),
     )
+
+
+@kernel
+def _halve_uneven(rows, piece, x, h, ended, ended_piece, halves, halves_piece):
+    """Divide the intervals (rows of `_table`) that are uneven; the others end. Returns how many have ended.
+
+    ``x`` and ``h`` are the points at the first quarters, then those at the third ones, and the sizes there.
+    Of those that end ``ended`` gets both parameters and the integral. The sizes at the quarters are those at
+    the middles of the halves.
+    """
+    m, many, more = len(piece), 0, 0
+    for i in range(m):
+        t0, t1, ax, ay = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3]
+        mx, my, bx, by, here = rows[i, 4], rows[i, 5], rows[i, 6], rows[i, 7], rows[i, 8]
+        one, two = math.hypot(mx - ax, my - ay), math.hypot(bx - mx, by - my)
+        p, q = one / h[i], two / h[m + i]
+        whole, amount = (one + two) / here, p + q
+        even = abs(one - two) <= 0.02 * (one + two)
+        even = even and abs(p - q) <= 0.02 * amount and abs(amount - whole) <= 0.01 * amount
+        if even or (amount < 0.02 and whole < 0.02):
+            ended[many, 0], ended[many, 1], ended[many, 2], ended_piece[many] = t0, t1, amount, piece[i]
+            many += 1
+            continue
+        middle = (t0 + t1) / 2
+        for k in range(2):
+            row, j = halves[more], i + k * m
+            row[0], row[1] = (t0, middle) if k == 0 else (middle, t1)
+            row[2], row[3] = (ax, ay) if k == 0 else (mx, my)
+            row[4], row[5], row[8] = x[j, 0], x[j, 1], h[j]
+            row[6], row[7] = (mx, my) if k == 0 else (bx, by)
+            halves_piece[more] = piece[i]
+            more += 1
+    return many
 
 
 def _too_small(outline: Outline, piece: int, t: float) -> str:

@@ -21,6 +21,7 @@ from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.segment_pairs import meetings
 from ...predicates.batch import power_of_two
+from .apart import surely_apart
 from .corners import crossings_at_corners
 
 __all__ = ["Sampled"]
@@ -181,6 +182,8 @@ def conflicts(outline: Outline, sampled: Sampled, rows: np.ndarray, chains: np.n
 
     ``rows`` are the curved subsegments, ``chains`` their `fine_chains`.
     """
+    if len(rows) and surely_apart(outline, sampled.points, sampled.ends, rows, chains):
+        return np.empty((0, 2), dtype=np.int64)
     pairs = [meetings(sampled.points, sampled.ends)[0]]
     if len(rows):
         pairs += [_fine_meetings(sampled, rows, chains), _vertices_between(outline, sampled, rows, chains)]

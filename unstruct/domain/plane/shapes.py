@@ -5,6 +5,7 @@ Each function gives the arguments of a `Domain`: points, facets, and options. Se
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from math import pi, radians
@@ -14,8 +15,9 @@ import numpy as np
 
 from ...base.arguments import finite, positive
 from ...base.arrays import as_points
-from ...base.elementary import cosine, sine, sines
+from ...base.elementary import cosine, sine
 from ...base.errors import InputError
+from ...base.jit import kernel
 from ...base.optional import optional
 from ...geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..arguments import around, as_ring
@@ -105,29 +107,33 @@ def _skin(
     angle: np.ndarray,
 ) -> np.ndarray:
     """Points of the surface, turned and moved to their place."""
-    x, y = (chord * _surface(*section, angle)).T
-    return np.stack(
-        [x * move[0, 0] + y * move[1, 0] + nose[0], x * move[0, 1] + y * move[1, 1] + nose[1]], axis=-1
-    )
+    made = np.empty((angle.size, 2))
+    _surface(section, chord, move, nose, np.ascontiguousarray(angle, dtype=np.float64).ravel(), made)
+    return made.reshape(*angle.shape, 2)
 
 
-def _surface(camber: float, place: float, thickness: float, last: float, angle: np.ndarray) -> np.ndarray:
-    """Points of the surface for angles from pi (tail) over 0 (nose) to -pi.
+@kernel
+def _surface(section, chord, move, nose, angle, made):
+    """Write points of the surface for angles from pi (tail) over 0 (nose) to -pi.
 
     x = sin^2(angle / 2) makes the curve smooth at the nose.
     """
-    root = np.abs(sines(angle / 2))
-    x = root * root
-    half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
-    y, slope = np.zeros_like(x), np.zeros_like(x)
-    if camber:
-        front = x < place
-        scale = camber / np.where(front, place, 1 - place) ** 2
-        y = scale * (np.where(front, 0.0, 1 - 2 * place) + 2 * place * x - x * x)
-        slope = 2 * scale * (place - x)
-    length = np.hypot(1.0, slope)
-    side = np.where(angle < 0, -half, half) / length
-    return np.stack([x - side * slope, y + side], axis=-1)
+    camber, place, thickness, last = section
+    for i in range(angle.shape[0]):
+        root = abs(sine(angle[i] / 2))
+        x = root * root
+        half = 5 * thickness * (0.2969 * root + x * (-0.1260 + x * (-0.3516 + x * (0.2843 + x * last))))
+        y, slope = 0.0, 0.0
+        if camber != 0.0:
+            front = x < place
+            part = place if front else 1 - place
+            scale = camber / (part * part)
+            y = scale * ((0.0 if front else 1 - 2 * place) + 2 * place * x - x * x)
+            slope = 2 * scale * (place - x)
+        side = (-half if angle[i] < 0 else half) / math.hypot(1.0, slope)
+        u, v = chord * (x - side * slope), chord * (y + side)
+        for k in range(2):
+            made[i, k] = u * move[0, k] + v * move[1, k] + nose[k]
 
 
 # ---------------------------------------------------------------------- letters
