@@ -7,12 +7,14 @@ both sides stay well visible along them. At an open end of a wall a ray follows 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.elementary import cosines, sines, turns
+from ...base.jit import inline, kernel
 from ...domain.domain import Domain
 from .walls import Walls
 
@@ -260,39 +262,79 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
     coming[rays.right[:sides]] = np.arange(sides)
     going[rays.left[:sides]] = np.arange(sides)
     coming, going = np.where(coming < 0, going, coming), np.where(going < 0, coming, going)
-    # The inner rays of a fan have no side of their own and look at none.
-    known = coming >= 0
-    n1, n2 = normal[np.maximum(coming, 0)], normal[np.maximum(going, 0)]
+    direction = rays.direction.copy()
+    scale, cosine = np.empty((2, len(rays.base)))
+    around = before, after, coming, going, rays.kind
+    _smooth(walls.points[rays.base], normal, around, direction)
+    _stretch(normal, around, direction, scale, cosine)
+    return rays._replace(direction=direction, scale=scale, cosine=cosine)
 
-    def cosine(d: Array) -> Array:
-        found = np.minimum((d * n1).sum(axis=1), (d * n2).sum(axis=1))
-        return np.where(known & (rays.kind != FAN_RAY), found, 1.0)
 
-    direction, x = rays.direction.copy(), walls.points[rays.base]
-    free = np.flatnonzero((rays.kind == FREE_RAY) & (before >= 0) & (after >= 0))
-    p, q = before[free], after[free]
-    to_p, to_q = np.hypot(*(x[p] - x[free]).T), np.hypot(*(x[q] - x[free]).T)
-    share = (to_q / np.maximum(to_p + to_q, 1e-300))[:, None]
-    least = np.minimum(cosine(direction), VISIBLE)
-    # Tapered rays have no say.
-    keep_p = (rays.kind[p] == TAPER_RAY)[:, None]
-    keep_q = (rays.kind[q] == TAPER_RAY)[:, None]
+@inline
+def _is_free(before, after, kind, r):
+    return kind[r] == FREE_RAY and before[r] >= 0 and after[r] >= 0
+
+
+@inline
+def _seen(normal, coming, going, kind, r, x, y):
+    """The cosines of the angles between a direction of ray r and the normals of its sides.
+
+    The inner rays of a fan have no side of their own and look at none.
+    """
+    if coming[r] < 0 or kind[r] == FAN_RAY:
+        return 1.0, 1.0
+    i, j = coming[r], going[r]
+    return x * normal[i, 0] + y * normal[i, 1], x * normal[j, 0] + y * normal[j, 1]
+
+
+@kernel
+def _smooth(x, normal, around, direction):
+    """Turn free rays towards the mean of their neighbors, as long as both sides stay well visible."""
+    before, after, coming, going, kind = around
+    n = len(before)
+    share, least = np.empty(n), np.empty(n)
+    for r in range(n):
+        if _is_free(before, after, kind, r):
+            p, q = before[r], after[r]
+            to_p = math.hypot(x[p, 0] - x[r, 0], x[p, 1] - x[r, 1])
+            to_q = math.hypot(x[q, 0] - x[r, 0], x[q, 1] - x[r, 1])
+            share[r] = to_q / max(to_p + to_q, 1e-300)
+            one, two = _seen(normal, coming, going, kind, r, direction[r, 0], direction[r, 1])
+            least[r] = max(min(one, two, VISIBLE), VISIBLE * 0.5)
+    old = np.empty((n, 2))
     for _ in range(SMOOTHING_ROUNDS):
-        own = direction[free]
-        mean = share * np.where(keep_p, own, direction[p]) + (1 - share) * np.where(keep_q, own, direction[q])
-        mean += own
-        size = np.hypot(*mean.T)
-        trial = direction.copy()
-        trial[free] = mean / np.maximum(size, 1e-300)[:, None]
-        good = (size > 1e-9) & (cosine(trial)[free] >= np.maximum(least[free], VISIBLE * 0.5))
-        direction[free[good]] = trial[free[good]]
-    towards = np.where(
-        known & (rays.kind != FAN_RAY), ((direction * n1).sum(1) + (direction * n2).sum(1)) / 2, 1.0
-    )
-    most = np.where(
-        (n1[:, 0] * n2[:, 1] - n1[:, 1] * n2[:, 0] > 0.0) & (rays.kind == HELD_RAY), CORNER_SCALE, MOST_SCALE
-    )
-    scale = np.clip(1.0 / np.maximum(towards, 1e-9), 1.0, most)
-    beside = np.minimum(scale, MOST_SCALE)
-    scale[free] = (2 * scale[free] + beside[p] + beside[q]) / 4
-    return rays._replace(direction=direction, scale=scale, cosine=cosine(direction))
+        for r in range(n):
+            old[r, 0], old[r, 1] = direction[r, 0], direction[r, 1]
+        for r in range(n):
+            if not _is_free(before, after, kind, r):
+                continue
+            # Tapered rays have no say.
+            p = r if kind[before[r]] == TAPER_RAY else before[r]
+            q = r if kind[after[r]] == TAPER_RAY else after[r]
+            u = share[r] * old[p, 0] + (1 - share[r]) * old[q, 0] + old[r, 0]
+            v = share[r] * old[p, 1] + (1 - share[r]) * old[q, 1] + old[r, 1]
+            size = math.hypot(u, v)
+            u, v = u / max(size, 1e-300), v / max(size, 1e-300)
+            one, two = _seen(normal, coming, going, kind, r, u, v)
+            if size > 1e-9 and min(one, two) >= least[r]:
+                direction[r, 0], direction[r, 1] = u, v
+
+
+@kernel
+def _stretch(normal, around, direction, scale, cosine):
+    """Fill ``scale`` and ``cosine`` of `Rays`; the heights of free rays are a mean with their neighbors'."""
+    before, after, coming, going, kind = around
+    n = len(before)
+    own = np.empty(n)
+    for r in range(n):
+        one, two = _seen(normal, coming, going, kind, r, direction[r, 0], direction[r, 1])
+        cosine[r], most = min(one, two), MOST_SCALE
+        if kind[r] == HELD_RAY and coming[r] >= 0:
+            i, j = coming[r], going[r]
+            if normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0] > 0.0:
+                most = CORNER_SCALE
+        own[r] = scale[r] = min(max(1.0 / max((one + two) / 2, 1e-9), 1.0), most)
+    for r in range(n):
+        if _is_free(before, after, kind, r):
+            p, q = min(own[before[r]], MOST_SCALE), min(own[after[r]], MOST_SCALE)
+            scale[r] = (2 * own[r] + p + q) / 4

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import kernel
+from ...base.jit import inline, kernel
 from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField
 from .heights import Fronts
@@ -39,6 +39,7 @@ MATCHED = 0.95  # a ray stops before a step of so many spacings
 SHRUNK = 0.5  # ... or before its front is so much shorter than the wall
 STRETCHED = 1.5  # ... or so many wanted sizes
 ASK_SIZE_FROM = 0.25  # steps shorter than this share of the spacing cannot match a size
+FAR_ALONG = 1 << 60
 OWN_VERTICES = 4  # vertices of a wall: what is nearer along it is no opposing front
 
 
@@ -208,11 +209,6 @@ def _follow(before, after, step, chain, place, around):
                     around[r] = at
 
 
-def _ahead(away: Array, direction: Array) -> NDArray[np.bool_]:
-    """Whether places are ahead: more than beside, or else both sides of a thin wall would stop each other."""
-    return (away * direction).sum(axis=1) > AHEAD * np.hypot(*away.T)
-
-
 def _near(
     rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], spring: bool, slides: Integers
 ) -> Stops:
@@ -242,25 +238,53 @@ def _candidates(
     tip, base = fronts.places[row, top], fronts.places[:, 0]
     low, high = np.minimum(base, tip), np.maximum(base, tip)
     step = fronts.steps[row, np.minimum(top, fronts.steps.shape[1] - 1)]
-    wide = np.where(np.isfinite(fronts.apart), fronts.apart, 0.0)
-    reach = (2.5 * step + 2.0 * np.maximum(wide[row, top], wide[:, 0]))[:, None]
+    wide = np.maximum(*(np.where(np.isfinite(d), d, 0.0) for d in (fronts.apart[row, top], fronts.apart[:, 0])))
+    reach = (2.5 * step + 2.0 * wide)[:, None]
     tree = BoxTree(np.concatenate([low, rest[0]]), np.concatenate([high, rest[0]]))
     p, q = tree.pairs(low - reach, high + reach)
-    keep = (top[p] > 0) & (p != q)
-    p, q = p[keep], q[keep]
-    chain, place, around = chains_of(rays)
-    ray = q < n
-    own = np.zeros(len(p), dtype=bool)
-    i, j = p[ray], q[ray]
-    gap = np.abs(place[i] - place[j])
-    gap = np.where(around[i] > 0, np.minimum(gap, around[i] - gap), gap)
-    # Rays of one front, and rays that do not face each other.
-    facing = _ahead(base[j] - base[i], rays.direction[i]) & _ahead(base[i] - base[j], rays.direction[j])
-    own[ray] = ((chain[i] == chain[j]) & (gap <= OWN_VERTICES)) | ~facing
-    # Points of the piece along which a neighboring ray slides.
-    for s in np.flatnonzero(slides >= 0).tolist():
-        gap = np.abs(place[p] - place[s])
-        gap = np.where(around[p] > 0, np.minimum(gap, around[p] - gap), gap)
-        beside = (chain[p] == chain[s]) & (gap <= OWN_VERTICES) & ~ray
-        own |= beside & (np.append(rest[1], -2)[np.where(ray, len(rest[1]), q - n)] == slides[s])
-    return p[~own], q[~own]
+    kept = np.empty(len(p), dtype=bool)
+    front = (*chains_of(rays), rays.direction, np.ascontiguousarray(base), top)
+    _may_meet(p, q, front, slides, rest[1], np.flatnonzero(slides >= 0), kept)
+    return p[kept], q[kept]
+
+
+@inline
+def _ahead(x, y, direction, r):
+    """Whether a place (x, y) away is more ahead than beside, or both sides of a thin wall would stop."""
+    return x * direction[r, 0] + y * direction[r, 1] > AHEAD * math.hypot(x, y)
+
+
+@inline
+def _along(chain, place, around, i, j):
+    """How many vertices of the wall two rays of one chain are apart; many for rays of different chains."""
+    if chain[i] != chain[j]:
+        return FAR_ALONG
+    gap = abs(place[i] - place[j])
+    return min(gap, around[i] - gap) if around[i] > 0 else gap
+
+
+@kernel
+def _may_meet(p, q, front, slides, piece, sliding, kept):
+    """Which pairs of a ray p and a ray q, or the row q - n of the points of the rest, are to be looked at.
+
+    Not rays without a layer, rays near each other along one front, rays that do not face each other, and
+    points of the piece along which a neighboring ray slides.
+    """
+    chain, place, around, direction, base, top = front
+    n = len(top)
+    for row in range(len(p)):
+        i, j = p[row], q[row]
+        kept[row] = top[i] > 0 and i != j
+        if not kept[row]:
+            continue
+        if j < n:
+            x, y = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1]
+            kept[row] = (
+                _along(chain, place, around, i, j) > OWN_VERTICES
+                and _ahead(x, y, direction, i)
+                and _ahead(-x, -y, direction, j)
+            )
+            continue
+        for s in sliding:
+            if piece[j - n] == slides[s] and _along(chain, place, around, i, s) <= OWN_VERTICES:
+                kept[row] = False

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.codes import DONE, MORE
+from ...base.jit import kernel
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import Stars, legalize_moved, opposite_half_edges
 from ...domain.domain import Domain
@@ -149,12 +150,26 @@ def _named(found: NDArray[np.float64]) -> dict[str, float]:
 
 def small_angles(c: PlanarComplex, least: float) -> NDArray[np.int64]:
     """The slots of triangles with an angle below ``least`` degrees."""
-    slots = np.flatnonzero(c.kept())
-    x = c.xy[c.vertex[: 3 * c.triangles].reshape(-1, 3)[slots]]
-    sides = np.sort(((x - np.roll(x, 1, axis=1)) ** 2).sum(axis=2), axis=1)
-    double = (x[:, 1, 0] - x[:, 0, 0]) * (x[:, 2, 1] - x[:, 0, 1])
-    double -= (x[:, 1, 1] - x[:, 0, 1]) * (x[:, 2, 0] - x[:, 0, 0])
-    return slots[double**2 < np.sin(np.radians(least)) ** 2 * sides[:, 1] * sides[:, 2]]
+    found = np.empty(c.triangles, dtype=bool)
+    _sharper(c.xy, c.vertex, c.region, np.sin(np.radians(least)) ** 2, found)
+    return np.flatnonzero(found)
+
+
+@kernel
+def _sharper(xy, vertex, region, square, found):
+    """Mark the triangles of the domain with an angle whose squared sine is below ``square``."""
+    for t in range(found.shape[0]):
+        found[t] = False
+        if region[t] < 0:
+            continue
+        a, b, c = vertex[3 * t], vertex[3 * t + 1], vertex[3 * t + 2]
+        ux, uy, vx, vy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1], xy[c, 0] - xy[a, 0], xy[c, 1] - xy[a, 1]
+        wx, wy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1]
+        one, two, three = ux * ux + uy * uy, vx * vx + vy * vy, wx * wx + wy * wy
+        # the two longer sides enclose the least angle
+        longer = one * two if three <= min(one, two) else two * three if one <= two else one * three
+        double = ux * vy - uy * vx
+        found[t] = double * double < square * longer
 
 
 def refine_angles(
