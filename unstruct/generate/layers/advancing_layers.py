@@ -22,7 +22,7 @@ from ..refinement.refine import refine
 from .rays import FAN_RAY, SLIDING_RAY
 from .run import LayersRun
 from .stops import BY_END, STOP_REASONS
-from .union import largest_angle
+from .union import extreme_angle
 from .walls import wall_pieces
 
 __all__ = ["FILLS", "advancing_layers"]
@@ -206,5 +206,5 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
         unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
     )  # fmt: skip
-    mesh.figures.update({"minimum angle of the rest": run.least, "largest angle": largest_angle(mesh)})
+    mesh.figures.update({"minimum angle of the rest": run.least, "largest angle": extreme_angle(mesh, False) or 0.0})
     return mesh

@@ -19,9 +19,9 @@ from ...base.elementary import turns
 from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
+from .facing import mark_crowded
 from .rays import Rays, neighbors_of
 from .scene import Scene, rest_of
-from .spacing import nearest_places
 from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
 from .strips import Numbering, numbered, positive, tops
 
@@ -31,7 +31,6 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be away
-FACING = 0.35  # the sine of the angle under which edges see each other's middles at least, if they face
 LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
 SAME_OPENING = 0.93  # ... by this factor
 SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
@@ -180,17 +179,7 @@ def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:
     low, high = np.minimum(a, b), np.maximum(a, b)
     length = np.hypot(*(b - a).T)
     grown = (LEAST_ROOM * length[: len(top)])[:, None]
-    i, j = BoxTree(low, high).pairs(low[: len(top)] - grown, high[: len(top)] + grown)
-    apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
-    i, j = i[apart], j[apart]
-    middle = (a + b) / 2
-    left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
-    away = middle[j] - middle[i]
-    far = FACING * np.hypot(*away.T)
-    facing = (away * left[i]).sum(axis=1) > far * length[i]
-    facing &= (j >= len(top)) | ((away * left[j]).sum(axis=1) < -far * length[j])
-    i, j = i[facing], j[facing]
-    distance = nearest_places(a[i], b[i], a[j], b[j])[2]
-    near = distance < LEAST_ROOM * length[i]
-    both = np.concatenate([i[near], j[near & (j < len(top))]])
-    return np.unique(both)
+    pairs = BoxTree(low, high).pairs(low[: len(top)] - grown, high[: len(top)] + grown)
+    crowded = np.zeros(len(edges), dtype=bool)
+    mark_crowded(x, edges, pairs, length, LEAST_ROOM, len(top), crowded)
+    return np.flatnonzero(crowded[: len(top)])

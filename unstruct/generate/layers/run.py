@@ -22,7 +22,7 @@ from .scene import Scene
 from .spacing import spaced_walls
 from .stops import BY_SHAPE, Stops, stops_of
 from .strips import cells_of, numbered, positive, tops
-from .union import Union, union_of
+from .union import Union, extreme_angle, union_of
 
 __all__ = ["LayersRun"]
 
@@ -119,19 +119,20 @@ class LayersRun:
             if not isinstance(self.filled, DomainMesh):
                 what = type(self.filled).__name__
                 raise InputError(f"fill must return a mesh of the domain, a DomainMesh, not {what}")
-            angle = self.filled.quality("min_angle")
-            least = float(angle.min(initial=180.0))
+            angle = extreme_angle(self.filled, True)
+            least = 180.0 if angle is None else angle
             if least > best[0]:
                 best = least, (self.stops, self.numbers, self.rest, self.top, self.filled)
             enough = POOR_ANGLE if repeat < MOST_REPEATS - 2 else BAD_ANGLE
-            if least >= enough or repeat == MOST_REPEATS or not self._step_back(angle < POOR_ANGLE, repeat):
+            if least >= enough or repeat == MOST_REPEATS or not self._step_back(repeat):
                 break
             self.repeats += 1
         self.least, (self.stops, self.numbers, self.rest, self.top, self.filled) = best
 
-    def _step_back(self, poor: NDArray[np.bool_], repeat: int) -> bool:
+    def _step_back(self, repeat: int) -> bool:
         """Lower the rays beside poor cells of the rest; False if there are none."""
         filled, rest, scene = self.filled, self.rest, self.scene
+        poor = filled.quality("min_angle") < POOR_ANGLE
         corners = np.unique(filled.simplices[poor])
         last = repeat >= MOST_REPEATS - 2
         for _ in range(0 if last else min(repeat, 2)):  # and those a little farther away

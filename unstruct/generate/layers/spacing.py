@@ -19,9 +19,10 @@ from ...domain.plane.sample import halve, safe
 from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField, as_size
 from ..boundary.constrained import complex_of
+from .facing import mark_long
 from .walls import Walls, walls_of
 
-__all__ = ["nearest_places", "spaced_walls", "to_segment"]
+__all__ = ["spaced_walls"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -74,50 +75,20 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[n
     """Which sides are too long for the gap before them or for their neighbors, and how long they are."""
     x = walls.points
     piece = c.piece[: c.segments].astype(np.int64)
-    others = np.flatnonzero(~np.isin(np.arange(c.segments), walls.segment))
-    edges = np.concatenate([walls.ends, c.ends[others].astype(np.int64)])
-    owner = np.concatenate([piece[walls.segment], piece[others]])
     m = len(walls.ends)
+    beside = np.ones(c.segments, dtype=bool)
+    beside[walls.segment] = False
+    edges = np.concatenate([walls.ends, c.ends[: c.segments][beside]])
+    corners = domain.pieces[np.concatenate([piece[walls.segment], piece[beside]])]
     a, b = x[edges[:, 0]], x[edges[:, 1]]
     length = np.hypot(*(b - a).T)
     grown = (length[:m] / (OF_A_GAP * HALVED_BEYOND))[:, None]
     low, high = np.minimum(a, b), np.maximum(a, b)
-    i, j = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
-    apart = (edges[i][:, :, None] != edges[j][:, None, :]).all(axis=(1, 2))
-    # Pieces that share a corner are as near as its angle makes them.
-    ends = domain.pieces[owner]
-    apart &= (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
-    i, j = i[apart], j[apart]
-    left = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
-    t, s, distance = nearest_places(a[i], b[i], a[j], b[j])
-    away = a[j] + s[:, None] * (b - a)[j] - (a[i] + t[:, None] * (b - a)[i])
-    facing = (away * left[i]).sum(axis=1) > 0.0
-    facing &= (j >= m) | ((away * left[j]).sum(axis=1) < 0.0)
+    pairs = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
     long = np.zeros(m, dtype=bool)
-    long[i[facing & (length[i] > HALVED_BEYOND * OF_A_GAP * distance)]] = True
+    mark_long(x, edges, corners, pairs, length, HALVED_BEYOND * OF_A_GAP, long)
     for side in (walls.after, walls.before):
         rows = np.flatnonzero(side >= 0)
         long[side[rows[length[side[rows]] > UNEVEN * length[rows]]]] = True
     return long, length[:m]
 
-
-def to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """Where on the segment ab the nearest point to p is, from 0 to 1, and its distance."""
-    side = b - a
-    t = np.clip(((p - a) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-300), 0.0, 1.0)
-    return t, np.hypot(*(p - a - t[:, None] * side).T)
-
-
-def nearest_places(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array, Array]:
-    """The nearest places on segments ab and cd that do not cross, from 0 to 1, and their distances."""
-    zero, one = np.zeros(len(a)), np.ones(len(a))
-    t_c, from_c = to_segment(c, a, b)
-    t_d, from_d = to_segment(d, a, b)
-    s_a, from_a = to_segment(a, c, d)
-    s_b, from_b = to_segment(b, c, d)
-    every = np.stack([from_c, from_d, from_a, from_b])
-    which = np.argmin(every, axis=0)
-    row = np.arange(len(a))
-    t = np.stack([t_c, t_d, zero, one])[which, row]
-    s = np.stack([zero, one, s_a, s_b])[which, row]
-    return t, s, every[which, row]

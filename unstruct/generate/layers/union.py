@@ -11,14 +11,16 @@ from ...base.jit import inline, kernel
 from ...connect.planar.complex import PlanarComplex
 from ...geometry.triangle_shapes import planar_angles
 from ...mesh.domain_mesh import DomainMesh
+from ...mesh.mesh import Mesh
 from .filling import Remainder
 from .scene import Scene, bare
 from .strips import Cells, Numbering
 
-__all__ = ["Union", "largest_angle", "split_quads", "union_of"]
+__all__ = ["Union", "extreme_angle", "split_quads", "union_of"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+TELLING = 0.99999  # cosines up to this one tell angles apart
 MEASURED_EDGE = 1e-70  # products of squares of edges above it are far above the least doubles
 
 
@@ -72,6 +74,11 @@ def _least_cosine(points, a, b, c):
     return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
 
 
+@inline
+def _largest_cosine(points, a, b, c):
+    return max(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
+
+
 @kernel
 def _split(points, quads, made):
     for i in range(quads.shape[0]):
@@ -85,25 +92,31 @@ def _split(points, quads, made):
 
 
 @kernel
-def _bluntest(points, cells):
-    """The triangle with the least cosine of an angle; -1 if there is none, or an edge is very short."""
+def _extreme(points, cells, sharpest):
+    """The triangle with the least cosine of an angle, or with the largest one; -1 where this tells too little.
+
+    That is if there is no triangle, if an edge is very short, or if the least angle is very small.
+    """
     best, found = 2.0, np.int64(-1)
     for t in range(cells.shape[0]):
         a, b, c = cells[t, 0], cells[t, 1], cells[t, 2]
-        cosine = _least_cosine(points, a, b, c)
+        cosine = -_largest_cosine(points, a, b, c) if sharpest else _least_cosine(points, a, b, c)
         if cosine < best:
             best, found = cosine, np.int64(t)
         x, y = abs(points[b, 0] - points[a, 0]), abs(points[b, 1] - points[a, 1])
         if max(x, y) < MEASURED_EDGE:
             return np.int64(-1)
-    return found
+    return np.int64(-1) if sharpest and best < -TELLING else found
 
 
-def largest_angle(mesh: DomainMesh) -> float:
-    """The largest angle of a cell, in degrees; only one arctangent is taken."""
-    at = int(_bluntest(mesh.points, mesh.simplices)) if set(mesh.cells) == {"triangle"} else -1
+def extreme_angle(mesh: Mesh, sharpest: bool) -> float | None:
+    """The least or the largest angle of a cell, in degrees; None without cells. Only one arctangent is taken."""
+    at = int(_extreme(mesh.points, mesh.simplices, sharpest)) if set(mesh.cells) == {"triangle"} else -1
     found = planar_angles(mesh.points, mesh.simplices[at : at + 1]) if at >= 0 else None
-    return float(mesh.quality("max_angle").max() if found is None else found[1][0])
+    if found is not None:
+        return float(found[0 if sharpest else 1][0])
+    every = mesh.quality("min_angle" if sharpest else "max_angle")
+    return float(every.min() if sharpest else every.max()) if len(every) else None
 
 
 @kernel

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.jit import kernel
+from ...connect.insertion.halfedges import next_edge, prev_edge
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...domain.plane.matching import pieces_of
@@ -67,22 +69,18 @@ def wall_pieces(domain: Domain, which: Any, name: str) -> Integers:
     return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found])).astype(np.int64)
 
 
-def _next(e: Integers) -> Integers:
-    return np.where(e % 3 == 2, e - 2, e + 1)
-
-
-def _prev(e: Integers) -> Integers:
-    return np.where(e % 3 == 0, e + 2, e - 1)
-
-
-def _turned(c: PlanarComplex, e: Integers, step: Any) -> Integers:
-    """The first half-edges on subsegments when one turns inside around an end of each half-edge."""
-    f = step(e)
-    rows = np.flatnonzero(c.mark[f] < 0)
-    while len(rows):
-        f[rows] = step(c.twin[f[rows]].astype(np.int64))
-        rows = rows[c.mark[f[rows]] < 0]
-    return f
+@kernel
+def _turn(mark, twin, half, after, before):
+    """The first half-edges on subsegments when one turns inside around the end, and the start, of each."""
+    for i in range(len(half)):
+        e = next_edge(half[i])
+        while mark[e] < 0:
+            e = next_edge(np.int64(twin[e]))
+        after[i] = e
+        e = prev_edge(half[i])
+        while mark[e] < 0:
+            e = prev_edge(np.int64(twin[e]))
+        before[i] = e
 
 
 def walls_of(c: PlanarComplex, points: NDArray[np.float64], wall: Any, wake: Any) -> Walls:
@@ -102,11 +100,13 @@ def walls_of(c: PlanarComplex, points: NDArray[np.float64], wall: Any, wake: Any
     half = np.concatenate([first, c.twin[first].astype(np.int64)])
     keep = np.tile(wall[pieces], 2) & (c.region[half // 3] >= 0)
     half = half[keep]
-    ends = np.column_stack([c.vertex[_next(half)], c.vertex[_prev(half)]]).astype(np.int64)
+    third = half - half % 3
+    ends = c.vertex[np.column_stack([third + (half + 1) % 3, third + (half + 2) % 3])].astype(np.int64)
     segment = c.mark[half].astype(np.int64)
     number = np.full(len(c.mark), -1, dtype=np.int64)
     number[half] = np.arange(len(half))
-    after, before = _turned(c, half, _next), _turned(c, half, _prev)
+    after, before = np.empty((2, len(half)), dtype=np.int64)
+    _turn(c.mark, c.twin, half, after, before)
     next_side, last_side = number[after], number[before]
     return Walls(
         points,

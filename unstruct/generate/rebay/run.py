@@ -214,7 +214,8 @@ class VoronoiSegmentRun:
         slots: list[int] = []
         reasons: list[str] = []
         best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
-        if self.kept.any():
+        as_saved, keeps = False, bool(self.kept.any())
+        if keeps:
             best = figures(c)["minimum angle"], c.saved()
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
@@ -233,15 +234,17 @@ class VoronoiSegmentRun:
             self.advance(budget, None)  # some triangles may have become too large again
             done["points again"] += c.size - size
             again = c.size > size
+            after = figures(c)
             if not self.spent and (
-                self.effort is THOROUGH or figures(c)["minimum angle"] < self.effort.patched
+                self.effort is THOROUGH or after["minimum angle"] < self.effort.patched
             ):
                 self.reserve(c.size + SPARE_VERTICES)
                 done["patches"] += sharpen_worst(
                     self.domain, c, self.front(), self.first, self.kept, most is None
                 )
-            self.counts, after = counted, figures(c)
-            if self.kept.any() and after["minimum angle"] > best[0]:
+                after = figures(c)
+            self.counts, as_saved = counted, keeps and after["minimum angle"] > best[0]
+            if as_saved:
                 best = after["minimum angle"], c.saved()
             elif best[1] is not None and 0 < number < PASSES:
                 break
@@ -253,19 +256,21 @@ class VoronoiSegmentRun:
                     self.domain, c, self.first, most, every, top, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
+                as_saved = False
             if after["minimum angle"] < PROMISED_ANGLE:
                 found, slots, reasons = refine_angles(
                     self.domain, c, self.first, most, 2 * self.kept, top, allowed
                 )
                 more, after = self._refined(found, done, after)
-                refined = refined or more
+                refined, as_saved = refined or more, False
             if not refined and (not again or number > 0):
                 break
             since = 0 if refined else size
         if best[1] is not None and after["minimum angle"] <= best[0]:
-            c.restore(best[1])
+            if not as_saved:
+                c.restore(best[1])
+                after = figures(c)
             self.restart()
-            after = figures(c)
             slots = small_angles(c, PROMISED_ANGLE).tolist()
             reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
