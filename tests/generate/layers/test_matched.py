@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import sizing
-from unstruct.generate.layers.matched import COARSE, FILL_GROWTH, matched_size
+from unstruct.generate.layers.matched import COARSE, FILL_GROWTH, is_behind, matched_size
 from unstruct.geometry.parity import even_odd
 
 LOWER, UPPER = [0.0, 0.0], [1.0, 1.0]
@@ -55,5 +55,5 @@ def test_leaves_behind_the_envelope_stay_large() -> None:
     places, _ = field.table(LOWER, UPPER).corners()
     above, below = (places[:, 1] > 0.5).sum(), (places[:, 1] < 0.5).sum()
     assert below < 0.8 * above
-    x = np.array([[0.2, 0.7], [0.2, 0.3], [0.2, 0.499]])
-    assert field.behind(x, np.full(3, 400), 0.01).tolist() == [False, True, False]
+    behind = [is_behind(field.ends, 400, 0.2002, y, 0.01) for y in (0.7, 0.3, 0.499)]
+    assert behind == [False, True, False]

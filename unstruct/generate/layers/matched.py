@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base.jit import inline, kernel
 from ...geometry.segment_tree import SegmentTree
 from ...sizing.field import SizeField, as_size
 from ...sizing.table import CHILD, CORNERS, FIRST_LEVELS, FRESH, RESOLVED, SizeTable, box_of, table_of
 
-__all__ = ["FILL_GROWTH", "MatchedSize", "matched_size"]
+__all__ = ["FILL_GROWTH", "MatchedSize", "is_behind", "matched_size"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 COARSE = 0.15  # the relative tolerance of a table of the matched size
-MIDDLES = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])  # which of the places `FRESH` leaves may have
 BROADEST = 2.0  # wanted edge lengths: larger leaves are divided in any case
 
 
@@ -44,26 +45,6 @@ class MatchedSize(SizeField):
             growth=None if known is None else max(known, FILL_GROWTH),
         )  # fmt: skip
 
-    def least(self, x: Array, bound: Array, reach: Array) -> tuple[Array, Array, Integers]:
-        """The size at points x, where the given one is at least ``bound``; a better such bound; the edge.
-
-        The bounds tell of all points within ``reach`` of x whether the given size matters there.
-        """
-        found, edge = self.tree.least(x, FILL_GROWTH)
-        rows = np.flatnonzero(bound < found)
-        bound = bound.copy()
-        enough = found[rows] + (FILL_GROWTH + (self.given.growth or 0.0)) * reach[rows]
-        bound[rows] = self.given.below(x[rows], enough)
-        return np.minimum(found, bound), bound, edge
-
-    def behind(self, x: Array, edge: Integers, far: float) -> NDArray[np.bool_]:
-        """Which points are on the right of these edges, opposite them, and so far away."""
-        a, b = self.ends[edge].transpose(1, 0, 2)
-        side, away = b - a, x - a
-        along, square = (side * away).sum(axis=1), (side * side).sum(axis=1)
-        cross = side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0]
-        return (along >= 0.0) & (along <= square) & (cross < -far * np.sqrt(square))
-
     def table(
         self, lower: ArrayLike, upper: ArrayLike, *, factor: float = 1.0, tolerance: float = COARSE,
         max_depth: int = 24, max_nodes: int = 1_000_000,
@@ -81,66 +62,182 @@ class MatchedSize(SizeField):
                 lower, upper, factor=factor, tolerance=tolerance, max_depth=max_depth, max_nodes=max_nodes
             )
         box = box_of(lower, upper, factor, tolerance)
-        span, change = box[1] - box[0], self.given.growth or 0.0
-
-        def at(place: Array, bound: Array, reach: Any) -> tuple[Array, Array, Integers]:
-            """The sizes at relative coordinates; ``reach`` is in units of the diagonal of the box."""
-            x = np.minimum(box[0] + place.reshape(-1, 2) * span, box[1])
-            far = np.broadcast_to(np.hypot(*span) * reach, bound.shape).ravel()
-            values, better, edges = self.least(x, bound.ravel(), far)
-            return values.reshape(bound.shape), better.reshape(bound.shape), edges.reshape(bound.shape)
-
-        blocks, child, place, (middle, bound, edge) = self._first(at)
-        worst, count, values = 0.0, sum(map(len, blocks)), blocks[-1]
-        away = change * np.hypot(*((FRESH - 0.5) * span).T)
+        diagonal = float(np.hypot(*(box[1] - box[0])))
+        change = self.given.growth or 0.0
+        both = FILL_GROWTH + change
+        blocks, child, level = self._first(box, both * diagonal)
+        worst, count = 0.0, sum(map(len, blocks))
+        away = change * np.hypot(*((FRESH - 0.5) * (box[1] - box[0])).T)
         for depth in range(FIRST_LEVELS, max_depth + 1):
             side = 0.5**depth
-            length = side * span.max()
-            error = np.abs(values.mean(axis=1) / middle - 1.0)
-            divide = (error > tolerance) | (length > BROADEST * middle)
-            divide &= length > RESOLVED * np.minimum(middle, values.min(axis=1))
-            divide[divide] = ~self.behind(
-                box[0] + (place[divide] + 0.5) * side * span, edge[divide], side / 2 * np.hypot(*span)
-            )
-            divide &= (depth < max_depth) & (count + 4 * int(divide.sum()) <= max_nodes)
-            worst = max(worst, float(error[~divide].max(initial=0.0)))
+            error, divide = np.empty(len(level.place)), np.empty(len(level.place), dtype=bool)
+            _judge(level, box, side, self.ends, tolerance, error, divide)
             rows = np.flatnonzero(divide)
+            if depth == max_depth or count + 4 * len(rows) > max_nodes:
+                divide[:], rows = False, rows[:0]
+            worst = max(worst, float(error[~divide].max(initial=0.0)))
             child[-1][:] = -1
             if not len(rows):
                 break
             child[-1][rows] = count + 4 * np.arange(len(rows))
-            probes, better, edges = at(
-                (place[rows, None] + FRESH) * side, bound[rows, None] - side * away, side / 4 * MIDDLES
-            )  # fmt: skip
-            known = np.concatenate([values[rows], middle[rows, None], probes[:, :4]], axis=1)
-            values, middle = known[:, CHILD].reshape(-1, 4), probes[:, 4:].ravel()
-            bound, edge = better[:, 4:].ravel(), edges[:, 4:].ravel()
-            place = (2 * place[rows, None] + CORNERS).reshape(-1, 2)
-            blocks.append(values)
-            child.append(np.empty(len(values), dtype=np.int64))
-            count += len(values)
+            x, bound, made = np.empty((8 * len(rows), 2)), np.empty(8 * len(rows)), _level(4 * len(rows))
+            _probe(level, rows, box, side, away, x, bound)
+            found, edge = self._least(x, bound, both * diagonal * side / 4)
+            _divide(level, rows, (found, bound, edge), made)
+            level = made
+            blocks.append(level.values)
+            child.append(np.empty(4 * len(rows), dtype=np.int64))
+            count += 4 * len(rows)
         capped = {"resolved": 0, "depth": 0, "nodes": 0}
         return table_of(blocks, np.concatenate(child), box, factor, worst, capped)
 
-    def _first(self, at: Any) -> tuple[list[Array], list[Integers], Integers, list[Any]]:
-        """The first levels: values and children by level; of the last one places and the middles."""
+    def _least(self, x: Array, bound: Array, far: float) -> tuple[Array, Integers]:
+        """The sizes at eight points of each leaf, and their edges; ``bound`` is improved.
+
+        The given size is at least ``bound``. It is not asked for where that is not less than the size of the
+        envelope; where it is more by ``far``, which is enough for all of a leaf, it is not needed exactly.
+        The first four points of each leaf are not the middles of leaves.
+        """
+        found, edge = self.tree.least(x, FILL_GROWTH)
+        ask, enough = np.empty(len(x), dtype=np.int64), np.empty(len(x))
+        many = _ask(found, bound, far, ask, enough)
+        ask = ask[:many]
+        bound[ask] = self.given.below(x[ask], enough[:many])
+        return np.minimum(found, bound), edge
+
+    def _first(self, box: Array, far: float) -> tuple[list[Array], list[Integers], Level]:
+        """The first levels: values and children by level; and the last one."""
         many = 1 << FIRST_LEVELS
         lattice = np.arange(2 * many + 1) / (2 * many)
-        corner, center = (
-            at(np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1), np.full((len(t), len(t)), -np.inf), reach)
-            for t, reach in ((lattice[::2], 0.0), (lattice[1::2], 0.5 / many))
-        )
-        blocks, child = [], []
-        place, count = np.zeros((1, 2), dtype=np.int64), 0
-        for depth in range(FIRST_LEVELS + 1):
-            if depth:
-                place = (2 * place[:, None] + CORNERS).reshape(-1, 2)
-            i, j = ((place[:, None] + CORNERS) << (FIRST_LEVELS - depth)).transpose(2, 0, 1)
-            blocks.append(corner[0][i, j])
-            count += len(place)
-            child.append(count + 4 * np.arange(len(place)))
-        i, j = place.T
-        return blocks, child, place, [one[i, j] for one in center]
+        sizes = []
+        for t, reach in ((lattice[::2], 0.0), (lattice[1::2], far / 2 / many)):
+            place = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
+            x = np.minimum(box[0] + place * (box[1] - box[0]), box[1])
+            found, edge = self.tree.least(x, FILL_GROWTH)
+            bound = self.given.below(x, found + reach)
+            sizes.append((np.minimum(found, bound), bound, edge))
+        levels = [_level(4**depth) for depth in range(FIRST_LEVELS + 1)]
+        child, count = [], 0
+        for depth, level in enumerate(levels):
+            _lay_out(levels[max(depth - 1, 0)], depth, sizes[0][0], sizes[1], level)
+            count += len(level.place)
+            child.append(count + 4 * np.arange(len(level.place)))
+        return [level.values for level in levels], child, levels[-1]
+
+
+class Level(NamedTuple):
+    """The leaves of one depth.
+
+    Attributes
+    ----------
+    place : (m, 2) int64
+        Integer coordinates of the lower corner, in units of the side of a leaf.
+    values : (m, 4) float64
+        Sizes at the corners.
+    middle, bound : (m,) float64
+        The size at the middle, and what the given size is at least there.
+    edge : (m,) int64
+        The edge that the middle has its size from.
+    """
+
+    place: Integers
+    values: Array
+    middle: Array
+    bound: Array
+    edge: Integers
+
+
+def _level(many: int) -> Level:
+    """Room for so many leaves."""
+    return Level(
+        np.empty((many, 2), dtype=np.int64), np.empty((many, 4)), np.empty(many), np.empty(many),
+        np.empty(many, dtype=np.int64),
+    )  # fmt: skip
+
+
+@kernel
+def _lay_out(above, depth, corners, centers, level):
+    """Fill a level of the first ones from the level above, and from lattices of corners and middles."""
+    middle, bound, edge = centers
+    shift = FIRST_LEVELS - depth
+    side = 1 << FIRST_LEVELS
+    for i in range(len(level.place)):
+        for k in range(2):
+            level.place[i, k] = 2 * above.place[i // 4, k] + (i % 4 >> k & 1) if depth > 0 else 0
+        u, v = level.place[i, 0], level.place[i, 1]
+        for k in range(4):
+            level.values[i, k] = corners[(u + (k & 1) << shift) * (side + 1) + (v + (k >> 1) << shift)]
+        if shift == 0:
+            j = u * side + v
+            level.middle[i], level.bound[i], level.edge[i] = middle[j], bound[j], edge[j]
+
+
+@inline
+def is_behind(ends, edge, x, y, far):
+    """Whether a point is on the right of an edge, opposite it, and so far away."""
+    ux, uy = ends[edge, 1, 0] - ends[edge, 0, 0], ends[edge, 1, 1] - ends[edge, 0, 1]
+    vx, vy = x - ends[edge, 0, 0], y - ends[edge, 0, 1]
+    along, square = ux * vx + uy * vy, ux * ux + uy * uy
+    return 0.0 <= along <= square and ux * vy - uy * vx < -far * math.sqrt(square)
+
+
+@kernel
+def _judge(level, box, side, ends, tolerance, error, divide):
+    """The errors of leaves, and which of them are to be divided."""
+    wide, tall = box[1, 0] - box[0, 0], box[1, 1] - box[0, 1]
+    length, far = side * max(wide, tall), side / 2 * math.hypot(wide, tall)
+    for i in range(len(error)):
+        middle, total, least = level.middle[i], 0.0, level.middle[i]
+        for k in range(4):
+            total += level.values[i, k]
+            least = min(least, level.values[i, k])
+        error[i] = abs(total / 4 / middle - 1.0)
+        divide[i] = (error[i] > tolerance or length > BROADEST * middle) and length > RESOLVED * least
+        if divide[i]:
+            x = box[0, 0] + (level.place[i, 0] + 0.5) * side * wide
+            y = box[0, 1] + (level.place[i, 1] + 0.5) * side * tall
+            divide[i] = not is_behind(ends, level.edge[i], x, y, far)
+
+
+@kernel
+def _probe(level, rows, box, side, away, x, bound):
+    """Write the places `FRESH` of leaves that are divided, and what the given size is at least there."""
+    for r in range(len(rows)):
+        for k in range(8):
+            for j in range(2):
+                place = (level.place[rows[r], j] + FRESH[k, j]) * side
+                x[8 * r + k, j] = min(box[0, j] + place * (box[1, j] - box[0, j]), box[1, j])
+            bound[8 * r + k] = level.bound[rows[r]] - side * away[k]
+
+
+@kernel
+def _ask(found, bound, far, ask, enough):
+    """Write for which points the given size is to be asked, and up to which size it matters; their number."""
+    many = 0
+    for i in range(len(found)):
+        if bound[i] < found[i]:
+            ask[many], enough[many] = i, found[i] + (far if i % 8 >= 4 else 0.0)
+            many += 1
+    return many
+
+
+@kernel
+def _divide(level, rows, probed, made):
+    """Fill the leaves that some leaves are divided into, from the sizes at the places `FRESH`."""
+    found, bound, edge = probed
+    known = np.empty(9)
+    for r in range(len(rows)):
+        i = rows[r]
+        for k in range(4):
+            known[k], known[5 + k] = level.values[i, k], found[8 * r + k]
+        known[4] = level.middle[i]
+        for c in range(4):
+            child, probe = 4 * r + c, 8 * r + 4 + c
+            made.middle[child], made.bound[child], made.edge[child] = found[probe], bound[probe], edge[probe]
+            for k in range(4):
+                made.values[child, k] = known[CHILD[c, k]]
+            for j in range(2):
+                made.place[child, j] = 2 * level.place[i, j] + CORNERS[c, j]
 
 
 def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
