@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_numbers
-from ..base.elementary import angle_of, cosines, sines
+from ..base.elementary import angle_of, cosine, cosines, sine, sines
 from ..base.errors import InputError
+from ..base.jit import kernel
 
 __all__ = ["Arc", "Batch", "Bezier", "Curve", "CurveLike"]
 
@@ -130,20 +132,24 @@ class Curve:
     def point(self, t: Array) -> Array:
         """Points (k, 2) for parameters (k,) in [0, 1]."""
         t = np.asarray(t, dtype=float)
-        inner = self.t0 * (1 - t) + self.t1 * t  # exact at both ends
-        result = np.asarray(self.function(inner), dtype=float)
-        if result.shape != (*t.shape, 2):
-            raise InputError(
-                f"a curve's function must return shape {(*t.shape, 2)} for parameters {t.shape}, "
-                f"not {result.shape}"
-            )
-        if not np.isfinite(result).all():
-            where = float(inner[np.argmin(np.isfinite(result).all(axis=-1))])
-            raise InputError(f"a curve's function is not finite at parameter {where}")
-        return result
+        return _evaluated(self.function, self.t0 * (1 - t) + self.t1 * t)  # exact at both ends
 
     def __repr__(self) -> str:
         return f"Curve({getattr(self.function, '__name__', 'function')}, {self.t0:g}, {self.t1:g})"
+
+
+def _evaluated(function: Callable[[Array], ArrayLike], inner: Array) -> Array:
+    """The points that a curve's function returns for parameters of its own."""
+    result = np.asarray(function(inner), dtype=float)
+    if result.shape != (*inner.shape, 2):
+        raise InputError(
+            f"a curve's function must return shape {(*inner.shape, 2)} for parameters {inner.shape}, "
+            f"not {result.shape}"
+        )
+    if not np.isfinite(result).all():
+        where = float(inner[np.argmin(np.isfinite(result).all(axis=-1))])
+        raise InputError(f"a curve's function is not finite at parameter {where}")
+    return result
 
 
 class Bezier:
@@ -187,8 +193,20 @@ def bezier_points(controls: Array, t: Array) -> Array:
     return np.ascontiguousarray(level[:, 0])
 
 
+@kernel
+def _arcs(kind, arc, piece, t, x):
+    """Write the points of those pieces that are arcs."""
+    for i in range(len(t)):
+        p = piece[i]
+        if kind[p] == 1:
+            angle = arc[p, 3] + t[i] * arc[p, 4]
+            x[i, 0], x[i, 1] = arc[p, 0] + arc[p, 2] * cosine(angle), arc[p, 1] + arc[p, 2] * sine(angle)
+
+
 class Batch:
     """Many curves that are asked at once: arcs together, Bezier curves degree by degree, others one by one.
+
+    Curves of one function, such as both sides of an airfoil, count as one.
 
     Parameters
     ----------
@@ -199,20 +217,29 @@ class Batch:
     """
 
     def __init__(self, curves: dict[int, CurveLike], pieces: int):
-        self.curves = curves
         self.kind = np.zeros(pieces, dtype=np.int64)  # 0 straight, 1 arc, 2 other, 3 and on: Bezier
         self.arc = np.zeros((pieces, 5))
         self.row = np.zeros(pieces, dtype=np.int64)  # among the controls of its degree
+        self.group = np.full(pieces, -1, dtype=np.int64)  # of others: those that are asked together
+        self.span = np.zeros((pieces, 2))  # the parameters at the ends of these
         self.controls: dict[int, Array] = {}
+        self.functions: list[Callable[[Array], Array]] = []
         arcs: list[tuple[float, ...]] = []
         beziers: dict[int, list[tuple[int, Array]]] = {}
+        known: dict[int, int] = {}
         for piece, curve in curves.items():
             if isinstance(curve, Arc) and type(curve).point is Arc.point:
                 arcs.append((piece, *curve.center, curve.radius, curve.start, curve.sweep))
             elif isinstance(curve, Bezier) and type(curve).point is Bezier.point:
                 beziers.setdefault(len(curve.controls) + 1, []).append((piece, curve.controls))
             else:
-                self.kind[piece] = 2
+                plain = isinstance(curve, Curve) and type(curve).point is Curve.point
+                asked, key = (partial(_evaluated, curve.function), id(curve.function)) if plain else (
+                    curve.point, id(curve))  # fmt: skip
+                self.kind[piece], self.span[piece] = 2, (curve.t0, curve.t1) if plain else (0.0, 1.0)
+                self.group[piece] = known.setdefault(key, len(self.functions))
+                if self.group[piece] == len(self.functions):
+                    self.functions.append(asked)
         if arcs:
             table = np.array(arcs)
             at = table[:, 0].astype(np.int64)
@@ -222,27 +249,19 @@ class Batch:
             self.kind[at], self.row[at] = kind, np.arange(len(at))
             self.controls[kind] = np.stack([controls for _, controls in found])
 
-    def points(self, piece: NDArray[np.integer], t: Array) -> tuple[NDArray[np.int64], Array]:
-        """Which of the rows lie on curves, and their points by parameter."""
+    def fill(self, piece: NDArray[np.int64], t: Array, x: Array) -> None:
+        """Write the points of the rows that lie on curves, by parameter."""
+        _arcs(self.kind, self.arc, piece, t, x)
+        if not (self.functions or self.controls):
+            return
         kind = self.kind[piece]
-        rows, blocks = [], []
-        for k in (1, *self.controls):
+        for k in self.controls:
             some = np.flatnonzero(kind == k)
             if len(some):
-                rows.append(some)
-                which = piece[some]
-                if k == 1:
-                    x, y, radius, start, sweep = self.arc[which].T
-                    blocks.append(arc_points(x, y, radius, start, sweep, t[some]))
-                else:
-                    blocks.append(bezier_points(self.controls[k][self.row[which]], t[some]))
-        others = np.flatnonzero(kind == 2)
-        if len(others):
-            others = others[np.argsort(piece[others], kind="stable")]
-            heads = np.flatnonzero(np.diff(piece[others], prepend=-1))
-            for some in np.split(others, heads[1:]):
-                rows.append(some)
-                blocks.append(self.curves[int(piece[some[0]])].point(t[some]))
-        if not rows:
-            return np.empty(0, dtype=np.int64), np.empty((0, 2))
-        return (rows[0], blocks[0]) if len(rows) == 1 else (np.concatenate(rows), np.concatenate(blocks))
+                x[some] = bezier_points(self.controls[k][self.row[piece[some]]], t[some])
+        group = self.group[piece]
+        for g, asked in enumerate(self.functions):
+            some = np.flatnonzero(group == g)
+            if len(some):
+                own, share = self.span[piece[some]], t[some]
+                x[some] = asked(own[:, 0] * (1 - share) + own[:, 1] * share)

@@ -126,13 +126,10 @@ class Outline:
 
     def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Points (k, 2) of many pieces (k,) by parameters (k,); nothing is checked."""
-        x, bent = np.empty((len(t), 2)), np.zeros(len(t), dtype=bool)
+        x, piece, t = np.empty((len(t), 2)), np.asarray(piece, dtype=np.int64), np.ascontiguousarray(t)
         if self.curves:
-            rows, on_curves = self.batch.points(piece, t)
-            x[rows], bent[rows] = on_curves, True
-        _between(
-            self.points, self.pieces, np.asarray(piece, dtype=np.int64), np.ascontiguousarray(t), bent, x
-        )
+            self.batch.fill(piece, t, x)
+        _between(self.points, self.pieces, self.batch.kind, piece, t, x)
         return x
 
     @cached_property
@@ -148,16 +145,15 @@ class Outline:
 
 
 @kernel
-def _between(points, pieces, piece, t, bent, x):
+def _between(points, pieces, kind, piece, t, x):
     """Write the points of straight pieces by parameter; of all pieces the vertices at 0 and 1."""
     for i in range(len(t)):
         a, b = pieces[piece[i], 0], pieces[piece[i], 1]
         for k in range(2):
             p, q = points[a, k], points[b, k]
-            if bent[i]:
-                if t[i] == 0.0 or t[i] == 1.0:
-                    x[i, k] = p if t[i] == 0.0 else q
-            else:
+            if t[i] == 0.0 or t[i] == 1.0:
+                x[i, k] = p if t[i] == 0.0 else q
+            elif kind[piece[i]] == 0:
                 x[i, k] = p + t[i] * (q - p) if t[i] < 0.5 else q - (1.0 - t[i]) * (q - p)
 
 

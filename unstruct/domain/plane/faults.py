@@ -339,9 +339,8 @@ def _batch_ends(outline: Outline) -> bool:
     piece = np.flatnonzero((outline.batch.kind == 1) | (outline.batch.kind > 2))
     if len(piece) == 0:
         return True
-    rows, x = outline.batch.points(np.repeat(piece, 3), np.tile([0.0, 0.5, 1.0], len(piece)))
     ends = np.empty((len(piece), 3, 2))
-    ends.reshape(-1, 2)[rows] = x
+    outline.batch.fill(np.repeat(piece, 3), np.tile([0.0, 0.5, 1.0], len(piece)), ends.reshape(-1, 2))
     slack = 2.0**-40 * np.maximum(np.abs(ends).max(axis=(1, 2)), np.abs(outline.points).max())
     off = np.abs(ends[:, [0, 2]] - outline.points[outline.pieces[piece]]).max(axis=(1, 2))
     return bool((off <= slack).all() and np.isfinite(ends).all())
