@@ -18,6 +18,7 @@ __all__ = [
     "counted_off",
     "distinct",
     "fill",
+    "flagged",
     "frozen",
     "refrozen",
     "within",
@@ -60,6 +61,14 @@ def within(rows: np.ndarray, limit: int) -> bool:
     if rows.dtype is INT32 and rows.flags.c_contiguous:  # the kernel is compiled for no other type
         return bool(_within(rows, limit))
     return not rows.size or bool(0 <= rows.min() <= rows.max() < limit)
+
+
+def flagged(n: int, *rows: Any) -> np.ndarray:
+    """An array of n flags that are set in these rows: what `numpy.isin` and `setdiff1d` tell, more quickly."""
+    flags = np.zeros(n, dtype=bool)
+    for some in rows:
+        flags[some] = True
+    return flags
 
 
 def counted_off(n: int) -> np.ndarray:

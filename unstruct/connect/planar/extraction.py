@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arrays import fill, frozen
+from ...base.arrays import fill, flagged, frozen
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, extract_cells
 from ..insertion.halfedges import SEGMENTS
@@ -125,8 +125,10 @@ def named_sets(
         _write_kinds(ends, piece, facets, named["facets"], named["inner"])
     if markers and len(markers) > FEW_MARKERS:
         return named | _many_sets(ends, piece, markers)
+    most = int(piece.max(initial=-1)) + 1
     for name, pieces in (markers or {}).items():
-        named[name] = ends[np.isin(piece, np.asarray(pieces))]
+        known = np.asarray(pieces)
+        named[name] = ends[flagged(most, known[known < most])[piece]]
     return named
 
 

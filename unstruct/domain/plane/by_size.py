@@ -86,7 +86,8 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     middle.
     """
     many = len(outline.pieces)
-    parts = np.where(np.isin(np.arange(many), list(outline.curves)), 16, 1)
+    parts = np.ones(many, dtype=np.int64)
+    parts[list(outline.curves)] = 16
     parts[list(outline.spacings)] = 0
     if any(isinstance(one, Metric) for one in size.fields):
         # Along a piece that a layer crosses, a metric is fine in a short part only.
@@ -124,11 +125,11 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     # One more sample at the head of each piece has the integral of the end of the piece before.
     total = np.cumsum(amount)
     heads = np.searchsorted(piece, np.arange(many))
-    return (
-        np.insert(piece, heads, np.arange(many)),
-        np.insert(t1, heads, 0.0),
-        np.insert(total, heads, np.concatenate([[0.0], total])[heads]),
-    )
+    at, head = np.arange(len(piece)) + piece + 1, heads + np.arange(many)
+    both = np.empty((3, len(piece) + many))
+    both[:, at] = piece, t1, total
+    both[0, head], both[1, head], both[2, head] = np.arange(many), 0.0, np.append(0.0, total)[heads]
+    return both[0].astype(np.int64), both[1], both[2]
 
 
 @kernel

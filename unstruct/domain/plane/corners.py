@@ -83,6 +83,8 @@ def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     i = np.repeat(np.arange(len(vertex)), rest)
     j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(rest) - rest, rest)
     keep = (is_arc[piece[i]] | is_arc[piece[j]]) & (piece[i] != piece[j])
+    circle = outline.cuts().arc[:, :3]
+    keep &= (circle[piece[i]] != circle[piece[j]]).any(axis=1)  # arcs of one circle do not meet again
     return np.column_stack([piece[i], piece[j]])[keep].astype(np.int64), vertex[i][keep].astype(np.int64)
 
 

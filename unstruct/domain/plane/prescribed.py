@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.arguments import positive
+from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...geometry.motion import Motion
 from ...geometry.outline import Outline
@@ -135,13 +136,14 @@ def recut(
     given: dict[int, np.ndarray], piece: np.ndarray, t0: np.ndarray, t1: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The parameter intervals (piece, t0, t1), with those of some pieces between given parameters."""
-    old = ~np.isin(piece, list(given))
+    keys = np.fromiter(given, dtype=np.int64, count=len(given))
     many = np.fromiter(map(len, given.values()), dtype=np.int64, count=len(given))
+    old = ~flagged(int(max(keys.max(), piece.max(initial=-1))) + 1, keys)[piece]
     place = np.concatenate(list(given.values()))
     last = np.cumsum(many) - 1
-    owner = np.concatenate([piece[old], np.repeat(np.array(list(given), dtype=np.int64), many - 1)])
-    t0 = np.concatenate([t0[old], np.delete(place, last)])
-    t1 = np.concatenate([t1[old], np.delete(place, last - many + 1)])
+    owner = np.concatenate([piece[old], np.repeat(keys, many - 1)])
+    t0 = np.concatenate([t0[old], place[~flagged(len(place), last)]])
+    t1 = np.concatenate([t1[old], place[~flagged(len(place), last - many + 1)]])
     order = np.lexsort((t0, owner))
     return owner[order].astype(np.int64), t0[order], t1[order]
 
@@ -173,10 +175,17 @@ def _images(outline: Outline, sampled: Sampled) -> dict[int, np.ndarray]:
     return found
 
 
-def spaced(outline: Outline, sampled: Sampled) -> Sampled:
-    """The subsegments with the points of spaced pieces; they are cut further only where that is not safe."""
+def spaced(outline: Outline, sampled: Sampled, cut: bool = False) -> Sampled:
+    """The subsegments with the points of spaced pieces; they are cut further only where that is not safe.
+
+    ``cut`` says that they have been cut so, and perhaps further.
+    """
     if not outline.spacings:
         return sampled
+    if cut:
+        many = np.bincount(sampled.piece, minlength=len(outline.pieces))
+        if all(many[piece] == len(t) - 1 for piece, t in outline.spacings.items()):
+            return sampled
     piece, t0, t1 = recut(outline.spacings, sampled.piece, *sampled.span.T)
     if np.array_equal(piece, sampled.piece) and np.array_equal(np.column_stack([t0, t1]), sampled.span):
         return sampled  # they have been cut so

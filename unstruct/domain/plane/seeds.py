@@ -128,11 +128,14 @@ def _apart_from_seeds(outline: Outline, sampled: Sampled) -> Sampled:
     _refuse(outline, int(query[inside][0]), f"on {outline.name(int(sampled.piece[rows[row[inside][0]]]))}")
 
 
-def _prescribed(outline: Outline, sampled: Sampled) -> Sampled:
-    """The subsegments with the points that spaced and matched pieces must have, still apart from seeds."""
+def _prescribed(outline: Outline, sampled: Sampled, cut: bool) -> Sampled:
+    """The subsegments with the points that spaced and matched pieces must have, still apart from seeds.
+
+    ``cut`` says that spaced pieces have been cut between their points.
+    """
     if not outline.spacings and not outline.matches:
         return sampled
-    sampled = spaced(outline, sampled)
+    sampled = spaced(outline, sampled, cut)
     for _ in range(HALVINGS):
         sampled = mirrored(outline, sampled)
         apart = _apart_from_seeds(outline, sampled)
@@ -144,10 +147,10 @@ def _prescribed(outline: Outline, sampled: Sampled) -> Sampled:
 
 def coarse(outline: Outline) -> Sampled:
     """`sample.coarse`, apart from seeds."""
-    return _prescribed(outline, _apart_from_seeds(outline, sample.coarse(outline)))
+    return _prescribed(outline, _apart_from_seeds(outline, sample.coarse(outline)), False)
 
 
 def sized(outline: Outline, size: Any, step: float) -> Sampled:
     """`by_size.sized`, apart from seeds."""
     found = by_size.sized(outline, size, step, lambda: coarse(outline))
-    return _prescribed(outline, _apart_from_seeds(outline, found))
+    return _prescribed(outline, _apart_from_seeds(outline, found), True)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.elementary import turns
 from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
@@ -114,11 +115,12 @@ def _swallowed(
     Nothing crosses the envelope, so that one vertex of each front tells where all of it is.
     """
     rays = scene.rays
-    used = np.unique(scene.walls.ends)
     chain = chains_of(rays)[0]
-    one = rays.base[np.unique(chain, return_index=True)[1]]
-    vertices = np.concatenate([np.setdiff1d(np.concatenate([rest.ravel(), scene.loose]), used), one])
-    vertices = np.unique(vertices[vertices < len(scene.walls.points)])
+    one = np.empty(int(chain.max()) + 1, dtype=np.int64)
+    one[chain[::-1]] = rays.base[::-1]  # the base of the first ray of each chain
+    asked = flagged(len(numbers.points), rest, scene.loose)
+    asked[scene.walls.ends], asked[one] = False, True
+    vertices = np.flatnonzero(asked[: len(scene.walls.points)])
     i, j = rays.left[strip], rays.right[strip]
     tips = numbers.points[np.stack([
         numbers.at(i, level[i]), numbers.at(j, level[j]), rays.base[i], rays.base[j]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...domain.domain import Domain
 from ...geometry.curves import Curve, CurveLike
 from .scene import Scene, bare, slid_ranges
@@ -61,10 +62,10 @@ def remainder(scene: Scene, level: Integers, numbers: Numbering) -> Remainder:
     order = np.argsort(inner, kind="stable")  # facets first
     ends, piece, span, held = ends[order], piece[order], span[order], held[order]
     every = np.concatenate([top, ends])
-    vertex, index = np.unique(np.concatenate([every.ravel(), scene.loose]), return_inverse=True)
-    rows = index[: 2 * len(every)].reshape(-1, 2)
+    used = flagged(len(numbers.points), every, scene.loose)
+    vertex, rows = np.flatnonzero(used), (np.cumsum(used) - 1)[every]
     curves: dict[int, CurveLike] = {}
-    for i in np.flatnonzero(np.isin(piece, list(domain.curves))).tolist():
+    for i in np.flatnonzero(flagged(len(domain.pieces), list(domain.curves))[piece]).tolist():
         p, (t0, t1) = int(piece[i]), span[i].tolist()
         whole = (t0, t1) == (0.0, 1.0)
         curves[many + i] = domain.curves[p] if whole else Curve(partial(_part, domain, p), t0, t1)
@@ -92,7 +93,7 @@ def _runs(
     """
     rest, layer = bare(scene, level)
     ranges = slid_ranges(scene, level)
-    rows = np.flatnonzero(rest & ~np.isin(scene.piece, list(ranges)))
+    rows = np.flatnonzero(rest & ~flagged(len(scene.domain.pieces), list(ranges))[scene.piece])
     p, span, ends = scene.piece[rows], scene.span[rows], scene.ends[rows]
     facets = len(scene.domain.facets)
     beside = layer[rows]  # a layer on the other side of an inner piece

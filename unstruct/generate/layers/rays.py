@@ -226,6 +226,8 @@ def _open_ends(
     ends = np.flatnonzero(walls.after < 0)
     starts = np.flatnonzero(walls.before < 0)
     side = np.concatenate([ends, starts])
+    if not len(side):
+        return
     vertex = np.concatenate([walls.ends[ends, 1], walls.ends[starts, 0]])
     bound = np.concatenate([walls.bound_after[ends], walls.bound_before[starts]])
     far = np.where(other[bound, 0] == vertex, other[bound, 1], other[bound, 0])

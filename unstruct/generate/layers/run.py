@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.errors import IncompleteWarning, InputError, UnstructError
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
@@ -70,8 +71,9 @@ class LayersRun:
         points = scene.walls.points
         piece_at = np.full(len(points), -1, dtype=np.int64)
         piece_at[scene.ends[~scene.wall]] = scene.piece[~scene.wall, None]
-        others = np.setdiff1d(scene.ends[~scene.wall].ravel(), scene.walls.ends.ravel())
-        every = np.concatenate([others, scene.loose])
+        others = flagged(len(points), scene.ends[~scene.wall])
+        others[scene.walls.ends] = False
+        every = np.concatenate([np.flatnonzero(others), scene.loose])
         single = np.zeros(len(points), dtype=bool)
         while True:
             targets = points[every], piece_at[every]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...domain.domain import Domain
 from .heights import Fronts
 from .rays import SLIDING_RAY, Rays
@@ -83,7 +84,7 @@ def rest_of(scene: Scene, level: Integers, numbers: Numbering) -> Integers:
     ranges = slid_ranges(scene, level)
     if not ranges:
         return scene.ends[rest]
-    rest = rest & ~np.isin(scene.piece, list(ranges))
+    rest = rest & ~flagged(len(scene.domain.pieces), list(ranges))[scene.piece]
     parts = [scene.ends[rest]]
     for piece, ends in ranges.items():
         rows = np.flatnonzero(scene.piece == piece)
