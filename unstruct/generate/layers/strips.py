@@ -54,8 +54,23 @@ class Cells(NamedTuple):
 def numbered(points: Array, rays: Rays, fronts: Fronts, level: Integers) -> Numbering:
     """The points of all rays up to their levels, after those of the boundary."""
     start = len(points) + np.cumsum(level) - level
-    ray, layer = _counted(level)
-    return Numbering(np.concatenate([points, fronts.places[ray, layer + 1]]), start, rays.base)
+    every = np.empty((len(points) + int(level.sum()), 2))
+    every[: len(points)] = points
+    _write_places(fronts.places, level, start, every)
+    return Numbering(every, start, rays.base)
+
+
+@inline
+def _point(start, base, ray, layer):
+    """`Numbering.at` for kernels."""
+    return start[ray] + layer - 1 if layer > 0 else base[ray]
+
+
+@kernel
+def _write_places(places, level, start, every):
+    for r in range(len(level)):
+        for k in range(level[r]):
+            every[start[r] + k, 0], every[start[r] + k, 1] = places[r, k + 1, 0], places[r, k + 1, 1]
 
 
 def _counted(counts: Integers) -> tuple[Integers, Integers]:
@@ -69,24 +84,53 @@ def cells_of(rays: Rays, level: Integers, numbers: Numbering) -> Cells:
 
     The first cells of a strip in a fan are triangles, because both rays start at one vertex.
     """
-    left, right = rays.left, rays.right
-    lower = np.minimum(level[left], level[right])
-    strip, layer = _counted(lower)
-    i, j = left[strip], right[strip]
-    rows = np.column_stack(
-        [numbers.at(i, layer), numbers.at(j, layer), numbers.at(j, layer + 1), numbers.at(i, layer + 1)]
-    )
-    pointed = rows[:, 0] == rows[:, 1]
-    ramp = np.flatnonzero(
-        (level[left] != level[right]) & ((lower > 0) | (rays.base[left] != rays.base[right]))
-    )
-    m, up = lower[ramp], np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])
-    top = np.column_stack([numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)])
-    return Cells(
-        rows[~pointed], strip[~pointed], layer[~pointed],
-        np.concatenate([rows[pointed][:, 1:], top]),
-        np.concatenate([strip[pointed], ramp]), np.concatenate([layer[pointed], m]),
-    )  # fmt: skip
+    counts = np.empty(2, dtype=np.int64)
+    front = numbers.start, rays.base, rays.left, rays.right, level
+    none = np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64)
+    _write_cells(front, none, (np.empty((0, 2), dtype=np.int64), np.empty((0, 2), dtype=np.int64)), counts)
+    q, t = counts.tolist()
+    rows = np.empty((q, 4), dtype=np.int64), np.empty((t, 3), dtype=np.int64)
+    quad, triangle = np.empty((q, 2), dtype=np.int64), np.empty((t, 2), dtype=np.int64)
+    _write_cells(front, rows, (quad, triangle), counts)
+    return Cells(rows[0], quad[:, 0], quad[:, 1], rows[1], triangle[:, 0], triangle[:, 1])
+
+
+@kernel
+def _write_cells(front, rows, sources, counts):
+    """Count the cells, and write as many as fit with their strips and layers; `cells_of` says which they are.
+
+    The pointed triangles of fans come before those where levels differ.
+    """
+    start, base, left, right, level = front
+    quads, triangles = rows
+    quad, triangle = sources
+    q = t = 0
+    for s in range(len(left)):
+        i, j = left[s], right[s]
+        for m in range(min(level[i], level[j])):
+            a, b = _point(start, base, i, m), _point(start, base, j, m)
+            d, c = start[i] + m, start[j] + m
+            if a == b:
+                if t < len(triangles):
+                    triangles[t, 0], triangles[t, 1], triangles[t, 2] = b, c, d
+                    triangle[t, 0], triangle[t, 1] = s, m
+                t += 1
+                continue
+            if q < len(quads):
+                quads[q, 0], quads[q, 1], quads[q, 2], quads[q, 3] = a, b, c, d
+                quad[q, 0], quad[q, 1] = s, m
+            q += 1
+    for s in range(len(left)):
+        i, j = left[s], right[s]
+        m = min(level[i], level[j])
+        if level[i] == level[j] or (m == 0 and base[i] == base[j]):
+            continue
+        if t < len(triangles):
+            triangles[t, 0], triangles[t, 1] = _point(start, base, i, m), _point(start, base, j, m)
+            triangles[t, 2] = start[i if level[i] > level[j] else j] + m
+            triangle[t, 0], triangle[t, 1] = s, m
+        t += 1
+    counts[0], counts[1] = q, t
 
 
 def tops(rays: Rays, level: Integers, numbers: Numbering) -> tuple[Integers, Integers]:
@@ -95,12 +139,6 @@ def tops(rays: Rays, level: Integers, numbers: Numbering) -> tuple[Integers, Int
     strip = np.flatnonzero(np.maximum(level[left], level[right]) > 0)
     i, j = left[strip], right[strip]
     return strip, np.column_stack([numbers.at(i, level[i]), numbers.at(j, level[j])])
-
-
-@inline
-def _point(start, base, ray, layer):
-    """`Numbering.at` for kernels."""
-    return start[ray] + layer - 1 if layer > 0 else base[ray]
 
 
 @kernel

@@ -31,8 +31,8 @@ class Union(NamedTuple):
     ----------
     points, origin : (n, 2) float64, (n,) int32
     cells : dict of str to ndarray of int32
-    region, layer, strip : (m,) int64
-        Per cell, in the order of the cells: the region; the layer, from 1 on, 0 in the rest; the strip.
+    region, layer : (m,) int64
+        Per cell, in the order of the cells: the region; the layer, from 1 on, 0 in the rest.
     segments, piece, span : ndarray
         The subsegments of all pieces.
     place : (p,) int64
@@ -46,7 +46,6 @@ class Union(NamedTuple):
     cells: dict[str, NDArray[np.int32]]
     region: Integers
     layer: Integers
-    strip: Integers
     segments: Integers
     piece: Integers
     span: Array
@@ -54,11 +53,9 @@ class Union(NamedTuple):
     fill: Integers
 
 
-def split_quads(points: Array, quads: Integers) -> Integers:
-    """Convex quadrilaterals as two triangles each, (2 q, 3): the diagonal with the smaller largest angle."""
-    made = np.empty((2 * len(quads), 3), dtype=np.int64)
+def split_quads(points: Array, quads: Integers, made: NDArray[np.int32]) -> None:
+    """Write convex quadrilaterals as two triangles each, by the diagonal with the smaller largest angle."""
     _split(np.ascontiguousarray(points), np.ascontiguousarray(quads), made)
-    return made
 
 
 @inline
@@ -74,11 +71,6 @@ def _least_cosine(points, a, b, c):
     return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
 
 
-@inline
-def _largest_cosine(points, a, b, c):
-    return max(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
-
-
 @kernel
 def _split(points, quads, made):
     for i in range(quads.shape[0]):
@@ -91,21 +83,33 @@ def _split(points, quads, made):
             made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
 
 
+@inline
+def _square(points, a, b):
+    return (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
+
+
 @kernel
 def _extreme(points, cells, sharpest):
     """The triangle with the least cosine of an angle, or with the largest one; -1 where this tells too little.
 
-    That is if there is no triangle, if an edge is very short, or if the least angle is very small.
+    That is if there is no triangle, if an edge is very short, or if the least angle is very small. The
+    largest angle is opposite the longest edge, the least one opposite the shortest.
     """
     best, found = 2.0, np.int64(-1)
     for t in range(cells.shape[0]):
         a, b, c = cells[t, 0], cells[t, 1], cells[t, 2]
-        cosine = -_largest_cosine(points, a, b, c) if sharpest else _least_cosine(points, a, b, c)
+        one, two, three = _square(points, b, c), _square(points, c, a), _square(points, a, b)
+        if min(one, two, three) < MEASURED_EDGE * MEASURED_EDGE:
+            return np.int64(-1)
+        if sharpest:
+            one, two, three = -one, -two, -three
+        if two >= max(one, three):
+            a, b, c = b, c, a
+        elif three >= max(one, two):
+            a, b, c = c, a, b
+        cosine = -_cosine(points, a, b, c) if sharpest else _cosine(points, a, b, c)
         if cosine < best:
             best, found = cosine, np.int64(t)
-        x, y = abs(points[b, 0] - points[a, 0]), abs(points[b, 1] - points[a, 1])
-        if max(x, y) < MEASURED_EDGE:
-            return np.int64(-1)
     return np.int64(-1) if sharpest and best < -TELLING else found
 
 
@@ -128,11 +132,11 @@ def _mark(cells, used):
 
 
 @kernel
-def _renumber(cells, place, found):
-    """Write the numbers of the same points in the mesh."""
+def _renumber(cells, place):
+    """Give the points of cells their numbers in the mesh."""
     for t in range(cells.shape[0]):
         for k in range(cells.shape[1]):
-            found[t, k] = place[cells[t, k]]
+            cells[t, k] = place[cells[t, k]]
 
 
 def union_of(
@@ -146,7 +150,6 @@ def union_of(
     fresh = origin < 0
     known = np.where(fresh, many + np.cumsum(fresh) - 1, rest.vertex[np.maximum(origin, 0)])
     new = fill.points[fresh]
-    fill_cells = known[fill.simplices]
     fill_region = _regions(scene, c, rest, fill)
     rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
     run = fill.piece[rows]
@@ -155,21 +158,19 @@ def union_of(
     t = np.where(s == 1.0, t1[:, None], t0[:, None] + s * (t1 - t0)[:, None])
     segments = np.concatenate([segments, known[fill.segments[rows]]])
     piece, span = np.concatenate([piece, rest.piece[run]]), np.concatenate([span, t])
-    quads, tri, strips, layers = cells.quads, cells.triangles, cells.triangle_strip, cells.triangle_layer
     side = scene.walls.region[scene.rays.side]
-    if triangles:
-        tri = np.concatenate([split_quads(numbers.points, quads), tri])
-        strips = np.concatenate([np.repeat(cells.quad_strip, 2), strips])
-        layers = np.concatenate([np.repeat(cells.quad_layer, 2), layers])
-        quads = quads[:0]
-    both = {"triangle": np.concatenate([tri, fill_cells]), "quad": quads}
-    beyond = np.full(len(fill_cells), -1)
-    q_strip = cells.quad_strip[: len(quads)]
-    strip = np.concatenate([strips, beyond, q_strip])
-    layer = np.concatenate([layers + 1, beyond + 1, cells.quad_layer[: len(quads)] + 1])
-    region = np.concatenate([side[strips], fill_region, side[q_strip]])
-    fill_rows = len(tri) + np.arange(len(fill_cells))
+    q, t, f = len(cells.quads) if triangles else 0, len(cells.triangles), len(fill.simplices)
+    quads = cells.quads[q:]
+    rows = np.empty((2 * q + t + f, 3), dtype=np.int32)
+    split_quads(numbers.points, cells.quads[:q], rows[: 2 * q])
+    rows[2 * q : 2 * q + t], rows[2 * q + t :] = cells.triangles, known[fill.simplices]
+    strips = np.concatenate([np.repeat(cells.quad_strip[:q], 2), cells.triangle_strip])
+    layers = np.concatenate([np.repeat(cells.quad_layer[:q], 2), cells.triangle_layer])
+    beyond = np.zeros(f, dtype=np.int64)
+    layer = np.concatenate([layers + 1, beyond, cells.quad_layer[q:] + 1])
+    region = np.concatenate([side[strips], fill_region, side[cells.quad_strip[q:]]])
     points = np.concatenate([numbers.points, new])
+    both = {"triangle": rows, "quad": quads.astype(np.int32)}
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
         _mark(block, used)
@@ -177,13 +178,13 @@ def union_of(
     origin_of = np.full(len(points), -1, dtype=np.int32)
     vertices = len(scene.domain.points)
     origin_of[:vertices] = np.arange(vertices)
-    kept = {name: np.empty(block.shape, dtype=np.int32) for name, block in both.items() if len(block)}
-    for name, block in kept.items():
-        _renumber(both[name], place, block)
+    for block in both.values():
+        _renumber(block, place)
+    kept = {name: block for name, block in both.items() if len(block)}
     order = np.lexsort((span[:, 0], piece))
     return Union(
-        points[used], origin_of[used], kept, region, layer, strip, place[segments][order], piece[order],
-        span[order], place[:many], fill_rows,
+        points[used], origin_of[used], kept, region, layer, place[segments][order], piece[order],
+        span[order], place[:many], 2 * q + t + np.arange(f),
     )  # fmt: skip
 
 
