@@ -301,11 +301,11 @@ class SegmentTree:
         points = as_points(x, "x")
         if points.shape[1] != self.segments.shape[2]:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
-        if not (np.isfinite(growth) and growth >= 0):
+        if not 0 <= growth < np.inf:
             raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
         which = np.full(len(points), -1, dtype=np.int64)
-        scaled = np.ascontiguousarray(points * self.factor)
+        scaled = points if self.factor == 1.0 else np.ascontiguousarray(points * self.factor)
         _search(scaled, self.nodes, growth / self.factor, best, which)
         return best, which
 

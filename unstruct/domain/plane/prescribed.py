@@ -184,7 +184,8 @@ def spaced(outline: Outline, sampled: Sampled, cut: bool = False) -> Sampled:
         return sampled
     if cut:
         many = np.bincount(sampled.piece, minlength=len(outline.pieces))
-        if all(many[piece] == len(t) - 1 for piece, t in outline.spacings.items()):
+        parts = np.fromiter(map(len, outline.spacings.values()), dtype=np.int64, count=len(outline.spacings))
+        if (many[list(outline.spacings)] == parts - 1).all():
             return sampled
     piece, t0, t1 = recut(outline.spacings, sampled.piece, *sampled.span.T)
     if np.array_equal(piece, sampled.piece) and np.array_equal(np.column_stack([t0, t1]), sampled.span):

@@ -52,16 +52,22 @@ class Stops(NamedTuple):
 
 def leveled(stops: Stops, rays: Rays) -> Stops:
     """Levels of neighbors differ by at most 1."""
-    before, after = neighbors_of(rays)
     level, reason = stops.level.copy(), stops.reason.copy()
-    far = np.iinfo(np.int64).max // 2
-    while True:
-        padded = np.append(level, far)
-        lowest = np.minimum(padded[before], padded[after]) + 1
-        rows = np.flatnonzero(lowest < level)
-        if not len(rows):
-            return Stops(level, reason)
-        level[rows], reason[rows] = lowest[rows], BY_STEP
+    _level(*neighbors_of(rays), level, reason)
+    return Stops(level, reason)
+
+
+@kernel
+def _level(before, after, level, reason):
+    """Lower levels, forward and back along the fronts, until those of neighbors differ by at most 1."""
+    n, changed = len(level), True
+    while changed:
+        changed = False
+        for step in range(2 * n):
+            r = step if step < n else 2 * n - 1 - step
+            for other in (before[r], after[r]):
+                if other >= 0 and level[other] + 1 < level[r]:
+                    level[r], reason[r], changed = level[other] + 1, BY_STEP, True
 
 
 def stops_of(
