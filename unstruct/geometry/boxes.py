@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes", "leaves_for"]
+__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
@@ -124,11 +124,6 @@ def _curve_order(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return np.argsort(keys, kind="stable")
 
 
-def leaves_for(m: int) -> int:
-    """How many leaves a tree over m boxes has: a power of two."""
-    return 1 << max(0, (-(-m // BOXES_IN_LEAF) - 1).bit_length())
-
-
 def bounding_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The lowest and highest coordinates of each of many groups of points, (m, k, d) -> twice (m, d)."""
     low, high = corners[:, 0], corners[:, 0]
@@ -138,22 +133,13 @@ def bounding_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class BoxTree:
-    """A static tree over axis-parallel closed boxes; O(m log m).
+    """A static tree over axis-parallel closed boxes, sorted along a space-filling curve; O(m log m)."""
 
-    Parameters
-    ----------
-    low, high : ndarray, shape (m, d)
-    order : ndarray of int, shape (m,), optional
-        The order of the boxes in the leaves; by default that of their centers along a space-filling curve.
-    """
-
-    def __init__(self, low: np.ndarray, high: np.ndarray, order: np.ndarray | None = None):
+    def __init__(self, low: np.ndarray, high: np.ndarray):
         m, d = low.shape
         self.box_low, self.box_high = np.ascontiguousarray(low), np.ascontiguousarray(high)
-        if order is None:
-            order = _curve_order(self.box_low, self.box_high) if m else np.empty(0, dtype=np.int64)
-        self.order = order
-        leaves = leaves_for(m)
+        self.order = _curve_order(self.box_low, self.box_high) if m else np.empty(0, dtype=np.int64)
+        leaves = 1 << max(0, (-(-m // BOXES_IN_LEAF) - 1).bit_length())
         self.low, self.high = np.empty((2 * leaves, d)), np.empty((2 * leaves, d))
         _enclose(self.box_low, self.box_high, self.order, self.low, self.high)
 

@@ -15,12 +15,29 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
-from .boxes import BOXES_IN_LEAF, BoxTree, leaves_for
 
-__all__ = ["SegmentTree", "to_box", "to_segment"]
+__all__ = ["SegmentTree", "depth_of", "first_in", "to_box", "to_segment"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+
+IN_LEAF = 2.0  # segments in a leaf of the tree, at most, on average
+
+
+@inline
+def depth_of(leaves):
+    """The depth of the leaves, of which there are two to this power."""
+    depth = 0
+    while leaves > 1:
+        leaves, depth = leaves >> 1, depth + 1
+    return depth
+
+
+@inline
+def first_in(leaf, many, depth):
+    """The place of the first segment of a leaf in the order: ``many`` segments share the leaves evenly."""
+    return leaf * many >> depth
 
 
 # In the plane loops over coordinates take twice the time, so what is needed most often has a branch for it.
@@ -124,6 +141,7 @@ def _search(x, tree, growth, best, which):
     """
     low, high, least, order, segments, weights = tree
     leaves = low.shape[0] // 2
+    depth = depth_of(leaves)
     stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
     last = -1
     for q in range(x.shape[0]):
@@ -150,8 +168,8 @@ def _search(x, tree, growth, best, which):
                     node = near
                     continue
             else:
-                first = (node - leaves) * BOXES_IN_LEAF
-                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                leaf, many = node - leaves, order.shape[0]
+                for k in range(first_in(leaf, many, depth), first_in(leaf + 1, many, depth)):
                     value = _from_segment(x, q, segments, weights, order[k], growth)
                     if value < lowest:
                         lowest, found = value, order[k]
@@ -196,23 +214,23 @@ def _halved(segments, low, high, leaves, order):
 
     Writes their boxes, too. Boxes are smaller than along a curve: a search looks at a third fewer.
     """
-    m, d = segments.shape[0], segments.shape[2]
+    m, d, depth = segments.shape[0], segments.shape[2], depth_of(leaves)
     for i in range(m):
         order[i] = i
         for j in range(d):
             low[i, j] = min(segments[i, 0, j], segments[i, 1, j])
             high[i, j] = max(segments[i, 0, j], segments[i, 1, j])
     values = np.empty(m)
-    stack = np.empty((64, 3), dtype=np.int64)
-    stack[0, 0], stack[0, 1], stack[0, 2] = 0, m, leaves
+    stack = np.empty((64, 2), dtype=np.int64)  # ranges of leaves
+    stack[0, 0], stack[0, 1] = 0, leaves
     top = 1
     while top > 0:
         top -= 1
-        first, last, half = stack[top, 0], stack[top, 1], stack[top, 2] // 2
-        middle = first + half * BOXES_IN_LEAF
-        if half == 0:
-            continue
-        if middle < last:
+        lower, upper = stack[top, 0], stack[top, 1]
+        if upper - lower > 1:
+            half = (lower + upper) // 2
+            first, middle = first_in(lower, m, depth), first_in(half, m, depth)
+            last = first_in(upper, m, depth)
             axis, widest = 0, -1.0
             for j in range(d):
                 least, most = np.inf, -np.inf
@@ -224,24 +242,32 @@ def _halved(segments, low, high, leaves, order):
             for k in range(first, last):
                 values[order[k]] = low[order[k], axis] + high[order[k], axis]
             _select(values, order, first, last, middle)
-            stack[top, 0], stack[top, 1], stack[top, 2] = middle, last, half
-            top += 1
-        stack[top, 0], stack[top, 1], stack[top, 2] = first, min(middle, last), half
-        top += 1
+            stack[top, 0], stack[top, 1], stack[top + 1, 0], stack[top + 1, 1] = half, upper, lower, half
+            top += 2
 
 
 @kernel
-def _lowest(weights, order, least):
-    """Write the least weight below each node."""
-    leaves = least.shape[0] // 2
+def _enclose(box_low, box_high, weights, order, low, high, least):
+    """Write the boxes of all nodes, and the least weight below each."""
+    leaves, m, d = least.shape[0] // 2, order.shape[0], low.shape[1]
+    depth = depth_of(leaves)
     for node in range(2 * leaves - 1, -1, -1):
         least[node] = np.inf
+        for j in range(d):
+            low[node, j], high[node, j] = np.inf, -np.inf
         if node >= leaves:
-            first = (node - leaves) * BOXES_IN_LEAF
-            for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                least[node] = min(least[node], weights[order[k], 0], weights[order[k], 1])
+            for k in range(first_in(node - leaves, m, depth), first_in(node - leaves + 1, m, depth)):
+                i = order[k]
+                least[node] = min(least[node], weights[i, 0], weights[i, 1])
+                for j in range(d):
+                    low[node, j] = min(low[node, j], box_low[i, j])
+                    high[node, j] = max(high[node, j], box_high[i, j])
         elif node > 0:
-            least[node] = min(least[2 * node], least[2 * node + 1])
+            for child in (2 * node, 2 * node + 1):
+                least[node] = min(least[node], least[child])
+                for j in range(d):
+                    low[node, j] = min(low[node, j], low[child, j])
+                    high[node, j] = max(high[node, j], high[child, j])
 
 
 class SegmentTree:
@@ -274,12 +300,13 @@ class SegmentTree:
         if given.shape not in ((len(array),), (len(array), 2)) or not np.isfinite(given).all():
             raise InputError(f"weights must be {len(array)} finite numbers, not shape {given.shape}")
         self.weights: Array = given if given.ndim == 2 else np.repeat(given[:, None], 2, axis=1)
-        leaves, shape = leaves_for(len(array)), (len(array), array.shape[2])
-        low, high, order = np.empty(shape), np.empty(shape), np.empty(len(array), dtype=np.int64)
-        _halved(self.segments, low, high, leaves, order)
-        tree, lowest = BoxTree(low, high, order), np.empty(2 * leaves)
-        _lowest(self.weights, order, lowest)
-        self.nodes = SegmentNodes(tree.low, tree.high, lowest, tree.order, self.segments, self.weights)
+        many, d = len(array), array.shape[2]
+        leaves = 1 << max(0, (int(np.ceil(many / IN_LEAF)) - 1).bit_length())
+        boxes, nodes, order = np.empty((2, many, d)), np.empty((2, 2 * leaves, d)), np.empty(many, np.int64)
+        _halved(self.segments, *boxes, leaves, order)
+        least = np.empty(2 * leaves)
+        _enclose(*boxes, self.weights, order, *nodes, least)
+        self.nodes = SegmentNodes(*nodes, least, order, self.segments, self.weights)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
         """The minimum of weight + growth * distance over all segments.

@@ -17,10 +17,9 @@ from ..base.elementary import turns
 from ..base.errors import InputError
 from ..base.heap import pop, push
 from ..base.jit import inline, kernel
-from ..geometry.boxes import BOXES_IN_LEAF
 from ..geometry.edge_vectors import exponents, lengths
 from ..geometry.outline import Outline
-from ..geometry.segment_tree import SegmentTree, to_box, to_segment
+from ..geometry.segment_tree import SegmentTree, depth_of, first_in, to_box, to_segment
 from .field import SizeField, as_size
 from .source_sizes import sources
 
@@ -135,6 +134,7 @@ def _feature_sizes(x, tree, features, far, result):
     """
     low, high, order, segments = tree.low, tree.high, tree.order, tree.segments
     leaves, many_features = low.shape[0] // 2, segments.shape[0]
+    depth = depth_of(leaves)
     heap = np.empty(low.shape[0] + many_features + 2)
     what = np.empty(low.shape[0] + many_features + 2, dtype=np.int64)
     found = np.empty(many_features, dtype=np.int64)
@@ -165,8 +165,8 @@ def _feature_sizes(x, tree, features, far, result):
                     if d <= bound:
                         size = push(heap, what, size, d, child)
             else:
-                first = (w - leaves) * BOXES_IN_LEAF
-                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                leaf, m = w - leaves, order.shape[0]
+                for k in range(first_in(leaf, m, depth), first_in(leaf + 1, m, depth)):
                     d = to_segment(x, q, segments, order[k])
                     if d <= bound:
                         size = push(heap, what, size, d, -1 - np.int64(order[k]))
