@@ -203,6 +203,18 @@ def _arcs(kind, arc, piece, t, x):
             x[i, 0], x[i, 1] = arc[p, 0] + arc[p, 2] * cosine(angle), arc[p, 1] + arc[p, 2] * sine(angle)
 
 
+@kernel
+def _of_one(group, g, span, piece, t, rows, own):
+    """Write the rows whose pieces are of one group, and the parameters of their functions; how many."""
+    many = 0
+    for i in range(len(t)):
+        p = piece[i]
+        if group[p] == g:
+            rows[many], own[many] = i, span[p, 0] * (1 - t[i]) + span[p, 1] * t[i]
+            many += 1
+    return many
+
+
 class Batch:
     """Many curves that are asked at once: arcs together, Bezier curves degree by degree, others one by one.
 
@@ -254,14 +266,13 @@ class Batch:
         _arcs(self.kind, self.arc, piece, t, x)
         if not (self.functions or self.controls):
             return
-        kind = self.kind[piece]
-        for k in self.controls:
-            some = np.flatnonzero(kind == k)
-            if len(some):
-                x[some] = bezier_points(self.controls[k][self.row[piece[some]]], t[some])
-        group = self.group[piece]
+        rows, own = np.empty(len(t), dtype=np.int64), np.empty(len(t))
+        for k, controls in self.controls.items():
+            many = _of_one(self.kind, k, self.span, piece, t, rows, own)
+            if many:
+                some = rows[:many]
+                x[some] = bezier_points(controls[self.row[piece[some]]], t[some])
         for g, asked in enumerate(self.functions):
-            some = np.flatnonzero(group == g)
-            if len(some):
-                own, share = self.span[piece[some]], t[some]
-                x[some] = asked(own[:, 0] * (1 - share) + own[:, 1] * share)
+            many = _of_one(self.group, g, self.span, piece, t, rows, own)
+            if many:
+                x[rows[:many]] = asked(own[:many].copy())

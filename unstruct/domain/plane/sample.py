@@ -95,20 +95,28 @@ class Sampled:
 
 def assemble(outline: Outline, piece: np.ndarray, t0: np.ndarray, t1: np.ndarray) -> Sampled:
     """Subsegments for parameter intervals that fill each piece from 0 to 1, sorted by piece and t0."""
-    n = len(outline.points)
-    inside = t1 < 1.0
-    count = int(inside.sum())
-    fresh = n + np.cumsum(inside) - 1
-    pieces = outline.pieces
-    last = np.where(inside, fresh, pieces[piece, 1])
-    first = np.where(t0 > 0.0, np.concatenate([[-1], last[:-1]]), pieces[piece, 0])
-    points = np.empty((n + count, 2))
+    n, inside = len(outline.points), np.flatnonzero(t1 < 1.0)
+    points = np.empty((n + len(inside), 2))
     points[:n] = outline.points
     points[n:] = outline.points_at(piece[inside], t1[inside])
-    origin = np.full(n + count, -1, dtype=np.int32)
-    origin[:n] = np.arange(n)
-    ends = np.column_stack([first, last]).astype(np.int32)
-    return Sampled(points, origin, ends, piece.astype(np.int32), np.column_stack([t0, t1]), outline)
+    origin, pieces = np.full(len(points), -1, dtype=np.int32), np.empty(len(piece), dtype=np.int32)
+    origin[:n] = counted_off(n)
+    pieces[:] = piece
+    ends, span = np.empty((len(piece), 2), dtype=np.int32), np.empty((len(piece), 2))
+    span[:, 0], span[:, 1] = t0, t1
+    _join(outline.pieces, pieces, span, n, ends)
+    return Sampled(points, origin, ends, pieces, span, outline)
+
+
+@kernel
+def _join(pieces, piece, span, first, ends):
+    """Write the ends of subsegments that follow each other; points within pieces count from ``first`` on."""
+    for s in range(len(piece)):
+        ends[s, 0] = first - 1 if span[s, 0] > 0.0 else pieces[piece[s], 0]
+        ends[s, 1] = pieces[piece[s], 1]
+        if span[s, 1] < 1.0:
+            ends[s, 1] = first
+            first += 1
 
 
 def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

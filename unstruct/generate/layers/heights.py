@@ -100,10 +100,10 @@ def _heights(layers: Layers, x: Array, longest: float) -> Array:
         )
     at = x if layers.varies else None
     count = layers.count
-    if count is None:
-        probe = layers.heights(MOST_LEVELS, at=at).reshape(-1, MOST_LEVELS)
-        count = int(min((probe < BEYOND * longest).sum(axis=1).max() + 1, MOST_LEVELS))
-    found = layers.cumulative(count, at=at)
+    found = layers.cumulative(MOST_LEVELS if count is None else count, at=at)
+    if count is None:  # what is not needed is cut off
+        wanted = (np.diff(found).reshape(-1, MOST_LEVELS) < BEYOND * longest).sum(axis=1).max() + 1
+        found = found[..., : int(min(wanted, MOST_LEVELS)) + 1]
     return np.broadcast_to(found, (len(x), found.shape[-1]))
 
 
