@@ -104,17 +104,18 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     rows = np.column_stack([t0, t1, first, middle, last, here])
     done: list[tuple[np.ndarray, np.ndarray]] = []
     while len(piece):
-        quarters = np.concatenate([(3 * rows[:, 0] + rows[:, 1]) / 4, (rows[:, 0] + 3 * rows[:, 1]) / 4])
-        both = np.tile(piece, 2)
+        many = len(piece)
+        both, quarters, along = np.empty(2 * many, dtype=np.int64), np.empty(2 * many), np.empty((2 * many, 2))
+        _quarter(rows, piece, both, quarters, along)
         x = outline.points_at(both, quarters)
-        h = size.at(both, x, np.concatenate([rows[:, 4:6] - rows[:, 2:4], rows[:, 6:8] - rows[:, 4:6]]))
-        ended, ended_piece = np.empty((len(piece), 3)), np.empty(len(piece), dtype=np.int64)
-        halves, halves_piece = np.empty((2 * len(piece), 9)), np.empty(2 * len(piece), dtype=np.int64)
+        h = size.at(both, x, along)
+        ended, ended_piece = np.empty((many, 3)), np.empty(many, dtype=np.int64)
+        halves, halves_piece = np.empty((2 * many, 9)), np.empty(2 * many, dtype=np.int64)
         enough = _halve_uneven(rows, piece, x, h, ended, ended_piece, halves, halves_piece)
         done.append((ended_piece[:enough], ended[:enough]))
         rest = 2 * (len(piece) - enough)
         rows, piece = halves[:rest], halves_piece[:rest]
-        if len(piece) > max(STRETCH, STRETCH_SHARE * many):
+        if len(piece) > max(STRETCH, STRETCH_SHARE * len(outline.pieces)):
             raise InputError(_too_small(outline, int(piece[0]), float(rows[0, 0])))
     if not done:
         done.append((piece, rows[:, :3]))
@@ -124,12 +125,25 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     piece, t1, amount = piece[order], t1[order], amount[order]
     # One more sample at the head of each piece has the integral of the end of the piece before.
     total = np.cumsum(amount)
-    heads = np.searchsorted(piece, np.arange(many))
-    at, head = np.arange(len(piece)) + piece + 1, heads + np.arange(many)
-    both = np.empty((3, len(piece) + many))
-    both[:, at] = piece, t1, total
-    both[0, head], both[1, head], both[2, head] = np.arange(many), 0.0, np.append(0.0, total)[heads]
-    return both[0].astype(np.int64), both[1], both[2]
+    heads = np.searchsorted(piece, np.arange(len(outline.pieces)))
+    at, every = np.arange(len(piece)) + piece + 1, np.arange(len(outline.pieces))
+    owner, end, sum_ = np.empty((3, len(piece) + len(every)))
+    owner[at], end[at], sum_[at] = piece, t1, total
+    at = heads + every
+    owner[at], end[at], sum_[at] = every, 0.0, np.append(0.0, total)[heads]
+    return owner.astype(np.int64), end, sum_
+
+
+@kernel
+def _quarter(rows, piece, both, quarters, along):
+    """Write the pieces and parameters of the first quarters, then of the third ones, and the chords there."""
+    m = len(piece)
+    for i in range(m):
+        both[i] = both[m + i] = piece[i]
+        quarters[i], quarters[m + i] = (3 * rows[i, 0] + rows[i, 1]) / 4, (rows[i, 0] + 3 * rows[i, 1]) / 4
+        for k in range(2):
+            along[i, k] = rows[i, 4 + k] - rows[i, 2 + k]
+            along[m + i, k] = rows[i, 6 + k] - rows[i, 4 + k]
 
 
 @kernel

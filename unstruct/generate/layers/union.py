@@ -132,6 +132,26 @@ def _mark(cells, used):
 
 
 @kernel
+def _label(quad, triangle, split, between, side, layer, region):
+    """Write layers and regions of cells: both halves of the first ``split`` quadrilaterals, and triangles.
+
+    Then ``between`` others follow, and the other quadrilaterals.
+    """
+    at = 0
+    for i in range(split):
+        for _ in range(2):
+            layer[at], region[at] = quad[1][i] + 1, side[quad[0][i]]
+            at += 1
+    for i in range(len(triangle[0])):
+        layer[at], region[at] = triangle[1][i] + 1, side[triangle[0][i]]
+        at += 1
+    at += between
+    for i in range(split, len(quad[0])):
+        layer[at], region[at] = quad[1][i] + 1, side[quad[0][i]]
+        at += 1
+
+
+@kernel
 def _renumber(cells, place):
     """Give the points of cells their numbers in the mesh."""
     for t in range(cells.shape[0]):
@@ -148,7 +168,8 @@ def union_of(
     segments, piece, span = _layered(scene, level, numbers)
     origin = np.asarray(fill.origin)
     fresh = origin < 0
-    known = np.where(fresh, many + np.cumsum(fresh) - 1, rest.vertex[np.maximum(origin, 0)])
+    known = np.empty(len(origin), dtype=np.int32)
+    known[fresh], known[~fresh] = many + np.arange(int(fresh.sum())), rest.vertex[origin[~fresh]]
     new = fill.points[fresh]
     fill_region = _regions(scene, c, rest, fill)
     rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
@@ -163,18 +184,19 @@ def union_of(
     quads = cells.quads[q:]
     rows = np.empty((2 * q + t + f, 3), dtype=np.int32)
     split_quads(numbers.points, cells.quads[:q], rows[: 2 * q])
-    rows[2 * q : 2 * q + t], rows[2 * q + t :] = cells.triangles, known[fill.simplices]
-    strips = np.concatenate([np.repeat(cells.quad_strip[:q], 2), cells.triangle_strip])
-    layers = np.concatenate([np.repeat(cells.quad_layer[:q], 2), cells.triangle_layer])
-    beyond = np.zeros(f, dtype=np.int64)
-    layer = np.concatenate([layers + 1, beyond, cells.quad_layer[q:] + 1])
-    region = np.concatenate([side[strips], fill_region, side[cells.quad_strip[q:]]])
+    rows[2 * q : 2 * q + t], rows[2 * q + t :] = cells.triangles, fill.simplices
+    _renumber(rows[2 * q + t :], known)
+    layer, region = np.zeros((2, len(rows) + len(quads)), dtype=np.int64)
+    quad, triangle = (cells.quad_strip, cells.quad_layer), (cells.triangle_strip, cells.triangle_layer)
+    _label(quad, triangle, q, f, side, layer, region)
+    region[2 * q + t : 2 * q + t + f] = fill_region
     points = np.concatenate([numbers.points, new])
     both = {"triangle": rows, "quad": quads.astype(np.int32)}
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
         _mark(block, used)
-    place = np.where(used, np.cumsum(used) - 1, -1)
+    place = np.cumsum(used) - 1
+    place[~used] = -1
     origin_of = np.full(len(points), -1, dtype=np.int32)
     vertices = len(scene.domain.points)
     origin_of[:vertices] = np.arange(vertices)

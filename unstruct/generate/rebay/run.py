@@ -102,8 +102,10 @@ class VoronoiSegmentRun:
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
         # Make room for all points at once where their number can be estimated; unused memory costs nothing.
-        h = np.inf if field.constant is None else float(self.table.values[0, 0])
-        expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
+        expected = 0.0
+        if field.constant is not None:
+            h = float(self.table.values[0, 0])
+            expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
         if not np.isfinite(expected):  # the area is beyond all doubles
             expected = 0.0
         self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
