@@ -13,7 +13,7 @@ __all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
-USUAL_HITS = 16  # boxes that a query meets, for which there is room at first
+USUAL_HITS = 32  # boxes that a query meets, for which there is room at first
 
 
 @inline

@@ -102,7 +102,7 @@ class Layers:
             if value is not None
         }
         _enough(set(self.given), function)
-        found = None if self.varies else _resolved(self.given, function)
+        found = self._found = None if self.varies else _resolved(self.given, function)
         self.count: int | None = count if found is None else found.number
         self.first, self.growth = _shown(first, found and found.first), _shown(growth, found and found.growth)
         self.thickness = _shown(thickness, found and found.thickness)
@@ -151,6 +151,8 @@ class Layers:
     def _at(self, at: Any) -> Stretching:
         if at is None and self.varies:
             raise InputError("these layers depend on the place: give places, cumulative(at=points)")
+        if self._found is not None and at is None:
+            return self._found
         given = dict(self.given)
         if at is not None:
             places = as_points(at, "at")

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ...base.arrays import fill
+from ...base.arrays import fill, flagged
 from ...base.errors import DomainError, InputError
 from ...base.jit import inline, kernel
 from ...geometry.outline import Outline
@@ -223,10 +223,9 @@ def _zero_length(outline: Outline) -> list[Fault]:
 
 def _straight(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """The straight pieces, and their vertices."""
-    rows = np.arange(len(outline.pieces))
     if not outline.curves:
-        return rows, outline.pieces
-    rows = np.setdiff1d(rows, list(outline.curves), assume_unique=True)
+        return np.arange(len(outline.pieces)), outline.pieces
+    rows = np.flatnonzero(~flagged(len(outline.pieces), list(outline.curves)))
     return rows, outline.pieces[rows]
 
 

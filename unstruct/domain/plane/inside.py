@@ -43,5 +43,5 @@ def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
     if outline.curves:
         piece = np.repeat(list(outline.curves), 257)
         points.append(outline.points_at(piece, np.tile(np.linspace(0, 1, 257), len(outline.curves))))
-    every = np.concatenate(points)
-    return np.stack([every.min(axis=0), every.max(axis=0)])
+    x, y = np.concatenate(points).T
+    return np.array([[x.min(), y.min()], [x.max(), y.max()]])

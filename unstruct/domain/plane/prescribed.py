@@ -139,8 +139,7 @@ def recut(
     keys = np.fromiter(given, dtype=np.int64, count=len(given))
     many = np.fromiter(map(len, given.values()), dtype=np.int64, count=len(given))
     old = ~flagged(int(max(keys.max(), piece.max(initial=-1))) + 1, keys)[piece]
-    place = np.concatenate(list(given.values()))
-    last = np.cumsum(many) - 1
+    place, last = np.concatenate(list(given.values())), np.cumsum(many) - 1
     owner = np.concatenate([piece[old], np.repeat(keys, many - 1)])
     t0 = np.concatenate([t0[old], place[~flagged(len(place), last)]])
     t1 = np.concatenate([t1[old], place[~flagged(len(place), last - many + 1)]])

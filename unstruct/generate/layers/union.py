@@ -107,6 +107,15 @@ def _extreme(points, cells, sharpest):
             a, b, c = b, c, a
         elif three >= max(one, two):
             a, b, c = c, a, b
+        # Most triangles are told by the sign of the cosine, or by its square.
+        dot = (points[b, 0] - points[a, 0]) * (points[c, 0] - points[a, 0])
+        dot += (points[b, 1] - points[a, 1]) * (points[c, 1] - points[a, 1])
+        if sharpest:
+            dot = -dot
+        elif dot > 0.0 and best < 0.0:
+            continue
+        if best < 0.0 and dot * dot < 0.999 * best * best * _square(points, a, b) * _square(points, a, c):
+            continue
         cosine = -_cosine(points, a, b, c) if sharpest else _cosine(points, a, b, c)
         if cosine < best:
             best, found = cosine, np.int64(t)

@@ -218,11 +218,12 @@ class VoronoiSegmentRun:
         best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
         as_saved, keeps = False, bool(self.kept.any())
         if keeps:
-            best = figures(c)["minimum angle"], c.saved()
+            best = -1.0, c.saved()
         for number in range(PASSES + 1):
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since, self.effort)
-                before = before or measured
+                if number == 0:
+                    before, best = measured, (measured["minimum angle"], best[1])
                 done["moves"] += moves
                 done["swaps"] += swaps
                 # What did not change has kept its class; but triangles that were given up are tried again.
