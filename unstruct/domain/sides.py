@@ -59,11 +59,17 @@ def _planar_only(*_: Any) -> NoReturn:
     raise InputError("this is for planar domains; the domain has three coordinates")
 
 
+def _check_curves(outline: Outline) -> None:
+    """Raise if a curve misses its ends, or if a loose vertex lies on it."""
+    faults.check_ends(outline)
+    seeds.check_loose_off_curves(outline)
+
+
 IN_PLANE = Side(
     _segments,
     repaired,
     faults.find_faults,
-    faults.check_ends,
+    _check_curves,
     lambda outline, _: seeds.check_seeds_off_pieces(outline),
     seeds.check_seeds,
     seeds.coarse,

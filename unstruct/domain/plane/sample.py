@@ -24,7 +24,7 @@ from ...predicates.batch import power_of_two
 from .apart import surely_apart
 from .corners import crossings_at_corners
 
-__all__ = ["Sampled"]
+__all__ = ["Sampled", "on_curve_text"]
 
 SAMPLES = np.concatenate([[0, 1 / 64], np.arange(1, 8) / 8, [63 / 64, 1]])  # where a stretch is examined
 CHORDS_WITHIN = len(SAMPLES) - 1  # the number of short chords between these samples
@@ -280,7 +280,19 @@ def _meeting_text(outline: Outline, sampled: Sampled, pairs: np.ndarray) -> str:
         return f"{name} turns without end near ({x:.6g}, {y:.6g}): a curve must be smooth; put a vertex there"
     first, second = pairs[0]
     x, y = sampled.points[sampled.ends[first]].mean(axis=0)
+    if first == second and len(outline.loose):
+        away = np.hypot(*(outline.points[outline.loose] - [x, y]).T)
+        if away.min() <= NEARBY * np.abs(outline.points).max():
+            return on_curve_text(outline, int(outline.loose[away.argmin()]), int(sampled.piece[first]))
     return _pair_text(outline, int(sampled.piece[first]), int(sampled.piece[second]), x, y)
+
+
+def on_curve_text(outline: Outline, vertex: int, piece: int) -> str:
+    """What is said of a loose vertex that lies on a curve, or so near to it that no chords can tell."""
+    x, y = outline.points[vertex]
+    remedy = "let resolve=True do so" if outline.cuts().kind[piece] == 1 else "move the point"
+    where = f"{outline.name(piece)}, at ({x:.6g}, {y:.6g})"
+    return f"point {vertex} lies on {where}; split the piece there, or {remedy}"
 
 
 def _pair_text(outline: Outline, first: int, second: int, x: float, y: float) -> str:

@@ -19,9 +19,9 @@ from .faults import first_copies
 from .inside import contains
 from .lunes import in_lunes
 from .prescribed import mirrored, spaced
-from .sample import HALVINGS, Sampled, halve, safe
+from .sample import HALVINGS, Sampled, halve, on_curve_text, safe
 
-__all__ = ["check_seeds", "check_seeds_off_pieces", "coarse", "first_on_piece", "sized"]
+__all__ = ["check_loose_off_curves", "check_seeds", "check_seeds_off_pieces", "coarse", "first_on_piece", "sized"]
 
 ON_CURVE = 2.0**-40  # a seed nearer to a curve than this lies on it; unit: the largest coordinate
 NEAREST_PARTS = 64  # parts of a curve that are searched for the point nearest to a seed
@@ -78,6 +78,16 @@ def _on_curves(outline: Outline, x: np.ndarray) -> list[tuple[int, int]]:
         near = away.min(axis=1) <= np.maximum(2 * apart, slack)
         row, owner, middle, half = row[near], owner[near], t[near, best[near]], half / 4
     return list(zip(row.tolist(), owner.tolist()))
+
+
+def check_loose_off_curves(outline: Outline) -> None:
+    """Raise if a loose vertex lies on a curve: it would be inside, outside or on the boundary by chance."""
+    if not len(outline.loose) or not outline.curves:
+        return
+    found = _on_curves(outline, outline.points[outline.loose])
+    if found:
+        row, piece = min(found)
+        raise InputError(on_curve_text(outline, int(outline.loose[row]), piece))
 
 
 def _stacked(outline: Outline) -> tuple[np.ndarray, list[str], np.ndarray]:
