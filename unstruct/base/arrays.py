@@ -64,7 +64,7 @@ def within(rows: np.ndarray, limit: int) -> bool:
 
 
 def flagged(n: int, *rows: Any) -> np.ndarray:
-    """An array of n flags that are set in these rows: what `numpy.isin` and `setdiff1d` tell, more quickly."""
+    """An array of n flags that are set in these rows: what `numpy.isin` tells, more quickly."""
     flags = np.zeros(n, dtype=bool)
     for some in rows:
         flags[some] = True

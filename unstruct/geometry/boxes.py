@@ -99,7 +99,7 @@ def _morton(box_low, box_high, bits, keys):
 
 @kernel
 def _enclose(box_low, box_high, order, low, high):
-    """Write the boxes of the nodes of a tree: of the leaves from their boxes, of others from their children."""
+    """Write the boxes of the nodes of a tree: leaves from their boxes, others from their children."""
     leaves = low.shape[0] // 2
     for node in range(2 * leaves - 1, -1, -1):
         for j in range(low.shape[1]):

@@ -245,10 +245,11 @@ class Batch:
             elif isinstance(curve, Bezier) and type(curve).point is Bezier.point:
                 beziers.setdefault(len(curve.controls) + 1, []).append((piece, curve.controls))
             else:
-                plain = isinstance(curve, Curve) and type(curve).point is Curve.point
-                asked, key = (partial(_evaluated, curve.function), id(curve.function)) if plain else (
-                    curve.point, id(curve))  # fmt: skip
-                self.kind[piece], self.span[piece] = 2, (curve.t0, curve.t1) if plain else (0.0, 1.0)
+                self.kind[piece], self.span[piece] = 2, (0.0, 1.0)
+                asked, key = curve.point, id(curve)
+                if isinstance(curve, Curve) and type(curve).point is Curve.point:
+                    self.span[piece] = curve.t0, curve.t1
+                    asked, key = partial(_evaluated, curve.function), id(curve.function)
                 self.group[piece] = known.setdefault(key, len(self.functions))
                 if self.group[piece] == len(self.functions):
                     self.functions.append(asked)

@@ -59,7 +59,7 @@ def to_box(x, q, low, high, node):
 
 @inline
 def _along(x, q, segments, i):
-    """The product of the vectors from the start of segment i to point q and to its end, and the latter's square."""
+    """The product of the vectors from the start of segment i to point q and to its end; the second, squared."""
     if x.shape[1] == 2:
         ax, ay = segments[i, 0, 0], segments[i, 0, 1]
         ux, uy = segments[i, 1, 0] - ax, segments[i, 1, 1] - ay
@@ -74,7 +74,7 @@ def _along(x, q, segments, i):
 
 @inline
 def _away(x, q, segments, i, t):
-    """The squared distance from point q to the point of segment i at t; at 1 this is its end, without rounding."""
+    """The squared distance from point q to the point of segment i at t; at 1 that is its end, unrounded."""
     if x.shape[1] == 2:
         ax, ay, bx, by = segments[i, 0, 0], segments[i, 0, 1], segments[i, 1, 0], segments[i, 1, 1]
         u = x[q, 0] - (bx if t == 1.0 else ax + t * (bx - ax))
@@ -306,7 +306,7 @@ class SegmentTree:
         _halved(self.segments, *boxes, leaves, order)
         least = np.empty(2 * leaves)
         _enclose(*boxes, self.weights, order, *nodes, least)
-        self.nodes = SegmentNodes(*nodes, least, order, self.segments, self.weights)
+        self.nodes = SegmentNodes(nodes[0], nodes[1], least, order, self.segments, self.weights)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
         """The minimum of weight + growth * distance over all segments.

@@ -87,7 +87,7 @@ class SizeField:
         return result
 
     def below(self, x: Array, bound: Array) -> Array:
-        """The smaller of the size and a bound at each of the points x (k, 2); where it is known to be quicker."""
+        """The smaller of the size and a bound at each of the points x (k, d); some fields are quicker so."""
         return np.minimum(self(x), bound)
 
     def _values(self, points: Array, first: int) -> Array:

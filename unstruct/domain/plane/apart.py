@@ -1,4 +1,4 @@
-"""A floating-point proof that chords are safe, in one call of a kernel; what it leaves open, `sample` decides.
+"""A floating-point proof that chords are safe, in one kernel call; what it leaves open, `sample` decides.
 
 A stretch of a curve is looked at as a chain of samples, with its chord. All of it is nearer to the chord than
 its *depth*, and is seen from either end under at most some angle from the chord. So two stretches are apart
@@ -21,10 +21,10 @@ from ...geometry.segment_filter import may_meet
 
 __all__ = ["surely_apart"]
 
-ROUNDING = 2.0**-43  # of the largest coordinate: far above what tests of points on chords call rounding
-MARGIN = 1e-9  # of angles
-STEEPEST = 0.9  # the tangent of an angle beside a chord: two such angles are less than a right angle
-LEAST_SCALE, MOST_SCALE = 1e-70, 1e70  # of coordinates: products of four are doubles
+FAR_ROUNDING = 2.0**-43  # of the largest coordinate: far above what tests of points on chords call rounding
+ANGLE_MARGIN = 1e-9  # of angles
+STEEPEST_VIEW = 0.9  # the tangent of an angle beside a chord: two such angles are less than a right angle
+LEAST_APART, MOST_APART = 1e-70, 1e70  # of coordinates: products of four are doubles
 
 
 class Chords(NamedTuple):
@@ -100,19 +100,19 @@ def _measure(points, ends, rows, chains, alone, chords):
 
 @inline
 def _fan_out(chords, i, j, a, b, slack):
-    """Whether the stretches i and j, whose ends a and b are one vertex, surely have nothing else in common."""
+    """Whether the stretches i and j, whose ends a and b are one vertex, surely share nothing else."""
     sides = chords.sides
     ux, uy = sides[i, 2 - 2 * a] - sides[i, 2 * a], sides[i, 3 - 2 * a] - sides[i, 2 * a + 1]
     vx, vy = sides[j, 2 - 2 * b] - sides[j, 2 * b], sides[j, 3 - 2 * b] - sides[j, 2 * b + 1]
     one, two = chords.spread[i, a], chords.spread[j, b]
     length, other = math.hypot(ux, uy), math.hypot(vx, vy)
-    if max(one, two) > STEEPEST or min(length, other) < 64.0 * slack:
+    if max(one, two) > STEEPEST_VIEW or min(length, other) < 64.0 * slack:
         return False
     dot, cross = ux * vx + uy * vy, abs(ux * vy - uy * vx)
     if dot <= 0.0:
         return True
     # Between the angles there must be room for the far end of one beside the other.
-    room = MARGIN + 2.0 * slack / min(length, other)
+    room = ANGLE_MARGIN + 2.0 * slack / min(length, other)
     return cross * (1.0 - one * two) > (one + two) * dot + 2.0 * room * length * other
 
 
@@ -187,10 +187,10 @@ def surely_apart(
         Samples along each of their stretches, both ends included.
     """
     scale = float(np.abs(points).max())
-    if not LEAST_SCALE < scale < MOST_SCALE:
+    if not LEAST_APART < scale < MOST_APART:
         return False
     alone = np.concatenate([points[outline.loose], *outline.regions.values()])
-    m, slack = len(ends) + len(alone), ROUNDING * scale
+    m, slack = len(ends) + len(alone), FAR_ROUNDING * scale
     chords = Chords(
         np.empty((m, 2), dtype=np.int32), np.empty((m, 4)), np.empty(m, dtype=bool), np.empty(m),
         np.empty((m, 2)), *np.empty((2, m, 2)),

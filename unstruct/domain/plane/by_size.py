@@ -105,7 +105,11 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     done: list[tuple[np.ndarray, np.ndarray]] = []
     while len(piece):
         many = len(piece)
-        both, quarters, along = np.empty(2 * many, dtype=np.int64), np.empty(2 * many), np.empty((2 * many, 2))
+        both, quarters, along = (
+            np.empty(2 * many, dtype=np.int64),
+            np.empty(2 * many),
+            np.empty((2 * many, 2)),
+        )
         _quarter(rows, piece, both, quarters, along)
         x = outline.points_at(both, quarters)
         h = size.at(both, x, along)

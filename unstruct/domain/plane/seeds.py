@@ -21,7 +21,14 @@ from .lunes import in_lunes
 from .prescribed import mirrored, spaced
 from .sample import HALVINGS, Sampled, halve, on_curve_text, safe
 
-__all__ = ["check_loose_off_curves", "check_seeds", "check_seeds_off_pieces", "coarse", "first_on_piece", "sized"]
+__all__ = [
+    "check_loose_off_curves",
+    "check_seeds",
+    "check_seeds_off_pieces",
+    "coarse",
+    "first_on_piece",
+    "sized",
+]
 
 ON_CURVE = 2.0**-40  # a seed nearer to a curve than this lies on it; unit: the largest coordinate
 NEAREST_PARTS = 64  # parts of a curve that are searched for the point nearest to a seed

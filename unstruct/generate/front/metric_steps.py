@@ -20,39 +20,12 @@ from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...sizing.metric_table import MetricNodes, root_at
 from ...sizing.table import ROOT3
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
-from .bookkeeping import (
-    CENTERED,
-    CLEARANCE,
-    CLOSED,
-    EMPTY,
-    FITS,
-    FORCED,
-    FRONT_ACCEPT,
-    LAST_LEVEL,
-    MADE,
-    NEW,
-    OLDEST,
-    SHORTEST,
-    SMALLEST,
-    SNAPPED,
-    WAS_BEYOND,
-    WAS_FLAT_ANGLE,
-    WAS_NEAR,
-    FrontRule,
-    accept,
-    enters_front,
-    leaves_queue,
-    next_nook,
-    put_aside,
-    put_neighbors,
-    put_star,
-    set_unfinished,
-)
+from . import bookkeeping as book
 from .metric_cavity import attempt_in_metric, mapped, scale_of, square_of, unmapped
 from .placing import LONGEST_SIDE, ON_CIRCLE, SHORTEST_SIDE
 
 UNIT_RADIUS = 1.0 / ROOT3  # f: the circumradius of an equilateral triangle with edges of length 1
-ACCEPTED_SQUARE = (FRONT_ACCEPT * UNIT_RADIUS) ** 2
+ACCEPTED_SQUARE = (book.FRONT_ACCEPT * UNIT_RADIUS) ** 2
 
 
 class MetricMarching(NamedTuple):
@@ -62,7 +35,7 @@ class MetricMarching(NamedTuple):
     gates: NDArray[np.int32]
     turn: NDArray[np.int64]
     table: MetricNodes
-    rule: FrontRule
+    rule: book.FrontRule
 
 
 @inline
@@ -117,26 +90,26 @@ def grade_metric(plane, march, t):
     """Set the bucket of triangle t."""
     links, rule = march.links, march.rule
     buckets = len(march.gates) // 2
-    if rule.order == OLDEST:
-        links[t, LEVEL] = LAST_LEVEL + 1
+    if rule.order == book.OLDEST:
+        links[t, LEVEL] = book.LAST_LEVEL + 1
         return
-    if rule.order == SMALLEST:
+    if rule.order == book.SMALLEST:
         m = metric_of(plane, march.table, t)
         measure = rule.scale * scale_of(m)
-    elif rule.order == SHORTEST:
+    elif rule.order == book.SHORTEST:
         _, square = shortest_edge(plane, march, t, 0)
         measure = rule.scale / square if square > 0.0 else inf
     else:
         square, _, _ = circle_in_metric(plane, march.table, t)
         measure = square / ACCEPTED_SQUARE
     level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-    links[t, LEVEL] = LAST_LEVEL + 1 + level
+    links[t, LEVEL] = book.LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue_metric(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    if leaves_queue(march, t):
+    if book.leaves_queue(march, t):
         grade_metric(plane, march, t)
         push(march.links, march.gates, march.turn, t, march.rule.last_first)
 
@@ -144,9 +117,9 @@ def enqueue_metric(plane, march, t):
 @lean
 def accept_triangle(plane, march, diary, counts, t, e, reason):
     """Accept triangle t, on whose edge e the front is: its other edges enter the front, or leave it."""
-    accept(plane, march, diary, counts, t, e, reason)
+    book.accept(plane, march, diary, counts, t, e, reason)
     for j in range(3 * t, 3 * t + 3):
-        if enters_front(plane, march, j):
+        if book.enters_front(plane, march, j):
             enqueue_metric(plane, march, np.int64(plane.twin[j] // 3))
 
 
@@ -154,22 +127,22 @@ def accept_triangle(plane, march, diary, counts, t, e, reason):
 def finish_metric_step(plane, march, diary, counts, t, e, reason, stack):
     """Accept triangle t, then all triangles that are small enough and have two edges or more at the front."""
     accept_triangle(plane, march, diary, counts, t, e, reason)
-    depth = put_neighbors(plane.twin, t, stack, 0)
+    depth = book.put_neighbors(plane.twin, t, stack, 0)
     while depth > 0:
-        o, depth = next_nook(plane, march, stack, depth)
+        o, depth = book.next_nook(plane, march, stack, depth)
         if o < 0:
             break
         square, _, _ = circle_in_metric(plane, march.table, o)
         if square < ACCEPTED_SQUARE:
             g, _ = shortest_edge(plane, march, o, 0)
-            accept_triangle(plane, march, diary, counts, o, g, CLOSED)
-            depth = put_neighbors(plane.twin, o, stack, depth)
+            accept_triangle(plane, march, diary, counts, o, g, book.CLOSED)
+            depth = book.put_neighbors(plane.twin, o, stack, depth)
 
 
 @lean
 def start_metric_front(plane, march):
     """Put the triangles along all subsegments into the queue, in the order of the boundary."""
-    set_unfinished(plane, march)
+    book.set_unfinished(plane, march)
     for s in range(plane.state[SEGMENTS]):
         e = np.int64(plane.where[s])
         for t in (e // 3, np.int64(plane.twin[e] // 3)):
@@ -233,7 +206,7 @@ def ideal_in_metric(plane, march, e):
 @inline
 def place_point(plane, march, scratch, m, k, x, y):
     """Replace the cavity by the star of (x, y), and put the new triangles at the front into the queue."""
-    put_star(plane, march, scratch, m, k, x, y)
+    book.put_star(plane, march, scratch, m, k, x, y)
     for i in range(k):
         t = np.int64(scratch.fresh[i])
         if plane.mark[3 * t] >= 0:
@@ -246,13 +219,13 @@ def without_metric_ideal(plane, march, scratch, counts, t):
 
     At first it is set aside. At the end its circumcenter is inserted if it can be.
     """
-    if put_aside(march, counts, t):
+    if book.put_aside(march, counts, t):
         return False
     square, x, y = circle_in_metric(plane, march.table, t)
     if not square < inf:
         return True
     m = root_at(march.table, x, y)
-    outcome, cells, k, _ = attempt_in_metric(plane, scratch, t, np.int64(-1), m, (x, y), CLEARANCE)
+    outcome, cells, k, _ = attempt_in_metric(plane, scratch, t, np.int64(-1), m, (x, y), book.CLEARANCE)
     if outcome != INSERTED:
         return True
     gone = False  # the triangle itself must be replaced; otherwise this could go on for ever
@@ -260,7 +233,7 @@ def without_metric_ideal(plane, march, scratch, counts, t):
         gone = gone or scratch.cells[i] == t
     if gone:
         place_point(plane, march, scratch, cells, k, x, y)
-        counts[CENTERED] += 1
+        counts[book.CENTERED] += 1
     return not gone
 
 
@@ -273,11 +246,11 @@ def choose_in_metric(plane, march, scratch, counts, e, point, square):
     x, y, side, ahead, _ = point
     t, apex = e // 3, np.int64(plane.vertex[e])
     if square < ACCEPTED_SQUARE:
-        return t, e, FITS, np.int64(-1)
+        return t, e, book.FITS, np.int64(-1)
     if not ahead:
-        return t, e, EMPTY, np.int64(-1)
+        return t, e, book.EMPTY, np.int64(-1)
     m = root_at(march.table, x, y)
-    clearance = CLEARANCE * min(1.0, side)
+    clearance = book.CLEARANCE * min(1.0, side)
     outcome, cells, k, near = attempt_in_metric(plane, scratch, t, e, m, (x, y), clearance)
     if outcome == INSERTED:
         i = 0
@@ -285,10 +258,12 @@ def choose_in_metric(plane, march, scratch, counts, e, point, square):
             i += 1
         place_point(plane, march, scratch, cells, k, x, y)
         t = np.int64(scratch.fresh[i])
-        return t, 3 * t, NEW, near
+        return t, 3 * t, book.NEW, near
     if near == apex:
-        return t, e, SNAPPED, near
-    counts[WAS_BEYOND if outcome == OUTSIDE else WAS_NEAR if near >= 0 else WAS_FLAT_ANGLE] += 1
+        return t, e, book.SNAPPED, near
+    counts[
+        book.WAS_BEYOND if outcome == OUTSIDE else book.WAS_NEAR if near >= 0 else book.WAS_FLAT_ANGLE
+    ] += 1
     return t, e, -1, near
 
 
@@ -315,9 +290,9 @@ def advance_in_metric(plane, march, scratch, diary, counts, limit):
             t, e, reason, near = choose_in_metric(plane, march, scratch, counts, e, point, square)
         if reason < 0 and without_metric_ideal(plane, march, scratch, counts, t):
             e, _ = shortest_edge(plane, march, t, 0)
-            reason, near = FORCED, np.int64(-1)
+            reason, near = book.FORCED, np.int64(-1)
         if reason >= 0:
-            row = counts[MADE]
+            row = counts[book.MADE]
             if len(diary.log) > 0:
                 m = point[4]
                 diary.numbers[row, 0], diary.numbers[row, 1] = point[0], point[1]

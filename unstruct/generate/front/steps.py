@@ -32,35 +32,7 @@ from ...predicates.kernels import incircle, orient2
 from ...sizing.table import ROOT3, Nodes
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
 from ..rebay.steps import circle, wanted
-from .bookkeeping import (
-    CENTERED,
-    CLEARANCE,
-    CLOSED,
-    CONNECTED,
-    EMPTY,
-    FITS,
-    FORCED,
-    FRONT_ACCEPT,
-    LAST_LEVEL,
-    MADE,
-    NEW,
-    OLDEST,
-    SHORTEST,
-    SMALLEST,
-    SNAPPED,
-    WAS_BEYOND,
-    WAS_FLAT_ANGLE,
-    WAS_NEAR,
-    FrontRule,
-    accept,
-    enters_front,
-    leaves_queue,
-    next_nook,
-    put_aside,
-    put_neighbors,
-    put_star,
-    set_unfinished,
-)
+from . import bookkeeping as book
 from .placing import AS_ASKED, ideal
 
 ASK = 8  # how a call ended: a point is wanted from a function of the caller
@@ -74,7 +46,7 @@ class Marching(NamedTuple):
     gates: NDArray[np.int32]
     turn: NDArray[np.int64]
     size: Nodes
-    rule: FrontRule
+    rule: book.FrontRule
 
 
 @inline
@@ -114,13 +86,13 @@ def grade(plane, march, t):
     """Set the bucket of triangle t."""
     links, rule = march.links, march.rule
     buckets = len(march.gates) // 2
-    if rule.order == OLDEST:
-        links[t, LEVEL] = LAST_LEVEL + 1
+    if rule.order == book.OLDEST:
+        links[t, LEVEL] = book.LAST_LEVEL + 1
         return
     above, below, f = radius(plane, march, t)
-    if rule.order == SMALLEST:
+    if rule.order == book.SMALLEST:
         above, below = rule.scale, f * f
-    elif rule.order == SHORTEST:
+    elif rule.order == book.SHORTEST:
         e = front_edge(plane.xy, plane.vertex, plane.mark, t, 0)
         above, below = 1.0, inf
         if e >= 0:
@@ -130,13 +102,13 @@ def grade(plane, march, t):
     else:
         below *= f * f * rule.scale
     level = bucket_of(above / below, buckets - 1) if below > 0.0 else buckets - 2
-    links[t, LEVEL] = LAST_LEVEL + 1 + level
+    links[t, LEVEL] = book.LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    if leaves_queue(march, t):
+    if book.leaves_queue(march, t):
         grade(plane, march, t)
         push(march.links, march.gates, march.turn, t, march.rule.last_first)
 
@@ -144,9 +116,9 @@ def enqueue(plane, march, t):
 @inline
 def advance_past(plane, march, diary, counts, t, e, reason):
     """Accept triangle t, on whose edge e the front is: its other edges enter the front, or leave it."""
-    accept(plane, march, diary, counts, t, e, reason)
+    book.accept(plane, march, diary, counts, t, e, reason)
     for j in range(3 * t, 3 * t + 3):
-        if enters_front(plane, march, j):
+        if book.enters_front(plane, march, j):
             enqueue(plane, march, np.int64(plane.twin[j] // 3))
 
 
@@ -156,14 +128,14 @@ def finish_step(plane, march, diary, counts, t, e, reason, stack):
     depth = 0
     while t >= 0:
         advance_past(plane, march, diary, counts, t, e, reason)
-        depth = put_neighbors(plane.twin, t, stack, depth)
+        depth = book.put_neighbors(plane.twin, t, stack, depth)
         t = np.int64(-1)
         while depth > 0 and t < 0:
-            t, depth = next_nook(plane, march, stack, depth)
+            t, depth = book.next_nook(plane, march, stack, depth)
             if t >= 0:
                 above, below, f = radius(plane, march, t)
-                if above < below * FRONT_ACCEPT * FRONT_ACCEPT * f * f:
-                    e, reason = front_edge(plane.xy, plane.vertex, plane.mark, t, 0), CLOSED
+                if above < below * book.FRONT_ACCEPT * book.FRONT_ACCEPT * f * f:
+                    e, reason = front_edge(plane.xy, plane.vertex, plane.mark, t, 0), book.CLOSED
                 else:
                     t = np.int64(-1)
 
@@ -171,7 +143,7 @@ def finish_step(plane, march, diary, counts, t, e, reason, stack):
 @lean
 def start_front(plane, march):
     """Put the triangles along all subsegments into the queue, in the order of the boundary."""
-    set_unfinished(plane, march)
+    book.set_unfinished(plane, march)
     for s in range(plane.state[SEGMENTS]):
         e = np.int64(plane.where[s])
         for t in (e // 3, np.int64(plane.twin[e] // 3)):
@@ -233,7 +205,7 @@ def in_circle_of(plane, t, x, y):
 @inline
 def insert_here(plane, march, scratch, m, k, x, y):
     """Replace the cavity by the star of (x, y), and put the new triangles at the front into the queue."""
-    put_star(plane, march, scratch, m, k, x, y)
+    book.put_star(plane, march, scratch, m, k, x, y)
     for i in range(k):
         t = np.int64(scratch.fresh[i])
         if plane.mark[3 * t] >= 0:
@@ -255,16 +227,16 @@ def without_ideal(plane, march, scratch, counts, t):
 
     At first it is set aside. At the end its circumcenter is inserted if it can be.
     """
-    if put_aside(march, counts, t):
+    if book.put_aside(march, counts, t):
         return False
     square, x, y, _, _ = circle(plane.xy, plane.vertex, t)
     if square == inf or not in_circle_of(plane, t, x, y):
         return True
     f = wanted(march, x, y)
-    outcome, m, k, _ = attempt_front(plane, scratch, t, np.int64(-1), x, y, CLEARANCE * ROOT3 * f)
+    outcome, m, k, _ = attempt_front(plane, scratch, t, np.int64(-1), x, y, book.CLEARANCE * ROOT3 * f)
     if outcome == INSERTED:
         insert_here(plane, march, scratch, m, k, x, y)
-        counts[CENTERED] += 1
+        counts[book.CENTERED] += 1
     return outcome != INSERTED
 
 
@@ -278,13 +250,13 @@ def choose(plane, march, scratch, counts, e, point, square):
     """
     x, y, f, side, close = point
     t, apex = e // 3, np.int64(plane.vertex[e])
-    if square < FRONT_ACCEPT * FRONT_ACCEPT * f * f:
-        return t, e, FITS, np.int64(-1)
+    if square < book.FRONT_ACCEPT * book.FRONT_ACCEPT * f * f:
+        return t, e, book.FITS, np.int64(-1)
     if close:
-        return t, e, CONNECTED, np.int64(-1)
+        return t, e, book.CONNECTED, np.int64(-1)
     if not in_circle_of(plane, t, x, y):
-        return t, e, EMPTY, np.int64(-1)
-    clearance = CLEARANCE * min(ROOT3 * f, side)
+        return t, e, book.EMPTY, np.int64(-1)
+    clearance = book.CLEARANCE * min(ROOT3 * f, side)
     outcome, m, k, near = attempt_front(plane, scratch, t, e, x, y, clearance)
     if outcome == INSERTED:
         i = 0
@@ -292,10 +264,16 @@ def choose(plane, march, scratch, counts, e, point, square):
             i += 1
         insert_here(plane, march, scratch, m, k, x, y)
         t = np.int64(scratch.fresh[i])
-        return t, 3 * t, NEW, near
+        return t, 3 * t, book.NEW, near
     if near == apex:
-        return t, e, SNAPPED, near
-    counts[WAS_NEAR if outcome == NO_SPACE else WAS_FLAT_ANGLE if outcome == TOO_FLAT else WAS_BEYOND] += 1
+        return t, e, book.SNAPPED, near
+    counts[
+        book.WAS_NEAR
+        if outcome == NO_SPACE
+        else book.WAS_FLAT_ANGLE
+        if outcome == TOO_FLAT
+        else book.WAS_BEYOND
+    ] += 1
     return t, e, -1, near
 
 
@@ -331,8 +309,8 @@ def advance_front(plane, march, scratch, diary, counts, ask, answer, limit):
             tried |= 1 << (e - 3 * t)
             t, e, reason, near = choose(plane, march, scratch, counts, e, point, square)
         if reason < 0 and without_ideal(plane, march, scratch, counts, t):
-            e, reason, near = front_edge(xy, vertex, mark, t, 0), FORCED, np.int64(-1)
+            e, reason, near = front_edge(xy, vertex, mark, t, 0), book.FORCED, np.int64(-1)
         if reason >= 0:
-            note(diary, counts[MADE], point, square, near)
+            note(diary, counts[book.MADE], point, square, near)
             finish_step(plane, march, diary, counts, t, e, reason, scratch.stack)
     return MORE

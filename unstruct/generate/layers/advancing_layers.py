@@ -206,5 +206,7 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
         unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
     )  # fmt: skip
-    mesh.figures.update({"minimum angle of the rest": run.least, "largest angle": extreme_angle(mesh, False) or 0.0})
+    mesh.figures.update(
+        {"minimum angle of the rest": run.least, "largest angle": extreme_angle(mesh, False) or 0.0}
+    )
     return mesh

@@ -22,7 +22,7 @@ def _foot(px, py, ax, ay, bx, by):
 
 @inline
 def _nearest(x, edges, i, j):
-    """The nearest places on edges i and j that do not cross, from 0 to 1, and their distance: (t, s, distance)."""
+    """The nearest places on edges i and j that do not cross, from 0 to 1, and their distance."""
     a, b, c, d = edges[i, 0], edges[i, 1], edges[j, 0], edges[j, 1]
     t, least = _foot(x[c, 0], x[c, 1], x[a, 0], x[a, 1], x[b, 0], x[b, 1])
     s = 0.0

@@ -91,4 +91,3 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[n
         rows = np.flatnonzero(side >= 0)
         long[side[rows[length[side[rows]] > UNEVEN * length[rows]]]] = True
     return long, length[:m]
-

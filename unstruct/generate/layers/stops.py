@@ -244,7 +244,9 @@ def _candidates(
     tip, base = fronts.places[row, top], fronts.places[:, 0]
     low, high = np.minimum(base, tip), np.maximum(base, tip)
     step = fronts.steps[row, np.minimum(top, fronts.steps.shape[1] - 1)]
-    wide = np.maximum(*(np.where(np.isfinite(d), d, 0.0) for d in (fronts.apart[row, top], fronts.apart[:, 0])))
+    wide = np.maximum(
+        *(np.where(np.isfinite(d), d, 0.0) for d in (fronts.apart[row, top], fronts.apart[:, 0]))
+    )
     reach = (2.5 * step + 2.0 * wide)[:, None]
     tree = BoxTree(np.concatenate([low, rest[0]]), np.concatenate([high, rest[0]]))
     p, q = tree.pairs(low - reach, high + reach)

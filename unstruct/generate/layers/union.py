@@ -90,7 +90,7 @@ def _square(points, a, b):
 
 @kernel
 def _extreme(points, cells, sharpest):
-    """The triangle with the least cosine of an angle, or with the largest one; -1 where this tells too little.
+    """The triangle with the least cosine of an angle, or with the largest one; -1 where that is too little.
 
     That is if there is no triangle, if an edge is very short, or if the least angle is very small. The
     largest angle is opposite the longest edge, the least one opposite the shortest.
@@ -123,7 +123,7 @@ def _extreme(points, cells, sharpest):
 
 
 def extreme_angle(mesh: Mesh, sharpest: bool) -> float | None:
-    """The least or the largest angle of a cell, in degrees; None without cells. Only one arctangent is taken."""
+    """The least or the largest angle of a cell, in degrees, by one arctangent; None without cells."""
     at = int(_extreme(mesh.points, mesh.simplices, sharpest)) if set(mesh.cells) == {"triangle"} else -1
     found = planar_angles(mesh.points, mesh.simplices[at : at + 1]) if at >= 0 else None
     if found is not None:
@@ -191,16 +191,16 @@ def union_of(
     side = scene.walls.region[scene.rays.side]
     q, t, f = len(cells.quads) if triangles else 0, len(cells.triangles), len(fill.simplices)
     quads = cells.quads[q:]
-    rows = np.empty((2 * q + t + f, 3), dtype=np.int32)
-    split_quads(numbers.points, cells.quads[:q], rows[: 2 * q])
-    rows[2 * q : 2 * q + t], rows[2 * q + t :] = cells.triangles, fill.simplices
-    _renumber(rows[2 * q + t :], known)
-    layer, region = np.zeros((2, len(rows) + len(quads)), dtype=np.int64)
+    corners: NDArray[np.int32] = np.empty((2 * q + t + f, 3), dtype=np.int32)
+    split_quads(numbers.points, cells.quads[:q], corners[: 2 * q])
+    corners[2 * q : 2 * q + t], corners[2 * q + t :] = cells.triangles, fill.simplices
+    _renumber(corners[2 * q + t :], known)
+    layer, region = np.zeros((2, len(corners) + len(quads)), dtype=np.int64)
     quad, triangle = (cells.quad_strip, cells.quad_layer), (cells.triangle_strip, cells.triangle_layer)
     _label(quad, triangle, q, f, side, layer, region)
     region[2 * q + t : 2 * q + t + f] = fill_region
     points = np.concatenate([numbers.points, new])
-    both = {"triangle": rows, "quad": quads.astype(np.int32)}
+    both: dict[str, NDArray[np.int32]] = {"triangle": corners, "quad": quads.astype(np.int32)}
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
         _mark(block, used)

@@ -238,9 +238,7 @@ class VoronoiSegmentRun:
             done["points again"] += c.size - size
             again = c.size > size
             after = figures(c)
-            if not self.spent and (
-                self.effort is THOROUGH or after["minimum angle"] < self.effort.patched
-            ):
+            if not self.spent and (self.effort is THOROUGH or after["minimum angle"] < self.effort.patched):
                 self.reserve(c.size + SPARE_VERTICES)
                 done["patches"] += sharpen_worst(
                     self.domain, c, self.front(), self.first, self.kept, most is None
