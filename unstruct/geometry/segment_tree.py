@@ -59,7 +59,7 @@ def to_box(x, q, low, high, node):
 
 @inline
 def _along(x, q, segments, i):
-    """The product of the vectors from the start of segment i to point q and to its end; the second, squared."""
+    """The product of the vectors from the start of segment i to point q and its end; the latter squared."""
     if x.shape[1] == 2:
         ax, ay = segments[i, 0, 0], segments[i, 0, 1]
         ux, uy = segments[i, 1, 0] - ax, segments[i, 1, 1] - ay
