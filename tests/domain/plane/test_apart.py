@@ -18,7 +18,7 @@ PLACES = st.tuples(GRID, GRID)
 
 @st.composite
 def outlines(draw: st.DrawFn) -> tuple[Outline, int]:
-    """Chains of straight and bent pieces on a grid, with a loose vertex and a seed; and parts of each piece."""
+    """Chains of straight and bent pieces, with a loose vertex and a seed; parts of each piece."""
     places = draw(st.lists(PLACES, min_size=4, max_size=7, unique=True))
     scale = 2.0 ** draw(st.sampled_from([-200, 0, 0, 0, 40]))
     points = np.array(places, dtype=float) * scale + draw(st.sampled_from([0.0, 0.0, 0.1])) * scale

@@ -11,7 +11,10 @@ from unstruct.generate.layers.facing import FACING, mark_crowded, mark_long
 GAP, ROOM = 0.56, 0.6
 
 
-def nearest(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> tuple[float, float, float]:
+Place = np.ndarray
+
+
+def nearest(a: Place, b: Place, c: Place, d: Place) -> tuple[float, float, float]:
     """The nearest places on segments ab and cd that do not cross, and their distance."""
     found = []
     for p, first, last, own, at in (

@@ -22,7 +22,7 @@ from ...geometry.segment_filter import may_meet
 __all__ = ["surely_apart"]
 
 FAR_ROUNDING = 2.0**-43  # of the largest coordinate: far above what tests of points on chords call rounding
-ANGLE_MARGIN = 1e-9  # of angles
+APART_MARGIN = 1e-9  # of angles
 STEEPEST_VIEW = 0.9  # the tangent of an angle beside a chord: two such angles are less than a right angle
 LEAST_APART, MOST_APART = 1e-70, 1e70  # of coordinates: products of four are doubles
 
@@ -112,7 +112,7 @@ def _fan_out(chords, i, j, a, b, slack):
     if dot <= 0.0:
         return True
     # Between the angles there must be room for the far end of one beside the other.
-    room = ANGLE_MARGIN + 2.0 * slack / min(length, other)
+    room = APART_MARGIN + 2.0 * slack / min(length, other)
     return cross * (1.0 - one * two) > (one + two) * dot + 2.0 * room * length * other
 
 
