@@ -100,10 +100,10 @@ def _numbered(meshes: tuple[Mesh, ...]) -> tuple[np.ndarray, np.ndarray]:
     twice = same & shared & np.append(False, of[order[1:]] == of[order[:-1]])
     if twice.any():
         at = int(np.argmax(twice))
-        v, mesh = int(order[at]), int(of[order[at]])
-        one, two = (int(w) - int(starts[mesh]) for w in (order[at - 1], v))
+        v, owner = int(order[at]), int(of[order[at]])
+        one, two = (int(w) - int(starts[owner]) for w in (order[at - 1], v))
         raise MeshError(
-            f"vertices {one} and {two} of meshes[{mesh}] are both at {points[v].tolist()}, where another "
+            f"vertices {one} and {two} of meshes[{owner}] are both at {points[v].tolist()}, where another "
             "mesh has a vertex: join vertices of one mesh first, or move them"
         )
     keeper = np.arange(len(points))
