@@ -32,18 +32,18 @@ def places(mesh: Mesh) -> list[list[tuple[float, ...]]]:
     )
 
 
-def wedges(body: Domain, height: float, count: int = 3) -> Mesh:
+def wedges(body: Domain | Mesh, height: float, count: int = 3) -> Mesh:
     """Layers over a star-shaped body: each vertex moves away from the origin, ever faster."""
-    surface = body.triangulated
+    surface = body.triangulated if isinstance(body, Domain) else body
+    down = surface.triangles if isinstance(body, Domain) else body.simplices
     n = len(surface.points)
     levels = 1 + height * np.cumsum(1.3 ** np.arange(count)) / np.sum(1.3 ** np.arange(count))
     points = np.concatenate([surface.points * level for level in (1.0, *levels)])
-    down = surface.triangles[:, ::1]
     cells = np.concatenate([np.hstack([down + k * n, down + (k + 1) * n]) for k in range(count)])
     mesh = Mesh(points, cells={"wedge": cells}).oriented()
-    cap = surface.triangles + count * n
+    cap = down + count * n
     layer = np.repeat(np.arange(count), len(down))
-    ends = {"wall": surface.triangles, "cap": cap, "facets": np.concatenate([surface.triangles, cap])}
+    ends = {"wall": down, "cap": cap, "facets": np.concatenate([down, cap])}
     return Mesh(mesh.points, cells=mesh.cells, markers={**ends, "layer": layer})
 
 
@@ -89,6 +89,37 @@ def test_the_cap_of_layers_bounds_tetrahedra(name: str) -> None:
     assert mesh.regions == {"air": 0}
     assert (mesh.markers["region"] == 0).sum() == rest.size
     assert (mesh.markers["layer"][: layers.size] == layers.markers["layer"]).all()
+
+
+def test_layers_on_a_floor() -> None:
+    """The cap ends in a plane, where the floor of the tetrahedra has a hole with its rim."""
+    block = Domain.extruded(Domain.rectangle((-1, -1), (1, 1)), 1, size=0.6).triangulated
+    above = block.triangles[block.points[block.triangles][:, :, 2].max(axis=1) > 0]
+    layers = wedges(Mesh(block.points, above), 0.3)
+    cap = np.unique(layers.markers["cap"])
+    points = layers.points[cap]
+    number = np.zeros(len(layers.points), dtype=int)
+    number[cap] = np.arange(len(cap))
+    used = np.unique(above)
+    assert len(cap) == len(used), "each vertex of the surface has one of the cap above it"
+    rim = np.flatnonzero(points[:, 2] == 0)
+    rim = rim[np.argsort(np.arctan2(points[rim, 1], points[rim, 0]))]
+    far = Domain.box((-3, -3, 0), (3, 3, 3))
+    sides = [row.tolist() for row in far.facets if (far.points[row][:, 2] > 0).any()]
+    ground = next(row.tolist() for row in far.facets if not far.points[row][:, 2].any())
+    triangles = (number[layers.markers["cap"]] + 8).tolist()
+    facets = [*sides, [ground, (rim + 8).tolist()], *triangles]
+    markers = {"floor": [5], "cap": range(6, len(facets)), "far": range(5)}
+    domain = Domain(np.concatenate([far.points, points]), facets, markers=markers)
+    assert domain.volume == pytest.approx(6 * 6 * 3 - 1.3**3 * 4)
+    rest = tetrahedralize(domain, 0.8)
+    assert len(rest.steiner) == 0 and len(rest.markers["cap"]) == len(layers.markers["cap"])
+    mesh = join(layers, rest)
+    assert check(mesh) and mesh.volume == pytest.approx(6 * 6 * 3 - 4)
+    ground = mesh.boundary[
+        (mesh.points[mesh.boundary][:, :, 2] == 0).all(axis=1) & (mesh.boundary[:, 3] >= 0)
+    ]
+    assert len(ground) == 3 * len(rim), "the sides of the layers"
 
 
 def test_layers_and_fill_of_the_plane_are_put_together_again() -> None:
