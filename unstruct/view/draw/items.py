@@ -172,7 +172,7 @@ def solid_items(
         cells = {SOLIDS.get(cells[""].shape[1], "triangle"): cells[""]}
     shown = shown_faces(points, cells, plane, flat=flat, parts=parts)
     places, rows = shown.extended(points), shown.rows
-    if parts is not None and explode:
+    if parts is not None and explode and len(rows):
         part = np.unique(parts, return_inverse=True)[1]
         centers = np.column_stack([np.bincount(part, column) for column in _centers(points, cells).T])
         moved = explode * (centers / np.bincount(part)[:, None] - places[np.unique(rows[rows >= 0])].mean(0))
