@@ -6,7 +6,7 @@ With a metric the size is that in the direction of the piece; the integral is th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .prescribed import recut
 from .sample import Sampled, safe
 
-__all__ = ["sized"]
+__all__ = ["Pieces", "evenly", "sized"]
 
 METRIC_PARTS = 128  # a metric is looked at in so many parts of a straight piece of the size of the domain
 MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
@@ -25,6 +25,24 @@ MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
 # `STRETCH_SHARE` for each piece.
 STRETCH = 1 << 20
 STRETCH_SHARE = 64
+
+
+class Pieces(Protocol):
+    """What has straight or curved pieces between points: an `Outline`, or edges in space."""
+
+    points: np.ndarray
+    pieces: Any
+    curves: Any
+    spacings: Any
+
+    def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Points of many pieces by parameters."""
+
+    def at(self, piece: int, t: Any) -> np.ndarray:
+        """Points of one piece."""
+
+    def name(self, piece: int) -> str:
+        """What messages call a piece."""
 
 
 def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled]) -> Sampled:
@@ -38,6 +56,26 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
         wanted = piece_sizes(outline, coarse(), size)
     else:
         wanted = PieceSizes([size_or_metric(size)], np.zeros(len(outline.pieces), dtype=np.int64))
+    owner, t0, t1 = evenly(outline, wanted, step)
+    without = [g for g, field in enumerate(wanted.fields) if field is None]
+    if without:
+        owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
+    if outline.spacings:
+        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
+    return safe(outline, owner, t0, t1, np.inf)
+
+
+def evenly(outline: Pieces, wanted: PieceSizes, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whole numbers of parameter intervals (piece, t0, t1) for pieces in the plane or in space.
+
+    Parameters
+    ----------
+    outline : Outline, or what has its points, pieces, curves, spacings, points_at, at and name
+    wanted : PieceSizes
+        A field for each piece.
+    step : float
+        How much of the integral of ds / size one interval should have.
+    """
     piece, t, total = _table(outline, wanted)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
@@ -56,12 +94,7 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     t0 = np.where(j == 0, 0.0, t0)
     last = np.append(owner[1:] != owner[:-1], True)
     t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
-    without = [g for g, field in enumerate(wanted.fields) if field is None]
-    if without:
-        owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
-    if outline.spacings:
-        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
-    return safe(outline, owner, t0, t1, np.inf)
+    return owner, t0, t1
 
 
 def _as_in(
@@ -76,7 +109,7 @@ def _as_in(
     return owner[order], t0[order], t1[order]
 
 
-def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _table(outline: Pieces, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples (piece, t) in order, with the integral of ds / size over all pieces up to each sample.
 
     Intervals are halved until their halves are nearly equal and agree with the whole, or far below a step.
@@ -95,12 +128,12 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     done: list[tuple[np.ndarray, ...]] = []
     while len(piece):
         t = np.stack([t0, (3 * t0 + t1) / 4, (t0 + t1) / 2, (t0 + 3 * t1) / 4, t1])
-        x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, -1, 2)
+        x = outline.points_at(np.tile(piece, 5), t.ravel()).reshape(5, len(piece), -1)
         chord = x[2::2] - x[:-2:2]
-        h = size.at(np.tile(piece, 2), x[1::2].reshape(-1, 2), chord.reshape(-1, 2)).reshape(2, -1)
+        flat = 2 * len(piece), -1
+        h = size.at(np.tile(piece, 2), x[1::2].reshape(flat), chord.reshape(flat)).reshape(2, -1)
         h1 = size.at(piece, x[2], x[4] - x[0])
-        dx, dy = chord.transpose(2, 0, 1)
-        length = np.hypot(dx, dy)
+        length = np.hypot.reduce(chord, axis=2)
         halves = length / h
         whole, amount = length.sum(axis=0) / h1, halves.sum(axis=0)
         even = np.abs(length[0] - length[1]) <= 0.02 * length.sum(axis=0)
@@ -129,7 +162,7 @@ def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, 
     )
 
 
-def _too_small(outline: Outline, piece: int, t: float) -> str:
-    x, y = outline.at(piece, t)[0]
-    where = f"along {outline.name(piece)} near ({x:.6g}, {y:.6g})"
+def _too_small(outline: Pieces, piece: int, t: float) -> str:
+    x = ", ".join(f"{value:.6g}" for value in outline.at(piece, t)[0].tolist())
+    where = f"along {outline.name(piece)} near ({x})"
     return f"the size is too small or too rough {where}; make it larger or smoother there"
