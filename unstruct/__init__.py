@@ -44,6 +44,7 @@ from .connect.voronoi.diagram import voronoi as voronoi
 from .connect.wrapping.gift_wrapping import gift_wrap as gift_wrap
 from .domain.domain import Domain as Domain
 from .domain.plane.prescribed import Spacing as Spacing
+from .generate.bodies.tetrahedralize import tetrahedralize as tetrahedralize
 from .generate.boundary.conforming import conforming_delaunay as conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay as constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion as circumcenter_insertion
@@ -54,7 +55,6 @@ from .generate.layers.advancing_layers import advancing_layers as advancing_laye
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.volume.improving import improve as improve
-from .generate.volume.tetrahedralize import tetrahedralize as tetrahedralize
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
 from .geometry.curves import Curve as Curve

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from unstruct import Domain, DomainMesh, check, delaunay
+from unstruct import Domain, DomainMesh, check, constrained_delaunay, delaunay
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -145,3 +145,15 @@ def test_regions_between_inner_facets(numbers: list[int]) -> None:
     )  # fmt: skip
     report = check(made, domain=domain)
     assert bool(report) is (numbers == [0, 1]), report
+
+
+def test_inner_pieces_outside_of_the_body_need_no_faces() -> None:
+    """As in the plane, where the check never asked for them; one inside that is missing is still named."""
+    extra = [(2.0, 2.0, 2.0), (3.0, 2.0, 2.0), (2.0, 3.0, 2.0), (0.25, 0.25, 0.5), (0.25, 0.75, 0.5)]
+    points = np.vstack([CORNERS, extra])
+    for inner in ([[8, 9, 10]], [[8, 9]]):
+        domain = Domain(points, SIDES, inner=inner)
+        mesh = constrained_delaunay(domain)
+        assert check(mesh, domain=domain)
+        lying = Domain(points, SIDES, inner=[[0, 11, 12][: len(inner[0])]])
+        assert "6" in str(check(mesh, domain=lying)) and not check(mesh, domain=lying)

@@ -28,7 +28,7 @@ connect/insertion connect/planar connect/spatial connect/voronoi connect/wrappin
 sizing
 domain/arguments domain/plane domain/space domain
 generate/volume generate/boundary generate/refinement generate/centers generate/improve generate/rebay
-generate/front generate/layers
+generate/bodies generate/front generate/layers
 assess examples
 view/draw view/scenes view/widgets view
 command __main__

@@ -43,7 +43,8 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     -----
     The faces on facets must be the boundary. Those of one piece must lie on its triangles, up to 64 times
     2^-53 of the largest coordinate for new vertices, have its area, and end at the sides of the polygon:
-    together this says that they cover it once. The volume of the cells must be that enclosed by the faces.
+    together this says that they cover it once; inner pieces outside of the body have none. The volume of the
+    cells must be that enclosed by the faces.
     """
     if mesh.points.shape[1] != 3 or mesh.dimension != 3 or not isinstance(mesh, DomainMesh):
         report.note(
@@ -112,6 +113,7 @@ def _covered(mesh: DomainMesh, domain: Domain, units: Units, report: Report) -> 
     found = np.bincount(mesh.face_piece, _areas(units[0][mesh.faces]), minlength=len(domain.pieces))
     extent = np.zeros(len(domain.pieces))
     np.maximum.at(extent, shell.piece, np.abs(x - x[:, :1]).max(axis=(1, 2)) ** 2)
+    wanted[_beyond(mesh, shell.triangles, shell.piece, domain)] = 0.0
     wrong = np.flatnonzero(np.abs(found - wanted) > AREA_ERROR * np.maximum(extent, wanted))
     astray = _astray(mesh, domain, units)
     report.note(
@@ -124,6 +126,20 @@ def _covered(mesh: DomainMesh, domain: Domain, units: Units, report: Report) -> 
         else None,
         problem("side", "edges where the faces of a piece end inside of it", vertices=astray.ravel()),
     )
+
+
+def _beyond(mesh: DomainMesh, corners: np.ndarray, piece: np.ndarray, domain: Domain) -> np.ndarray:
+    """The inner pieces that lie outside of the body, by the middle of one of their parts.
+
+    Inner pieces cross no facet, so that one point tells where the whole piece is.
+    """
+    number, first = np.unique(piece, return_index=True)
+    first = first[number >= len(domain.facets)]
+    if len(domain.facets) == 0 or len(first) == 0:
+        return piece[:0]
+    middle = domain.points[corners[first]].mean(axis=1)
+    odd, on = even_odd_in_space(mesh.points, np.asarray(mesh.boundary), middle)
+    return piece[first[~odd & ~on]]
 
 
 def _areas(x: np.ndarray) -> np.ndarray:
@@ -190,10 +206,13 @@ def _segments_held(mesh: DomainMesh, domain: Domain, place: np.ndarray, report: 
         return
     ends, piece = np.asarray(mesh.segments), np.asarray(mesh.piece)
     own, known = _keys(ends, topology.faces(mesh.simplices, 1))
-    missing = [int(i) for i in shell.segment_piece if not (piece == i).any()]
+    beyond = _beyond(mesh, shell.segments, shell.segment_piece, domain).tolist()
+    missing = [int(i) for i in shell.segment_piece if not (piece == i).any() and i not in beyond]
     text = f"inner segments without an edge in the mesh: {missing[:8]}"
     loose = []
     for row, i in zip(shell.segments, shell.segment_piece.tolist()):
+        if i in beyond:
+            continue
         odd = np.flatnonzero(np.bincount(ends[piece == i].ravel(), minlength=len(mesh.points)) % 2)
         if sorted(odd.tolist()) != sorted(place[row].tolist()):
             loose.append(i)

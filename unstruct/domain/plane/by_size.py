@@ -6,8 +6,8 @@ With a metric the size is that in the direction of the piece; the integral is th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .prescribed import recut
 from .sample import Sampled, safe
 
-__all__ = ["sized"]
+__all__ = ["Pieces", "Wanted", "evenly", "sized"]
 
 METRIC_PARTS = 128  # a metric is looked at in so many parts of a straight piece of the size of the domain
 MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
@@ -27,6 +27,38 @@ MOST_SUBSEGMENTS = 1 << 25  # a size that asks for more subsegments is too small
 # `STRETCH_SHARE` for each piece.
 STRETCH = 1 << 20
 STRETCH_SHARE = 64
+
+
+class Pieces(Protocol):
+    """What has straight or curved pieces between points: an `Outline`, or edges in space."""
+
+    points: np.ndarray
+    pieces: Any
+    curves: Any
+    spacings: Any
+
+    def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Points of many pieces by parameters."""
+
+    def at(self, piece: int, t: Any) -> np.ndarray:
+        """Points of one piece."""
+
+    def name(self, piece: int) -> str:
+        """What messages call a piece."""
+
+
+class Wanted(Protocol):
+    """Sizes along pieces: `PieceSizes`, or those along edges in space."""
+
+    @property
+    def fields(self) -> Sequence[Any]:
+        """The fields from which they come."""
+
+    def at(self, piece: np.ndarray, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """The sizes at points of pieces, in directions."""
+
+    def even(self) -> np.ndarray:
+        """For which pieces they are constant."""
 
 
 def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled]) -> Sampled:
@@ -40,6 +72,25 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
         wanted = piece_sizes(outline, coarse(), size)
     else:
         wanted = PieceSizes([size_or_metric(size)], np.zeros(len(outline.pieces), dtype=np.int64))
+    owner, t0, t1 = evenly(outline, wanted, step)
+    without = [g for g, field in enumerate(wanted.fields) if field is None]
+    if without:
+        owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
+    if outline.spacings:
+        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
+    return safe(outline, owner, t0, t1, np.inf)
+
+
+def evenly(outline: Pieces, wanted: Wanted, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whole numbers of parameter intervals (piece, t0, t1) for pieces in the plane or in space.
+
+    Parameters
+    ----------
+    outline : Outline, or what has its points, pieces, curves, spacings, points_at, at and name
+    wanted : PieceSizes, or what has its fields, at and even
+    step : float
+        How much of the integral of ds / size one interval should have.
+    """
     piece, t, total = _table(outline, wanted)
     start = np.searchsorted(piece, np.arange(len(outline.pieces)))
     begin = total[start]
@@ -58,12 +109,7 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     t0 = np.where(j == 0, 0.0, t0)
     last = np.append(owner[1:] != owner[:-1], True)
     t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
-    without = [g for g, field in enumerate(wanted.fields) if field is None]
-    if without:
-        owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
-    if outline.spacings:
-        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
-    return safe(outline, owner, t0, t1, np.inf)
+    return owner, t0, t1
 
 
 def _as_in(
@@ -78,7 +124,7 @@ def _as_in(
     return owner[order], t0[order], t1[order]
 
 
-def _table(outline: Outline, size: PieceSizes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _table(outline: Pieces, size: Wanted) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples (piece, t) in order, with the integral of ds / size over all pieces up to each sample.
 
     Intervals are halved until their halves are nearly equal and agree with the whole, or far below a step.
@@ -183,7 +229,7 @@ def _halve_uneven(rows, piece, x, h, ended, ended_piece, halves, halves_piece):
     return many
 
 
-def _too_small(outline: Outline, piece: int, t: float) -> str:
-    x, y = outline.at(piece, t)[0]
-    where = f"along {outline.name(piece)} near ({x:.6g}, {y:.6g})"
+def _too_small(outline: Pieces, piece: int, t: float) -> str:
+    x = ", ".join(f"{value:.6g}" for value in outline.at(piece, t)[0].tolist())
+    where = f"along {outline.name(piece)} near ({x})"
     return f"the size is too small or too rough {where}; make it larger or smoother there"

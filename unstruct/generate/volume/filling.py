@@ -5,6 +5,7 @@ See the book, 2.8b.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -30,6 +31,7 @@ def filled(
     inner: NDArray[np.float64] | None = None,
     *,
     field: SizeField | None = None,
+    names: Callable[[int], str] | None = None,
     optimize: bool = False,
     seed: int = 0,
     budget: int | None = None,
@@ -45,6 +47,8 @@ def filled(
         Further vertices inside, on no piece.
     field : SizeField, optional
         The wanted length of edges, by which cells at facets that are much larger are listed.
+    names : callable, optional
+        What messages call a piece; by default `Domain.name`.
     optimize : bool
         Whether to make the cells rounder afterwards; see `rounded`.
     seed : int
@@ -77,7 +81,7 @@ def filled(
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
         counts |= changes
-    unrefined = _incomplete(domain, found, made)
+    unrefined = _incomplete(domain, found, made, names or domain.name)
     if field is not None:
         for cell in _large(made, field).tolist():
             unrefined.setdefault(cell, "a facet is larger than the size")
@@ -227,7 +231,9 @@ def _counted(part: NDArray[Any], first: int) -> NDArray[np.int32]:
     return rank[inverse.ravel()].astype(np.int32)
 
 
-def _incomplete(domain: Domain, found: Recovered, made: SpatialMesh) -> dict[int, str]:
+def _incomplete(
+    domain: Domain, found: Recovered, made: SpatialMesh, name: Callable[[int], str]
+) -> dict[int, str]:
     """The cells with an edge of what is missing, and what that is."""
     if found.complete:
         return {}
@@ -236,7 +242,7 @@ def _incomplete(domain: Domain, found: Recovered, made: SpatialMesh) -> dict[int
     known = np.flatnonzero(made.vertex < len(domain.points))
     number[made.vertex[known]] = known
     reason: dict[int, str] = {}
-    lost = [(shell.triangles[t], f"{domain.name(int(shell.piece[t]))} is missing") for t in found.triangles]
+    lost = [(shell.triangles[t], f"{name(int(shell.piece[t]))} is missing") for t in found.triangles]
     lost += [(row, f"the edge {row[0]}-{row[1]} is missing") for row in found.segments.tolist()]
     for row, text in lost:
         rows = number[np.asarray(row)]

@@ -1,0 +1,344 @@
+"""The facets of a body cut into triangles of a wanted size, before the inside is filled.
+
+A polygon with more than three corners is a shape, and a triangle a part of a surface that somebody has
+meshed: so polygons are divided, and triangles kept, unless all are asked to be divided. Each edge is cut
+once, for all pieces that end at it; each polygon is then meshed in its plane with exactly these edges. The
+corners are those of the body, so that facets still meet edge on edge, bit for bit. New points are rounded;
+that what results is a body is proved by the checks of `Domain`. See the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...domain.domain import Domain
+from ...domain.plane.by_size import evenly
+from ...domain.space.cutting import views
+from ...mesh.grouping import group_rows
+from ...predicates.batch import power_of_two
+from ...sizing.field import SizeField
+from .laying import lay, meshed
+
+__all__ = ["Divided", "divided"]
+
+Numbers = NDArray[np.int64]
+Array = NDArray[np.float64]
+FLAT = 16 * 2.0**-53  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
+COARSE = 1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
+BOTH_ENDS = np.array([0.0, 1.0])
+NOTHING: Mapping[int, Any] = {}
+
+
+class Divided(NamedTuple):
+    """A body with smaller facets, and what they are parts of.
+
+    Attributes
+    ----------
+    domain : Domain
+        Its first points are those of the body.
+    parent : (p,) int32
+        For each of its pieces the piece of the body that it is a part of.
+    span : (p, 2) float64
+        For parts of inner segments the parameters of their ends; else 0 and 1.
+    names : callable
+        The name of a piece of the body, for messages.
+    """
+
+    domain: Domain
+    parent: NDArray[np.int32]
+    span: Array
+    names: Callable[[int], str]
+
+    def name(self, piece: int) -> str:
+        """What messages call the piece of the body that a piece is a part of."""
+        return self.names(int(self.parent[piece]))
+
+
+class _Edges:
+    """Straight edges in space, as `evenly` wants pieces and their sizes: each lies along the first axis."""
+
+    curves: Mapping[int, Any] = NOTHING
+    spacings: Mapping[int, Any] = NOTHING
+
+    def __init__(self, points: Array, ends: Numbers):
+        self.points, self.pieces = points, ends
+        self._start, end = points[ends].transpose(1, 0, 2)
+        self._along = end - self._start
+        factor = power_of_two(points)
+        self.length = np.linalg.norm(self._along * factor, axis=1) / factor
+
+    def in_space(self, piece: Numbers, t: Array) -> Array:
+        """Points of many edges by parameters, (k, 3)."""
+        return self._start[piece] + t[:, None] * self._along[piece]
+
+    def points_at(self, piece: Numbers, t: Array) -> Array:
+        """The same, each edge along the first axis, (k, 2)."""
+        return np.stack([t * self.length[piece], np.zeros(len(t))], axis=1)
+
+    def at(self, piece: int, t: Any) -> Array:
+        """Points of one edge, for messages."""
+        share = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        return self.in_space(np.full(len(share), piece), share)
+
+    def name(self, piece: int) -> str:
+        """What messages call an edge."""
+        return f"edge {self.pieces[piece, 0]}-{self.pieces[piece, 1]}"
+
+
+class _Sizes:
+    """The wanted lengths along edges in space, as `evenly` asks for them."""
+
+    def __init__(self, edges: _Edges, field: SizeField):
+        self.fields: list[Any] = [field]
+        self._edges = edges
+
+    def at(self, piece: Numbers, x: Array, direction: Array) -> Array:
+        """The lengths at points of `_Edges.points_at`."""
+        return self.fields[0](self._edges.in_space(piece, x[:, 0] / self._edges.length[piece]))
+
+    def even(self) -> NDArray[np.bool_]:
+        """For which edges the length is constant."""
+        return np.full(len(self._edges.pieces), self.fields[0].constant is not None)
+
+
+class _Patches(NamedTuple):
+    """What is divided or kept as a whole: polygons that are flat, and triangles.
+
+    Attributes
+    ----------
+    piece : (k,)
+        The piece of each.
+    flat : (k,) bool
+        Whether it is a polygon with more than three corners; the others are triangles.
+    sides : (s, 2)
+        The sides of all, and edges that there must be inside.
+    patch : (s,)
+        The patch of each side.
+    within : (s,) bool
+        Whether the side is inside of the patch.
+    normal : (k, 3)
+        Of each patch, of any length.
+    """
+
+    piece: Numbers
+    flat: NDArray[np.bool_]
+    sides: Numbers
+    patch: Numbers
+    within: NDArray[np.bool_]
+    normal: Array
+
+
+def divided(domain: Domain, field: SizeField, everything: bool = False) -> Divided | None:
+    """Cut the facets, inner facets and inner segments of a body by a size.
+
+    Parameters
+    ----------
+    domain : Domain
+        In space.
+    field : SizeField
+        The wanted length of edges.
+    everything : bool
+        Whether triangles are divided, too.
+
+    Returns
+    -------
+    Divided or None
+        None where nothing is to be divided: edges of kept triangles stay.
+
+    Raises
+    ------
+    DomainError
+        If by rounding the parts of the facets touch or cross.
+
+    Notes
+    -----
+    O(n log n) for n vertices.
+    """
+    patches = _patches(domain)
+    segments = domain.triangulated.segments.astype(np.int64)
+    every = np.sort(np.concatenate([patches.sides, segments]), axis=1)
+    number, first = group_rows(every)
+    edges = every[first]
+    kept = np.zeros(len(edges), dtype=bool)
+    if not everything:
+        corners = domain.pieces.corners[patches.piece]
+        kept[number[: len(patches.sides)][corners[patches.patch] == 3]] = True
+    chain = _Chains.of(domain.points, edges, kept, field)
+    if chain is None and not _too_coarse(domain, field, patches, everything).any():
+        return None
+    chain = chain or _Chains.whole(domain.points, edges)
+    return _put_together(domain, field, patches, number, chain, everything)
+
+
+class _Chains(NamedTuple):
+    """The points along each edge: those of edge e are vertices[start[e] : start[e + 1]], ends included."""
+
+    points: Array
+    vertices: Numbers
+    start: Numbers
+    t: Array
+
+    @classmethod
+    def whole(cls, points: Array, edges: Numbers) -> _Chains:
+        """No edge is cut."""
+        return cls(points, edges.ravel(), 2 * np.arange(len(edges) + 1), np.tile(BOTH_ENDS, len(edges)))
+
+    @classmethod
+    def of(cls, points: Array, edges: Numbers, kept: NDArray[np.bool_], field: SizeField) -> _Chains | None:
+        """Edges cut by a size, but for those that are kept; None if none is cut."""
+        free = np.flatnonzero(~kept)
+        if len(free) == 0:
+            return None
+        along = _Edges(points, edges[free])
+        owner, _, t1 = evenly(along, _Sizes(along, field), 1.0)
+        inner = t1 < 1.0
+        if not inner.any():
+            return None
+        owner, t = owner[inner], t1[inner]
+        new = along.in_space(owner, t)
+        owner = free[owner]
+        count = 2 + np.bincount(owner, minlength=len(edges))
+        start = np.concatenate([[0], np.cumsum(count)])
+        vertices, place = np.empty(start[-1], dtype=np.int64), np.zeros(start[-1])
+        vertices[start[:-1]], vertices[start[1:] - 1] = edges.T
+        place[start[1:] - 1] = 1.0
+        head = np.searchsorted(owner, np.arange(len(edges)))
+        at = start[owner] + 1 + np.arange(len(owner)) - head[owner]
+        vertices[at], place[at] = len(points) + np.arange(len(new)), t
+        return cls(np.concatenate([points, new]), vertices, start, place)
+
+    def steps(self, edge: Numbers) -> tuple[Numbers, Numbers]:
+        """The parts of some edges as pairs of vertices, and the place in ``edge`` of each."""
+        count = self.start[edge + 1] - self.start[edge] - 1
+        owner = np.repeat(np.arange(len(edge)), count)
+        at = self.start[edge][owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+        return np.column_stack([self.vertices[at], self.vertices[at + 1]]), owner
+
+
+def _patches(domain: Domain) -> _Patches:
+    """Polygons in a plane, and the triangles of all others."""
+    shell, pieces = domain.triangulated, domain.pieces
+    x = domain.points * power_of_two(domain.points)  # products of very small coordinates are no doubles
+    ends, owner = pieces.sides
+    normal, _ = views(x, pieces)
+    length = np.linalg.norm(normal, axis=1)
+    unit = normal / np.where(length > 0, length, 1.0)[:, None]
+    first = np.full(len(pieces), -1)
+    first[owner[::-1]] = ends[::-1, 0]
+    away = np.abs(((x[ends[:, 0]] - x[first[owner]]) * unit[owner]).sum(axis=1))
+    off = np.zeros(len(pieces))
+    np.maximum.at(off, owner, away)
+    whole = (pieces.corners > 3) & (off <= FLAT * np.abs(x).max())
+    polygons, rows = np.flatnonzero(whole), np.flatnonzero(~whole[shell.piece])
+    rank = np.full(len(pieces), -1)
+    rank[polygons] = np.arange(len(polygons))
+    of = whole[owner]
+    parts = [(ends[of].astype(np.int64), rank[owner[of]], np.zeros(of.sum(), dtype=bool))]
+    parts.append(_chords(domain, shell, ends[of], owner[of], whole, rank))
+    corners = shell.triangles[rows].astype(np.int64)
+    three = np.repeat(len(polygons) + np.arange(len(rows)), 3)
+    parts.append((corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), three, np.zeros(len(three), dtype=bool)))
+    sides, patch, within = (np.concatenate(column) for column in zip(*parts))
+    a, b, c = x[corners].transpose(1, 0, 2)
+    return _Patches(
+        np.concatenate([polygons, shell.piece[rows]]),
+        np.arange(len(polygons) + len(rows)) < len(polygons),
+        sides,
+        patch,
+        within,
+        np.concatenate([normal[polygons], np.cross(b - a, c - a)]),
+    )
+
+
+def _chords(
+    domain: Domain, shell: Any, ends: Numbers, owner: Numbers, whole: NDArray[np.bool_], rank: Numbers
+) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
+    """Edges inside of polygons at which another piece ends, or which are inner segments."""
+    corners = shell.triangles
+    rows = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    piece = np.repeat(shell.piece, 3)
+    use = whole[piece] & (rows[:, 0] < rows[:, 1])
+    rows, piece = rows[use].astype(np.int64), piece[use].astype(np.int64)
+    known, known_piece = domain.pieces.sides
+    group, _ = group_rows(np.sort(np.concatenate([rows, known]), axis=1))
+    mine, theirs = group[: len(rows)], group[len(rows) :]
+    # A side of its own polygon is one of ``known`` too: an edge within is a side of others only.
+    width = len(domain.pieces)
+    own = np.isin(mine * width + piece, theirs * width + known_piece)
+    use = np.isin(mine, theirs) & ~own
+    return rows[use], rank[piece[use]], np.ones(use.sum(), dtype=bool)
+
+
+def _too_coarse(domain: Domain, field: SizeField, patches: _Patches, everything: bool) -> NDArray[np.bool_]:
+    """Which patches have triangles that are much larger than wanted, by their edges."""
+    shell = domain.triangulated
+    x = domain.points[shell.triangles]
+    large = np.zeros(len(domain.pieces), dtype=bool)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        length = np.linalg.norm(x[:, i] - x[:, j], axis=1)
+        large[shell.piece[length > COARSE * field((x[:, i] + x[:, j]) / 2)]] = True
+    may = large[patches.piece]
+    return may if everything else may & (domain.pieces.corners[patches.piece] > 3)
+
+
+def _put_together(
+    domain: Domain, field: SizeField, patches: _Patches, number: Numbers, chain: _Chains, everything: bool
+) -> Divided:
+    """Mesh the patches, and make a body of all their triangles."""
+    shell = domain.triangulated
+    cut = np.diff(chain.start) > 2
+    touched = _too_coarse(domain, field, patches, everything)
+    touched[patches.patch[cut[number[: len(patches.sides)]]]] = True
+    use = np.flatnonzero(touched[patches.patch])
+    use = use[np.argsort(patches.patch[use], kind="stable")]
+    steps, owner = chain.steps(number[use])
+    rank = np.cumsum(touched) - 1
+    laid = lay(
+        chain.points,
+        patches.normal[touched],
+        steps,
+        rank[patches.patch[use[owner]]],
+        patches.within[use[owner]],
+    )
+    points, rows, patch = meshed(laid, field, chain.points)
+    parent = patches.piece[touched][patch]
+    still = np.ones(len(shell.triangles), dtype=bool)
+    still[np.isin(shell.piece, patches.piece[touched & patches.flat])] = False
+    others = np.flatnonzero(~np.isin(shell.piece, patches.piece[patches.flat]))
+    still[others] = ~touched[~patches.flat]
+    rows = np.concatenate([rows, shell.triangles[still].astype(np.int64)])
+    parent = np.concatenate([parent, shell.piece[still].astype(np.int64)])
+    return _body(domain, points, rows, parent, number, chain)
+
+
+def _body(
+    domain: Domain, points: Array, rows: Numbers, parent: Numbers, number: Numbers, chain: _Chains
+) -> Divided:
+    """The domain of the triangles and of the parts of inner segments."""
+    shell = domain.triangulated
+    facets = parent < len(domain.facets)
+    order = np.concatenate([np.flatnonzero(facets), np.flatnonzero(~facets)])
+    rows, parent = rows[order], parent[order]
+    many = int(facets.sum())
+    edge = number[len(number) - len(shell.segments) :]
+    steps, owner = chain.steps(edge)
+    count = np.diff(chain.start)[edge] - 1
+    at = chain.start[edge][owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    span = np.stack([chain.t[at], chain.t[at + 1]], axis=1)
+    turned = (shell.segments[:, 0] > shell.segments[:, 1])[owner]
+    steps[turned], span[turned] = steps[turned][:, ::-1], 1.0 - span[turned][:, ::-1]
+    inner = [*rows[many:], *steps]
+    whole = np.concatenate([parent, shell.segment_piece[owner]]).astype(np.int32)
+    spans = np.concatenate([np.tile(BOTH_ENDS, (len(rows), 1)), span])
+    body = Domain(
+        points,
+        rows[:many],
+        inner=inner or None,
+        markers={name: np.flatnonzero(np.isin(whole, pieces)) for name, pieces in domain.markers.items()},
+        regions=domain.regions,
+    )
+    return Divided(body, whole, spans, domain.name)

@@ -1,0 +1,130 @@
+"""Tetrahedra of a wanted size in a body whose triangles are kept, and whose polygons are divided.
+
+See `dividing` for the facets, and in `generate.volume` `lattice` for the points, `filling` for the surface,
+`steps` for the cells. Book: 2.8c.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...base.arguments import as_count, as_flag, as_seed
+from ...domain.domain import Domain, as_domain
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.field import as_size
+from ..volume.filling import filled
+from ..volume.lattice import lattice_points
+from .dividing import Divided, divided
+
+__all__ = ["tetrahedralize"]
+
+
+def tetrahedralize(
+    domain: Domain,
+    size: Any = None,
+    *,
+    optimize: bool = True,
+    split_boundary: bool | None = None,
+    seed: int = 0,
+    budget: int | None = None,
+    progress: bool = False,
+) -> DomainMesh:
+    """Fill a body with tetrahedra of a wanted size; a surface of triangles is kept triangle for triangle.
+
+    Parameters
+    ----------
+    domain : Domain
+        In space.
+    size : float, callable, or SizeField, optional
+        The wanted length of edges. Without it there are no more points than there must be.
+    optimize : bool
+        Whether to make the tetrahedra rounder by refills and by moving vertices that were added inside.
+        Without, there are slivers: flat tetrahedra of four points near a circle.
+    split_boundary : bool, optional
+        Whether facets, inner facets and inner segments are divided where a size asks for it. By default
+        polygons of more than three corners are, which are shapes, and triangles are not, which somebody has
+        meshed; edges of kept triangles stay. With True all are, with False none.
+    seed : int
+        Of the random numbers by which ties and cavities are chosen.
+    budget : int, optional
+        The largest number of points inside, and of points that recovery may add: by default 2,000,000, and
+        100 plus a tenth of the number of triangles.
+    progress : bool
+        Show progress bars.
+
+    Returns
+    -------
+    DomainMesh
+        As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
+        numbers of "refills" and "moves". Where facets are divided, new vertices on them are in ``steiner``,
+        as all vertices on pieces that the domain does not have. Cells with a face on a piece whose edges are
+        more than twice as long as wanted are in ``unrefined``.
+
+    Raises
+    ------
+    InputError
+        For a domain of the plane, as `constrained_delaunay` does, for a size that is none, and if it asks for
+        more points than the budget.
+    DomainError
+        If facets are so close together that by rounding their parts would touch; ``split_boundary=False``
+        keeps them whole.
+
+    Notes
+    -----
+    Polygons are cut by `voronoi_segment` in their planes, each edge once for all pieces at it. New points are
+    rounded, at most 64 times 2^-53 of the largest coordinate off their facet. Inside, points of
+    body-centered cubic lattices, nested by the size where it varies, are inserted before the facets are
+    recovered. Near a surface that is finer than the size, cells are as small as its triangles; their edges
+    grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and
+    seed give the same mesh.
+    O(n) in practice for n cells. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
+    2005-2039; P.-L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998); L. A. Freitag,
+    C. Ollivier-Gooch, Int. J. Numer. Methods Eng. 40 (1997) 3979-4002. Book: 2.8c.
+    """
+    domain = as_domain(domain, 3)
+    optimize, progress = as_flag(optimize, "optimize"), as_flag(progress, "progress")
+    if split_boundary is not None:
+        split_boundary = as_flag(split_boundary, "split_boundary")
+    seed = as_seed(seed)
+    budget = None if budget is None else as_count(budget, "budget")
+    parts = None
+    field, inner = None, None
+    if size is not None and len(domain.facets):
+        field = as_size(size)
+        if split_boundary is None or split_boundary:
+            parts = divided(domain, field, bool(split_boundary))
+        inner = lattice_points(domain if parts is None else parts.domain, field, budget)
+    options: Any = {
+        "field": field,
+        "optimize": optimize,
+        "seed": seed,
+        "budget": budget,
+        "progress": progress,
+    }
+    if parts is None:
+        return noticed(filled(domain, inner, **options))
+    return noticed(_as_parts(domain, parts, filled(parts.domain, inner, names=parts.name, **options)))
+
+
+def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
+    """The mesh of the divided body as one of the body."""
+    span = np.asarray(mesh.span)
+    low, high = parts.span[mesh.piece].T
+    return DomainMesh(
+        mesh.points,
+        mesh.simplices,
+        neighbors=mesh.neighbors,
+        origin=np.where(np.asarray(mesh.origin) < len(domain.points), mesh.origin, -1),
+        markers=mesh.markers,
+        regions=mesh.regions,
+        segments=mesh.segments,
+        piece=parts.parent[mesh.piece],
+        span=low[:, None] + span * (high - low)[:, None],
+        faces=mesh.faces,
+        face_piece=parts.parent[mesh.face_piece],
+        unrefined=mesh.unrefined,
+        reasons=mesh.reasons,
+        counts=mesh.counts | {"added on edges and facets": len(parts.domain.points) - len(domain.points)},
+    )
