@@ -396,3 +396,30 @@ def test_what_is_known_of_operators_holds_for_all_types(tmp_path: Path) -> None:
     (tmp_path / "others.py").write_text(OTHERS)
     found = run("import others", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
     assert found.split() == "3 2.5 4.0 1.0 3 ab (1, 2) ab (1, 2) 3".split()
+
+
+def test_the_import_compiles_nothing():
+    """No kernel is called while modules are loaded: it would be compiled, or read from the disk."""
+    code = (
+        "import gc, unstruct\n"
+        "from numba.core.dispatcher import Dispatcher\n"
+        "print([d.py_func.__name__ for d in gc.get_objects() if isinstance(d, Dispatcher) and d.overloads\n"
+        "       and d.py_func.__module__.startswith('unstruct')])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
+    assert run.stdout.strip() == "[]", run.stdout + run.stderr
+
+
+def test_kernels_from_the_disk_can_be_copied_into_new_ones(tmp_path):
+    """The source of a kernel that was read from the disk is parsed when another kernel needs it."""
+    script = tmp_path / "copied.py"
+    for square in ("x * x", "x * x + 0.0"):  # the second time `outer` is compiled anew, `once` is read
+        script.write_text(
+            "from unstruct.base.jit import kernel\n"
+            "@kernel\ndef once(x):\n    return x + 1.0\n"
+            f"@kernel\ndef outer(x):\n    return once({square})\n"
+            "print(once(1.0), outer(3.0))\n"
+        )
+        for _ in range(2):
+            run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=600)
+            assert run.stdout.split() == ["2.0", "10.0"], run.stderr

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from unstruct.base.jit import kernel
 from unstruct.predicates import close, exact
+from unstruct.predicates.batch import orient
+from unstruct.predicates.filters import filter_balls
+from unstruct.predicates.kernels import conflict
 
 D = {"orient2": (2, 3), "incircle": (2, 4), "orient3": (3, 4), "insphere": (3, 5)}
 
@@ -98,3 +102,37 @@ def test_most_are_decided_without_integers(name, make, monkeypatch):
     points = [np.ascontiguousarray(make(rng, (size, d))) for _ in range(100)]
     left = sum(call(close, "close", name, p) is None for p in points)
     assert left == 0
+
+
+CELLS = 16
+
+
+@kernel
+def filtered(corners, p, dets, bounds):
+    filter_balls(corners, corners.shape[1], p[0], p[1], p[2], dets, bounds)
+
+
+def uniform(rng, shape):
+    return rng.random(shape)
+
+
+@pytest.mark.parametrize("make", [uniform, short, spherical, last_bits, wide, tiny, dependent])
+def test_no_ball_is_decided_wrongly(make):
+    rng = np.random.default_rng(7)
+    decided = 0
+    for _ in range(40):
+        cells = np.array([make(rng, (5, 3)) for _ in range(CELLS)])
+        p = cells[0, 4]
+        simplices = cells[:, :4].copy()
+        down = np.asarray(orient(simplices)) < 0
+        simplices[down] = simplices[down][:, [1, 0, 2, 3]]
+        real = np.asarray(orient(simplices)) > 0
+        dets, bounds = np.zeros(CELLS), np.zeros(CELLS)
+        filtered(np.ascontiguousarray(simplices.reshape(CELLS, 12).T), p, dets, bounds)
+        for i in np.flatnonzero(real & (np.abs(dets) > bounds)):
+            points = np.vstack([simplices[i], p])
+            assert conflict(points, np.arange(4, dtype=np.int32), 4) == (1 if dets[i] < 0 else -1)
+            decided += 1
+        if make is uniform:
+            assert (np.abs(dets) > bounds)[real].mean() > 0.9
+    assert decided or make in (spherical, last_bits, tiny)

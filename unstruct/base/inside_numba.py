@@ -15,15 +15,23 @@ from functools import partial
 from typing import Any, ClassVar
 
 from .inside_builtins import direct
+from .inside_libraries import CopiedLibrary, Library
 
-__all__ = ["KNOWN", "CopiedCode", "CopiedPipeline", "Record", "ShortPipeline", "one_type"]
+__all__ = [
+    "KNOWN",
+    "CopiedPipeline",
+    "Record",
+    "ShortPipeline",
+    "one_type",
+    "undisturbed",
+]
 
 try:
     from llvmlite import binding
     from numba.core import types
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
     from numba.core.codegen import CPUCodegen, JITCodeLibrary
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_result
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
     from numba.core.compiler_machinery import PassManager
     from numba.core.cpu import CPUContext, CPUTargetOptions
     from numba.core.datamodel.models import OpaqueModel, TupleModel
@@ -49,7 +57,8 @@ else:
         CompileResultCacheImpl: "reduce rebuild check_cachable",
         CPUCodegen: "_function_pass_manager",
         JITCodeLibrary: "codegen enable_object_caching get_pointer_to_function _finalize_final_module "
-        "_finalize_dynamic_globals _verify_declare_only_symbols _get_module_for_linking _optimize_functions",
+        "_finalize_dynamic_globals _verify_declare_only_symbols _get_module_for_linking _optimize_functions "
+        "serialize_using_object_code _set_compiled_object",
         DefaultPassBuilder: "define_nopython_pipeline",
         PassManager: "finalize _ENFORCING",
         TupleModel: "as_argument from_argument get_argument_type get_value_type",
@@ -75,8 +84,6 @@ NOT_NEEDED = {
     "RewriteDynamicRaises",
     "WithLifting",
 }
-
-LONG_WRAPPER = 120  # blocks
 
 if KNOWN:
     NARROW_TYPES = (types.int8, types.int16, types.int32)
@@ -118,96 +125,10 @@ if KNOWN:
     def _unchanged(context: Any, builder: Any, before: Any, after: Any, value: Any) -> Any:
         return value
 
-    class _Library(JITCodeLibrary):
-        """The code of a kernel, of which numba also optimized the functions that are only declared."""
-
-        def add_ir_module(self, ir_module: Any) -> None:
-            """Add code; what takes Python's objects apart, once per call, is not optimized if it is long."""
-            for function in ir_module.functions:
-                if function.name.startswith("_ZN7cpython") and len(function.blocks) > LONG_WRAPPER:
-                    function.attributes.add("noinline")
-                    function.attributes.add("optnone")
-            super().add_ir_module(ir_module)
-
-        def _optimize_functions(self, ll_module: Any) -> None:
-            ll_module.data_layout = self._codegen._data_layout
-            for function in ll_module.functions:
-                if not function.is_declaration:
-                    passes, options = self._codegen._function_pass_manager()
-                    passes.run(function, options)
-
-    class _CopiedLibrary(_Library):
-        """The code of a kernel that is copied into its callers: no machine code is made of it."""
-
-        @property
-        def codegen(self) -> Any:
-            return _NoMachineCode
-
-        def _finalize_final_module(self) -> None:
-            self._finalize_dynamic_globals()
-            self._verify_declare_only_symbols()
-            self._finalized = True
-
-        def get_pointer_to_function(self, name: str) -> int:
-            self._ensure_finalized()
-            return 0
-
-        def _get_module_for_linking(self) -> Any:
-            """The code itself, with functions that are dropped where they have been inlined."""
-            self._ensure_finalized()
-            if self._shared_module is None:
-                self._shared_module = self._final_module
-                for function in self._final_module.functions:
-                    if not function.is_declaration and function.linkage == binding.Linkage.external:
-                        function.linkage = "linkonce_odr"
-            return self._shared_module
-
-    class _NoMachineCode:
-        """What numba asks for the place of machine code, to store there what kernels never use."""
-
-        @staticmethod
-        def set_env(name: str, env: Any) -> None:
-            pass
-
-    class CopiedCode(CompileResultCacheImpl):
-        """How a kernel that is copied into its callers is written to the disk, and read.
-
-        Only callers that are compiled later need it; those on the disk have their copy.
-        """
-
-        def reduce(self, result: Any) -> Any:
-            """What is written."""
-            result.fndesc.typemap = result.fndesc.calltypes = None
-            code = result.library._get_module_for_linking().as_bitcode()
-            kept = (result.fndesc, result.environment, result.signature, result.reload_init)
-            return result.library.name, code, kept
-
-        def rebuild(self, target_context: Any, payload: Any) -> Any:
-            """The result of the compiler, from what was read."""
-            name, code, (fndesc, environment, signature, references) = payload
-            for refer in references:
-                refer()
-            library = _CopiedLibrary(target_context.codegen(), name)
-            library._final_module = binding.parse_bitcode(code)
-            library._finalize_final_module()
-            return compile_result(
-                typing_context=target_context.typing_context,
-                target_context=target_context,
-                entry_point=target_context.get_executable(library, fndesc, environment),
-                signature=signature,
-                objectmode=False,
-                lifted=(),
-                fndesc=fndesc,
-                library=library,
-                environment=environment,
-                reload_init=references,
-                referenced_envs=(),
-            )
-
     class ShortPipeline(CompilerBase):
         """numba's compiler without the passes that kernels do not need, a tenth of the time."""
 
-        library_class = _Library
+        library_class = Library
 
         def __init__(self, typingctx: Any, targetctx: Any, *rest: Any):
             super().__init__(typingctx, targetctx, *rest)
@@ -237,7 +158,7 @@ if KNOWN:
     class CopiedPipeline(ShortPipeline):
         """The compiler of kernels that are copied into their callers."""
 
-        library_class = _CopiedLibrary
+        library_class = CopiedLibrary
 
     class _Options(Flags):
         """The options of a kernel, by which numba looks up what it has compiled of its own functions."""
@@ -342,6 +263,12 @@ if KNOWN:
         if id(whole) not in _known_types:
             _known_types[id(whole)] = _Types(whole)
         return _known_types[id(whole)]
+
+    @contextmanager
+    def undisturbed() -> Iterator[None]:
+        """While kernels are read from the disk."""
+        with _without_collector(), _no_word_of_locks():
+            yield
 
     @contextmanager
     def _without_collector() -> Iterator[None]:

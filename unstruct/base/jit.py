@@ -20,6 +20,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from . import inside_numba
+from .inside_libraries import CopiedCode, KeptCode
 from .inside_numba import one_type
 from .kernel_cache import KernelCache, stamp
 
@@ -94,7 +95,7 @@ class _Inner:
             if not self.apart:
                 options["pipeline_class"] = inside_numba.CopiedPipeline
             found = numba.njit(**options)(self.outer.py_func)
-            found._cache = KernelCache(self.outer, "-inner", None if self.apart else inside_numba.CopiedCode)
+            found._cache = KernelCache(self.outer, "-inner", KeptCode if self.apart else CopiedCode)
             self._insert, found.add_overload = found.add_overload, self.add_overload
             self._compiler = found
         return self._compiler

@@ -18,12 +18,14 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from . import inside_numba
+from .inside_libraries import KeptCode
 from .inside_numba import Dispatcher, FunctionCache, IndexDataCacheFile, rtsys
 
 __all__ = ["KernelCache", "stamp"]
 
 CONSTANT = (bool, int, float, complex, str, bytes, type(None), np.generic)
-FORM = 4  # of compiled kernels: how they call each other; code of another form must not be read
+FORM = 5  # of compiled kernels: how they call each other; code of another form must not be read
 LONG = 1.0  # seconds of compilation after which it is announced
 ANNOUNCEMENT = (
     "unstruct: compiling, once for this machine; this may take a minute "
@@ -96,10 +98,10 @@ class KernelCache:
     """The cache of one kernel, opened when it is first needed.
 
     ``kind`` distinguishes forms of the same function that are compiled differently; ``content`` is what is
-    written, by default numba's.
+    written, by default the machine code.
     """
 
-    def __init__(self, dispatcher: Any, kind: str = "", content: Any = None):
+    def __init__(self, dispatcher: Any, kind: str = "", content: Any = KeptCode):
         self.dispatcher, self.kind, self.content = dispatcher, kind, content
         self._opened: Any = None
 
@@ -140,8 +142,7 @@ class _Cache(FunctionCache):
 
     def __init__(self, dispatcher: Any, kind: str, content: Any):
         function = dispatcher.py_func
-        if content is not None:
-            self._impl_class = content
+        self._impl_class = content
         super().__init__(function)
         name = f"{function.__module__}.{function.__qualname__}{kind}".replace("<", "").replace(">", "")
         version = "py{}{}".format(*sys.version_info[:2])
@@ -151,7 +152,7 @@ class _Cache(FunctionCache):
         # numba would first register all of its own functions, which only the compiler needs, and which
         # takes half as long as all else at the start of a program; compiled code needs the memory system
         rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
+        with self._guard_against_spurious_io_errors(), inside_numba.undisturbed():
             return self._load_overload(sig, target_context)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:

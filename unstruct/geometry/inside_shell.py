@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from ..base.arrays import fill
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
+from ..predicates.close import two_product
 from ..predicates.kernels import orient2
 from .boxes import BoxTree, bounding_boxes
-from .parity import products
+from .parity import PARTIALS, add_exactly
 from .triangle_pairs import place_in_triangle, side, turn, unit_points
 
 __all__ = ["enclosed_volume", "even_odd_in_space", "front_inside", "side_mates", "triangle_components"]
@@ -250,6 +251,21 @@ def _exactly_met(xyz: np.ndarray, head: np.ndarray, triangle: np.ndarray) -> boo
 # ---------------------------------------------------------------------- volume
 
 
+@kernel
+def _six_volumes(xyz, triangles, partials):
+    """Add the determinants of all triangles without error; return how many partial sums they make."""
+    count = 0
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        for i in range(3):
+            for one, two in (((i + 1) % 3, (i + 2) % 3), ((i + 2) % 3, (i + 1) % 3)):
+                x = xyz[a, i] if one == (i + 1) % 3 else -xyz[a, i]
+                for term in two_product(xyz[b, one], xyz[c, two]):
+                    for part in two_product(x, term):
+                        count = add_exactly(partials, count, part)
+    return count
+
+
 def enclosed_volume(points: np.ndarray, triangles: np.ndarray) -> float:
     """The volume inside of closed triangles whose normals point out; correctly rounded.
 
@@ -257,12 +273,6 @@ def enclosed_volume(points: np.ndarray, triangles: np.ndarray) -> float:
     terms that underflow, below 2^-1074 times the cube of the largest coordinate, are lost.
     """
     factor = power_of_two(points)
-    a, b, c = (points[triangles[:, k]] * factor for k in range(3))
-    parts: list[np.ndarray] = []
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        for one, two in ((j, k), (k, j)):
-            sign = 1.0 if one == j else -1.0
-            for term in products(b[:, one], c[:, two]):
-                parts.extend(products(sign * a[:, i], term))
-    return fsum(np.concatenate(parts).tolist()) / 6 / factor / factor / factor
+    partials = np.empty(PARTIALS)
+    count = _six_volumes(points * factor, triangles.astype(np.int64), partials)
+    return fsum(partials[:count].tolist()) / 6 / factor / factor / factor

@@ -7,12 +7,14 @@ from math import fsum
 import numpy as np
 
 from ..base.arrays import fill
-from ..base.jit import kernel
+from ..base.jit import inline, kernel
 from ..predicates.batch import orient_rows, power_of_two
 from ..predicates.close import two_product
 from .boxes import BoxTree, bounding_boxes
 
 __all__ = [
+    "PARTIALS",
+    "add_exactly",
     "cells_area",
     "enclosed_area",
     "even_odd",
@@ -23,6 +25,7 @@ __all__ = [
 ]
 
 
+PARTIALS = 2200  # doubles that do not overlap may have one bit each: 2098 span all exponents
 POINTS_AT_ONCE = 1 << 14  # how many points are processed at a time
 
 
@@ -172,9 +175,27 @@ def enclosed_area(points: np.ndarray, segments: np.ndarray) -> float:
 def cells_area(points: np.ndarray, triangles: np.ndarray) -> float:
     """The sum of the areas of counterclockwise triangles, correctly rounded like `enclosed_area`."""
     factor = power_of_two(points)
-    partials = np.zeros(2200)  # doubles that do not overlap may have one bit each: 2098 span all exponents
+    partials = np.zeros(PARTIALS)
     count = _twice_area(points * factor, triangles, partials)
     return fsum(partials[:count].tolist()) / 2 / factor / factor
+
+
+@inline
+def add_exactly(partials, count, x):
+    """Add a term to ``count`` partial sums without error, like `math.fsum`; return how many they are then."""
+    left = 0
+    for j in range(count):
+        y = partials[j]
+        if abs(x) < abs(y):
+            x, y = y, x
+        high = x + y
+        low = y - (high - x)
+        if low != 0.0:
+            partials[left] = low
+            left += 1
+        x = high
+    partials[left] = x
+    return left + 1
 
 
 @kernel
@@ -188,19 +209,7 @@ def _twice_area(xy, triangles, partials):
             terms[0], terms[1] = two_product(xy[a, 0], xy[b, 1])
             terms[2], terms[3] = two_product(-xy[a, 1], xy[b, 0])
             for i in range(4):
-                x, left = terms[i], 0
-                for j in range(count):
-                    y = partials[j]
-                    if abs(x) < abs(y):
-                        x, y = y, x
-                    high = x + y
-                    low = y - (high - x)
-                    if low != 0.0:
-                        partials[left] = low
-                        left += 1
-                    x = high
-                partials[left] = x
-                count = left + 1
+                count = add_exactly(partials, count, terms[i])
     return count
 
 

@@ -13,7 +13,8 @@ from itertools import combinations
 import numpy as np
 
 from ..geometry.boxes import BoxTree, bounding_boxes
-from ..predicates.batch import orient_rows
+from ..geometry.triangle_pairs import edges_of, meetings_in_space, sides_index
+from ..predicates.batch import orient_rows, scaled
 from . import topology
 from .complex import CellComplex
 from .grouping import group_rows
@@ -98,6 +99,15 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
         first, second = first[once], second[once]
         hit = segments_meet(points, facets[first], facets[second])
         found = np.column_stack([first[hit], second[hit]])
+    elif scaled(points)[1] and not _flat(points, facets).any():
+        edges = edges_of(facets)
+        met = meetings_in_space(points, facets, edges)
+        key, owner = sides_index(facets)
+        wanted = (edges[met.edge, 0].astype(np.int64) << 32) | edges[met.edge, 1]
+        first = np.searchsorted(key, wanted)
+        count = np.searchsorted(key, wanted, side="right") - first
+        step = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+        found = np.column_stack([owner[np.repeat(first, count) + step], np.repeat(met.triangle, count)])
     else:
         sides = np.array([(0, 1), (1, 2), (2, 0)])
         edges = np.sort(facets[:, sides].reshape(-1, 2), axis=1)
@@ -106,6 +116,16 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
         found = np.column_stack([edge[hit] // 3, facet[hit]])
     found = np.sort(found, axis=1)
     return np.unique(found[found[:, 0] != found[:, 1]], axis=0)
+
+
+def _flat(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Whether triangles in space are flat: seen along each axis."""
+    flat = np.ones(len(triangles), dtype=bool)
+    for axes in ((0, 1), (1, 2), (2, 0)):
+        rows = np.nonzero(flat)[0]
+        if len(rows):
+            flat[rows] = orient_rows(np.ascontiguousarray(points[:, axes]), triangles[rows]) == 0
+    return flat
 
 
 def _near_pairs(points: np.ndarray, rows: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -29,6 +29,7 @@ from .filters import (
     filter_orient2,
     filter_orient3,
 )
+from .kernels import orient2, orient3
 
 __all__ = ["in_sphere", "orient"]
 
@@ -280,7 +281,38 @@ def _simplices(simplex: ArrayLike) -> NDArray[np.float64]:
 SIGNS_AT_ONCE = 1 << 19  # simplices: bounds the memory
 
 
+@kernel
+def _signs_of_rows(points, rows, signs):
+    """Signs of simplices in two or three dimensions, of scaled points; 0 if a vertex is there twice."""
+    for i in range(rows.shape[0]):
+        a, b, c = rows[i, 0], rows[i, 1], rows[i, 2]
+        if points.shape[1] == 2:
+            if a == b or b == c or c == a:
+                signs[i] = 0
+                continue
+            signs[i] = orient2(
+                points[a, 0], points[a, 1], points[b, 0], points[b, 1], points[c, 0], points[c, 1]
+            )
+            continue
+        d = rows[i, 3]
+        if a == b or b == c or c == a or d == a or d == b or d == c:
+            signs[i] = 0
+            continue
+        signs[i] = orient3(
+            points[a, 0], points[a, 1], points[a, 2], points[b, 0], points[b, 1], points[b, 2],
+            points[c, 0], points[c, 1], points[c, 2], points[d, 0], points[d, 1], points[d, 2],
+        )  # fmt: skip
+
+
 def orient_rows(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Exact orientation of many simplices given by vertex numbers, shape (r, d + 1), in chunks."""
+    if points.shape[1] in (2, 3) and rows.size >= len(points):  # otherwise scaling all points is more work
+        xyz, exact = scaled(np.ascontiguousarray(points))
+        if exact:
+            signs = np.empty(len(rows), dtype=np.int8)
+            for i in range(0, len(rows), SIGNS_AT_ONCE):
+                part = slice(i, i + SIGNS_AT_ONCE)
+                _signs_of_rows(xyz, rows[part].astype(np.int64), signs[part])
+            return signs
     parts = [orient(points[rows[i : i + SIGNS_AT_ONCE]]) for i in range(0, len(rows), SIGNS_AT_ONCE)]
     return np.concatenate([*parts, np.empty(0, dtype=np.int8)])

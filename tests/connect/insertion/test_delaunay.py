@@ -13,7 +13,10 @@ from hypothesis import strategies as st
 from oracles import brute_force, complex_of, grid_points
 
 from unstruct import DegenerateInputError, InputError, check, delaunay, topology
+from unstruct.connect.insertion.engine import COUNT, LAST, REACHED, STAMP
 from unstruct.connect.insertion.general import General, independent_rows, normal
+from unstruct.connect.insertion.space import Spatial, cavity3
+from unstruct.connect.insertion.stars import MOST_WALLS, Space, small_star3, star3
 from unstruct.connect.insertion.triangulation import Triangulation
 from unstruct.predicates.batch import in_sphere, orient
 
@@ -229,3 +232,37 @@ def test_an_interrupt_is_heard_and_harmless(n, d, line):
     run = subprocess.run(arguments, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert run.stdout.split() == ["True"] * 4, run.stdout
+
+
+def test_both_ways_to_make_a_star_agree():
+    """Edges of walls in a table, or found by turning through the cavity: the same arrays."""
+    rows = np.random.default_rng(5).random((300, 3)) * 0.9
+    engine = Spatial(rows[:4])
+    for p in range(4, 300):
+        engine.add(rows[p : p + 1])
+        x, stamp = tuple(rows[p]), int(engine.state[STAMP])
+        engine.state[STAMP] += 1
+        (t,) = engine.locate_all(rows[p : p + 1])
+        found = engine._cavity()
+        assert cavity3(engine._space(), found, engine.batch, int(t), x, stamp)
+        assert found.sizes[1] <= MOST_WALLS
+        turned = Space(*(array.copy() for array in engine._space()))
+        last = star3(turned, found, p, stamp)
+        assert small_star3(engine._space(), found, engine.ridges, p) == last
+        used = 4 * int(engine.state[COUNT])
+        assert np.array_equal(turned.state, engine.state)
+        assert np.array_equal(turned.vertex[:used], engine.vertex[:used])
+        alive = np.repeat(turned.vertex[:used:4] != -2, 4)
+        assert np.array_equal(turned.across[:used][alive], engine.across[:used][alive])
+        engine.state[LAST], engine.state[REACHED] = last, p + 1
+
+
+def test_large_stars():
+    """A point amid a sphere of others: its cavity has more walls than the table has room for."""
+    x = np.random.default_rng(6).standard_normal((400, 3))
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    grown = Triangulation(x)
+    grown.insert([0.0, 0.0, 0.0])
+    mesh = grown.mesh()
+    assert (mesh.simplices == 400).any(axis=1).sum() > MOST_WALLS
+    assert check(mesh, delaunay=True)

@@ -28,32 +28,37 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.jit import inline, kernel, lean
 from ...predicates.batch import orient_at
+from ...predicates.filters import filter_balls
 from ...predicates.kernels import insphere, orient3
 from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown
+from .stars import MOST_WALLS, Cavity, Space, ridges, small_star3, star3
 
 # Why insert3 returned.
 FINISHED = 0  # all points are inserted
 MORE_CELLS = 1  # there are too few slots for tetrahedra
 MORE_SCRATCH = 2  # the arrays for the cavity are too short
 
-
-class Space(NamedTuple):
-    """The triangulation: points, cells, marks of searches for cavities, and the free slots."""
-
-    xyz: NDArray[np.float64]
-    vertex: NDArray[np.int32]
-    across: NDArray[np.int32]
-    mark: NDArray[np.int32]
-    free: NDArray[np.int32]
-    state: NDArray[np.int64]
+BALLS_AT_ONCE = 32  # so many cells at most are tested at once
+LANES = 8  # numbers in the longest vectors of today's processors; a power of two that divides BALLS_AT_ONCE
 
 
-class Cavity(NamedTuple):
-    """The result of a search for a cavity: its cells, its boundary faces, and the numbers of both."""
+class Batch(NamedTuple):
+    """Cells that are tested at once: their slots, and the arrays of `filter_balls`."""
 
-    cells: NDArray[np.int32]
-    faces: NDArray[np.int32]
-    sizes: NDArray[np.int64]
+    cells: NDArray[np.int64]
+    corners: NDArray[np.float64]
+    dets: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+
+
+def batch() -> Batch:
+    """Arrays for BALLS_AT_ONCE cells."""
+    return Batch(
+        np.zeros(BALLS_AT_ONCE, dtype=np.int64),
+        np.zeros((12, BALLS_AT_ONCE)),
+        np.zeros(BALLS_AT_ONCE),
+        np.zeros(BALLS_AT_ONCE),
+    )
 
 
 @inline
@@ -139,101 +144,71 @@ def locate_all3(xyz, vertex, across, t, rows, found):
         found[i] = t
 
 
-@lean
-def cavity3(space, cavity, t, px, py, pz, stamp):
-    """Breadth-first search from t for the cells of the cavity and its boundary faces, as 4 t + k from within.
+@inline
+def _gather(space, cells, head, size, tested, stamp):
+    """Collect cells beside those in the queue from head on that are not tested yet, and mark them as tested.
 
-    ``mark`` becomes 2 stamp in the cavity and 2 stamp + 1 in tested cells beside it. False if there
-    is no room. The boundary faces are called walls.
+    Returns how many, and the new head. There are no branches, which the processor could not foresee.
     """
-    xyz, vertex, across, mark, cells, faces = (
-        space.xyz, space.vertex, space.across, space.mark, cavity.cells, cavity.faces,
-    )  # fmt: skip
-    inside, outside = 2 * stamp, 2 * stamp + 1
-    cells[0] = t
-    mark[t] = inside
-    size, walls, head = 1, 0, 0
-    while head < size:
-        if size + 4 > cells.shape[0]:
-            return False
+    across, mark = space.across, space.mark
+    count = 0
+    while head < size and count + 4 <= BALLS_AT_ONCE:
         t = np.int64(cells[head])
         head += 1
         for k in range(4):
-            u = across[4 * t + k] >> 2
-            if mark[u] == inside:
-                continue
-            if mark[u] != outside:
-                if conflict3(xyz, vertex, across, u, px, py, pz):
-                    mark[u] = inside
-                    cells[size] = u
-                    size += 1
-                    continue
-                mark[u] = outside
-            faces[walls] = 4 * t + k
-            walls += 1
+            u = np.int64(across[4 * t + k]) >> 2
+            old = mark[u]
+            fresh = old < 2 * stamp
+            tested[count] = u
+            count += fresh
+            mark[u] = 2 * stamp + 1 if fresh else old
+    return count, head
+
+
+@lean
+def cavity3(space, cavity, batch, t, p, stamp):
+    """Breadth-first search from t for the cells of the cavity and its boundary faces, as 4 t + k from within.
+
+    The cells beside those in the queue are tested together. ``mark`` becomes 2 stamp in the cavity and
+    2 stamp + 1 in tested cells beside it. False if there is no room. The boundary faces are called walls.
+    """
+    xyz, vertex, across, mark, cells = space.xyz, space.vertex, space.across, space.mark, cavity.cells
+    tested, corners, dets, bounds = batch
+    px, py, pz = p
+    cells[0] = t
+    mark[t] = 2 * stamp
+    size, walls, head = 1, 0, 0
+    while head < size:
+        if size + BALLS_AT_ONCE > cells.shape[0]:
+            return False
+        count, head = _gather(space, cells, head, size, tested, stamp)
+        for i in range(count):
+            for j in range(4):
+                v = max(vertex[4 * tested[i] + j], 0)  # ghosts are not decided here
+                corners[3 * j, i] = xyz[v, 0]
+                corners[3 * j + 1, i] = xyz[v, 1]
+                corners[3 * j + 2, i] = xyz[v, 2]
+        filter_balls(corners, (count + LANES - 1) & -LANES, px, py, pz, dets, bounds)
+        for i in range(count):
+            u = tested[i]
+            if abs(dets[i]) > bounds[i] and vertex[4 * u + 3] != GHOST:
+                hit = dets[i] < 0
+            else:
+                hit = conflict3(xyz, vertex, across, u, px, py, pz)
+            mark[u] = 2 * stamp + 1 - hit
+            cells[size] = u
+            size += hit
+    for i in range(size):
+        t = np.int64(cells[i])
+        for k in range(4):
+            cavity.faces[walls] = 4 * t + k
+            walls += mark[across[4 * t + k] >> 2] != 2 * stamp
     cavity.sizes[0], cavity.sizes[1] = size, walls
     return True
 
 
-@inline
-def _turn(vertex, across, mark, inside, t, k, j):
-    """Turn about the common edge of faces k (a wall) and j of t, through the cavity, to the next wall.
-
-    Returns the wall as 4 u + i, and which vertex of u, other than i, is not on that edge.
-    """
-    enter, out = k, j
-    beyond = np.int64(across[4 * t + out])
-    while mark[beyond >> 2] == inside:
-        x = vertex[4 * t + enter]
-        t, enter = beyond >> 2, beyond & 3
-        out = 0
-        while vertex[4 * t + out] != x:
-            out += 1
-        beyond = np.int64(across[4 * t + out])
-    return beyond, enter
-
-
 @lean
-def star3(space, cavity, p, stamp):
-    """Replace the cavity by the tetrahedra that join p to its walls."""
-    vertex, across, mark, free, state = space.vertex, space.across, space.mark, space.free, space.state
-    cells, faces, size, walls = cavity.cells, cavity.faces, cavity.sizes[0], cavity.sizes[1]
-    count, unused, inside = state[COUNT], state[FREE], 2 * stamp
-    for i in range(walls):  # one tetrahedron on each wall: the cell within it, with p for one vertex
-        face = np.int64(faces[i])
-        if unused > 0:
-            unused -= 1
-            new = np.int64(free[unused])
-        else:
-            new = count
-            count += 1
-        t, k = face >> 2, face & 3
-        for j in range(4):
-            vertex[4 * new + j] = vertex[4 * t + j]
-            across[4 * new + j] = -1
-        vertex[4 * new + k] = p
-        beyond = across[face]
-        across[4 * new + k] = beyond
-        across[beyond] = 4 * new + k
-    for i in range(walls):
-        face = np.int64(faces[i])
-        t, k = face >> 2, face & 3
-        new = np.int64(across[across[face]]) >> 2
-        for j in range(4):
-            if across[4 * new + j] < 0:
-                wall, apex = _turn(vertex, across, mark, inside, t, k, j)
-                other = 4 * (np.int64(across[wall]) >> 2) + apex
-                across[4 * new + j] = other
-                across[other] = 4 * new + j
-    for i in range(size):
-        vertex[4 * np.int64(cells[i])] = -2  # not in use
-        free[unused + i] = cells[i]
-    state[COUNT], state[FREE] = count, unused + size
-    return new
-
-
-@lean
-def insert3(space, cavity, copy_of, stop):
+def insert3(space, cavity, batch, ridges, copy_of, stop):
     """Insert the next points, while ``p < stop``: locate each, find its cavity, replace it by the star.
 
     Returns FINISHED, or what there is not enough of; the state is consistent in each case.
@@ -254,12 +229,15 @@ def insert3(space, cavity, copy_of, stop):
             continue
         stamp = state[STAMP]
         state[STAMP] = stamp + 1
-        if not cavity3(space, cavity, t, px, py, pz, stamp):
+        if not cavity3(space, cavity, batch, t, (px, py, pz), stamp):
             return MORE_SCRATCH
         if state[COUNT] + cavity.sizes[1] > capacity:
             return MORE_CELLS
         state[BUSY] = 1
-        state[LAST] = star3(space, cavity, p, stamp)
+        if cavity.sizes[1] <= MOST_WALLS:
+            state[LAST] = small_star3(space, cavity, ridges, p)
+        else:
+            state[LAST] = star3(space, cavity, p, stamp)
         state[REACHED], state[BUSY] = p + 1, 0
     return FINISHED
 
@@ -274,7 +252,10 @@ class Spatial(Compiled):
         if len(self.vertex) == 0:
             self.mark = np.empty(0, dtype=np.int32)
             self.free = np.empty(0, dtype=np.int32)
+            self.batch, self.ridges = batch(), ridges(0)
             self._reserve_scratch(1024)
+        if points >= len(self.ridges.place):
+            self.ridges = ridges(points + points // 2)
         # uniform points have 6.8 tetrahedra each; if there are more, `advance` makes room
         self._reserve_cells(7 * points + 100)
 
@@ -305,7 +286,7 @@ class Spatial(Compiled):
         start3(self.rows, self.vertex, self.across, self.state)
 
     def _advance(self, stop: int) -> int:
-        return int(insert3(self._space(), self._cavity(), self.copy_of, stop))
+        return int(insert3(self._space(), self._cavity(), self.batch, self.ridges, self.copy_of, stop))
 
     def advance(self) -> None:
         """Insert the next chunk of the points that were added."""
@@ -336,6 +317,6 @@ class Spatial(Compiled):
             stamp = int(self.state[STAMP])
             self.state[STAMP] = stamp + 1
             found = self._cavity()
-            if cavity3(self._space(), found, t, x[0], x[1], x[2], stamp):
+            if cavity3(self._space(), found, self.batch, t, (x[0], x[1], x[2]), stamp):
                 return found.cells[: found.sizes[0]].copy()
             self._reserve_scratch(2 * len(self.cavity_cells))

@@ -22,7 +22,7 @@ from ...predicates.power import power2
 from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, grown
 from .halfedges import UNUSED, locate2, next_edge, prev_edge
 from .plane import Planar
-from .space import Space
+from .stars import Space
 
 __all__ = ["WeightedPlanar"]
 

@@ -8,7 +8,8 @@ from ...base.jit import kernel
 from ...predicates.kernels import insphere, orient3
 from ...predicates.power import power3
 from .engine import BUSY, COUNT, GHOST, LAST, REACHED, STAMP
-from .space import FINISHED, MORE_CELLS, MORE_SCRATCH, Spatial, locate3, star3
+from .space import FINISHED, MORE_CELLS, MORE_SCRATCH, Spatial, locate3
+from .stars import MOST_WALLS, small_star3, star3
 
 __all__ = ["WeightedSpatial"]
 
@@ -68,7 +69,7 @@ def _cavity(space, cavity, t, p, stamp):
 
 
 @kernel
-def insert_weighted3(space, cavity, stop):
+def insert_weighted3(space, cavity, ridges, stop):
     """Insert the next points, while ``p < stop``, or find them hidden; returns what `insert3` does."""
     xyzw, vertex, across, state = space.xyz, space.vertex, space.across, space.state
     for p in range(state[REACHED], stop):
@@ -83,7 +84,10 @@ def insert_weighted3(space, cavity, stop):
         if state[COUNT] + cavity.sizes[1] > space.mark.shape[0]:
             return MORE_CELLS
         state[BUSY] = 1
-        state[LAST] = star3(space, cavity, p, stamp)
+        if cavity.sizes[1] <= MOST_WALLS:
+            state[LAST] = small_star3(space, cavity, ridges, p)
+        else:
+            state[LAST] = star3(space, cavity, p, stamp)
         state[REACHED], state[BUSY] = p + 1, 0
     return FINISHED
 
@@ -92,4 +96,4 @@ class WeightedSpatial(Spatial):
     """A growing regular triangulation of space; rows are (x, y, z, w)."""
 
     def _advance(self, stop: int) -> int:
-        return int(insert_weighted3(self._space(), self._cavity(), stop))
+        return int(insert_weighted3(self._space(), self._cavity(), self.ridges, stop))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import beside, commit, corner, grow, load, new_slot, reset, wall
+from .cavity import beside, commit, grow, load, new_slot, reset, wall
 from .crossing import star
 from .given import Split
 from .records import COST_KIND, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
@@ -91,11 +91,8 @@ def lower_degree(solid, held, r, found, goal):
             return size
 
 
-def _positive(k: int) -> tuple[int, int, int]:
-    return tuple(int(corner(k, i)) for i in range(3))  # type: ignore[return-value]
-
-
-POSITIVE = tuple(_positive(k) for k in range(4))
+# The corners of face k, as `corner` gives them. (A kernel that is called here is compiled by the import.)
+POSITIVE = ((1, 3, 2), (0, 2, 3), (0, 3, 1), (0, 1, 2))
 
 
 class Release:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import kernel
 from ..insertion.engine import STAMP
-from ..insertion.space import Cavity, Space, star3
+from ..insertion.stars import Cavity, Space, star3
 from .cavity import corner
 from .crossing import ring
 from .held import holds
