@@ -224,7 +224,7 @@ def cylinder_from_stl(h: float) -> Any:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cylinder.stl"
-        Domain.cylinder((0, 0, -0.8), (0, 0, 0.8), 0.7, size=h).write(path)
+        Domain.cylinder((0, 0, -0.8), (0, 0, 0.8), 0.7, size=h).write(path, binary=True)
         return Domain.read(path)
 
 

@@ -34,7 +34,9 @@ def boolean(seed: int) -> Surface:
         if kind == 0:
             other = Manifold.cube(rng.uniform(0.4, 1.2, 3).tolist(), True)
         elif kind == 1:
-            other = Manifold.cylinder(2.0, float(rng.uniform(0.15, 0.4)), -1.0, int(rng.integers(12, 33)), True)
+            other = Manifold.cylinder(
+                2.0, float(rng.uniform(0.15, 0.4)), -1.0, int(rng.integers(12, 33)), True
+            )
         else:
             other = Manifold.sphere(float(rng.uniform(0.35, 0.65)), int(rng.integers(12, 29)))
         turned = other.rotate(rng.uniform(0.0, 360.0, 3).tolist())

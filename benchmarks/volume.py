@@ -1,9 +1,9 @@
 """The suite ``volume``: tetrahedra in bodies beside TetGen, Gmsh and Netgen, all with the same surface.
 
-Each mesher is given points and triangles as arrays and gives points and cells as arrays; our time includes the
-checks of the `Domain`. Work: "good" (ten bodies with even triangles), "parts" (machine parts), "graded" (sizes
-that vary), all with a size; "bare" and "CAD" without a size, beside TetGen ``pY``. If the peers in one process
-crash, each is run by itself. `booleans` judges many CAD-like bodies by seed, see there.
+Each mesher is given points and triangles as arrays and gives points and cells as arrays; our time includes
+the checks of the `Domain`. Work: "good" (ten bodies with even triangles), "parts" (machine parts), "graded"
+(sizes that vary), all with a size; "bare" and "CAD" without a size, beside TetGen ``pY``. If the peers in one
+process crash, each is run by itself. ``python -m benchmarks.solids`` judges many CAD-like bodies by seed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The contestants of the suite ``volume``: points and triangles of a closed surface in, points and cells out.
 
-All keep the surface if they can (TetGen by ``Y``, Gmsh by a discrete surface). For a size that varies, Gmsh is
-given the same formula as text; its callback in Python would be slower. The library itself imports no peer.
+All keep the surface if they can (TetGen by ``Y``, Gmsh by a discrete surface). For a size that varies, Gmsh
+is given the same formula as text; its callback in Python would be slower. The library itself imports no peer.
 """
 
 from __future__ import annotations
@@ -148,8 +148,8 @@ MESHERS = [
         Mesher(name, package, work, prepare)
         for work in ("bare", "CAD")
         for name, package, prepare in (
-            ("unstruct", "unstruct", _ours(True)),
-            ("unstruct, as recovered", "unstruct", _ours(False)),
+            ("unstruct", "unstruct", _ours(False)),
+            ("unstruct, made rounder", "unstruct", _ours(True)),
             ("TetGen pY", "tetgen", _tetgen("")),
         )
     ),

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from .volume_meshers import Given
 
 BINS = 36  # of the histogram of dihedral angles, five degrees each
+ROUNDING = 1e-13  # of six times a volume that is 0 or nearly so; unit: that of the body
 SHARP = 20.0  # cells with a smaller dihedral angle are counted
 SIDES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward faces of a positive cell
 EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 
 
 def dihedral(x: NDArray) -> NDArray:
-    """The six dihedral angles of each tetrahedron (m, 4, 3), in degrees; 0 and 180 for those that are flat."""
+    """The six dihedral angles of each tetrahedron (m, 4, 3), in degrees; 0 and 180 for flat ones."""
     normal = np.cross(x[:, SIDES[:, 1]] - x[:, SIDES[:, 0]], x[:, SIDES[:, 2]] - x[:, SIDES[:, 0]])
     length = np.linalg.norm(normal, axis=2, keepdims=True)
     normal = normal / np.maximum(length, 1e-300)
@@ -57,12 +58,12 @@ def measures(points: NDArray, cells: NDArray, work: str, given: Given) -> dict[s
         cells = cells[:, [0, 2, 1, 3]]
         x, six = points[cells], -six
     corners = np.asarray(given.points)[given.triangles]
-    enclosed = (corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum()
+    enclosed = abs(float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum()))
     angle = dihedral(x)
     least = angle.min(axis=1)
     return {
         "cells": len(cells),
-        "valid": bool((six >= 0).all() and abs(six.sum() - enclosed) <= 1e-9 * abs(enclosed)),
+        "valid": bool((six >= -ROUNDING * enclosed).all() and abs(six.sum() - enclosed) <= 1e-9 * enclosed),
         "min_dihedral": round(float(least.min()), 3),
         "max_dihedral": round(float(angle.max()), 3),
         "sharp": round(float((least < SHARP).mean()), 7),

@@ -21,9 +21,9 @@ SIZED = ("good", "parts", "graded")
 
 
 def table(rows: list[Row], work: str) -> str:
-    """A line for each case and contestant; **bold** if a peer makes more cells per second, or takes less time.
+    """A line for each case and contestant; **bold** if a peer is faster, by cells per second.
 
-    Without a size the times are compared, since nobody wants more cells.
+    Without a size the times are compared: then more cells are no gain.
     """
     sized = work in SIZED
     head = ["body", "by", "cells", "seconds", "1000 cells/s", f"{OURS} ÷ it"]
@@ -70,7 +70,9 @@ def markdown(result: dict[str, Any]) -> str:
     rows = result["rows"]
     done = {row["work"] for row in rows}
     sections = {"Summary": summary(rows)} if done & set(SIZED) else {}
-    return page(result, sections | {title: table(rows, work) for work, title in TITLES.items() if work in done})
+    return page(
+        result, sections | {title: table(rows, work) for work, title in TITLES.items() if work in done}
+    )
 
 
 def plot(rows: list[Row]) -> Any:

@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
+from ...domain.space.cutting import Shell
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
-from ...sizing.field import SizeField
-from .lattice import Lattice
+from ...sizing.field import SizeField, as_size
+from .lattice import Lattice, lattice_points
 from .rounder import faces_of_cells, rounded
 
 __all__ = ["filled"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
+HELPERS = 4  # points outside that may help to recover a surface, for each of its points
+MOST_HELPERS_OF_FEW = 1000  # however few points it has
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
 
 
@@ -67,8 +70,12 @@ def filled(
             "fills the convex hull of points"
         )
     points = domain.points if lattice is None else np.concatenate([domain.points, *lattice])
-    complex_ = SpatialComplex(points, progress=progress)
-    found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
+    options: dict[str, Any] = {"seed": seed, "budget": budget, "progress": progress}
+    once = {"restarts": 1} if lattice is None else {}
+    complex_, found = _recovered(points, shell, options | once)
+    if lattice is None and not found.exact:
+        again = _recovered(np.concatenate([domain.points, _outside(domain)]), shell, options)
+        complex_, found = min((complex_, found), again, key=lambda one: one[1].rank)
     complex_.flood(len(shell.bounding))
     made = complex_.inside()
     if len(made.simplices) == 0:
@@ -83,6 +90,23 @@ def filled(
         for cell in _large(made, field).tolist():
             unrefined.setdefault(cell, "a facet is larger than the size")
     return _with_names(domain, found, made, chains, unrefined, counts)
+
+
+def _recovered(
+    points: NDArray[np.float64], shell: Shell, options: dict[str, Any]
+) -> tuple[SpatialComplex, Recovered]:
+    complex_ = SpatialComplex(points, progress=options["progress"])
+    return complex_, complex_.recover(shell.triangles, shell.segments, **options)
+
+
+def _outside(domain: Domain) -> NDArray[np.float64]:
+    """Points outside, next to the surface and as dense as it is; none if there would be too many."""
+    low, high = domain.bounds
+    size = as_size(float((high - low).max()))
+    try:
+        return lattice_points(domain, size, HELPERS * len(domain.points) + MOST_HELPERS_OF_FEW).outside
+    except InputError:
+        return np.empty((0, 3))
 
 
 def _rounder(

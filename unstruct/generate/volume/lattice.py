@@ -182,7 +182,9 @@ def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Arra
     wanted = CELL * _limited(surface, probes, field(probes))
     turn = np.exp(2j * np.pi * np.log2(wanted))
     off = np.abs(turn - np.exp(1j * np.angle(((wanted.min() / wanted) ** 3 * turn).sum())))
-    least = float(wanted[np.argmin(np.round(off, 6))])  # the last bits of logarithms differ between processors
+    least = float(
+        wanted[np.argmin(np.round(off, 6))]
+    )  # the last bits of logarithms differ between processors
     return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
 
 
