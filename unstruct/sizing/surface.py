@@ -22,7 +22,7 @@ from .source_sizes import sources
 __all__ = ["bends_of", "from_facets"]
 
 Array = NDArray[np.float64]
-SHARP = np.radians(40.0)  # an edge at which facets turn by more is an edge of the body, and is not curved
+SHARP_EDGE = np.radians(40.0)  # where facets turn by more is an edge of the body, which is not curved
 ENDS = ((0, 1), (1, 2), (2, 0))
 
 
@@ -128,7 +128,7 @@ def _groups(triangles: NDArray[np.int32], normal: Array) -> NDArray[np.int32]:
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order][1:] == key[order][:-1])
     one, two = order[same], order[same + 1]
-    smooth = (normal[one // 3] * normal[two // 3]).sum(axis=1) > np.cos(SHARP)
+    smooth = (normal[one // 3] * normal[two // 3]).sum(axis=1) > np.cos(SHARP_EDGE)
     one, two = one[smooth], two[smooth]
     rows, columns = [], []
     for k in range(2):  # the two ends of the common edge
@@ -136,8 +136,8 @@ def _groups(triangles: NDArray[np.int32], normal: Array) -> NDArray[np.int32]:
             equal = pairs[one, k] == pairs[two, j]
             rows.append((3 * (one // 3) + (one % 3 + k) % 3)[equal])
             columns.append((3 * (two // 3) + (two % 3 + j) % 3)[equal])
-    i, j = np.concatenate(rows), np.concatenate(columns)
-    graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(3 * many, 3 * many))
+    ends = np.concatenate(rows), np.concatenate(columns)
+    graph = coo_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(3 * many, 3 * many))
     return connected_components(graph, directed=False)[1].reshape(-1, 3)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from solids import cube
 
 from unstruct import Domain, sizing
-from unstruct.generate.volume.lattice import FROM_SURFACE, lattice_points
+from unstruct.generate.volume.lattice import FROM_SURFACE, REACH_OUTSIDE, lattice_points
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -35,6 +35,28 @@ def test_nested_lattices_follow_the_size() -> None:
     landmark = sizing.points([(0.513, 0.487, 0.5)], 0.004, growth=0.5, far=0.3)
     near = np.linalg.norm(lattice_points(domain, landmark).inside - (0.513, 0.487, 0.5), axis=1)
     assert near.min() < 0.005
+
+
+def test_a_size_is_met_where_most_cells_are() -> None:
+    """One fine place made the cells elsewhere larger, by up to the square root of 2."""
+    for h in (0.1, 0.083, 0.071):
+        field = sizing.points([(0.9, 0.9, 0.9)], h / 7, growth=1.0, far=h)
+        found = lattice_points(Domain(CORNERS, SIDES), field).inside
+        far = found[(found < 0.6).all(axis=1)]
+        gaps = np.sort(np.linalg.norm(far[:, None] - found[None], axis=2), axis=1)[:, 1]
+        assert np.median(gaps) == pytest.approx(1.1 * h * np.sqrt(3) / 2, rel=0.01)
+
+
+def test_points_outside_are_next_to_the_surface() -> None:
+    points, faces = cube(6)
+    hole = np.array([[2.0, 2.0], [4.0, 2.0], [4.0, 4.0], [2.0, 4.0]])
+    plate = Domain.extruded(Domain.polygon([[0, 0], [6, 0], [6, 6], [0, 6]], [hole]), 6.0)
+    for domain, h in ((Domain(points, faces), 1.0), (plate, 0.8)):
+        found = lattice_points(domain, sizing.as_size(h))
+        assert len(found.inside) > 50 and not domain.contains(found.outside).any()
+        assert (found.outside > -REACH_OUTSIDE * h).all() and (found.outside < 6 + REACH_OUTSIDE * h).all()
+    in_hole = (np.abs(found.outside[:, :2] - 3) < 1).all(axis=1)
+    assert in_hole.sum() > 10
 
 
 def test_a_fine_surface_makes_fine_cells() -> None:

@@ -25,12 +25,12 @@ from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
 from ...sizing.field import SizeField
 
-__all__ = ["MOST_INNER", "Lattice", "lattice_points"]
+__all__ = ["FROM_SURFACE", "MOST_INNER", "REACH_OUTSIDE", "Lattice", "lattice_points"]
 
 Array = NDArray[np.float64]
 CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
 FROM_SURFACE = 0.6  # how near to the surface points may be; unit: the wanted length there
-OUTSIDE = 1.7  # how near to the surface points outside are: about one layer of cells; in the same unit
+REACH_OUTSIDE = 1.7  # how near to the surface points outside are: about one layer of cells; in the same unit
 JITTER = 1e-3  # of the side of a cell
 MOST_INNER = 2_000_000  # points, unless a budget is given
 SPARSE = (
@@ -89,10 +89,11 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     far = ~_near(shell, domain, rows, FROM_SURFACE * size)
     rows, size = rows[far], size[far]
     within = even_odd_in_space(shell.points, shell.bounding, rows)[0]
-    if np.count_nonzero(within) > most:
-        raise InputError(_too_many(np.count_nonzero(within), most))
+    count = int(np.count_nonzero(within))
+    if count > most:
+        raise InputError(_too_many(count, most))
     outside = rows[~within]
-    return Lattice(rows[within], outside[_near(shell, domain, outside, OUTSIDE * size[~within])])
+    return Lattice(rows[within], outside[_near(shell, domain, outside, REACH_OUTSIDE * size[~within])])
 
 
 def _too_many(count: float, most: int) -> str:
