@@ -135,8 +135,8 @@ def threads(case: dict) -> dict[str, Any]:
     return both_ways(case)
 
 
-def solid(case: dict) -> dict[str, Any]:
-    """What a mesher makes of a CAD-like body."""
+def solid(case: dict) -> list[dict[str, Any]]:
+    """What a mesher makes of CAD-like bodies."""
     from .solids import judged
 
     return judged(case)

@@ -24,6 +24,8 @@ from .rounder import faces_of_cells, rounded
 __all__ = ["filled"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
+SEEDS_OUTSIDE = 3  # that are tried with points outside
+OTHER_SEEDS = 4  # that are tried in the end where points are left on the surface
 HELPERS = 4  # points outside that may help to recover a surface, for each of its points
 MOST_HELPERS_OF_FEW = 1000  # however few points it has
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
@@ -69,13 +71,11 @@ def filled(
             "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
             "fills the convex hull of points"
         )
-    points = domain.points if lattice is None else np.concatenate([domain.points, *lattice])
     options: dict[str, Any] = {"seed": seed, "budget": budget, "progress": progress}
-    once = {"restarts": 1} if lattice is None else {}
-    complex_, found = _recovered(points, shell, options | once)
-    if lattice is None and not found.exact:
-        again = _recovered(np.concatenate([domain.points, _outside(domain)]), shell, options)
-        complex_, found = min((complex_, found), again, key=lambda one: one[1].rank)
+    if lattice is None:
+        complex_, found = _bare(domain, options)
+    else:
+        complex_, found = _recovered(np.concatenate([domain.points, *lattice]), shell, options)
     complex_.flood(len(shell.bounding))
     made = complex_.inside()
     if len(made.simplices) == 0:
@@ -97,6 +97,23 @@ def _recovered(
 ) -> tuple[SpatialComplex, Recovered]:
     complex_ = SpatialComplex(points, progress=options["progress"])
     return complex_, complex_.recover(shell.triangles, shell.segments, **options)
+
+
+def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
+    """The best of a quick attempt, one with points outside, and some with other seeds, until all is exact."""
+    shell, points = domain.triangulated, domain.points
+    best = _recovered(points, shell, options | {"restarts": 1})
+    if not best[1].exact:
+        more = np.concatenate([points, _outside(domain)])
+        best = min(best, _recovered(more, shell, options | {"restarts": SEEDS_OUTSIDE}), key=_rank)
+    if not best[1].exact:
+        others = options | {"seed": options["seed"] + 1, "restarts": OTHER_SEEDS}
+        best = min(best, _recovered(points, shell, others), key=_rank)
+    return best
+
+
+def _rank(one: tuple[SpatialComplex, Recovered]) -> tuple[int, int, int]:
+    return one[1].rank
 
 
 def _outside(domain: Domain) -> NDArray[np.float64]:
