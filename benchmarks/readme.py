@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from . import planar_report, report
+from . import planar_report, report, volume_report
 
 README = Path(__file__).parent.parent / "README.md"
 RESULTS = Path(__file__).parent / "results"
@@ -31,7 +31,15 @@ def speed() -> str:
     parts = ["Meshes of planar regions: triangles per second, which includes the creation and the checks of"]
     parts += ["the `Domain`, and this speed divided by that of others (the quality of their meshes is on the"]
     parts += [f"[page of planar benchmarks](book/benchmarks-planar.ipynb)). {how}"]
-    return "\n\n".join([text, *tables, " ".join(parts), planar_report.summary(planar)]) + "\n"
+    sections = [text, *tables, " ".join(parts), planar_report.summary(planar)]
+    if (RESULTS / "volume.json").exists():
+        volume, how = _committed("volume")
+        parts = [
+            "Tetrahedra in bodies whose surface is kept triangle for triangle: cells per second, checks of"
+        ]
+        parts += [f"the `Domain` included, by those of others. {how}"]
+        sections += [" ".join(parts), volume_report.summary(volume)]
+    return "\n\n".join(sections) + "\n"
 
 
 def main() -> None:

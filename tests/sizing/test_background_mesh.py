@@ -73,6 +73,36 @@ def test_outside_the_nearest_point_of_the_boundary_counts() -> None:
     assert field.outside == outside.sum() + 1
 
 
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 1e-9, 1e9]))
+def test_in_space(seed: int, scale: float) -> None:
+    """Linear functions are met inside; outside counts the nearest point of the hull, here of a cube."""
+    rng = np.random.default_rng(seed)
+    corners = np.array(np.meshgrid(*3 * [[0.0, 8.0]])).reshape(3, -1).T
+    mesh = unstruct.delaunay(np.concatenate([corners, rng.integers(1, 8, (12, 3))]) * scale)
+    slope = rng.random(3)
+    values = (1 + mesh.points @ slope / scale) * scale
+    field = background(mesh, values)
+    x = rng.uniform(-4, 12, (40, 3)) * scale
+    assert np.allclose(field(x), (1 + np.clip(x / scale, 0, 8) @ slope) * scale, rtol=1e-9)
+    outside = ((x < 0) | (x > 8 * scale)).any(axis=1)
+    assert field.outside == outside.sum()
+    used = np.unique(mesh.simplices)
+    assert np.allclose(field(mesh.points[used]), values[used], rtol=1e-12)
+    turned = Mesh(mesh.points, mesh.simplices[:, [1, 0, 2, 3]])
+    assert np.allclose(background(turned, values)(x), field(x))
+
+
+def test_limited_in_space() -> None:
+    mesh = unstruct.delaunay(np.random.default_rng(1).random((60, 3)))
+    values = np.where(np.arange(60) == 7, 0.01, 1.0)
+    found = limit_nodes(mesh, values, 0.5)
+    i, j = mesh.edges.T
+    length = np.linalg.norm(mesh.points[i] - mesh.points[j], axis=1)
+    assert (np.abs(found[i] - found[j]) <= 0.5 * length + 1e-12).all()
+    assert found[7] == 0.01 and (found <= values).all()
+
+
 def test_unused_vertices_and_pieces() -> None:
     mesh = unstruct.delaunay([[0, 0], [1, 0], [0, 1], [0, 0]])
     assert background(mesh, [0.1, 0.2, 0.3, math.nan])([[0, 0]]).tolist() == [0.1]
@@ -108,8 +138,10 @@ def test_bad_meshes() -> None:
         background(SQUARE, [1, 1, 1])
     with pytest.raises(InputError, match="values must be real numbers"):
         background(SQUARE, ["a", "b", "c", "d"])
-    with pytest.raises(MeshError, match="triangles in the plane"):
-        background(unstruct.delaunay(np.random.default_rng(0).random((6, 3))), np.ones(6))
+    with pytest.raises(MeshError, match="triangles in the plane or tetrahedra"):
+        background(Mesh(np.eye(3), [[0, 1, 2]]), np.ones(3))
+    with pytest.raises(MeshError, match="tetrahedron 0 of the background mesh is flat"):
+        background(Mesh(np.eye(4)[:, :3] * [1, 1, 0], [[0, 1, 2, 3]]), np.ones(4))
     with pytest.raises(MeshError, match="at least one"):
         background(SQUARE.select([]), [])
     with pytest.raises(MeshError, match="triangle 1 of the background mesh is flat"):

@@ -140,7 +140,37 @@ def test_bad_input_is_named(call: object, words: str) -> None:
 
 
 def test_foreign_meshes() -> None:
-    solid = unstruct.delaunay(RNG.random((7, 3)))
-    for call in (lambda: hessian(solid, np.ones(7)), lambda: from_error(solid, np.ones(7), 1)):
-        with pytest.raises(MeshError, match="triangles in the plane"):
+    shell = Mesh(np.eye(3), [[0, 1, 2]])
+    for call in (lambda: hessian(shell, np.ones(3)), lambda: from_error(shell, np.ones(3), 1)):
+        with pytest.raises(MeshError, match="triangles in the plane or tetrahedra in space"):
             call()
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(16, 60), st.sampled_from([1.0, 1e-5, 1e6]))
+def test_quadratics_in_space_are_exact(seed: int, many: int, scale: float) -> None:
+    rng = np.random.default_rng(seed)
+    points = (rng.random((many, 3)) + rng.normal(size=3)) * scale
+    second = rng.normal(size=(3, 3))
+    second += second.T
+    x = points / scale
+    u = np.einsum("ni,ij,nj->n", x, second, x) / 2 + x @ rng.normal(size=3)
+    found = hessian(unstruct.delaunay(points), u)
+    assert np.allclose(found * scale**2, second, atol=1e-4)
+
+
+def test_sizes_from_a_solution_in_space() -> None:
+    """The bound of the error is attained at the center of a regular tetrahedron."""
+    corners = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+    one = Mesh(corners, [[0, 1, 3, 2]])
+    h, k = np.sqrt(8.0), 3.0
+    error = k * 3.0 / 2  # of k |x|^2 / 2, whose interpolant is k |corner|^2 / 2 = 3 k / 2 everywhere
+    second = np.broadcast_to(k * np.eye(3), (4, 3, 3))
+    assert from_hessian(one, second, error, lower=0.1, upper=9).values == pytest.approx(np.full(4, h))
+    mesh = unstruct.delaunay(RNG.random((200, 3)))
+    u = np.tanh(20 * (mesh.points[:, 0] - 0.5))
+    size = from_hessian(mesh, hessian(mesh, u), 0.02, lower=0.03, upper=0.4)
+    near, far = size([[0.45, 0.5, 0.5]])[0], size([[0.95, 0.5, 0.5]])[0]
+    assert 0.03 <= near < 0.9 * far
+    finer = from_error(mesh, np.full(mesh.size, 4.0), 1.0)
+    assert finer.values == pytest.approx(mesh_size(mesh) / 2)

@@ -38,6 +38,7 @@ from .source_sizes import lines as lines
 from .source_sizes import points as points
 from .source_sizes import polygons as polygons
 from .source_sizes import sources as sources
+from .surface import from_facets as from_facets
 from .table import SizeTable as SizeTable
 
 __all__ = [
@@ -57,6 +58,7 @@ __all__ = [
     "directional",
     "from_curvature",
     "from_error",
+    "from_facets",
     "from_features",
     "from_hessian",
     "gradation",

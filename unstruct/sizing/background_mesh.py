@@ -13,17 +13,18 @@ from ..base.arrays import as_numbers, distinct
 from ..base.errors import InputError, MeshError
 from ..geometry.edge_vectors import exponents, lengths
 from ..geometry.segment_tree import SegmentTree
+from ..geometry.triangle_tree import TriangleTree
 from ..mesh.mesh import Mesh, is_planar
 from ..predicates.batch import orient
 from .field import SizeField
 
-__all__ = ["Background", "background", "limit_nodes"]
+__all__ = ["Background", "background", "fills_its_space", "limit_nodes"]
 
 Array = NDArray[np.float64]
 
 
 class Background(SizeField):
-    """A size that is interpolated linearly in the triangles of a mesh; `background` creates it.
+    """A size that is interpolated linearly in the cells of a mesh; `background` creates it.
 
     Attributes
     ----------
@@ -37,11 +38,12 @@ class Background(SizeField):
 
     def __init__(self, mesh: Mesh, values: Array):
         self.mesh, self.values, self.outside = mesh, values, 0
-        border = mesh.points[mesh.boundary]
-        self._border = SegmentTree(border)
+        corners = mesh.points[mesh.boundary]
+        self._border = SegmentTree(corners) if mesh.dimension == 2 else TriangleTree(corners)
         used = distinct(mesh.simplices)
+        cells = "triangles" if mesh.dimension == 2 else "tetrahedra"
         super().__init__(
-            self._interpolate, landmarks=mesh.points[used], name=f"background of {mesh.size} triangles"
+            self._interpolate, landmarks=mesh.points[used], name=f"background of {mesh.size} {cells}"
         )
 
     def _interpolate(self, x: Array) -> Array:
@@ -51,32 +53,46 @@ class Background(SizeField):
         result[inside] = self._within(cells[inside], x[inside])
         if not inside.all():
             self.outside += int((~inside).sum())
-            facet, t = self._border.nearest(x[~inside])
-            a, b = self.values[self.mesh.boundary[facet]].T
-            result[~inside] = a + t * (b - a)
+            facet, place = self._border.nearest(x[~inside])
+            values = self.values[self.mesh.boundary[facet]]
+            if self.mesh.dimension == 2:
+                result[~inside] = values[:, 0] + place * (values[:, 1] - values[:, 0])
+            else:
+                result[~inside] = (values * place).sum(axis=1)
         return result
 
     def _within(self, cells: NDArray[np.int32], x: Array) -> Array:
         corners = self.mesh.points[self.mesh.simplices[cells]]
-        weights = np.empty((len(x), 3))
         away, exponent = corners - x[:, None], exponents(corners - x[:, None])
         away = np.ldexp(away, -exponent[:, None, None])  # squares of lengths may be beyond the doubles
-        for i in range(3):
-            a, b = away[:, (i + 1) % 3], away[:, (i + 2) % 3]
-            weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        weights = np.empty(away.shape[:2])
+        if self.mesh.dimension == 2:
+            for i in range(3):
+                a, b = away[:, (i + 1) % 3], away[:, (i + 2) % 3]
+                weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        else:
+            for i, (j, k, m) in enumerate(((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))):
+                weights[:, i] = (away[:, j] * np.cross(away[:, k], away[:, m])).sum(axis=1)
         weights /= weights.sum(axis=1, keepdims=True)
         values = self.values[self.mesh.simplices[cells]]
-        # The triangle is exact, but the weights are rounded. Clipping to the range of the corner values makes
+        # The cell is exact, but the weights are rounded. Clipping to the range of the corner values makes
         # sure that no size is negative.
         return np.clip((weights * values).sum(axis=1), values.min(axis=1), values.max(axis=1))
 
 
+def fills_its_space(mesh: object) -> bool:
+    """Whether this is a mesh of triangles in the plane or of tetrahedra in space."""
+    if is_planar(mesh):
+        return True
+    return isinstance(mesh, Mesh) and list(mesh.cells) == ["tetra"] and mesh.points.shape[1] == 3
+
+
 def _nodal(mesh: Mesh, values: ArrayLike) -> Array:
     """The values as an array; they must be positive at used vertices, and are ignored at all others."""
-    if not is_planar(mesh):
-        raise MeshError("a background mesh consists of triangles in the plane")
+    if not fills_its_space(mesh):
+        raise MeshError("a background mesh consists of triangles in the plane or tetrahedra in space")
     if mesh.size == 0:
-        raise MeshError("a background mesh needs at least one triangle")
+        raise MeshError("a background mesh needs at least one cell")
     array = as_numbers(values, "values")
     if array.shape != (len(mesh.points),):
         raise InputError(f"give one size per vertex, shape ({len(mesh.points)},), not {array.shape}")
@@ -98,30 +114,31 @@ def background(mesh: Mesh, values: ArrayLike) -> Background:
     Parameters
     ----------
     mesh : Mesh
-        A mesh of triangles in the plane.
+        A mesh of triangles in the plane, or of tetrahedra in space.
     values : array_like, shape (n,)
-        The wanted edge length at each vertex. Values at vertices that no triangle uses are ignored.
+        The wanted edge length at each vertex. Values at vertices that no cell uses are ignored.
 
     Returns
     -------
     Background
-        Linear in each triangle. Outside the mesh, and in its holes, it is the size at the nearest point of
+        Linear in each cell. Outside the mesh, and in its holes, it is the size at the nearest point of
         the boundary; `Background.outside` counts how often that happened.
 
     Raises
     ------
     MeshError, InputError
-        For a mesh of anything but triangles in the plane; for a value that is not positive, with its vertex.
+        For a mesh of anything else; for a value that is not positive, with its vertex.
 
     Notes
     -----
-    The triangle of a point is found exactly by `Mesh.find_simplex`, in O(log m) per point. Source: the
+    The cell of a point is found exactly by `Mesh.find_simplex`, in O(log m) per point. Source: the
     chapter's generalized choice of the insertion triangle (12.2.6). See the book, chapter 2.3.
     """
     nodal = _nodal(mesh, values)
     flat = np.nonzero(np.atleast_1d(orient(mesh.corners)) == 0)[0]
     if len(flat):
-        raise MeshError(f"triangle {flat[0]} of the background mesh is flat; remove it first")
+        kind = "triangle" if mesh.dimension == 2 else "tetrahedron"
+        raise MeshError(f"{kind} {flat[0]} of the background mesh is flat; remove it first")
     return Background(mesh, nodal)
 
 
@@ -131,7 +148,7 @@ def limit_nodes(mesh: Mesh, values: ArrayLike, growth: float) -> Array:
     Parameters
     ----------
     mesh : Mesh
-        Triangles in the plane.
+        Triangles in the plane, or tetrahedra in space.
     values : array_like, shape (n,)
         The wanted edge length at each vertex.
     growth : float

@@ -22,6 +22,7 @@ from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, depth_of, first_in, to_box, to_segment
 from .field import SizeField, as_size
 from .source_sizes import sources
+from .surface import bends_of
 
 __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size"]
 
@@ -175,6 +176,10 @@ def _feature_sizes(x, tree, features, far, result):
 def _region(domain: Any) -> None:
     if not isinstance(domain, Outline):
         raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
+    if domain.points.shape[1] != 2:
+        raise InputError(
+            "the local feature size is that of a planar domain; for a body take from_facets or from_curvature"
+        )
 
 
 class FeatureSize:
@@ -301,6 +306,8 @@ def from_curvature(
     Parameters
     ----------
     domain : Domain
+        Planar, or a body: the curvature is then that of the surface which its facets approximate, along their
+        edges. Where facets turn by more than 40 degrees is an edge of the body, which has no curvature.
     per_turn : float
         How many edges a full circle gets; the angle between neighboring edges is 360 degrees / per_turn.
     far : float
@@ -313,7 +320,7 @@ def from_curvature(
     Returns
     -------
     SizeField
-        On a circle of radius R it is 2 pi R / per_turn.
+        On a circle or sphere of radius R, and around a cylinder, it is 2 pi R / per_turn.
 
     Raises
     ------
@@ -323,9 +330,18 @@ def from_curvature(
     for name, value in (("per_turn", per_turn), ("far", far), ("lower", far if lower is None else lower)):
         if not (as_number(value, name) > 0 and np.isfinite(value)):
             raise InputError(f"{name} must be positive, not {value!r}")
-    _region(domain)
     if finite(growth, "growth") < 0:
         raise InputError(f"growth must be at least 0, not {growth!r}")
+    if isinstance(domain, Outline) and domain.points.shape[1] == 3:
+        edges, bend = bends_of(domain)
+        with np.errstate(divide="ignore"):
+            wanted = 2 * np.pi / per_turn / bend
+        near = wanted < far
+        if not near.any():
+            return as_size(far)
+        bound = np.maximum(wanted[near], lower or 0.0)
+        return sources(edges[near], np.minimum(bound, far), growth=growth, far=far, name="curved edges")
+    _region(domain)
     rows, sizes = [], []
     for piece in domain.curves:
         points = _chain(domain, piece, min(TURN_STEP, np.pi / 4 / per_turn)).points  # eight steps per edge

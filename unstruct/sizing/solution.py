@@ -14,20 +14,23 @@ from ..base.arguments import as_flags, finite
 from ..base.arrays import as_numbers
 from ..base.errors import InputError, MeshError
 from ..geometry.edge_vectors import lengths
-from ..mesh.mesh import Mesh, is_planar
-from .background_mesh import Background, background
+from ..mesh.mesh import Mesh
+from .background_mesh import Background, background, fills_its_space
 
 __all__ = ["from_error", "from_hessian", "hessian", "mesh_size", "to_vertices"]
 
 Array = NDArray[np.float64]
-ENOUGH = 10  # vertices of a patch; a quadratic has six coefficients, and a few more points smooth noise
+ENOUGH = {
+    2: 10,
+    3: 16,
+}  # vertices of a patch; quadratics have 6 and 10 coefficients, more points smooth noise
 RANK = 1e-7  # a fit is not determined if a pivot is smaller than this, relative to the largest
 FITS_AT_ONCE = 1 << 14  # how many fits are computed at a time, to bound the memory
 
 
-def _plane(mesh: Mesh) -> None:
-    if not is_planar(mesh) or mesh.size == 0:
-        raise MeshError("sizes from a solution need a mesh of triangles in the plane")
+def _solid(mesh: Mesh) -> None:
+    if not fills_its_space(mesh) or mesh.size == 0:
+        raise MeshError("sizes from a solution need triangles in the plane or tetrahedra in space")
 
 
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
@@ -106,7 +109,7 @@ def from_error(
     Parameters
     ----------
     mesh : Mesh
-        Triangles in the plane, on which the error was estimated.
+        Triangles in the plane or tetrahedra in space, on which the error was estimated.
     error : array_like, shape (n,) or (m,)
         An estimate of at least 0 for each vertex, or for each cell; a vertex then takes the largest of its
         cells. (If n = m, the numbers are taken as those of vertices.)
@@ -134,7 +137,7 @@ def from_error(
     Source: equidistribution, as in Zienkiewicz and Zhu, *A simple error estimator and adaptive procedure*
     (1987), section 5. See the book, chapter 2.3.
     """
-    _plane(mesh)
+    _solid(mesh)
     for name, number, least in (("target", target, 0), ("order", order, 0)):
         if not finite(number, name) > least:
             raise InputError(f"{name} must be positive, not {number!r}")
@@ -165,39 +168,41 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
     Parameters
     ----------
     mesh : Mesh
-        Triangles in the plane.
+        Triangles in the plane, or tetrahedra in space.
     values : array_like, shape (n,)
         A function at the vertices.
 
     Returns
     -------
-    ndarray, shape (n, 2, 2)
+    ndarray, shape (n, d, d)
         Symmetric matrices; zero at vertices that no cell uses.
 
     Raises
     ------
     MeshError
-        If the mesh has too few vertices (six that are not on one conic are needed).
+        If the mesh has too few vertices (six that are not on one conic are needed, in space ten that are not
+        on one quadric).
 
     Notes
     -----
     At each vertex a quadratic polynomial is fitted by least squares to the vertices within two edges. If
-    these are fewer than ten or do not determine it, the vertices within three edges are taken, and so on. A
-    vertex at r times the smallest distance has the weight 1 / (1 + r^2). The result is exact for quadratic
-    functions on any mesh, also at the boundary. For other functions the error falls with the size of the
-    patch, and in the interior of regular meshes with its square.
+    these are fewer than ten (in space sixteen) or do not determine it, the vertices within three edges are
+    taken, and so on. A vertex at r times the smallest distance has the weight 1 / (1 + r^2). The result is
+    exact for quadratic functions on any mesh, also at the boundary. For other functions the error falls with
+    the size of the patch, and in the interior of regular meshes with its square.
 
     Source: polynomial preserving recovery, Zhang and Naga, *A new finite element gradient recovery method*
     (2005); here the second derivatives of the fitted polynomial are used. See the book, chapter 2.3.
     """
     from scipy.sparse import csr_array, eye_array
 
-    _plane(mesh)
+    _solid(mesh)
     u = _numbers(values, len(mesh.points), "vertex")
     indptr, indices = mesh.vertex_neighbor_vertices
     n = len(u)
     near = csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n)) + eye_array(n, format="csr")
-    result = np.zeros((n, 2, 2))
+    d = mesh.dimension
+    result = np.zeros((n, d, d))
     todo = np.unique(mesh.simplices)
     reach = near[todo]
     while len(todo):
@@ -205,7 +210,7 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
         reach = reach @ near
         count = np.diff(reach.indptr)
         full = reach.nnz == before  # all patches are whole components of the mesh
-        ready = np.nonzero((count >= ENOUGH) | full)[0]
+        ready = np.nonzero((count >= ENOUGH[d]) | full)[0]
         done = []
         for i in range(0, len(ready), FITS_AT_ONCE):
             rows = ready[i : i + FITS_AT_ONCE]
@@ -222,29 +227,33 @@ def hessian(mesh: Mesh, values: ArrayLike) -> Array:
 
 
 def _fit(points: Array, u: Array, centers: NDArray, patch: Any) -> tuple[Array, NDArray[np.bool_]]:
-    """Second derivatives (k, 2, 2) of the quadratic fits around ``centers``; and which are determined.
+    """Second derivatives (k, d, d) of the quadratic fits around ``centers``; and which are determined.
 
     ``patch`` is a sparse matrix; the columns stored in row i are the vertices of the patch of center i.
     """
+    d = points.shape[1]
+    pairs = [(i, j) for i in range(d) for j in range(i, d)]
     count = np.diff(patch.indptr)
-    column = np.arange(max(count.max(), 6))
+    column = np.arange(max(count.max(), 1 + d + len(pairs)))
     present = column < count[:, None]  # short rows are filled up with the center itself, with weight 0
     other = np.repeat(centers[:, None], len(column), axis=1)
     other[present] = patch.indices
     away = points[other] - points[centers][:, None]
     scale = np.abs(away).max(axis=(1, 2))
-    x, y = np.moveaxis(away / scale[:, None, None], -1, 0)
-    square = x * x + y * y
+    x = np.moveaxis(away / scale[:, None, None], -1, 0)
+    square = (x * x).sum(axis=0)
     nearest = np.where(square > 0, square, np.inf).min(axis=1, keepdims=True)
     weight = np.where(present, 1.0 / (1.0 + square / nearest), 0.0)
-    columns = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=-1)
+    products = [x[i] * x[j] / (2 if i == j else 1) for i, j in pairs]
+    columns = np.stack([np.ones_like(square), *x, *products], axis=-1)
     q, r = np.linalg.qr(columns * weight[..., None])
     pivots = np.abs(np.diagonal(r, axis1=1, axis2=2))
     determined = pivots.min(axis=1) > RANK * pivots.max(axis=1)
     right = np.einsum("ijk,ij->ik", q[determined], (weight * u[other])[determined])
     a = np.linalg.solve(r[determined], right[..., None])[..., 0]
-    second = np.zeros((len(centers), 2, 2))
-    second[determined] = np.moveaxis(np.array([[a[:, 3], a[:, 4]], [a[:, 4], a[:, 5]]]), -1, 0)
+    second = np.zeros((len(centers), d, d))
+    for k, (i, j) in enumerate(pairs, start=1 + d):
+        second[determined, i, j] = second[determined, j, i] = a[:, k]
     return second / scale[:, None, None] ** 2, determined
 
 
@@ -254,8 +263,8 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
     Parameters
     ----------
     mesh : Mesh
-        Triangles in the plane.
-    second : array_like, shape (n, 2, 2)
+        Triangles in the plane, or tetrahedra in space.
+    second : array_like, shape (n, d, d)
         Second derivatives at the vertices, for example from `hessian`.
     error : float
         The largest pointwise error that is allowed.
@@ -265,29 +274,33 @@ def from_hessian(mesh: Mesh, second: ArrayLike, error: float, *, lower: float, u
     Returns
     -------
     Background
-        sqrt(6 error / k), clipped to the bounds, where k is the largest absolute eigenvalue.
+        sqrt(6 error / k) in the plane and sqrt(16 error / (3 k)) in space, clipped to the bounds, where k is
+        the largest absolute eigenvalue.
 
     Notes
     -----
     On an equilateral triangle of edge h, a function with second derivatives of at most k in every direction
     differs from its linear interpolant by at most k R**2 / 2 = k h**2 / 6, where R = h / sqrt(3) is the
-    circumradius. The function k |x|**2 / 2 reaches this bound at the center. Source: Waldron, *The error in
+    circumradius; on a regular tetrahedron R**2 = 3 h**2 / 8. The function k |x|**2 / 2 reaches this bound at
+    the center. Source: Waldron, *The error in
     linear interpolation at the vertices of a simplex* (1998). See the book, chapter 2.3.
     """
-    _plane(mesh)
+    _solid(mesh)
     array = second_derivatives(mesh, second, error, lower, upper)
     steep = np.abs(np.linalg.eigvalsh(array)).max(axis=1)
     with np.errstate(divide="ignore"):
-        return background(mesh, np.clip(np.sqrt(6.0 * error / steep), lower, upper))
+        # a regular simplex of d dimensions and edges h has R^2 = h^2 d / (2 (d + 1))
+        of_error = 4.0 * (mesh.dimension + 1) / mesh.dimension
+        return background(mesh, np.clip(np.sqrt(of_error * error / steep), lower, upper))
 
 
 def second_derivatives(
     mesh: Mesh, second: ArrayLike, error: float, lower: float, upper: float
 ) -> NDArray[np.float64]:
-    """Second derivatives at the vertices (n, 2, 2), after a check of these, of an error and of bounds."""
-    array = as_numbers(second, "second")
-    if array.shape != (len(mesh.points), 2, 2):
-        raise InputError(f"second must have shape ({len(mesh.points)}, 2, 2), not {array.shape}")
+    """Second derivatives at the vertices (n, d, d), after a check of these, of an error and of bounds."""
+    array, d = as_numbers(second, "second"), mesh.dimension
+    if array.shape != (len(mesh.points), d, d):
+        raise InputError(f"second must have shape ({len(mesh.points)}, {d}, {d}), not {array.shape}")
     bad = ~np.isfinite(array).all(axis=(1, 2))
     if bad.any():
         row = int(np.argmax(bad))

@@ -60,6 +60,11 @@ class Recovered(NamedTuple):
         """Whether all are there, and whole."""
         return self.complete and len(self.steiner) == 0
 
+    @property
+    def rank(self) -> tuple[int, int, int]:
+        """What is missing, in parts, and added: of two recoveries that with the lower rank is better."""
+        return len(self.segments) + len(self.triangles), len(self.steiner), len(self.inner)
+
 
 class SpatialMesh(NamedTuple):
     """The cells inside, as arrays.
@@ -141,11 +146,9 @@ class SpatialComplex(CellArrays):
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
             found, parts = self._once(corners, ends, budget, seed + k, progress)
-            missing = len(found.segments) + len(found.triangles)
-            rank = (missing, len(found.steiner), len(found.inner))
-            if score is None or rank < score:
-                score, result, best = rank, (found, parts), self.saved()
-            if found.exact or missing + len(found.steiner) > WORTH_ANOTHER:
+            if score is None or found.rank < score:
+                score, result, best = found.rank, (found, parts), self.saved()
+            if found.exact or sum(found.rank[:2]) > WORTH_ANOTHER:
                 break
             self.restore(before)
         assert result is not None

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import distinct
 from ..insertion.engine import grown
 
 __all__ = ["Given", "Split", "edge"]
@@ -67,7 +68,10 @@ class Given:
             self.corner[:, [2, 0]],
             segments.reshape(-1, 2),
         ]
-        self.segment = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0).astype(np.int32)
+        pairs = np.sort(np.concatenate(sides), axis=1).astype(np.int64)
+        many = int(pairs.max(initial=0)) + 1
+        keys = distinct(pairs[:, 0] * many + pairs[:, 1])
+        self.segment = np.stack(np.divmod(keys, many), axis=1).astype(np.int32)
         self._beside: dict[Edge, list[int]] | None = None
 
     def goals(self, rows: NDArray[np.int64]) -> NDArray[np.int32]:

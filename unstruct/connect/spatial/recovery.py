@@ -10,10 +10,10 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, grow, load
-from .crossing import classify, crossings, mark_face
+from .crossing import classify, crossings, mark_face, star
 from .held import hold
 from .records import COST_KIND, LOCAL_ROOM, NODES, TARGET
-from .refill import EDGE, NEVER, refill
+from .refill import EDGE, FACE, NEVER, refill
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
 
@@ -107,17 +107,49 @@ def _wander(solid, face):
     return face
 
 
+@apart
+def _there(solid, found, size, kind, goal):
+    """Whether one of the cells found has the goal; a triangle is marked then."""
+    for i in range(size):
+        v = solid.vertex[4 * found.cells[i] : 4 * found.cells[i] + 4]
+        left = -1  # the vertex of the cell that the triangle does not have
+        has = 0
+        for k in range(4):
+            if v[k] == goal[0] or v[k] == goal[1] or (kind == FACE and v[k] == goal[2]):
+                has += 1
+            else:
+                left = k
+        if has == 2 and kind == EDGE:
+            return True
+        if has == 3:
+            at = 4 * found.cells[i] + left
+            solid.mark[at] = goal[3]
+            if solid.across[at] >= 0:
+                solid.mark[solid.across[at]] = goal[3]
+            return True
+    return False
+
+
 @kernel
 def survey(solid, held, found, kind, goals, left, counts):
     """Write to ``left`` how many faces are in the way of each goal; hold or mark those that are there.
 
-    Adds to ``counts`` how missing segments cross cells, as `classify` does.
+    Adds to ``counts`` how missing segments cross cells, as `classify` does. The cells at a vertex are looked
+    up once for successive goals that begin there.
     """
+    center, size = -1, 0
     for i in range(goals.shape[0]):
+        if goals[i, 0] != center:
+            center = goals[i, 0]
+            size = star(solid, found, center)
+        if _there(solid, found, size, kind, goals[i]):
+            left[i] = 0
+            if kind == EDGE:
+                hold(held, goals[i, 0], goals[i, 1], 1)
+            continue
+        center = -1  # the search overwrites the cells
         left[i] = crossings(solid, kind, goals[i], found)
-        if left[i] == 0:
-            _keep(solid, held, found, kind, goals[i])
-        elif left[i] > 0 and kind == EDGE:
+        if left[i] > 0 and kind == EDGE:
             classify(solid, goals[i], found, found.sizes[0], counts)
 
 

@@ -90,12 +90,12 @@ def tetrahedralize(
     seed = as_seed(seed)
     budget = None if budget is None else as_count(budget, "budget")
     parts = None
-    field, inner = None, None
+    field, lattice = None, None
     if size is not None and len(domain.facets):
         field = as_size(size)
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary))
-        inner = lattice_points(domain if parts is None else parts.domain, field, budget)
+        lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
     options: Any = {
         "field": field,
         "optimize": optimize,
@@ -104,8 +104,8 @@ def tetrahedralize(
         "progress": progress,
     }
     if parts is None:
-        return noticed(filled(domain, inner, **options))
-    return noticed(_as_parts(domain, parts, filled(parts.domain, inner, names=parts.name, **options)))
+        return noticed(filled(domain, lattice, **options))
+    return noticed(_as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **options)))
 
 
 def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:

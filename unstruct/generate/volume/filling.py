@@ -15,20 +15,26 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
+from ...domain.space.cutting import Shell
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
-from ...sizing.field import SizeField
+from ...sizing.field import SizeField, as_size
+from .lattice import Lattice, lattice_points
 from .rounder import faces_of_cells, rounded
 
 __all__ = ["filled"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
+SEEDS_OUTSIDE = 3  # that are tried with points outside
+OTHER_SEEDS = 4  # that are tried in the end where points are left on the surface
+HELPERS = 4  # points outside that may help to recover a surface, for each of its points
+MOST_HELPERS_OF_FEW = 1000  # however few points it has
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
 
 
 def filled(
     domain: Domain,
-    inner: NDArray[np.float64] | None = None,
+    lattice: Lattice | None = None,
     *,
     field: SizeField | None = None,
     names: Callable[[int], str] | None = None,
@@ -43,8 +49,8 @@ def filled(
     ----------
     domain : Domain
         In space.
-    inner : ndarray, shape (k, 3), optional
-        Further vertices inside, on no piece.
+    lattice : Lattice, optional
+        Further vertices, on no piece; those outside are dropped in the end.
     field : SizeField, optional
         The wanted length of edges, by which cells at facets that are much larger are listed.
     names : callable, optional
@@ -69,15 +75,17 @@ def filled(
             "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
             "fills the convex hull of points"
         )
-    points = domain.points if inner is None else np.concatenate([domain.points, inner])
-    complex_ = SpatialComplex(points, progress=progress)
-    found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
+    options: dict[str, Any] = {"seed": seed, "budget": budget, "progress": progress}
+    if lattice is None:
+        complex_, found = _bare(domain, options)
+    else:
+        complex_, found = _recovered(np.concatenate([domain.points, *lattice]), shell, options)
     complex_.flood(len(shell.bounding))
     made = complex_.inside()
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
     chains = _chains(domain, found, made)
-    counts = {} if inner is None else {"lattice points": len(inner)}
+    counts = {} if lattice is None else {"lattice points": len(lattice.inside)}
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
         counts |= changes
@@ -86,6 +94,40 @@ def filled(
         for cell in _large(made, field).tolist():
             unrefined.setdefault(cell, "a facet is larger than the size")
     return _with_names(domain, found, made, chains, unrefined, counts)
+
+
+def _recovered(
+    points: NDArray[np.float64], shell: Shell, options: dict[str, Any]
+) -> tuple[SpatialComplex, Recovered]:
+    complex_ = SpatialComplex(points, progress=options["progress"])
+    return complex_, complex_.recover(shell.triangles, shell.segments, **options)
+
+
+def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
+    """The best of a quick attempt, one with points outside, and some with other seeds, until all is exact."""
+    shell, points = domain.triangulated, domain.points
+    best = _recovered(points, shell, options | {"restarts": 1})
+    if not best[1].exact:
+        more = np.concatenate([points, _outside(domain)])
+        best = min(best, _recovered(more, shell, options | {"restarts": SEEDS_OUTSIDE}), key=_rank)
+    if not best[1].exact:
+        others = options | {"seed": options["seed"] + 1, "restarts": OTHER_SEEDS}
+        best = min(best, _recovered(points, shell, others), key=_rank)
+    return best
+
+
+def _rank(one: tuple[SpatialComplex, Recovered]) -> tuple[int, int, int]:
+    return one[1].rank
+
+
+def _outside(domain: Domain) -> NDArray[np.float64]:
+    """Points outside, next to the surface and as dense as it is; none if there would be too many."""
+    low, high = domain.bounds
+    size = as_size(float((high - low).max()))
+    try:
+        return lattice_points(domain, size, HELPERS * len(domain.points) + MOST_HELPERS_OF_FEW).outside
+    except InputError:
+        return np.empty((0, 3))
 
 
 def _rounder(

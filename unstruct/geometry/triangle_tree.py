@@ -1,0 +1,119 @@
+"""The nearest triangle in space of each of many points, by a tree of boxes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_points
+from ..base.jit import apart, kernel
+from ..predicates.batch import power_of_two
+from .boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes
+from .segment_tree import to_box
+
+__all__ = ["TriangleTree"]
+
+Array = NDArray[np.float64]
+DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
+
+
+@apart
+def _onto_edge(p, corner, i, j, place):
+    """Write the weights of the point of an edge that is nearest to p; returns the squared distance."""
+    along = square = 0.0
+    for m in range(3):
+        side = corner[j, m] - corner[i, m]
+        along += side * (p[m] - corner[i, m])
+        square += side * side
+    t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    place[0] = place[1] = place[2] = 0.0
+    place[i], place[j] = 1.0 - t, t
+    total = 0.0
+    for m in range(3):
+        total += (p[m] - corner[i, m] - t * (corner[j, m] - corner[i, m])) ** 2
+    return total
+
+
+@apart
+def _onto(p, corner, place):
+    """Write the weights of the point of a triangle that is nearest to p; returns the squared distance."""
+    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
+    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
+    wx, wy, wz = p[0] - corner[0, 0], p[1] - corner[0, 1], p[2] - corner[0, 2]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    square = nx * nx + ny * ny + nz * nz
+    if square > 0.0:
+        one = nx * (wy * vz - wz * vy) + ny * (wz * vx - wx * vz) + nz * (wx * vy - wy * vx)
+        two = nx * (uy * wz - uz * wy) + ny * (uz * wx - ux * wz) + nz * (ux * wy - uy * wx)
+        if one >= 0.0 and two >= 0.0 and one + two <= square:
+            place[1], place[2] = one / square, two / square
+            place[0] = 1.0 - place[1] - place[2]
+            height = wx * nx + wy * ny + wz * nz
+            return height * height / square
+    k = 0
+    best = _onto_edge(p, corner, 0, 1, place)
+    for i in range(1, 3):
+        away = _onto_edge(p, corner, i, (i + 1) % 3, place)
+        if away < best:
+            best, k = away, i
+    return _onto_edge(p, corner, k, (k + 1) % 3, place)
+
+
+@kernel
+def _search(x, low, high, order, corners, which, places):
+    """Write the nearest triangle of each point, and where on it; the node that is nearer is visited first."""
+    leaves = low.shape[0] // 2
+    stack = np.empty(DEEPEST_SEARCH, dtype=np.int64)
+    place = np.empty(3)
+    for q in range(x.shape[0]):
+        best = np.inf
+        if q > 0:  # a good bound from the beginning: the triangle of the point before
+            best = _onto(x[q], corners[which[q - 1]], place)
+            which[q] = which[q - 1]
+            places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]
+        stack[0], size = 1, 1
+        while size > 0:
+            size -= 1
+            w = stack[size]
+            if to_box(x, q, low, high, w) ** 2 >= best:
+                continue
+            if w >= leaves:
+                first = (w - leaves) * BOXES_IN_LEAF
+                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                    square = _onto(x[q], corners[order[k]], place)
+                    if square < best:
+                        best, which[q] = square, order[k]
+                        places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]
+                continue
+            one, two = 2 * w, 2 * w + 1
+            if to_box(x, q, low, high, one) < to_box(x, q, low, high, two):
+                one, two = two, one
+            stack[size], stack[size + 1] = one, two
+            size += 2
+
+
+class TriangleTree:
+    """A static tree over triangles in space.
+
+    Parameters
+    ----------
+    corners : array_like, shape (m, 3, 3)
+        At least one triangle; they may be flat.
+    """
+
+    def __init__(self, corners: ArrayLike):
+        array = np.asarray(corners, dtype=np.float64)
+        self.factor = power_of_two(array.reshape(-1, 3))
+        self._corners = np.ascontiguousarray(array * self.factor)
+        self._tree = BoxTree(*bounding_boxes(self._corners))
+
+    def nearest(self, x: ArrayLike) -> tuple[NDArray[np.int64], Array]:
+        """The nearest triangle of each point (k, 3), and the weights of its corners in the nearest point.
+
+        O(log m) for each point, if it is near, and more quickly if successive points are close.
+        """
+        points = np.ascontiguousarray(as_points(x, "x") * self.factor)
+        which, places = np.zeros(len(points), dtype=np.int64), np.zeros((len(points), 3))
+        tree = self._tree
+        _search(points, tree.low, tree.high, tree.order, self._corners, which, places)
+        return which, places
