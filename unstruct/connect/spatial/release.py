@@ -8,6 +8,8 @@ inside sees all walls of the sector, because the old one saw all of them but tho
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,8 @@ from .recover import Recovery
 from .recovery import SPARE_SLOTS
 from .refill import ANY, DEGREE, EDGE, NEVER, refill
 from .steiner import sees
+from .held import holds
+from .signs import side
 
 __all__ = ["Release"]
 
@@ -167,20 +171,32 @@ class Release:
         if marks != set(split.children) or len(around) > WALLS:
             return False
         tets: list[Cell] = []
-        moved, before = [], self.cells.size
+        moved, before, claimed = [], self.cells.size, set(around)
         for sector in self._sectors(around, p):
             link, whole = _cancelled(self._link(sector, p), self._restored(sector, split))
             found = self._without(link + whole, None if split.children else split.segment)
             if found is None and split.children:
                 found = self._moved(link, whole, p)
-                moved.append(self.cells.size - 1)
+                if found is None:
+                    self.cells.size = before + len(moved)
+                    wide = self._widened(sector, whole, p, claimed)
+                    if wide is not None:
+                        found, more = wide
+                        claimed |= set(more)
+                if found:
+                    moved.append(self.cells.size - 1)
+                else:
+                    self.cells.size = before + len(moved)
             if found is None:
                 self.cells.size = before
                 return False
             tets += found
+        if not self._keeps(claimed, tets, p):
+            self.cells.size = before
+            return False
         restored = {frozenset(given.corner[t].tolist()): t for t in split.parents}
         event = (EVENT_MOVED if moved else EVENT_RELEASED, *_goal(split, given), 0, p)
-        if not self._replace(around, tets, restored, event):
+        if not self._replace(sorted(claimed), tets, restored, event):
             self.cells.size = before
             return False
         self.inner += moved
@@ -281,6 +297,78 @@ class Release:
                 length /= 2
         return None
 
+    def _widened(self, sector, whole, p, claimed):
+        cells, q = self.cells, self.cells.size
+        xyz = cells.xyz
+        here = xyz[p].copy()
+        link = self._link(sector, p)
+        corners = xyz[np.array(link + whole)]
+        flat = corners[len(link) :]
+        normals = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+        reach = float(np.linalg.norm(corners.reshape(-1, 3) - here, axis=1).mean())
+        step = _inward(normals) * reach
+        cells.size += 1
+        for i in range(1, 30):
+            xyz[q] = here + step / 2**i
+            found = self._cavity(sector, whole, p, q, claimed)
+            if found is not None:
+                return found
+        return None
+
+    def _cavity(self, sector, whole, p, q, claimed):
+        cells, held = self.cells, self.recovery.held
+        walls = {}
+        for t in sector:
+            v = cells.vertex[4 * t : 4 * t + 4].tolist()
+            k = v.index(p)
+            walls[_turned([v[i] for i in POSITIVE[k]])] = 4 * t + k
+        for face in whole:
+            x, y, z = face
+            if (x, z, y) in walls:
+                if cells.mark[walls[x, z, y]] >= 0:
+                    return None
+                del walls[x, z, y]
+            else:
+                walls[face] = -1
+        taken = []
+        queue = list(walls)
+        while queue:
+            face = queue.pop()
+            if face not in walls or side(cells.xyz, *face, q) > 0:
+                continue
+            place = walls[face]
+            if place < 0 or cells.mark[place] >= 0 or cells.across[place] < 0 or len(taken) > 200:
+                return None
+            u = int(cells.across[place]) >> 2
+            if u in claimed or u in taken:
+                return None
+            taken.append(u)
+            v = cells.vertex[4 * u : 4 * u + 4].tolist()
+            for k in range(4):
+                x, y, z = _turned([v[i] for i in POSITIVE[k]])
+                if (x, z, y) in walls:
+                    at = walls[x, z, y]
+                    if (cells.mark[at] if at >= 0 else cells.mark[4 * u + k]) >= 0:
+                        return None
+                    del walls[x, z, y]
+                else:
+                    walls[x, y, z] = 4 * u + k
+                    queue.append((x, y, z))
+        return [(*face, q) for face in walls], taken
+
+    def _keeps(self, old, tets, p):
+        edges = {frozenset(e) for cell in tets for e in combinations(cell, 2)}
+        vertices = {v for cell in tets for v in cell}
+        for t in old:
+            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
+            if not vertices.issuperset(set(v) - {p}):
+                return False
+            for e in combinations(v, 2):
+                if p not in e and frozenset(e) not in edges and holds(self.recovery.held, *e):
+                    return False
+        return True
+
     def _replace(
         self,
         old: list[int],
@@ -289,23 +377,26 @@ class Release:
         event: tuple[int, int, int, int, int, int],
     ) -> bool:
         """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
-        cells, inside = self.cells, set(old)
+        cells, inside, p, kept = self.cells, set(old), event[5], {}
         border: dict[frozenset, tuple[int, int]] = {}
         for t in old:
             v = cells.vertex[4 * t : 4 * t + 4].tolist()
             for k in range(4):
                 over = int(cells.across[4 * t + k])
+                face = frozenset(v[:k] + v[k + 1 :])
                 if over >> 2 not in inside:
-                    border[frozenset(v[:k] + v[k + 1 :])] = over, int(cells.mark[4 * t + k])
+                    border[face] = over, int(cells.mark[4 * t + k])
+                elif p not in face and cells.mark[4 * t + k] >= 0:
+                    kept[face] = int(cells.mark[4 * t + k])
         faces: dict[frozenset, list[tuple[int, int]]] = {}
         for i, v4 in enumerate(tets):
             for k in range(4):
                 faces.setdefault(frozenset(v4[:k] + v4[k + 1 :]), []).append((i, k))
         if not all(len(places) == (1 if face in border else 2) for face, places in faces.items()):
             return False
-        if not set(border) <= set(faces):
+        if not set(border) <= set(faces) or not set(kept) <= set(faces):
             return False
-        self._write(old, tets, (border, faces, restored), event)
+        self._write(old, tets, (border, faces, kept | restored), event)
         return True
 
     def _write(self, old: list[int], tets: list[Cell], tables, event: tuple[int, ...]) -> None:
