@@ -122,7 +122,9 @@ def judged(points: np.ndarray, triangles: np.ndarray) -> tuple[str, int, int, st
         spent = time.process_time() - start
     counts = mesh.counts
     report = check(mesh, domain=domain) if mesh.complete else check(mesh)
-    word = "exact" if mesh.complete and len(mesh.steiner) == 0 else "divided" if mesh.complete else "incomplete"
+    word = (
+        "exact" if mesh.complete and len(mesh.steiner) == 0 else "divided" if mesh.complete else "incomplete"
+    )
     why = "" if mesh.complete else str(mesh.reasons[0])
     if not report:
         word, why = "WRONG", " ".join(str(report).split())[:200]

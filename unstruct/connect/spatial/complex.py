@@ -21,6 +21,8 @@ __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 MOST_ADDED = 200_000
+QUICK_BUDGET = 40  # points that the first, quick attempt may add
+NEARLY = 10  # with less missing or in parts, a second quick attempt may do
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -145,12 +147,14 @@ class SpatialComplex(CellArrays):
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            found, parts = self._once(corners, ends, budget, seed + k, progress)
+            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < NEARLY))
+            most = min(budget, QUICK_BUDGET) if quick else budget
+            found, parts = self._once(corners, ends, most, seed + k, quick, progress)
             missing = len(found.segments) + len(found.triangles)
             rank = (missing, len(found.steiner), len(found.inner))
             if score is None or rank < score:
                 score, result, best = rank, (found, parts), self.saved()
-            if found.exact or missing + len(found.steiner) > WORTH_ANOTHER:
+            if found.exact or (not quick and missing + len(found.steiner) > WORTH_ANOTHER):
                 break
             self.restore(before)
         assert result is not None
@@ -159,10 +163,16 @@ class SpatialComplex(CellArrays):
         return found
 
     def _once(
-        self, corners: NDArray[np.int32], ends: NDArray[np.int32], budget: int, seed: int, progress: bool
+        self,
+        corners: NDArray[np.int32],
+        ends: NDArray[np.int32],
+        budget: int,
+        seed: int,
+        quick: bool,
+        progress: bool,
     ) -> tuple[Recovered, Given]:
         given = Given(corners, ends)
-        run = Recovery(self, given, budget=budget, seed=seed)
+        run = Recovery(self, given, budget=budget, seed=seed, quick=quick)
         run.run(progress=progress)
         release = Release(run)
         release.run()
