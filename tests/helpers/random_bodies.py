@@ -1,8 +1,8 @@
 """Random bodies by the hundred: booleans of rotated boxes, cylinders and spheres, and noisy implicit bodies.
 
 ``python random_bodies.py make FOLDER --first 0 --count 100 --kind boolean`` writes them (booleans need
-manifold3d, and numpy alone beside it); ``python random_bodies.py run FOLDER`` recovers each surface, checks the
-result and tells what was complete, exact, incomplete with which reason, refused, wrong, and slow.
+manifold3d); ``python random_bodies.py run FOLDER`` recovers each surface, checks the result, and tells what
+was exact, divided, incomplete and why, refused, wrong, and how long it took.
 """
 
 from __future__ import annotations

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
-from .flood import flood_parts, parities
+from .flood import flood_parts
 from .given import Given
 from .recover import Recovery
 from .release import Release
@@ -199,27 +200,33 @@ class SpatialComplex(CellArrays):
 
         Notes
         -----
-        If facets are missing, each cell is judged by its centroid, and all of the inside is one part:
-        O(cells * facets).
+        If facets are missing, each cell is judged by its centroid, and all of the inside is one part; with a
+        tree of boxes, that takes little more than O(cells + facets).
         """
         given = self.given_parts
         corners = np.empty((0, 3), dtype=np.int32) if given is None else given.corner[: given.count]
         root = np.empty(0, dtype=np.int32) if given is None else given.root[: given.count]
         alive = np.empty(0, dtype=bool) if given is None else given.alive[: given.count]
         facet = np.append(root < (len(root) if facets is None else facets), False).astype(np.int8)
-        self.reserve(self.size + 2, self.slots)
         parity = np.zeros(self.slots + 1, dtype=np.int8)
         stack = np.empty(5 * self.slots + 8, dtype=np.int32)
         parts, wrong = flood_parts(self.solid(), stack, facet, parity)
         if wrong or self._lacking(facet[:-1] > 0, alive):
-            chosen = np.ascontiguousarray(corners[(facet[:-1] > 0) & alive])
-            parities(self.solid(), chosen, len(chosen), self.size, self.region)
+            self._judge_centers(corners[(facet[:-1] > 0) & alive])
             return int((self.region[: self.slots] >= 0).any())
         inside = parity[:parts] > 0
         number = np.where(inside, np.cumsum(inside) - 1, -1).astype(np.int32)
         slots = self.region[: self.slots]
         slots[:] = np.where(slots >= 0, number[slots], -1)
         return int(inside.sum())
+
+    def _judge_centers(self, facets: NDArray[np.int32]) -> None:
+        """Write region 0 for cells whose centers are inside these triangles, otherwise -1."""
+        slots = np.flatnonzero(self.used())
+        centers = self.xyz[self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]].mean(axis=1)
+        odd, _ = even_odd_in_space(self.xyz[: self.size], facets.astype(np.int32), centers)
+        self.region[: self.slots] = -1
+        self.region[slots] = np.where(odd, 0, -1)
 
     def _lacking(self, facet: NDArray[np.bool_], alive: NDArray[np.bool_]) -> bool:
         """Whether a facet is no face of the complex."""
