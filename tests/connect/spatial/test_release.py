@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import solids
+from random_bodies import judged, noisy
 from recovered import judge
 
 from unstruct import Domain, check, constrained_delaunay
@@ -67,3 +68,9 @@ def test_an_interrupt_leaves_a_triangulation(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(KeyboardInterrupt):
         c.recover(triangles)
     c.validate()
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_noisy_bodies(seed: int) -> None:
+    word, on, _, reason = judged(*noisy(seed))
+    assert word == "exact" and on == 0, reason

@@ -23,7 +23,7 @@ __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 MOST_ADDED = 200_000
 QUICK_BUDGET = 40  # points that the first, quick attempt may add
-NEARLY = 10  # with less missing or in parts, a second quick attempt may do
+FEW_MISSING = 10  # with less missing or in parts, a second quick attempt may do
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -148,7 +148,7 @@ class SpatialComplex(CellArrays):
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < NEARLY))
+            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < FEW_MISSING))
             most = min(budget, QUICK_BUDGET) if quick else budget
             found, parts = self._once(corners, ends, most, seed + k, quick, progress)
             missing = len(found.segments) + len(found.triangles)

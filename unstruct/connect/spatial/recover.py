@@ -45,7 +45,8 @@ class Recovery:
 
     def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int, quick: bool = False):
         self.cells, self.given, self.budget = cells, given, budget
-        self.efforts, self.again = (QUICK_EFFORTS, QUICK_AGAIN) if quick else (EFFORTS, AGAIN)
+        self.efforts = QUICK_EFFORTS if quick else EFFORTS
+        self.again = QUICK_AGAIN if quick else AGAIN
         self.held = new_held(len(given.segment) + 12 * budget)
         self.local = new_local()
         self.splits: list[Split] = []
