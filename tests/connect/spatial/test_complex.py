@@ -10,9 +10,10 @@ import pytest
 import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from recovered import judge
 
 from unstruct import InputError, MeshError
-from unstruct.connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
+from unstruct.connect.spatial.complex import SpatialComplex, SpatialMesh
 from unstruct.plain.predicates import orient
 from unstruct.plain.refilling import faces_of, walls_of
 
@@ -21,26 +22,6 @@ MODELS = {
     "cube": solids.cube(5),
     "star": solids.twisted_star(6, 5, 0.5),
 }
-
-
-def judge(c: SpatialComplex, triangles: np.ndarray, found: Recovered) -> None:
-    """The complex is valid, and holds what the result does not say is missing."""
-    c.validate()
-    cells = c.cells()
-    faces = {tuple(row) for k in range(4) for row in np.sort(np.delete(cells, k, axis=1), axis=1).tolist()}
-    whole = [tuple(row) in faces for row in np.sort(triangles, axis=1).tolist()]
-    if found.exact:
-        assert all(whole)
-    parts = c.given_parts
-    assert parts is not None
-    alive = parts.corner[: parts.count][parts.alive[: parts.count]]
-    roots = parts.root[: parts.count][parts.alive[: parts.count]]
-    missing = {
-        int(r)
-        for r, row in zip(roots, np.sort(alive, axis=1).tolist(), strict=True)
-        if tuple(row) not in faces
-    }
-    assert missing == set(found.triangles.tolist())
 
 
 def volume(a: list[Fraction], b: list[Fraction], c: list[Fraction]) -> Fraction:

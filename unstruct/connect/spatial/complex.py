@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
-from .flood import flood_parts, parities
+from .flood import flood_parts
 from .given import Given
 from .recover import Recovery
 from .release import Release
@@ -21,6 +22,8 @@ __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 MOST_ADDED = 200_000
+QUICK_BUDGET = 40  # points that the first, quick attempt may add
+FEW_MISSING = 10  # with less missing or in parts, a second quick attempt may do
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -104,6 +107,7 @@ class SpatialComplex(CellArrays):
         budget: int | None = None,
         seed: int = 0,
         restarts: int = RESTARTS,
+        history: bool = False,
         progress: bool = False,
     ) -> Recovered:
         """Make given segments edges and given triangles faces, with as few further points as are found.
@@ -122,6 +126,8 @@ class SpatialComplex(CellArrays):
             Of the random numbers by which ties and cavities are chosen.
         restarts : int
             How many seeds in all are tried as long as something is missing, or is there in parts only.
+        history : bool
+            Whether to keep a record of what the best seed has changed; see `history`.
         progress : bool
             Show progress bars.
 
@@ -142,13 +148,17 @@ class SpatialComplex(CellArrays):
             np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
         )
         budget = 100 + len(corners) // 10 if budget is None else min(budget, MOST_ADDED)
+        if history:
+            self.start_history()
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            found, parts = self._once(corners, ends, budget, seed + k, progress)
+            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < FEW_MISSING))
+            most = min(budget, QUICK_BUDGET) if quick else budget
+            found, parts = self._once(corners, ends, most, seed + k, quick, progress)
             if score is None or found.rank < score:
                 score, result, best = found.rank, (found, parts), self.saved()
-            if found.exact or sum(found.rank[:2]) > WORTH_ANOTHER:
+            if found.exact or (not quick and sum(found.rank[:2]) > WORTH_ANOTHER):
                 break
             self.restore(before)
         assert result is not None
@@ -157,10 +167,16 @@ class SpatialComplex(CellArrays):
         return found
 
     def _once(
-        self, corners: NDArray[np.int32], ends: NDArray[np.int32], budget: int, seed: int, progress: bool
+        self,
+        corners: NDArray[np.int32],
+        ends: NDArray[np.int32],
+        budget: int,
+        seed: int,
+        quick: bool,
+        progress: bool,
     ) -> tuple[Recovered, Given]:
         given = Given(corners, ends)
-        run = Recovery(self, given, budget=budget, seed=seed)
+        run = Recovery(self, given, budget=budget, seed=seed, quick=quick)
         run.run(progress=progress)
         release = Release(run)
         release.run()
@@ -187,27 +203,33 @@ class SpatialComplex(CellArrays):
 
         Notes
         -----
-        If facets are missing, each cell is judged by its centroid, and all of the inside is one part:
-        O(cells * facets).
+        If facets are missing, each cell is judged by its centroid, and all of the inside is one part; with a
+        tree of boxes, that takes little more than O(cells + facets).
         """
         given = self.given_parts
         corners = np.empty((0, 3), dtype=np.int32) if given is None else given.corner[: given.count]
         root = np.empty(0, dtype=np.int32) if given is None else given.root[: given.count]
         alive = np.empty(0, dtype=bool) if given is None else given.alive[: given.count]
         facet = np.append(root < (len(root) if facets is None else facets), False).astype(np.int8)
-        self.reserve(self.size + 2, self.slots)
         parity = np.zeros(self.slots + 1, dtype=np.int8)
         stack = np.empty(5 * self.slots + 8, dtype=np.int32)
         parts, wrong = flood_parts(self.solid(), stack, facet, parity)
         if wrong or self._lacking(facet[:-1] > 0, alive):
-            chosen = np.ascontiguousarray(corners[(facet[:-1] > 0) & alive])
-            parities(self.solid(), chosen, len(chosen), self.size, self.region)
+            self._judge_centers(corners[(facet[:-1] > 0) & alive])
             return int((self.region[: self.slots] >= 0).any())
         inside = parity[:parts] > 0
         number = np.where(inside, np.cumsum(inside) - 1, -1).astype(np.int32)
         slots = self.region[: self.slots]
         slots[:] = np.where(slots >= 0, number[slots], -1)
         return int(inside.sum())
+
+    def _judge_centers(self, facets: NDArray[np.int32]) -> None:
+        """Write region 0 for cells whose centers are inside these triangles, otherwise -1."""
+        slots = np.flatnonzero(self.used())
+        centers = self.xyz[self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]].mean(axis=1)
+        odd, _ = even_odd_in_space(self.xyz[: self.size], facets.astype(np.int32), centers)
+        self.region[: self.slots] = -1
+        self.region[slots] = np.where(odd, 0, -1)
 
     def _lacking(self, facet: NDArray[np.bool_], alive: NDArray[np.bool_]) -> bool:
         """Whether a facet is no face of the complex."""
@@ -216,9 +238,13 @@ class SpatialComplex(CellArrays):
         there[marks.ravel()] = True
         return bool((facet & alive & ~there[:-1]).any())
 
+    def inside_slots(self) -> NDArray[np.int64]:
+        """The slots of the cells that `flood` found inside."""
+        return np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
+
     def inside(self) -> SpatialMesh:
         """The cells that `flood` found inside, in the units of the input."""
-        slots = np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
+        slots = self.inside_slots()
         corners = self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]
         across = self.across[: 4 * self.slots].reshape(-1, 4)[slots]
         marks = self.mark[: 4 * self.slots].reshape(-1, 4)[slots]

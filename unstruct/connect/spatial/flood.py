@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ...base.jit import apart, kernel
+from ...base.jit import kernel
 from ..insertion.engine import COUNT
-from .signs import DISJOINT, INSIDE, meets
 
-__all__ = ["flood_parts", "parities"]
+__all__ = ["flood_parts"]
 
 
 @kernel
@@ -60,40 +59,3 @@ def flood_parts(solid, stack, facet, parity):
             differ = parity[region[face >> 2]] ^ parity[region[across[face] >> 2]]
             wrong += differ != facet[mark[face]]
     return parts + 1, wrong
-
-
-@apart
-def _parity(xyz, corner, facets, p, q):
-    """The parity of the facets that the segment pq crosses; -1 if it meets the boundary of one."""
-    crossed = 0
-    for i in range(facets):
-        how = meets(xyz, p, q, corner[i, 0], corner[i, 1], corner[i, 2])
-        if how == INSIDE:
-            crossed ^= 1
-        elif how != DISJOINT:
-            return -1
-    return crossed
-
-
-@kernel
-def parities(solid, corner, facets, p, region):
-    """Write to ``region`` 0 for the cells whose centroid is inside the given facets, otherwise -1.
-
-    Decided by segments that end outside, O(cells * facets): for complexes that lack facets. Vertices p and
-    p + 1 are scratch.
-    """
-    xyz = solid.xyz
-    for t in range(solid.state[COUNT]):
-        region[t] = -1
-        if solid.vertex[4 * t] < 0:
-            continue
-        for k in range(3):
-            xyz[p, k] = 0.0
-            for j in range(4):
-                xyz[p, k] += 0.25 * xyz[solid.vertex[4 * t + j], k]
-        for trial in range(20):
-            xyz[p + 1, 0], xyz[p + 1, 1], xyz[p + 1, 2] = 0.99, 0.05 * trial - 0.43, 0.037 * trial - 0.31
-            found = _parity(xyz, corner, facets, p, p + 1)
-            if found >= 0:
-                region[t] = found - 1
-                break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from .arrays import CellArrays
 from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
-from .records import SEED, new_local
+from .journal import EVENT_ROOM
+from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
 from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
@@ -23,8 +25,10 @@ __all__ = ["Recovery"]
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
 # Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
 EFFORTS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 PART_ROUNDS = 8  # how often parts of a segment are split
 AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
+QUICK_EFFORTS, QUICK_AGAIN = EFFORTS[:1], EFFORTS[0]  # enough for most bodies, at a third of the time
 
 
 class Recovery:
@@ -39,13 +43,15 @@ class Recovery:
     seed : int
     """
 
-    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
+    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int, quick: bool = False):
         self.cells, self.given, self.budget = cells, given, budget
+        self.efforts = QUICK_EFFORTS if quick else EFFORTS
+        self.again = QUICK_AGAIN if quick else AGAIN
         self.held = new_held(len(given.segment) + 12 * budget)
         self.local = new_local()
         self.splits: list[Split] = []
         self.crossed = np.zeros(4, dtype=np.int64)
-        self.lost_edges: list[tuple[int, int]] = []
+        self.lost_edges: set[tuple[int, int]] = set()
         self.lost: list[int] = []
         cells.state[SEED] = (seed * 7919 + 12345) & 0x7FFFFFFF
         cells.reserve(cells.size + budget, cells.slots + max(1000, cells.slots // 4))
@@ -60,24 +66,29 @@ class Recovery:
         self._split_segments(waiting)
         tried: set[int] = set()
         while True:
-            rows = np.flatnonzero(self.given.alive[: self.given.count])
+            every = np.flatnonzero(self.given.alive[: self.given.count])
+            lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
+            rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
                 left = self._recover(FACE, self.given.goals(rows), bar)
-            self.lost = rows[left != 0].tolist()
-            again = [t for t in self.lost if t not in tried and not self._lacks_edge(t)]
+            waiting = rows[left != 0].tolist()
+            self.lost = [*waiting, *every[lacking].tolist()]
+            again = [t for t in waiting if t not in tried]
             if not again or not self._split_triangles(again, tried):
                 return
 
     def _lacks_edge(self, t: int) -> bool:
-        lost = set(self.lost_edges)
+        if not self.lost_edges:
+            return False
         a, b, c = self.given.corner[t].tolist()
-        return bool(lost & {edge(a, b), edge(b, c), edge(c, a)})
+        return bool(self.lost_edges & {edge(a, b), edge(b, c), edge(c, a)})
 
     # ------------------------------------------------------------------ refills
 
     def _room(self) -> None:
         cells = self.cells
         cells.reserve(cells.size, cells.slots + 4 * SPARE_SLOTS)
+        cells.reserve_events()
 
     def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
@@ -88,7 +99,7 @@ class Recovery:
                 self.cells.solid(), self.held, self.cells.found, kind, goals[part], left[part], self.crossed
             )
         bar.update(int((left == 0).sum()))
-        for options in EFFORTS:
+        for options in self.efforts:
             waiting = np.flatnonzero(left != 0)
             for i in range(0, len(waiting), CHUNK):
                 rows = waiting[i : i + CHUNK]
@@ -100,16 +111,18 @@ class Recovery:
         self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options
     ) -> NDArray[np.int64]:
         chosen = np.array(options, dtype=np.int64)
-        while True:
-            cells = self.cells
-            done = recover_all(cells.solid(), self.held, self.local, cells.found, kind, goals, left, chosen)
-            if done == len(goals):
-                return left
+        self.local.size[RESUMED] = first = 0
+        while first < len(goals):
+            cells, rest = self.cells, slice(first, None)
+            first += recover_all(
+                cells.solid(), self.held, self.local, cells.found, kind, goals[rest], left[rest], chosen
+            )
             self._room()
+        return left
 
     def _one(self, a: int, b: int) -> bool:
         goal = np.array([[a, b, 0, 0]], dtype=np.int32)
-        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), AGAIN)[0] == 0)
+        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), self.again)[0] == 0)
 
     # ------------------------------------------------------------------ points
 
@@ -126,7 +139,7 @@ class Recovery:
                     continue
                 p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
-                    self.lost_edges.append((a, b))
+                    self.lost_edges.add(edge(a, b))
                     continue
                 split = self.given.split_segment(a, b, p)
                 self.splits.append(split)
@@ -153,7 +166,9 @@ class Recovery:
         cells = self.cells
         if len(self.splits) >= self.budget:
             return False
-        cells.reserve(cells.size + 1, cells.slots + len(cells.found.faces) // 64 + 4 * SPARE_SLOTS)
+        spare = len(cells.found.faces) // 64 + 4 * SPARE_SLOTS + 4 * WIDER
+        cells.reserve(cells.size + 1, cells.slots + spare)
+        cells.reserve_events(20 * cells.slots + EVENT_ROOM)
         return True
 
     def _place(self, row: NDArray[np.float64]) -> int:
@@ -182,14 +197,16 @@ class Recovery:
                 where = on_plane(start, end, *cells.xyz[corners])
             if 0.0 < where < 1.0:
                 places.append((where, face, corners, crossed))
-        for where, face, corners, crossed in sorted(places):
-            p = self._place(start + where * (end - start))
-            if self._insert_at(face, corners, crossed, p):
-                cells.size += 1
-                return p
+        for more in (0, WIDER):
+            for where, face, corners, crossed in sorted(places):
+                p = self._place(start + where * (end - start))
+                if self._insert_at(face, corners, crossed, p, more):
+                    cells.size += 1
+                    cells.name_point((a, b, -1), count)
+                    return p
         return -1
 
-    def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int) -> bool:
+    def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int, more: int) -> bool:
         """Insert vertex p at the crossed edge, or between the two cells at the face, or around an edge of it.
 
         Where the segment passes by an edge more closely than coordinates are rounded, the two cells may not
@@ -197,14 +214,14 @@ class Recovery:
         """
         cells, solid = self.cells, self.cells.solid()
         if crossed[0] >= 0:
-            return bool(insert_around(solid, self.held, cells.found, crossed[0], crossed[1], p))
-        if insert_between(solid, cells.found, face, p):
+            return bool(insert_around(solid, self.held, cells.found, crossed[0], crossed[1], p, more))
+        if insert_between(solid, self.held, cells.found, face, p, more):
             return True
         u, v, w = corners
         by_distance = sorted(
             ((u, v), (v, w), (w, u)), key=lambda ends: distance(cells.xyz[p], *cells.xyz[list(ends)])
         )
-        return any(insert_around(solid, self.held, cells.found, *ends, p) for ends in by_distance[:2])
+        return any(insert_around(solid, self.held, cells.found, *ends, p, more) for ends in by_distance[:2])
 
     def _insert_on_triangle(self, t: int) -> int:
         """Insert a point of the triangle where an edge crosses it, the first possible; -1 for none."""
@@ -220,11 +237,12 @@ class Recovery:
                 for p, q in ((u, v), (v, w), (w, u))
                 if meets(cells.xyz, p, q, goal[0], goal[1], goal[2]) != DISJOINT
             }
-        for u, v in sorted(crossing):
+        for more, (u, v) in product((0, WIDER), sorted(crossing)):
             where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])
             p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
-            if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p):
+            if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p, more):
                 cells.size += 1
+                cells.name_point(tuple(goal[:3].tolist()), count)
                 return p
         return -1
 

@@ -3,32 +3,42 @@
 The last point goes first, so that the surface becomes what it was before. The marked faces at a point divide
 its star into sectors. In each of them the triangles that the point has split are put in place of their
 parts; then the sector is refilled without the point. Where that is not possible, another point a little
-inside sees all walls of the sector, because the old one saw all of them but those in whose planes it was.
+inside takes its place (`sectors`).
 """
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import beside, commit, grow, load, new_slot, reset, wall
+from .cavity import beside, commit, grow, load, new_slot, reset, unwritten, wall
 from .crossing import star
-from .given import Split
-from .records import COST_KIND, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
+from .given import Given, Split
+from .held import holds
+from .journal import (
+    EVENT_FEWER,
+    EVENT_MOVED,
+    EVENT_RELEASED,
+    EVENT_REMOVED,
+    EVENT_ROOM,
+    close_event,
+    old_cells,
+    open_event,
+)
+from .records import COST_KIND, EVENT, FACES, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
 from .refill import ANY, DEGREE, EDGE, NEVER, refill
-from .steiner import sees
+from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, widened
 
 __all__ = ["Release"]
 
-Cell = tuple[int, int, int, int]
-Face = tuple[int, int, int]
-STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
 NODES_WITHOUT = 4000  # of the search for a sector without its point
+FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 WALLS = 400  # faces of the largest star that is looked at
 
 
@@ -58,20 +68,22 @@ def refill_walls(solid, r, walls, budget):
 
 
 @kernel
-def lower_degree(solid, held, r, found, goal):
-    """Refill around vertex goal[0] so that fewer cells have it, as long as that is possible.
+def lower_degree(solid, held, r, found, goal, enough):
+    """Refill around vertex goal[0] so that ``enough`` or fewer cells have it, as long as that is possible.
 
     If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
-    many cells have the vertex in the end.
+    many cells have the vertex in the end; -1 if the record has no room, to be called again.
     """
     p = goal[0]
-    r.size[COST_KIND] = DEGREE
+    r.size[COST_KIND], r.size[EVENT], r.size[FACES] = DEGREE, EVENT_FEWER, 0
     for k in range(3):
         r.size[TARGET + k] = goal[k]
     while True:
         size = star(solid, found, p)
-        if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
+        if size <= enough or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
             return size
+        if unwritten(solid):
+            return -1
         before = size
         for wanted in range(5, 9):
             for i in range(4 * size):
@@ -89,10 +101,6 @@ def lower_degree(solid, held, r, found, goal):
                 break
         if before >= 0:
             return size
-
-
-# The corners of face k, as `corner` gives them. (A kernel that is called here is compiled by the import.)
-POSITIVE = ((1, 3, 2), (0, 2, 3), (0, 3, 1), (0, 1, 2))
 
 
 class Release:
@@ -133,9 +141,11 @@ class Release:
         """The cells at p, after refills that have made them few."""
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
-        lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal)
-        size = star(self.cells.solid(), self.cells.found, p)
-        return self.cells.found.cells[:size].tolist()
+        cells, held = self.cells, self.recovery.held
+        while lower_degree(cells.solid(), held, self.local, cells.found, goal, FEW_AT_POINT) < 0:
+            cells.reserve_events()
+        size = star(cells.solid(), cells.found, p)
+        return cells.found.cells[:size].tolist()
 
     def _release(self, split: Split) -> bool:
         given, p = self.recovery.given, split.point
@@ -150,32 +160,58 @@ class Release:
         }
         if marks != set(split.children) or len(around) > WALLS:
             return False
+        before, claimed = self.cells.size, set(around)
         tets: list[Cell] = []
-        moved, before = [], self.cells.size
         for sector in self._sectors(around, p):
-            link, whole = _cancelled(self._link(sector, p), self._restored(sector, split))
-            found = self._without(link + whole, None if split.children else split.segment)
-            if found is None and split.children:
-                found = self._moved(link, whole, p)
-                moved.append(self.cells.size - 1)
+            found = self._filled(sector, split, claimed)
             if found is None:
                 self.cells.size = before
                 return False
             tets += found
         restored = {frozenset(given.corner[t].tolist()): t for t in split.parents}
-        if not self._replace(around, tets, restored):
+        added = list(range(before, self.cells.size))
+        event = (EVENT_MOVED if added else EVENT_RELEASED, *_goal(split, given), 0, p)
+        gone = self._gone(claimed, tets, p)
+        if gone is None or not self._replace(sorted(claimed), tets, restored, event):
             self.cells.size = before
             return False
-        self.inner += moved
+        self.inner = [v for v in self.inner if v not in gone] + added
         self.recovery.drop(split)
-        self.cells.at[p] = -1
+        self.cells.at[gone] = -1
         return True
+
+    def _filled(self, sector: list[int], split: Split, claimed: set[int]) -> list[Cell] | None:
+        """Tetrahedra that fill a sector of the star of a point without it; more cells may be claimed."""
+        p = split.point
+        link, whole = cancelled(list(link_of(self.cells, sector, p)), self._restored(sector, split))
+        found = self._without(link + whole, None if split.children else split.segment)
+        if found is None and split.children:
+            found = moved(self.cells, link, whole, p)
+        if found is None and split.children:
+            wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
+            if wide is not None:
+                found = wide[0]
+                claimed |= set(wide[1])
+        return found
+
+    def _gone(self, old: set[int], tets: list[Cell], p: int) -> list[int] | None:
+        """The point and others inside that go with the old cells; None if what must stay would go."""
+        edges = {frozenset(ends) for cell in tets for ends in combinations(cell, 2)}
+        there = {v for cell in tets for v in cell}
+        gone, free = {p}, {p, *self.inner}
+        for t in old:
+            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
+            gone |= set(v) - there
+            for ends in combinations(v, 2):
+                if p not in ends and frozenset(ends) not in edges and holds(self.recovery.held, *ends):
+                    return None
+        return sorted(gone) if gone <= free else None
 
     def _remove(self, p: int) -> bool:
         """Take a point away that is not on the surface."""
         around = self._star(p, None)
-        found = self._without(self._link(around, p), None)
-        if found is None or not self._replace(around, found, {}):
+        found = self._without(list(link_of(self.cells, around, p)), None)
+        if found is None or not self._replace(around, found, {}, (EVENT_REMOVED, -1, -1, -1, 0, p)):
             return False
         self.cells.at[p] = -1
         return True
@@ -195,14 +231,6 @@ class Release:
             sectors.append(sector)
         return sectors
 
-    def _link(self, sector: list[int], p: int) -> list[Face]:
-        """The faces of a sector opposite p, seen from within."""
-        walls = []
-        for t in sector:
-            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
-            walls.append(_turned([v[i] for i in POSITIVE[v.index(p)]]))
-        return walls
-
     def _restored(self, sector: list[int], split: Split) -> list[Face]:
         """The triangles that the point has split and that bound a sector, seen from within."""
         p, given = split.point, self.recovery.given
@@ -217,7 +245,7 @@ class Release:
                     face = [v[i] for i in POSITIVE[k]]
                     (lacking,) = set(given.corner[parent].tolist()) - set(face)
                     face = [lacking if x == p else x for x in face]
-                    restored[parent, _turned(face)] = _turned(face)
+                    restored[parent, turned(face)] = turned(face)
         return list(restored.values())
 
     def _parent(self, child: int, split: Split) -> int:
@@ -243,52 +271,44 @@ class Release:
             return None
         return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 
-    def _moved(self, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
-        """The star of a new point close to p that sees all walls, those around p and whole triangles."""
-        cells, walls = self.cells, link + whole
-        rows = np.array(walls, dtype=np.int32)
-        here, q = cells.xyz[p].copy(), cells.size
-        corners = cells.xyz[rows]
-        flat = corners[len(link) :]
-        normals = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-        away = corners.reshape(-1, 3) - here
-        center, reach = away.mean(axis=0), float(np.linalg.norm(away, axis=1).mean())
-        cells.size += 1
-        for step in (_inward(normals) * reach, center):
-            length = 1.0
-            for _ in range(STEPS_BACK):
-                cells.xyz[q] = here + length * step
-                if sees(cells.xyz, rows, len(rows), q):
-                    return [(*face, q) for face in walls]
-                length /= 2
-        return None
-
-    def _replace(self, old: list[int], tets: list[Cell], restored: dict[frozenset, int]) -> bool:
+    def _replace(
+        self,
+        old: list[int],
+        tets: list[Cell],
+        restored: dict[frozenset, int],
+        event: tuple[int, int, int, int, int, int],
+    ) -> bool:
         """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
-        cells, inside = self.cells, set(old)
+        cells, inside, p, kept = self.cells, set(old), event[5], {}
         border: dict[frozenset, tuple[int, int]] = {}
         for t in old:
             v = cells.vertex[4 * t : 4 * t + 4].tolist()
             for k in range(4):
                 over = int(cells.across[4 * t + k])
+                face = frozenset(v[:k] + v[k + 1 :])
                 if over >> 2 not in inside:
-                    border[frozenset(v[:k] + v[k + 1 :])] = over, int(cells.mark[4 * t + k])
+                    border[face] = over, int(cells.mark[4 * t + k])
+                elif p not in face and cells.mark[4 * t + k] >= 0:
+                    kept[face] = int(cells.mark[4 * t + k])
         faces: dict[frozenset, list[tuple[int, int]]] = {}
         for i, v4 in enumerate(tets):
             for k in range(4):
                 faces.setdefault(frozenset(v4[:k] + v4[k + 1 :]), []).append((i, k))
         if not all(len(places) == (1 if face in border else 2) for face, places in faces.items()):
             return False
-        if not set(border) <= set(faces):
+        if not set(border) <= set(faces) or not set(kept) <= set(faces):
             return False
-        self._write(old, tets, (border, faces, restored))
+        self._write(old, tets, (border, faces, kept | restored), event)
         return True
 
-    def _write(self, old: list[int], tets: list[Cell], tables) -> None:
+    def _write(self, old: list[int], tets: list[Cell], tables, event: tuple[int, ...]) -> None:
         border, faces, restored = tables
-        cells = self.cells
+        cells, noting = self.cells, len(self.cells.journal) > 0
         cells.reserve(cells.size, cells.slots + len(tets))
+        cells.reserve_events(5 * (len(old) + len(tets)) + EVENT_ROOM)
+        if noting:
+            open_event(cells.solid(), *event)
+            old_cells(cells.solid(), np.array(old, dtype=np.int32), len(old))
         region = int(cells.region[old[0]])
         for t in old:
             cells.vertex[4 * t] = -2
@@ -299,6 +319,8 @@ class Release:
         for t, v in zip(slots, tets, strict=True):
             cells.vertex[4 * t : 4 * t + 4] = v
             cells.at[list(v)], cells.region[t] = t, region
+        if noting:
+            close_event(solid, np.array(slots, dtype=np.int32), len(slots))
         for face, places in faces.items():
             ends = [4 * slots[i] + k for i, k in places]
             mark = restored.get(face, border[face][1] if face in border else -1)
@@ -308,26 +330,9 @@ class Release:
                 cells.across[over], cells.mark[over] = ends[0], mark
 
 
-def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A direction with a positive product with all normals, if that is found soon."""
-    step = normals.sum(axis=0)
-    for _ in range(50):
-        products = normals @ step
-        if products.min() > 0:
-            break
-        step = step + normals[int(products.argmin())]
-    return step / max(float(np.linalg.norm(step)), 1e-300)
-
-
-def _turned(face: list[int]) -> Face:
-    """The same oriented face, its lowest vertex first."""
-    k = face.index(min(face))
-    return face[k], face[(k + 1) % 3], face[(k + 2) % 3]
-
-
-def _cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Face]]:
-    """The walls without those that bound nothing, because they are there in both orientations."""
-    both = {(x, z, y) for x, y, z in link} & set(whole)
-    return [(x, y, z) for x, y, z in link if (x, z, y) not in both], [
-        face for face in whole if face not in both
-    ]
+def _goal(split: Split, given: Given) -> tuple[int, int, int]:
+    """The segment or triangle that a point has split."""
+    if split.segment is not None:
+        return (*split.segment, -1)
+    a, b, c = given.corner[split.parents[0]].tolist()
+    return a, b, c

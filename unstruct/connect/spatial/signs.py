@@ -6,9 +6,10 @@ half a minute of compiling.
 
 from __future__ import annotations
 
-from ...base.jit import apart, inline, kernel
+from ...base.jit import apart, inline
+from ...geometry.triangle_pairs import side
 from ...predicates.filters import UNDECIDED, filter_orient3
-from ...predicates.kernels import orient2, orient3
+from ...predicates.kernels import orient2
 
 __all__ = ["COPLANAR", "DISJOINT", "INSIDE", "ON_EDGE", "in_order", "meets", "remembered_side", "side"]
 
@@ -16,15 +17,6 @@ DISJOINT = 0  # the open segment does not meet the closed triangle
 INSIDE = 1  # it crosses the interior
 ON_EDGE = 2  # it crosses one edge, from one side of the plane to the other
 COPLANAR = 3  # it lies in the plane of the triangle, or goes through a vertex
-
-
-@kernel
-def side(xyz, a, b, c, d):
-    """Orientation of the tetrahedron a, b, c, d."""
-    return orient3(
-        xyz[a, 0], xyz[a, 1], xyz[a, 2], xyz[b, 0], xyz[b, 1], xyz[b, 2],
-        xyz[c, 0], xyz[c, 1], xyz[c, 2], xyz[d, 0], xyz[d, 1], xyz[d, 2],
-    )  # fmt: skip
 
 
 @inline

@@ -1,8 +1,8 @@
 """Points where nothing else helps: where a segment or triangle crosses what is in its way.
 
 N. P. Weatherill and O. Hassan put them where an edge leaves its cells. A point is rounded; it is accepted
-only if all walls of its cavity (the two cells at the face that is crossed, or the cells around the edge) see
-the rounded point.
+only if all walls of its cavity (the two cells at the face that is crossed, or the cells around the edge; then
+others beyond walls that do not see it) see the rounded point.
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import kernel
+from ...base.jit import apart, kernel, lean
 from ..insertion.engine import STAMP
 from ..insertion.stars import Cavity, Space, star3
 from .cavity import corner
 from .crossing import ring
 from .held import holds
+from .journal import EVENT_POINT, close_event, old_cells, open_event
 from .signs import COPLANAR, ON_EDGE, meets, side
 
 __all__ = ["crossed_edges", "insert_around", "insert_between", "on_line", "on_plane", "sees"]
@@ -32,32 +33,89 @@ def sees(xyz, walls, count, p):
     return True
 
 
-@kernel
-def _star(solid, found, size, p):
-    """Replace the first ``size`` cells of ``found`` by the star of p, if all walls see p and none is lost.
+@lean
+def _on_wall(solid, found, walls, u, v):
+    """Whether one of the walls has the vertices u and v."""
+    for i in range(walls):
+        t, k = found.faces[i] >> 2, found.faces[i] & 3
+        at_u = at_v = False
+        for j in range(4):
+            if j != k:
+                at_u |= solid.vertex[4 * t + j] == u
+                at_v |= solid.vertex[4 * t + j] == v
+        if at_u and at_v:
+            return True
+    return False
 
-    Marked faces inside, and the hull, are not touched.
+
+@apart
+def _loses(solid, held, found, size, walls):
+    """Whether a vertex or a held edge of the first ``size`` cells is on none of the walls."""
+    for i in range(size):
+        t = 4 * found.cells[i]
+        for j in range(4):
+            u = solid.vertex[t + j]
+            if not _on_wall(solid, found, walls, u, u):
+                return True
+            for k in range(j):
+                v = solid.vertex[t + k]
+                if holds(held, u, v) and not _on_wall(solid, found, walls, u, v):
+                    return True
+    return False
+
+
+@apart
+def _walls(solid, found, size, p, more):
+    """List the walls of the first ``size`` cells, and of up to ``more`` beyond walls that do not see p.
+
+    Returns how many cells and walls there are; -1 if a wall that must stay does not see p.
     """
     solid.state[STAMP] += 1
-    stamp, walls = 2 * solid.state[STAMP], 0
+    stamp, walls, head, most = 2 * solid.state[STAMP], 0, 0, size + more
     for i in range(size):
         solid.stamp[found.cells[i]] = stamp
-    for i in range(size):
-        t = found.cells[i]
+    while head < size:
+        t = found.cells[head]
+        head += 1
         for k in range(4):
             over = solid.across[4 * t + k]
             if over < 0:
-                return False
+                return -1, 0
             if solid.stamp[over >> 2] == stamp:
                 if solid.mark[4 * t + k] >= 0:
-                    return False
+                    return -1, 0
                 continue
             u, v = solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)]
             if side(solid.xyz, u, v, solid.vertex[4 * t + corner(k, 2)], p) <= 0:
-                return False
-            found.faces[walls] = 4 * t + k
-            walls += 1
+                if solid.mark[4 * t + k] >= 0 or size == most:
+                    return -1, 0
+                solid.stamp[over >> 2] = stamp
+                found.cells[size] = over >> 2
+                size += 1
+    for i in range(size):
+        t = found.cells[i]
+        for k in range(4):
+            if solid.stamp[solid.across[4 * t + k] >> 2] != stamp:
+                found.faces[walls] = 4 * t + k
+                walls += 1
+    return size, walls
+
+
+@kernel
+def _star(solid, held, found, size, p, more):
+    """Replace the first ``size`` cells of ``found`` by the star of p, if all walls see p and none is lost.
+
+    Up to ``more`` cells beyond walls that do not see p are replaced as well. Marked faces and held edges, and
+    the hull, are not touched.
+    """
+    size, walls = _walls(solid, found, size, p, more)
+    if size < 0 or _loses(solid, held, found, size, walls):
+        return False
     found.sizes[0], found.sizes[1] = size, walls
+    noting = solid.journal.shape[0] > 0
+    if noting:
+        open_event(solid, EVENT_POINT, -1, -1, -1, 0, p)
+        old_cells(solid, found.cells, size)
     space = Space(solid.xyz, solid.vertex, solid.across, solid.stamp, solid.free, solid.state)
     star3(space, Cavity(found.cells, found.faces, found.sizes), p, solid.state[STAMP])
     for i in range(walls):
@@ -69,25 +127,28 @@ def _star(solid, found, size, p):
             solid.mark[4 * t + k] = -1
             solid.at[solid.vertex[4 * t + k]] = t
         solid.mark[new] = solid.mark[over]
+        found.cells[i] = t
+    if noting:
+        close_event(solid, found.cells, walls)
     return True
 
 
 @kernel
-def insert_around(solid, held, found, u, v, p):
+def insert_around(solid, held, found, u, v, p, more):
     """Insert vertex p, which is on the edge uv, if that edge is not held and all walls around it see p."""
     if holds(held, u, v):
         return False
     size = ring(solid, found, u, v)
-    return size > 0 and _star(solid, found, size, p)
+    return size > 0 and _star(solid, held, found, size, p, more)
 
 
 @kernel
-def insert_between(solid, found, face, p):
+def insert_between(solid, held, found, face, p, more):
     """Insert vertex p, which is on a face, if the two cells there see it."""
     if solid.across[face] < 0 or solid.mark[face] >= 0:
         return False
     found.cells[0], found.cells[1] = face >> 2, solid.across[face] >> 2
-    return _star(solid, found, 2, p)
+    return _star(solid, held, found, 2, p, more)
 
 
 @kernel

@@ -8,18 +8,10 @@ its edges (two triangles that overlap in a plane would never match).
 from __future__ import annotations
 
 from ...base.jit import inline, kernel
-from ...predicates.kernels import moved, orient2, orient3
+from ...geometry.triangle_pairs import side
+from ...predicates.kernels import moved, orient2
 
 __all__ = ["admitted"]
-
-
-@kernel
-def side(points, a, b, c, d):
-    """`orient3` of four vertices."""
-    return orient3(
-        points[a, 0], points[a, 1], points[a, 2], points[b, 0], points[b, 1], points[b, 2],
-        points[c, 0], points[c, 1], points[c, 2], points[d, 0], points[d, 1], points[d, 2],
-    )  # fmt: skip
 
 
 @kernel
