@@ -48,5 +48,5 @@ def refine_body(
     )  # fmt: skip
     run.begin(limits)
     with progress_bar(progress, " vertices", desc="refine") as bar:
-        run.advance(max(most - cells.size, 0), bar)
+        run.advance(max(most - len(domain.points), 0), bar)
     return result_of(run, history)
