@@ -61,6 +61,13 @@ def _bodies() -> None:
     unstruct.check(unstruct.tetrahedralize(unstruct.Domain.ball(size=0.9), 0.9))
 
 
+def _body_points() -> None:
+    body = unstruct.Domain.box((0, 0, 0), (1, 1, 1))
+    unstruct.refine(body, 0.6, min_dihedral=5)
+    unstruct.circumcenter_insertion(body, 0.6)
+    unstruct.voronoi_segment(body, 0.6)
+
+
 def _many_dimensions() -> None:
     unstruct.delaunay(_points(4))
 
@@ -137,6 +144,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "space": _space,
     "refine": _refine,
     "bodies": _bodies,
+    "points in bodies": _body_points,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
     "metrics": _metrics,

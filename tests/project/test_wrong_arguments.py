@@ -17,6 +17,7 @@ import pytest
 import unstruct as u
 from unstruct import UnstructError, sizing, studies
 
+BOX = u.Domain.box()
 SQUARE = u.Domain(
     np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float), [(0, 1), (1, 2), (2, 3), (3, 0)],
     markers={"a": [0], "c": [2]}, regions={"r": (0.3, 0.35)},
@@ -69,6 +70,9 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "conforming_delaunay": (u.conforming_delaunay, (SQUARE, 0.3), {}),
         "refine": (u.refine, (SQUARE, 0.3), {}),
         "refine of a mesh": (u.refine, (mesh, 0.2), {}),
+        "refine of a body": (u.refine, (BOX, 0.6), {}),
+        "circumcenters in a body": (u.circumcenter_insertion, (BOX, 0.6), {}),
+        "Voronoi segments in a body": (u.voronoi_segment, (BOX, 0.6), {}),
         "circumcenter_insertion": (u.circumcenter_insertion, (SQUARE, 0.3), {}),
         "voronoi_segment": (u.voronoi_segment, (SQUARE, 0.3), {}),
         "advancing_front": (u.advancing_front, (SQUARE, 0.3), {}),

@@ -18,9 +18,9 @@ from unstruct import (
     InputError,
     UnstructError,
     check,
+    conforming_delaunay,
     constrained_delaunay,
     delaunay,
-    refine,
 )
 from unstruct.geometry import simplex
 from unstruct.predicates import orient
@@ -153,7 +153,7 @@ def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="hull"):
         constrained_delaunay(Domain(CORNERS, SIDES), hull=True)
     with pytest.raises(UnstructError, match="planar"):
-        refine(Domain(CORNERS, SIDES), 0.1)
+        conforming_delaunay(Domain(CORNERS, SIDES), 0.1)
 
 
 def test_the_same_input_gives_the_same_mesh() -> None:

@@ -22,7 +22,7 @@ from ...sizing.field import SizeField, as_size
 from .lattice import Lattice, lattice_points
 from .rounder import faces_of_cells, rounded
 
-__all__ = ["filled"]
+__all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
 SEEDS_OUTSIDE = 3  # that are tried with points outside
@@ -87,7 +87,7 @@ def filled(
     made = complex_.inside()
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
-    chains = _chains(domain, found, made)
+    chains = chains_of_segments(domain, found, made)
     counts = {} if lattice is None else {"lattice points": len(lattice.inside)}
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
@@ -99,7 +99,7 @@ def filled(
     steps = None
     if history:
         steps = complex_.history() | {"inside": complex_.inside_slots(), "vertex": made.vertex}
-    return _with_names(domain, found, made, chains, unrefined, counts, steps)
+    return with_names(domain, found, made, chains, unrefined, counts, steps)
 
 
 def _recovered(
@@ -156,7 +156,7 @@ def _rounder(
     return result, {"refills": better.refills, "moves": better.moves}
 
 
-def _with_names(
+def with_names(
     domain: Domain,
     found: Recovered,
     made: SpatialMesh,
@@ -171,7 +171,7 @@ def _with_names(
     origin = np.where(made.vertex < given, made.vertex, -1).astype(np.int32)
     piece = shell.piece[made.triangle]
     segments, segment_piece, span = chains
-    region = _regions(domain, made)
+    region = numbered_regions(domain, made)
     cells = sorted(unrefined)
     bounding = piece < len(domain.facets)
     markers: dict[str, Any] = {
@@ -212,7 +212,7 @@ def _with_names(
     return mesh
 
 
-def _chains(
+def chains_of_segments(
     domain: Domain, found: Recovered, made: SpatialMesh
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
     """The edges of inner segments, their pieces and the parameters of their ends."""
@@ -246,7 +246,7 @@ def _chains(
     )
 
 
-def _regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
+def numbered_regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
     """The number of each cell: the place of the name of its part, or a further number for each other part."""
     if not domain.regions:
         return _counted(made.region, 0)
