@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..draw import frames as fr
-from ..draw.space import item3
+from ..draw.items import item3
 from .space_frames import space_frame
 
 __all__ = ["POLE", "weight_state"]
