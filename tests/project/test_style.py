@@ -27,8 +27,8 @@ base plain predicates geometry mesh
 connect/insertion connect/planar connect/spatial connect/voronoi connect/wrapping connect/baker connect
 sizing
 domain/arguments domain/plane domain/space domain
-generate/volume generate/boundary generate/refinement generate/centers generate/improve generate/rebay
-generate/front generate/layers
+generate/volume generate/boundary generate/volume_points generate/refinement generate/centers
+generate/improve generate/rebay generate/front generate/layers
 assess examples
 view/draw view/scenes view/widgets view
 command __main__

@@ -17,9 +17,9 @@ from unstruct import (
     InputError,
     UnstructError,
     check,
+    conforming_delaunay,
     constrained_delaunay,
     delaunay,
-    refine,
 )
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
@@ -149,7 +149,7 @@ def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="hull"):
         constrained_delaunay(Domain(CORNERS, SIDES), hull=True)
     with pytest.raises(UnstructError, match="planar"):
-        refine(Domain(CORNERS, SIDES), 0.1)
+        conforming_delaunay(Domain(CORNERS, SIDES), 0.1)
 
 
 def test_the_same_input_gives_the_same_mesh() -> None:

@@ -26,6 +26,7 @@ from ...sizing import as_size
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
+from ..volume_points.refining import refine_body
 from .account import account, history_of
 from .limits import make_limits
 from .predicate import Predicate
@@ -50,28 +51,32 @@ def refine(
     method: Literal["ruppert", "chew", "off-centers"] = "off-centers",
     refine_if: RefineIf | None = None,
     split_boundary: SplitBoundary = True,
+    radius_edge: float | None = None,
+    max_volume: Any = None,
+    min_dihedral: float | None = None,
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """Mesh a planar domain with triangles that are neither too flat nor too large.
+    """Mesh a planar domain with triangles, or a body with tetrahedra, neither too flat nor too large.
 
     Parameters
     ----------
     domain : Domain or Mesh
-        A region, or a triangle mesh of the plane that is to be refined. In a mesh, boundary edges, marked
-        edges and edges between cells of different "region" are kept as edges (divided, if necessary). If the
-        mesh is not constrained Delaunay, it is first made so. Its edges are straight, whatever curve they
-        came from; ``piece`` of the result numbers straight chains of the edges that were kept. Edges that
-        match (``mesh.periodic``) are divided before anything else, both in the same way, by the smallest
-        size or area that is wanted on their sides; a new vertex on one is the image, bit for bit, of that
-        on the other. No more vertices are put there: triangles for which the angle asks for one say "kept".
+        A region, a body in space, or a triangle mesh of the plane that is to be refined. In a mesh, boundary
+        edges, marked edges and edges between cells of different "region" are kept as edges (divided, if
+        necessary). If the mesh is not constrained Delaunay, it is first made so. Its edges are straight,
+        whatever curve they came from; ``piece`` of the result numbers straight chains of the edges that were
+        kept. Edges that match (``mesh.periodic``) are divided before anything else, both in the same way, by
+        the smallest size or area that is wanted on their sides; a new vertex on one is the image, bit for
+        bit, of that on the other. No more vertices are put there: triangles for which the angle asks for one
+        say "kept".
     size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
-        The wanted edge length. Away from the boundary all edges are at most sqrt(2) times as long, and new
+        The wanted edge length h. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
         stands for all regions that are not named; without it these have no limit.
     min_angle : float, optional
-        The wanted minimum angle, in degrees; 25 by default, 0 for none.
+        In the plane, as the next three: the wanted minimum angle, in degrees; 25 by default, 0 for none.
     max_area : number or dict of region name to number, optional
         The largest area wanted, the key None as for the size. In a mesh, a region is named as in
         ``mesh.regions`` or by its number.
@@ -90,6 +95,15 @@ def refine(
         Whether vertices are put on pieces (in a mesh: on edges that are kept), once they are cut by the size:
         True, False, or "inner", for inner pieces only. Triangles that need such a vertex stay; the reason
         says so.
+    radius_edge : float, optional
+        In space: the largest quotient of the circumradius and the shortest edge of a cell; 2 by default, inf
+        for none. It bounds the angles of triangles, but not dihedral angles: flat cells of four points near a
+        circle (slivers) may have a quotient of 0.71. See `improve` for these.
+    max_volume : number or dict of region name to number, optional
+        In space: the largest volume wanted, the key None as for the size.
+    min_dihedral : float, optional
+        In space: the least dihedral angle wanted, in degrees. A point against a sliver is put only if no edge
+        becomes shorter than the shortest one of the sliver; others stay and say so.
     budget : int, optional
         The number of vertices at which to stop. The boundary, cut to the wanted size, and its triangulation
         are made in any case. Without a budget (then it is 10^7), a piece is not split any longer for the
@@ -138,12 +152,43 @@ def refine(
     A. Üngör, LATIN (2004) 152-161; J. R. Shewchuk, Computational Geometry 22 (2002) 21-74; G. L. Miller,
     S. E. Pav, N. J. Walkington, International Meshing Roundtable (2003) 91-102; A. Rand, On the
     non-termination of Ruppert's algorithm (2011). Book: 2.6a, 2.6d.
+
+    *In space,* subsegments with a vertex in their sphere (the one with the segment as its diameter) or longer
+    than sqrt(2) h are halved; triangles of facets with a vertex in the sphere about their circumcenter, or
+    with a circumradius of more than h / sqrt(2), get this point; and so do cells that miss a limit. A point
+    that would be in the sphere of a segment or a triangle is not put: that is divided instead. New points on
+    facets are rounded to the plane of the facet, not moved to a curved surface that it stands for: give its
+    body with fine facets (`Domain.ball` and others with ``size``). From then on the facet is the triangles
+    that are stored; cells around it are positive by exact signs. Facets whose vertices are in a plane only
+    up to more than rounding are divided triangle by triangle.
+
+    What is proved (Shewchuk): where segments meet at 90 degrees or more, and facets each other and segments
+    as well (dihedral angles included), it ends for a ``radius_edge`` above 2, with edges as long as the
+    features allow within a constant. For lower limits, sharper input, and for ``min_dihedral``, nothing is.
+    There a point for the shape's sake must keep a distance of 1/256 of the edges nearby in the beginning, and
+    one for the size's or volume's sake of a quarter of the size; so each run ends. Cells that would need
+    nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Cells at input angles
+    below 60 degrees are left alone where only these angles make their shape ("input angle"). Nothing is
+    refined if a facet could not be recovered (see `constrained_delaunay`). ``counts``: "circumcenters",
+    "segment points", "facet points", points that were "refused", and cells that miss "size" and "shape".
+    O(n log n) in practice. Source: J. R. Shewchuk, Symposium on Computational Geometry (1998) 86-95; H. Si,
+    ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8c.
     """
     check_split_boundary(split_boundary)
     as_flags(history=history, progress=progress)
     domain = as_domain(domain) if isinstance(domain, Sampled) else domain
     if not isinstance(domain, Domain | Mesh):
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
+    planar = {"min_angle": min_angle, "max_area": max_area, "refine_if": refine_if}
+    spatial = {"radius_edge": radius_edge, "max_volume": max_volume, "min_dihedral": min_dihedral}
+    if isinstance(domain, Domain) and domain.dimension == 3:
+        _refuse_others(planar | {"method": None if method == "off-centers" else method}, "the plane")
+        mesh = refine_body(
+            domain, size, **spatial, split_boundary=split_boundary, budget=_budget(budget), history=history,
+            progress=progress,
+        )  # fmt: skip
+        return noticed(mesh)
+    _refuse_others(spatial, "space")
     angle, lens, offset = _method(method, min_angle)
     most = _budget(budget)
     if isinstance(domain, Mesh):
@@ -185,6 +230,15 @@ def refine(
     else:
         paired(domain, result)
     return noticed(result)
+
+
+def _refuse_others(values: dict[str, Any], where: str) -> None:
+    for name, value in values.items():
+        if value is not None:
+            raise InputError(
+                f"{name} is for {where}: in the plane there are min_angle, max_area, method and refine_if, "
+                "in space radius_edge, max_volume and min_dihedral"
+            )
 
 
 def _method(method: str, min_angle: float | None) -> tuple[float, float, float]:

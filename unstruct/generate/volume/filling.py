@@ -19,7 +19,7 @@ from ...mesh.mesh import Mesh
 from ...sizing.field import SizeField
 from .rounder import faces_of_cells, rounded
 
-__all__ = ["filled"]
+__all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
 
 ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
@@ -72,7 +72,7 @@ def filled(
     made = complex_.inside()
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
-    chains = _chains(domain, found, made)
+    chains = chains_of_segments(domain, found, made)
     counts = {} if inner is None else {"lattice points": len(inner)}
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
@@ -81,7 +81,7 @@ def filled(
     if field is not None:
         for cell in _large(made, field).tolist():
             unrefined.setdefault(cell, "a facet is larger than the size")
-    return _with_names(domain, found, made, chains, unrefined, counts)
+    return with_names(domain, found, made, chains, unrefined, counts)
 
 
 def _rounder(
@@ -104,7 +104,7 @@ def _rounder(
     return result, {"refills": better.refills, "moves": better.moves}
 
 
-def _with_names(
+def with_names(
     domain: Domain,
     found: Recovered,
     made: SpatialMesh,
@@ -118,7 +118,7 @@ def _with_names(
     origin = np.where(made.vertex < given, made.vertex, -1).astype(np.int32)
     piece = shell.piece[made.triangle]
     segments, segment_piece, span = chains
-    region = _regions(domain, made)
+    region = numbered_regions(domain, made)
     cells = sorted(unrefined)
     bounding = piece < len(domain.facets)
     markers: dict[str, Any] = {
@@ -158,7 +158,7 @@ def _with_names(
     return mesh
 
 
-def _chains(
+def chains_of_segments(
     domain: Domain, found: Recovered, made: SpatialMesh
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
     """The edges of inner segments, their pieces and the parameters of their ends."""
@@ -192,7 +192,7 @@ def _chains(
     )
 
 
-def _regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
+def numbered_regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
     """The number of each cell: the place of the name of its part, or a further number for each other part."""
     if not domain.regions:
         return _counted(made.region, 0)

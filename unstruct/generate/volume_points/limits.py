@@ -1,0 +1,137 @@
+"""Limits for tetrahedra: radius-edge ratio, dihedral angle, volume and size; sizes by regions.
+
+A size h is a wanted edge length. As in the plane, a cell is too large if its circumradius exceeds
+h / sqrt(2); a new point is then farther than that from all vertices that it sees, and edges are at most
+sqrt(2) h long in the end. See the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arguments import as_number, positive
+from ...base.elementary import cosine
+from ...base.errors import InputError
+from ...base.jit import inline
+from ...domain.plane.by_region import per_region
+from ...sizing.field import as_size
+from ...sizing.metric import Metric
+from ...sizing.space_table import size_in_space, space_nodes
+
+__all__ = ["BY_MEASURE", "BY_QUALITY", "BodyLimits", "field_of", "make_body_limits", "wanted_in_space"]
+
+BY_MEASURE, BY_QUALITY = 1, 2  # why something is divided: size and volume, or shape
+NO_FIELD = np.full(1, -1, dtype=np.int32), np.zeros((1, 8)), np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
+LARGEST_DIHEDRAL = 60.0  # degrees: more cannot be asked for
+
+
+class BodyLimits(NamedTuple):
+    """The limits as the kernels see them; lengths are scaled."""
+
+    ratio2: float  # largest radius-edge ratio, squared; inf for none
+    sliver: float  # cosine of the least dihedral angle; 1 for none
+    reach2: float  # largest circumradius, squared, in sizes
+    volume: NDArray[np.float64]  # (regions,) six times the largest volume, inf for none
+    size: NDArray[np.float64]  # (regions,) the size, if it is constant; inf for none
+    first: NDArray[np.int64]  # (regions,) first row of the size's table, -1 if the size is constant
+    last: NDArray[np.int64]
+    child: NDArray[np.int32]
+    values: NDArray[np.float64]
+    box: NDArray[np.float64]
+
+
+@inline
+def wanted_in_space(limits, r, x, y, z):
+    """The wanted length in region r at (x, y, z); inf for none."""
+    i = limits.first[r]
+    if i < 0:
+        return limits.size[r]
+    j = limits.last[r]
+    return size_in_space(limits.child[i:j], limits.values[i:j], limits.box, x, y, z)
+
+
+def field_of(value: Any) -> Any:
+    """A size field, where a size in space is asked for."""
+    if isinstance(value, Metric):
+        raise InputError(
+            "in space points are not put by a metric: give a size, which is the same in all directions; "
+            "cells with directions are made in the plane by advancing_front"
+        )
+    return as_size(value)
+
+
+def make_body_limits(
+    names: list[str],
+    box: NDArray[np.float64],
+    factor: float,
+    *,
+    size: Any = None,
+    max_volume: Any = None,
+    radius_edge: float | None = None,
+    min_dihedral: float | None = None,
+    reach: float = math.sqrt(0.5),
+) -> BodyLimits:
+    """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates.
+
+    Parameters
+    ----------
+    names : list of str
+    box : (2, 3) ndarray
+    factor : float
+        By which coordinates are multiplied.
+    size, max_volume
+        One for all, or a dict by names of regions.
+    radius_edge : float, optional
+        The largest ratio of circumradius and shortest edge.
+    min_dihedral : float, optional
+        The least dihedral angle, in degrees.
+    reach : float
+        The largest circumradius, in sizes.
+    """
+    count = len(names)
+    volumes = [
+        math.inf if one is None else 6.0 * positive(one, "max_volume") * factor**3
+        for one in per_region(max_volume, names, "max_volume")
+    ]
+    sizes, first, last = np.full(count, np.inf), np.full(count, -1), np.full(count, -1)
+    parts, rows = [], 0
+    made: dict[int, tuple[int, int]] = {}
+    for r, one in enumerate(per_region(size, names, "size")):
+        if one is None:
+            continue
+        field = field_of(one)
+        if field.constant is not None:
+            sizes[r] = field.constant * factor
+            continue
+        if id(one) not in made:
+            marks = field.landmarks if field.landmarks.shape[1:] == (3,) else np.empty((0, 3))
+            marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
+            nodes = space_nodes(field, box, factor, marks)
+            made[id(one)] = rows, rows + len(nodes.child)
+            parts.append(nodes)
+            rows += len(nodes.child)
+        first[r], last[r] = made[id(one)]
+    child, values = [part.child for part in parts], [part.values for part in parts]
+    return BodyLimits(
+        math.inf if radius_edge is None else radius_edge * radius_edge,
+        1.0 if min_dihedral is None else cosine(math.radians(min_dihedral)),
+        reach * reach, np.array(volumes, dtype=np.float64), sizes,
+        first.astype(np.int64), last.astype(np.int64),
+        np.concatenate(child) if child else NO_FIELD[0], np.concatenate(values) if values else NO_FIELD[1],
+        (box * factor).ravel(),
+    )  # fmt: skip
+
+
+def shape_limits(radius_edge: Any, min_dihedral: Any) -> tuple[float | None, float | None]:
+    """The ratio and the angle that were asked for; None for none."""
+    ratio = None if radius_edge is None else as_number(radius_edge, "radius_edge")
+    if ratio is not None and not ratio >= 0.7:
+        raise InputError(f"radius_edge = {ratio} must be at least 0.7: regular tetrahedra have 0.612")
+    angle = None if min_dihedral is None else as_number(min_dihedral, "min_dihedral")
+    if angle is not None and not 0 <= angle <= LARGEST_DIHEDRAL:
+        raise InputError(f"min_dihedral = {angle} must be between 0 and {LARGEST_DIHEDRAL:g} degrees")
+    return ratio, angle or None

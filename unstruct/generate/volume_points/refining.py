@@ -1,0 +1,52 @@
+"""Delaunay refinement of bodies: `refine` in space (section 2.8c of the book)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...base.arguments import DEFAULT_BUDGET, as_count
+from ...base.progress import progress_bar
+from ...domain.domain import Domain
+from ...mesh.domain_mesh import DomainMesh
+from ..boundary.kept import SplitBoundary, kept_pieces
+from ..volume.filling import filled
+from .account import result_of
+from .limits import make_body_limits, shape_limits
+from .run import BodyRun, recovered
+
+__all__ = ["refine_body"]
+
+RADIUS_EDGE = 2.0  # by default
+
+
+def refine_body(
+    domain: Domain,
+    size: Any = None,
+    *,
+    radius_edge: float | None = None,
+    max_volume: Any = None,
+    min_dihedral: float | None = None,
+    split_boundary: SplitBoundary = True,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> DomainMesh:
+    """`refine` for a body in space; see there."""
+    ratio, angle = shape_limits(RADIUS_EDGE if radius_edge is None else radius_edge, min_dihedral)
+    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    cells, found = recovered(domain, progress)
+    if not found.complete:
+        return filled(domain, progress=progress)
+    run = BodyRun(domain, cells, found, kept)
+    names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
+    limits = make_body_limits(
+        names, np.asarray(domain.bounds), cells.factor,
+        size=size, max_volume=max_volume, radius_edge=ratio, min_dihedral=angle,
+    )  # fmt: skip
+    run.begin(limits)
+    with progress_bar(progress, " vertices", desc="refine") as bar:
+        run.advance(max(most - cells.size, 0), bar)
+    return result_of(run, history)

@@ -1,0 +1,224 @@
+"""One run of an insertion in space: its arrays, which grow as needed, and the mesh in the end."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.codes import DONE, MORE, ROOM
+from ...base.errors import InputError
+from ...connect.insertion.engine import grown
+from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
+from ...connect.spatial.numbered import new_numbered, number_edges
+from ...connect.spatial.opening import new_star
+from ...domain.domain import Domain
+from ..volume.filling import numbered_regions
+from .limits import BodyLimits
+from .queues import enter_all, look_at_all
+from .records import (
+    CENTER_POINTS,
+    FACET_POINTS,
+    FREE_POINT,
+    IN_HEAP,
+    NO_MORE,
+    OF_DOMAIN,
+    REFUSED_POINTS,
+    SEGMENT_POINTS,
+    SUBSEGMENTS_NOW,
+    VERTICES_NOW,
+    BodyWork,
+)
+from .start import find_surface, planes_of
+from .steps import SPARE_QUEUE, divide
+
+__all__ = ["BodyRun", "recovered"]
+
+BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
+MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
+
+
+def recovered(domain: Domain, progress: bool = False) -> tuple[SpatialComplex, Recovered]:
+    """The cells of the vertices of a body, with its facets as faces, its parts numbered."""
+    shell = domain.triangulated
+    if len(domain.facets) == 0:
+        raise InputError("the domain has no facets, so nothing is inside: give facets")
+    cells = SpatialComplex(domain.points, progress=progress)
+    found = cells.recover(shell.triangles, shell.segments, progress=progress)
+    cells.flood(len(shell.bounding))
+    if not (cells.region[: cells.slots][cells.used()] >= 0).any():
+        raise InputError("the facets enclose no volume")
+    return cells, found
+
+
+class BodyRun:
+    """The state of an insertion in a complex that has been recovered completely.
+
+    Parameters
+    ----------
+    domain : Domain
+    cells : SpatialComplex
+    found : Recovered
+        See `recovered`.
+    kept : (pieces,) uint8
+        Which pieces get no points.
+    """
+
+    def __init__(self, domain: Domain, cells: SpatialComplex, found: Recovered, kept: NDArray[np.uint8]):
+        self.domain, self.cells, self.found = domain, cells, found
+        made = cells.inside()
+        self.regions = numbered_regions(domain, made)
+        slots = np.flatnonzero(cells.used() & (cells.region[: cells.slots] >= 0))
+        cells.region[slots] = self.regions
+        shell = domain.triangulated
+        first, self.plane = planes_of(shell, cells.factor)
+        parts = cells.given_parts
+        assert parts is not None
+        marks = cells.mark[: 4 * cells.slots]
+        there = marks >= 0
+        marks[there] = first[parts.root[marks[there]]]
+        surface = find_surface(domain, found, made, cells)
+        count = len(surface.ends)
+        self.kept = kept[shell.piece].astype(np.int8)
+        self.ends, self.parent, self.span = surface.ends.copy(), surface.parent.copy(), surface.span.copy()
+        stays = np.append(kept, np.zeros(count, dtype=kept.dtype))[
+            np.minimum(surface.parent, len(kept))
+        ].astype(bool)
+        stays[surface.beside[0][kept[surface.beside[1]] > 0]] = True
+        self.asked = np.where(stays, 3 << NO_MORE, 0).astype(np.int8)
+        self.count = np.zeros(16, dtype=np.int64)
+        self.count[VERTICES_NOW], self.count[SUBSEGMENTS_NOW] = cells.size, count
+        self.given = cells.size
+        self.edges = new_numbered(2 * count + 64, cells.size)
+        self.feature = np.full(cells.size, OF_DOMAIN, dtype=np.int32)
+        self.floor = _shortest(cells, made)
+        self.flag, self.why = np.zeros(0, dtype=np.int8), np.zeros(0, dtype=np.int8)
+        self.heap, self.bad = np.empty(0), np.empty(0, dtype=np.int32)
+        self.segments, self.faces = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
+        self.star = new_star(0, 0)
+        self.out = np.zeros(24)
+        self.limits: BodyLimits
+        self._reserve()
+        number_edges(self.edges, self.ends, 0, count)
+
+    # ------------------------------------------------------------------ arrays
+
+    def _reserve(self) -> None:
+        """Make room for half as much again."""
+        cells, count = self.cells, self.count
+        points = int(count[VERTICES_NOW])
+        cells.size = points
+        slots = cells.slots
+        cells.reserve(points + points // 2 + 1024, slots + slots // 2 + 4 * SPARE_QUEUE)
+        vertices, slots = len(cells.xyz), len(cells.stamp)
+        if len(self.why) < slots:
+            more = slots - len(self.why)
+            self.why = np.append(self.why, np.zeros(more, dtype=np.int8))
+            self.flag = np.append(self.flag, np.zeros(4 * more, dtype=np.int8))
+            self.star = new_star(slots, vertices)
+        elif len(self.star.met) < vertices:
+            self.star = new_star(slots, vertices)
+        self.feature, self.floor = grown(self.feature, vertices), grown(self.floor, vertices)
+        parts = int(count[SUBSEGMENTS_NOW]) + vertices - points
+        self.ends, self.parent = grown(self.ends, parts), grown(self.parent, parts)
+        self.span, self.asked = grown(self.span, parts), grown(self.asked, parts)
+        self.segments = grown(self.segments, parts)
+        if len(self.edges.key) < 6 * parts or len(self.edges.degree) < vertices:
+            self.edges = new_numbered(3 * parts, vertices)
+            number_edges(self.edges, self.ends, 0, int(count[SUBSEGMENTS_NOW]))
+        self.heap = grown(self.heap, int(count[IN_HEAP]) * 2 + 4 * SPARE_QUEUE)
+        self.bad = grown(self.bad, len(self.heap))
+        self.faces = grown(self.faces, len(self.faces) + 4 * SPARE_QUEUE)
+
+    def work(self) -> BodyWork:
+        """The arrays as they are now, in one record for the kernels."""
+        return BodyWork(
+            self.cells.solid(), self.star, self.edges, self.limits, self.ends, self.parent, self.span,
+            self.asked, self.plane, self.kept, self.feature, self.floor, self.flag, self.why, self.heap,
+            self.bad, self.segments, self.faces, self.count,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------------ the run
+
+    def begin(self, limits: BodyLimits) -> None:
+        """Take limits, and let everything wait that misses one."""
+        self.limits = limits
+        slots = self.cells.slots
+        self.heap = grown(self.heap, slots + 4 * SPARE_QUEUE)
+        self.bad = grown(self.bad, len(self.heap))
+        self.faces = grown(self.faces, 4 * slots + 4 * SPARE_QUEUE)
+        at = _cells_at(self.cells, self.ends[: int(self.count[SUBSEGMENTS_NOW])])
+        look_at_all(self.work(), self.out, at)
+
+    def advance(self, budget: int, bar: Any) -> bool:
+        """Put points until nothing waits, or so many are there; whether nothing waits."""
+        last = min(self.given + budget, MOST_SPATIAL)
+        code = MORE
+        while code != DONE and self.count[VERTICES_NOW] < last:
+            before = int(self.count[VERTICES_NOW])
+            code = int(divide(self.work(), self.out, last, BODY_STEPS_A_CALL))
+            bar.update(int(self.count[VERTICES_NOW]) - before)
+            if code == ROOM:
+                self._reserve()
+                if self.count[IN_HEAP] > len(self.heap) // 2:
+                    enter_all(self.work(), self.out)
+        self.cells.size = int(self.count[VERTICES_NOW])
+        return code == DONE
+
+    # ------------------------------------------------------------------ results
+
+    def chains(self, made: SpatialMesh) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+        """The edges of inner segments in the mesh, their pieces, and the parameters of their ends."""
+        parts = int(self.count[SUBSEGMENTS_NOW])
+        place = np.full(self.cells.size, -1, dtype=np.int32)
+        place[made.vertex] = np.arange(len(made.vertex), dtype=np.int32)
+        rows = np.flatnonzero(self.parent[:parts] < len(self.domain.pieces))
+        rows = rows[(place[self.ends[rows]] >= 0).all(axis=1)]
+        rows = rows[np.lexsort((self.span[rows, 0], self.parent[rows]))]
+        return place[self.ends[rows]], self.parent[rows].copy(), self.span[rows].copy()
+
+    def steps(self, made: SpatialMesh) -> dict[str, NDArray]:
+        """The new vertices in order, by their numbers in the mesh, and where each was put."""
+        new = np.flatnonzero(made.vertex >= self.given)
+        feature = self.feature[made.vertex[new]]
+        kind = np.where(feature == FREE_POINT, "circumcenter", np.where(feature >= 0, "segment", "facet"))
+        return {"kind": kind, "vertex": new.astype(np.int32)}
+
+    def counts(self) -> dict[str, int]:
+        """How many points were put where."""
+        return {
+            "circumcenters": int(self.count[CENTER_POINTS]),
+            "segment points": int(self.count[SEGMENT_POINTS]),
+            "facet points": int(self.count[FACET_POINTS]),
+            "refused": int(self.count[REFUSED_POINTS]),
+        }
+
+
+def _shortest(cells: SpatialComplex, made: SpatialMesh) -> NDArray[np.float64]:
+    """The shortest edge at each vertex, scaled."""
+    result = np.full(cells.size, np.inf)
+    corner = made.vertex[made.simplices]
+    for i in range(4):
+        for j in range(i):
+            length = np.linalg.norm(cells.xyz[corner[:, i]] - cells.xyz[corner[:, j]], axis=1)
+            np.minimum.at(result, corner[:, i], length)
+            np.minimum.at(result, corner[:, j], length)
+    return result
+
+
+def _cells_at(cells: SpatialComplex, ends: NDArray[np.int32]) -> NDArray[np.int64]:
+    """A cell at each edge, inside if there is one; -1 where there is none."""
+    slots = np.flatnonzero(cells.used())
+    corner = cells.vertex[: 4 * cells.slots].reshape(-1, 4)[slots].astype(np.int64)
+    pairs = [(i, j) for i in range(4) for j in range(i)]
+    n = cells.size
+    keys = np.concatenate([
+        np.minimum(corner[:, i], corner[:, j]) * n + np.maximum(corner[:, i], corner[:, j]) for i, j in pairs
+    ])  # fmt: skip
+    owner = np.tile(slots, len(pairs))
+    order = np.lexsort((cells.region[owner] < 0, keys))
+    keys, owner = keys[order], owner[order]
+    wanted = ends.min(axis=1).astype(np.int64) * n + ends.max(axis=1)
+    place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where(keys[place] == wanted, owner[place], -1).astype(np.int64)

@@ -1,0 +1,186 @@
+"""Steps of an insertion in space: what waits is divided, subsegments first, then faces, then cells.
+
+A point that is wanted for a cell but is in the sphere of a subsegment or a face, or beyond one, is not put:
+that is divided first. See `dividing` for points on these, and the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+from ...base.codes import DONE, HIDDEN, INSERTED, MORE, ROOM, ROUNDED
+from ...base.heap import pop, push
+from ...base.jit import apart, kernel
+from ...connect.insertion.engine import COUNT, FREE
+from ...connect.spatial.cavity import corner
+from ...connect.spatial.numbered import number_of_edge
+from ...connect.spatial.opening import FACES_OPEN, STAR_SEEDS, STAR_WALLS, walk_within
+from ...connect.spatial.star import commit_star, in_star, search_star
+from .dividing import NEAR_VERTEX, STAYS, WAITS, divide_face, divide_segment, far_enough, has_room
+from .measures import encroaches_edge, encroaches_face, face_center, judge_cell
+from .queues import after_star, push_face, push_segment, set_flag
+from .records import (
+    CENTER_POINTS,
+    FREE_POINT,
+    IN_FACES,
+    IN_HEAP,
+    IN_SEGMENTS,
+    NO_MORE,
+    REFUSED_POINTS,
+    VERTICES_NOW,
+)
+
+__all__ = ["SPARE_QUEUE", "divide"]
+
+SPARE_QUEUE = 4096  # entries of queues that one step may add; larger stars wait for room
+
+
+# ---------------------------------------------------------------------- cells
+
+
+@apart
+def _in_the_way(w, p, cause, out):
+    """Let the subsegments, or else the faces, wait in whose spheres p is; INSERTED if there are none."""
+    solid, star = w.solid, w.star
+    waits = stays = False
+    for i in range(star.sizes[STAR_WALLS]):
+        face = star.walls[i]
+        t, k = face & ~3, face & 3
+        for j in range(3):
+            u, v = solid.vertex[t + corner(k, j)], solid.vertex[t + corner(k, (j + 1) % 3)]
+            s = number_of_edge(w.edges, u, v)
+            if s >= 0 and encroaches_edge(solid.xyz, u, v, p):
+                if push_segment(w, s, cause):
+                    waits = True
+                else:
+                    stays = True
+    if waits:
+        return WAITS
+    for i in range(star.sizes[STAR_WALLS]):
+        face = star.walls[i]
+        if solid.mark[face] < 0:
+            continue
+        t, k = face & ~3, face & 3
+        a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
+        square = face_center(solid.xyz, a, b, c, out)
+        if encroaches_face(solid.xyz, out, square, p):
+            if push_face(w, face, cause):
+                waits = True
+            else:
+                stays = True
+    return WAITS if waits else (STAYS if stays else INSERTED)
+
+
+@apart
+def _center(w, t, cause, out):
+    """Put a point at the circumcenter of cell t, which ``out`` has."""
+    solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
+    for j in range(3):
+        if not abs(out[j]) < 0.9:
+            return ROUNDED
+        solid.xyz[p, j] = out[j]
+    found = walk_within(solid, t, p)
+    if found < 0:
+        face = -1 - found
+        if solid.mark[face] < 0:
+            return HIDDEN
+        return WAITS if push_face(w, face, cause) else STAYS
+    star.cells[0] = found
+    star.sizes[STAR_SEEDS], star.sizes[FACES_OPEN] = 1, 0
+    if not search_star(solid, star, w.edges, p, -1):
+        return ROUNDED
+    if not in_star(solid, t):
+        return HIDDEN
+    code = _in_the_way(w, p, cause, out)
+    if code != INSERTED:
+        return code
+    if not far_enough(w, p, cause):
+        return NEAR_VERTEX
+    if not has_room(w):
+        return ROOM
+    commit_star(solid, star, p)
+    w.feature[p] = FREE_POINT
+    w.count[VERTICES_NOW] = p + 1
+    after_star(w, p, out)
+    w.count[CENTER_POINTS] += 1
+    return INSERTED
+
+
+# ---------------------------------------------------------------------- the loop
+
+
+@apart
+def _next_segment(w, out):
+    s = w.segments[w.count[IN_SEGMENTS] - 1]
+    w.count[IN_SEGMENTS] -= 1
+    cause = w.asked[s] & 3
+    w.asked[s] &= ~3
+    code = divide_segment(w, s, cause, out)
+    if code == ROOM:
+        push_segment(w, s, cause)
+    elif code != INSERTED:
+        w.asked[s] |= cause << NO_MORE
+    return code
+
+
+@apart
+def _next_face(w, out):
+    face = w.faces[w.count[IN_FACES] - 1]
+    w.count[IN_FACES] -= 1
+    if w.solid.vertex[face & ~3] < 0 or w.solid.mark[face] < 0 or w.flag[face] & 3 == 0:
+        return INSERTED
+    cause = w.flag[face] & 3
+    set_flag(w, face, w.flag[face] & ~3)
+    code = divide_face(w, face, cause, out)
+    if code == ROOM or code == WAITS:
+        push_face(w, face, cause)
+    elif code != INSERTED:
+        set_flag(w, face, w.flag[face] | cause << NO_MORE)
+    return code
+
+
+@apart
+def _next_cell(w, out):
+    t, key = w.bad[0], w.heap[0]
+    w.count[IN_HEAP] = pop(w.heap, w.bad, w.count[IN_HEAP])
+    if w.solid.vertex[4 * t] < 0:
+        return INSERTED
+    cause, worst, _ = judge_cell(w.solid, w.limits, t, out)
+    cause &= ~w.why[t] & 3
+    if cause == 0 or worst != -key:
+        return INSERTED
+    code = _center(w, t, cause, out)
+    if code == ROOM or code == WAITS:
+        w.count[IN_HEAP] = push(w.heap, w.bad, w.count[IN_HEAP], key, t)
+    elif code != INSERTED:
+        w.why[t] = (w.why[t] & 3) | cause | code << 2
+    return code
+
+
+@kernel
+def divide(w, out, stop, steps):
+    """Divide what waits until nothing does, ``stop`` vertices are there, or so many steps are done.
+
+    Returns DONE, MORE, or ROOM if arrays must grow first.
+    """
+    for _ in range(steps):
+        if w.count[VERTICES_NOW] >= stop:
+            return MORE
+        if (
+            w.solid.stamp.shape[0] - w.solid.state[COUNT] + w.solid.state[FREE] < SPARE_QUEUE
+            or w.count[IN_HEAP] + SPARE_QUEUE > w.heap.shape[0]
+            or w.count[IN_FACES] + SPARE_QUEUE > w.faces.shape[0]
+            or w.count[VERTICES_NOW] + 2 > w.solid.xyz.shape[0]
+        ):
+            return ROOM
+        if w.count[IN_SEGMENTS] > 0:
+            code = _next_segment(w, out)
+        elif w.count[IN_FACES] > 0:
+            code = _next_face(w, out)
+        elif w.count[IN_HEAP] > 0:
+            code = _next_cell(w, out)
+        else:
+            return DONE
+        if code == ROOM:
+            return ROOM
+        if code > INSERTED and code != WAITS:
+            w.count[REFUSED_POINTS] += 1
+    return MORE
