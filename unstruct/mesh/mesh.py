@@ -271,10 +271,14 @@ class Mesh(CellComplex):
         azimuth: float | None = None,
         elevation: float | None = None,
         explode: float | None = None,
+        section: Any = None,
+        cut: str | None = None,
+        together: Any = None,
     ) -> Any:
         """Draw with matplotlib, on new axes or on ``ax``; see `unstruct.view.plot` for the options."""
         shown = {"role": role, "names": names, "vertices": vertices, "values": values, "label": label}
-        return _plot(self, ax, **shown, azimuth=azimuth, elevation=elevation, explode=explode)
+        shown |= {"azimuth": azimuth, "elevation": elevation, "explode": explode}
+        return _plot(self, ax, **shown, section=section, cut=cut, together=together)
 
     def write(
         self,

@@ -18,8 +18,8 @@ from scipy.spatial import Delaunay, Voronoi
 
 from unstruct import Mesh, view
 from unstruct.base.errors import InputError
-from unstruct.view.draw import colors, frames, plots, space
-from unstruct.view.draw.space import axes3
+from unstruct.view.draw import colors, frames, plots
+from unstruct.view.draw.painting import axes3, things_of
 
 
 @pytest.fixture(autouse=True)
@@ -442,7 +442,7 @@ def test_the_static_picture_paints_the_near_face_last():
             [[0, 1, 2], [3, 4, 5]],
             [[0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0], [1, 1, 0], [1, 0, 1]],
         )
-        things = space._things([walls], np.zeros(3), 1.0, axes3(azimuth, 0), 0.0)
+        things = things_of([walls], np.zeros(3), 1.0, axes3(azimuth, 0), 0.0)
         assert max(things, key=lambda t: t[0])[3][0][0] == near
     ax = view.plot(SOLID, explode=0.3)
     assert sum(len(c.get_paths()) for c in collections(ax, PolyCollection)) == 8

@@ -2,13 +2,17 @@
 
 import base64
 import json
+import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from unstruct import view
+from unstruct import delaunay, view
 from unstruct.view.draw import frames
+from unstruct.view.draw.items import INNER, cut_items
+from unstruct.view.draw.sections import FACES, Plane
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="playwright is not installed: pip install playwright"
@@ -33,6 +37,7 @@ window.model = {
 import("data:text/javascript;base64,MODULE").then(async (made) => {
   window.stop = await made.default.render({ model: window.model, el: document.getElementById("here") });
   window.heard = heard;
+  window.made = made;
   window.ready = true;
 });
 </script>"""
@@ -262,6 +267,46 @@ def test_the_slider_explodes_cells_and_hides_where_there_are_none(show):
     assert page.evaluate("model.get('explode')") == 1 and pixels(page) != before
     surface = show(view.view3d(solid()[1:], alt="points."))
     assert surface.is_hidden("label")
+
+
+@pytest.mark.parametrize("explode", [0, 0.5])
+def test_the_plane_of_a_section_moves_without_a_kernel(show, explode):
+    mesh = delaunay(np.random.default_rng(0).random((80, 3)))
+    wedge = view.item3("cells", "cell", [[0, 1, 2, 3, 4, 5]], np.eye(6)[:, :3] + 2)
+    items = [*view.mesh_items3(mesh, whole=True), wedge]
+    widget = view.view3d(items, alt="a cut cube.", section=("x", 0.5), explode=explode)
+    page = show(widget)
+    normal, low, high = (np.array(widget.scene["section"][k]) for k in ("normal", "low", "high"))
+    seen = []
+    for share in (0, 0.2, 0.5, 1):
+        page.fill("input[aria-label=section]", str(share))
+        assert page.evaluate("model.get('section')") == share
+        seen.append(pixels(page))
+        plane = Plane((low + share * (high - low)) * normal, normal)
+        counts = page.evaluate(
+            """([share, explode]) => {
+            const all = made.primitives(model.get("scene"), explode, share);
+            return [all.length, all.filter((thing) => thing.color).length];
+        }""",
+            [share, explode],
+        )
+        cut = cut_items(widget.scene["items"], plane, explode)
+        assert counts[0] == sum(
+            len(i["data"]) * (len(FACES[len(i["data"][0])]) if explode else 1) for i in cut if i["data"]
+        )
+        if not explode:
+            assert counts[1] == sum(color is not None for i in cut for color in i["colors"])
+    assert len(set(map(tuple, seen))) == 4
+    page.click("[data-do=reset]")
+    assert page.evaluate("model.get('section')") == widget.section
+    assert show(view.view3d(mesh, alt="a cube.")).is_hidden("label:has([aria-label=section])")
+
+
+def test_both_renderers_have_the_same_faces():
+    script = (Path(view.__file__).parent / "draw" / "space.js").read_text()
+    found = re.findall(r"^  (\d): (\[\[.*\]\]),$", script, flags=re.MULTILINE)
+    assert {int(size): json.loads(faces) for size, faces in found} == FACES
+    assert f'INNER = "{INNER}"' in script
 
 
 def test_two_thousand_cells_turn_in_a_tenth_of_a_second(show):

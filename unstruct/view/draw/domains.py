@@ -16,7 +16,8 @@ from ...geometry.parity import left_parity
 from . import frames as fr
 from .bodies import body_parts
 from .colors import role
-from .space import item3, picture
+from .items import item3
+from .painting import picture
 from .strips import draw_items, fit, flat_axes, marks
 
 __all__ = ["plot_domain"]

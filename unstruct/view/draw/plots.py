@@ -5,24 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.transforms import ScaledTranslation
 
 from ...base.errors import DomainError, InputError
 from ...base.options import named
 from ...geometry.outline import Outline
 from ...geometry.simplex import circumcenter, circumradius
 from . import frames as fr
-from .colors import PAPER, line_style
-from .colors import role as style_of
+from .coloring import COLOR_MAP, Coloring, cell_coloring, legend, value_scale
+from .colors import PAPER
 from .domains import plot_domain
-from .space import picture
+from .painting import picture
 from .strips import draw_items, fit, flat_axes, marks
 
-__all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_quality", "plot_voronoi"]
+__all__ = ["dual_segments", "plot", "plot_cavity", "plot_circumcircles", "plot_voronoi"]
 
 FEW = 250  # with more cells than this, lines become thinner, down to 0.3 of their width
 CROWD = 400  # with more vertices than this, no markers are drawn, because they would hide the cells
@@ -50,6 +48,9 @@ def plot(
     azimuth: float | None = None,
     elevation: float | None = None,
     explode: float | None = None,
+    section: Any = None,
+    cut: str | None = None,
+    together: Any = None,
 ) -> Axes:
     """Draw a mesh: planar cells of any number of corners, a surface, or the boundary of a solid; or a domain.
 
@@ -66,15 +67,25 @@ def plot(
         Whether to write the number of each vertex beside it (planar meshes).
     vertices : bool, optional
         Whether to draw the vertices; by default only if there are at most 400.
-    values : array (cells,), optional
-        Color the cells by these values, with a color bar called ``label`` (planar meshes, surfaces, and the
-        faces of solids).
+    values : array (cells,) or (vertices,), or str, optional
+        Color the cells by these values, with a color bar called ``label``; the faces of a solid by those of
+        its cells, or by the mean at their corners. A string is a marker of cells, such as "region" (then
+        colors and a legend with the names), or a quality, such as "min_dihedral".
     label : str
-        Of the color bar.
+        Of the color bar; by default the name of the values.
     azimuth, elevation : float, optional
         From where solids, surfaces and bodies in space are seen, in degrees; by default -55 and 22.
     explode : float, optional
-        How far cells are moved apart, in units of their size; by default they are not.
+        How far cells are moved apart, relative to their distance from the middle; by default they are not.
+    section : optional
+        A plane that cuts solids and surfaces: an axis and an offset, such as ("x", 0.5) or ("-x", 0.5), or a
+        point and a normal, two triples. What is on the side of the normal is removed.
+    cut : str, optional
+        "cells" (default): cells whose middle is beyond the plane are removed, the others are whole. "flat":
+        cells are cut by the plane, and one sees their sections in it.
+    together : str or array of int (cells,), optional
+        What ``explode`` moves as one: cells with the same value of a marker, such as "region", or of the
+        array. By default each cell on its own.
 
     Returns
     -------
@@ -83,13 +94,18 @@ def plot(
     Raises
     ------
     InputError
-        For more than three dimensions, or if ``values`` does not have one entry per cell.
+        For more than three dimensions, if ``values`` does not have one entry per cell or vertex, and for
+        a plane that is none.
     """
-    given = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
+    given: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
+    given |= {"section": section, "cut": cut, "together": together}
     view: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if isinstance(mesh, Outline | DomainError):
-        if role != "cell" or values is not None or label or explode is not None:
-            raise InputError("role, values, label and explode are options of meshes; see plot_domain")
+        if role != "cell" or values is not None or label or {*view} - {"azimuth", "elevation"}:
+            raise InputError(
+                "role, values, label, explode, section, cut and together are options of meshes; "
+                "see plot_domain"
+            )
         return plot_domain(mesh, ax, numbers=names or None, vertices=vertices, **view)
     if not hasattr(mesh, "points") or not (hasattr(mesh, "cells") or hasattr(mesh, "simplices")):
         raise InputError(f"plot draws a Mesh or a Domain, not a {type(mesh).__name__}")
@@ -109,7 +125,11 @@ def plot(
     wide = [c for c in cells if len(c) > 2]
     used = np.unique(np.concatenate([np.asarray(c) for c in cells])) if cells else np.arange(0)
     if values is not None:
-        color_cells(ax, [points[c] for c in wide], values, label)
+        coloring = cell_coloring(mesh, values, label, count=len(wide))
+        if coloring.by_vertex:
+            means = np.array([coloring.values[c].mean() for c in wide])
+            coloring = coloring._replace(values=means, by_vertex=False)
+        _fill_cells(ax, [points[c] for c in wide], coloring)
     else:
         before = len(ax.collections)
         draw_items(ax, [fr.polygons(role, [points[c] for c in wide])])
@@ -130,12 +150,22 @@ def color_cells(ax: Axes, corners: Sequence[np.ndarray], values: Any, label: str
     values = np.asarray(values, dtype=float)
     if values.shape != (len(corners),):
         raise InputError(f"values must have one entry per cell, shape ({len(corners)},), not {values.shape}")
+    _fill_cells(ax, corners, Coloring(values, False, value_scale(values), {}, label))
+
+
+def _fill_cells(ax: Axes, corners: Sequence[np.ndarray], coloring: Coloring) -> None:
+    """Fill cells by one value each, with a color bar or a legend."""
     width = 0.5 if len(corners) < 2000 else 0.0
-    collection = PolyCollection(
-        corners, array=values, edgecolors=PAPER, linewidths=width, cmap="cividis", zorder=2
-    )
+    collection = PolyCollection(corners, edgecolors=PAPER, linewidths=width, cmap=COLOR_MAP, zorder=2)
+    if coloring.regions:
+        collection.set_facecolor(coloring.colors(coloring.values))
+    else:
+        collection.set_array(coloring.values)
     ax.add_collection(collection)
-    ax.figure.colorbar(collection, ax=ax, shrink=0.75, label=label, pad=0.02)
+    if coloring.regions:
+        legend(ax, coloring)
+    else:
+        ax.figure.colorbar(collection, ax=ax, shrink=0.75, label=coloring.label, pad=0.02)
 
 
 def planar_cells(mesh: Any) -> list[np.ndarray]:
@@ -315,52 +345,3 @@ def _dual_of_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         np.array(pairs, dtype=int).reshape(-1, 2),
         np.array(ends).reshape(-1, 2),
     )
-
-
-def plot_quality(meshes: Any, name: str = "min_angle", ax: Axes | None = None, *, bins: int = 36) -> Axes:
-    """Histogram of a quality over the cells, for one mesh or for several named ones.
-
-    Parameters
-    ----------
-    meshes : Mesh or dict of str to Mesh
-        The meshes to compare; the legend shows the minimum and the mean of each.
-    name : str
-        One of `unstruct.simplex.QUALITIES`.
-    bins : int
-        Number of bins, common to all meshes.
-    """
-    named = dict(meshes) if isinstance(meshes, Mapping) else {"": meshes}
-    for key, mesh in named.items():
-        if not hasattr(mesh, "quality"):
-            raise InputError(f"meshes: {key or 'this'} is no Mesh but a {type(mesh).__name__}")
-    values = {key: np.asarray(mesh.quality(name), dtype=float) for key, mesh in named.items()}
-    finite = {key: v[np.isfinite(v)] for key, v in values.items()}
-    if ax is None:
-        ax = plt.subplots(figsize=(5.2, 3.0))[1]
-    edges = np.histogram_bin_edges(np.concatenate(list(finite.values())), bins)
-    for number, (key, v) in enumerate(finite.items()):
-        style = ("circumcircle", "inserted", "voronoi", "layer", "front")[number % 5]
-        text = f"{key + ': ' if key else ''}minimum {v.min():.3g}, mean {v.mean():.3g}"
-        lost = len(values[key]) - len(v)
-        ax.stairs(
-            np.histogram(v, edges)[0] / max(len(values[key]), 1),
-            edges,
-            fill=False,
-            zorder=3,
-            label=text + (f", {lost} not finite" if lost else ""),
-            **line_style(style),
-        )
-        ax.stairs(
-            np.histogram(v, edges)[0] / max(len(values[key]), 1),
-            edges,
-            fill=True,
-            color=style_of(style).fill,
-            alpha=0.25,
-        )
-    ax.set(
-        xlabel=name.replace("_", " ") + (" (degrees)" if "angle" in name or "dihedral" in name else ""),
-        ylabel="share of cells",
-    )
-    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # in inches
-    ax.legend(loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, borderaxespad=0)
-    return ax

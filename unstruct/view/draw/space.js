@@ -2,14 +2,21 @@
 
 const SCALE = 96 / 72; // the styles are in points, the picture in pixels
 const THIN = 0.6; // the width of edges of faces, relative to the role's width
-const START = ["azimuth", "elevation", "zoom", "explode"];
+const START = ["azimuth", "elevation", "zoom", "explode", "section"];
+const INNER = "#a9cfe6"; // the color of faces that a section uncovers, unless cells have colors
 
 const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((v) => v / (Math.hypot(...a) || 1));
 const mean = (rows) => [0, 1, 2].map((k) => rows.reduce((sum, row) => sum + row[k], 0) / rows.length);
-const FACES = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+// The faces of solid cells, by their number of corners.
+const FACES = {
+  4: [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]],
+  5: [[0, 3, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+  6: [[0, 2, 1], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]],
+  8: [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+};
 
 // The directions right, up and toward the reader, as in space.py.
 function axes(azimuth, elevation) {
@@ -21,8 +28,27 @@ function axes(azimuth, elevation) {
   };
 }
 
+// Of cells that a plane may hide: which are kept, and how many of all and of the kept ones have each face.
+function uncovered(item, at, { normal, low, high }, share) {
+  const kept = item.data.map((row) => dot(mean(row.map(at)), normal) <= low + share * (high - low));
+  const [all, left] = [new Map(), new Map()];
+  const name = (row, ends) => ends.map((k) => row[k]).sort((a, b) => a - b).join();
+  item.data.forEach((row, j) => {
+    for (const ends of FACES[row.length]) {
+      const key = name(row, ends);
+      all.set(key, (all.get(key) ?? 0) + 1);
+      if (kept[j]) left.set(key, (left.get(key) ?? 0) + 1);
+    }
+  });
+  return {
+    kept,
+    hidden: (row, ends) => left.get(name(row, ends)) > 1,
+    color: (row, ends) => (all.get(name(row, ends)) > 1 ? INNER : undefined),
+  };
+}
+
 // All things to be drawn, each with its corners in space, their mean, and the normal of a face.
-function primitives(scene, explode) {
+export function primitives(scene, explode, share) {
   const made = [];
   const [x, y, z, r] = scene.ball;
   const add = (item, kind, corners, lift = 0, more = {}) =>
@@ -30,18 +56,25 @@ function primitives(scene, explode) {
   const face = (item, corners, color, inside) => {
     let normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
     if (inside && dot(normal, sub(corners[0], inside)) < 0) normal = normal.map((v) => -v);
-    add(item, "polygons", corners, 0, { color, normal, solid: inside && (item.opacity ?? 1) === 1 });
+    const solid = (inside && (item.opacity ?? 1) === 1) || item.closed;
+    add(item, "polygons", corners, item.lift ?? 0, { color, normal, solid });
   };
   for (const item of scene.items) {
     const at = (k) => item.points[k];
+    const cut = scene.section && item.kind === "cells" ? uncovered(item, at, scene.section, share) : null;
     item.data.forEach((row, j) => {
-      const color = item.colors?.[j];
+      const color = item.colors?.[j] ?? undefined;
+      if (cut && !cut.kept[j]) return;
       if (item.kind === "cells") {
         const corners = row.map(at);
         const center = mean(corners);
         const shift = sub(center, [x, y, z]).map((v) => v * explode);
         const moved = corners.map((c) => c.map((v, k) => v + shift[k]));
-        for (const ends of FACES) face(item, ends.map((k) => moved[k]), color, mean(moved));
+        for (const ends of FACES[row.length]) {
+          if (cut && !explode && cut.hidden(row, ends)) continue;
+          const shade = color ?? (explode ? undefined : cut?.color(row, ends));
+          face(item, ends.map((k) => moved[k]), shade, mean(moved));
+        }
       } else if (item.kind === "polygons") face(item, row.map(at), color);
       else if (item.kind === "segments") add(item, "segments", row.map(at), 0.05);
       else if (item.kind === "points") add(item, "points", [row], 0.45);
@@ -162,6 +195,7 @@ function build(el) {
       <button type="button" data-do="in" aria-label="zoom in" title="zoom in">+</button>
       <button type="button" data-do="reset" aria-label="reset" title="reset">↺</button>
       <label>explode <input type="range" min="0" max="1.5" step="0.05" aria-label="explode"></label>
+      <label>section <input type="range" min="0" max="1" step="0.02" aria-label="section"></label>
     </div>
   </div>`;
   // JupyterLab looks for this mark only up to the first element that one of its shortcuts is for.
@@ -173,7 +207,10 @@ class View {
   constructor(model, el) {
     this.model = model;
     this.root = build(el);
-    [this.canvas, this.slider] = ["canvas", "input"].map((name) => this.root.querySelector(name));
+    this.canvas = this.root.querySelector("canvas");
+    this.sliders = Object.fromEntries(
+      ["explode", "section"].map((name) => [name, this.root.querySelector(`[aria-label=${name}]`)]),
+    );
     this.first = this.state; // the state that reset restores
     this.things = null; // computed once, not for every direction
     this.due = false;
@@ -204,9 +241,10 @@ class View {
     canvas.width = canvas.height = Math.round(size * sharp);
     canvas.style.width = `${size}px`;
     this.root.style.width = `${Math.max(size, 300) + 10}px`;
-    if (this.things === null || this.exploded !== state.explode) {
-      this.exploded = state.explode;
-      this.things = primitives(scene, state.explode);
+    const moved = `${state.explode} ${state.section}`;
+    if (this.things === null || this.moved !== moved) {
+      this.moved = moved;
+      this.things = primitives(scene, state.explode, state.section);
     }
     const pen = canvas.getContext("2d");
     pen.scale(sharp, sharp);
@@ -216,8 +254,11 @@ class View {
     this.root.querySelector(".unstruct-number").textContent = number;
     this.root.setAttribute("aria-label", alt);
     canvas.setAttribute("aria-label", `${alt} ${caption} ${number}`.trim());
-    this.slider.value = state.explode;
-    this.root.querySelector("label").hidden = !scene.items.some((item) => item.kind === "cells");
+    const shown = { explode: scene.items.some((item) => item.kind === "cells"), section: scene.section };
+    for (const [name, slider] of Object.entries(this.sliders)) {
+      slider.value = state[name];
+      slider.parentElement.hidden = !shown[name];
+    }
   }
 
   change(values) {
@@ -246,12 +287,13 @@ class View {
       Home: acts.reset,
     };
     this.root.addEventListener("keydown", (event) => {
-      if (!keys[event.key] || event.target === this.slider) return;
+      if (!keys[event.key] || event.target.type === "range") return;
       event.preventDefault();
       keys[event.key]();
     });
     this.root.addEventListener("click", (event) => acts[event.target.closest("button")?.dataset.do]?.());
-    this.slider.addEventListener("input", () => this.change({ explode: Number(this.slider.value) }));
+    for (const [name, slider] of Object.entries(this.sliders))
+      slider.addEventListener("input", () => this.change({ [name]: Number(slider.value) }));
   }
 
   listenToPointer() {

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..draw import frames as fr
-from ..draw.space import TETRAHEDRON_FACES, axes3
+from ..draw.painting import axes3
+from ..draw.sections import FACES
 
 __all__ = ["bodies", "space_frame"]
 
@@ -32,7 +33,7 @@ def space_frame(
         points, kind = np.reshape(item["points"], (-1, 3)), item["kind"]
         for row_index, row in enumerate(item["data"]):
             if kind == "cells":
-                parts = [("polygons", points[row][list(face)]) for face in TETRAHEDRON_FACES]
+                parts = [("polygons", points[row][list(face)]) for face in FACES[len(row)]]
             elif kind in ("polygons", "segments"):
                 parts = [(kind, points[row])]
             else:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...geometry.simplex import circumcenter, circumradius
 from ..draw import frames as fr
-from ..draw.space import item3
+from ..draw.items import item3
 from .space_frames import bodies, space_frame
 
 __all__ = ["space_insertion_frames"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...geometry.simplex import dihedral_angles, volume
 from ..draw import frames as fr
-from ..draw.space import item3
+from ..draw.items import item3
 from .space_frames import space_frame
 
 __all__ = ["SLIVER_BASE", "sliver_state"]
