@@ -60,6 +60,7 @@ from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_insertion import space_insertion_frames as space_insertion_frames
 from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames
+from .scenes.space_recovery import missing_edge_items as missing_edge_items
 from .scenes.space_slivers import sliver_state as sliver_state
 from .scenes.springs import SPRING_X as SPRING_X
 from .scenes.springs import SPRING_Y as SPRING_Y

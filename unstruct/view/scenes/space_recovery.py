@@ -10,10 +10,10 @@ import numpy as np
 
 from ...connect.spatial.signs import DISJOINT, meets
 from ..draw import frames as fr
-from ..draw.space import TETRAHEDRON_FACES, item3
+from ..draw.items import item3
 from .space_frames import bodies, space_frame
 
-__all__ = ["edge_recovery_frames"]
+__all__ = ["edge_recovery_frames", "missing_edge_items"]
 
 
 def edge_recovery_frames(
@@ -64,13 +64,36 @@ def edge_recovery_frames(
     return made
 
 
+def missing_edge_items(
+    points: Sequence[Sequence[Any]], cells: Iterable[Sequence[int]], a: int, b: int, *, names: bool = True
+) -> list[dict[str, Any]]:
+    """All edges of the cells, the segment ab, and the faces in its way, as items for a picture.
+
+    Parameters
+    ----------
+    points : n points of three numbers
+    cells : rows of four vertices
+    a, b : the vertices of the edge that is missing
+    names : bool
+        Whether to write the numbers of the vertices.
+    """
+    places = np.array([[float(x) for x in p] for p in points])
+    now = [tuple(int(v) for v in cell) for cell in cells]
+    items = [*_wires(places, now), _faces(places, _in_the_way(places, now, a, b))]
+    items.append(item3("segments", "inserted", [(a, b)], places))
+    if names:
+        used = sorted({v for cell in now for v in cell})
+        items.append(item3("labels", "vertex", places[used], text=used))
+    return items
+
+
 def _count(faces: Sequence[Any]) -> str:
     return f"{len(faces)} face{'' if len(faces) == 1 else 's'} in the way"
 
 
 def _in_the_way(places: np.ndarray, cells: Iterable[Sequence[int]], a: int, b: int) -> list[tuple[int, ...]]:
     """The faces of cells that the open segment meets, each once, by exact signs."""
-    faces = sorted({tuple(sorted(cell[k] for k in f)) for cell in cells for f in TETRAHEDRON_FACES})
+    faces = sorted({face for cell in cells for face in combinations(sorted(cell), 3)})
     return [face for face in faces if meets(places, a, b, *face) != DISJOINT]
 
 

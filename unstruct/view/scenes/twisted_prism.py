@@ -8,7 +8,7 @@ import numpy as np
 
 from ...geometry.simplex import volume
 from ..draw import frames as fr
-from ..draw.space import item3
+from ..draw.items import item3
 from .space_frames import space_frame
 
 __all__ = ["TWISTED_WALLS", "twisted_prism", "twisted_prism_state"]
