@@ -1,8 +1,8 @@
 """Functions for studying the methods, which the chapters of the book need; applications do not.
 
-There are Baker's insertion with fixed cells, recovery of edges, insertion that breaks no boundary edge,
-points along the skeleton of a boundary, meshes of the torus, greedy terrain, and the steps by which
-`swap_diagonals` and `voronoi_segment` reach their results. This module only imports them.
+There are Baker's insertion with fixed cells, recovery of edges and in space what it did, insertion that
+breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, and the
+steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only imports them.
 """
 
 from .assess.statistics import angle_histogram as angle_histogram
@@ -11,6 +11,7 @@ from .connect.baker.fixed import cavities as cavities
 from .connect.baker.fixed import held_by as held_by
 from .connect.baker.fixed import hidden_facets as hidden_facets
 from .connect.baker.modernized import Baker as Baker
+from .connect.spatial.journal import replay_recovery as replay_recovery
 from .connect.swapping import replay as replay
 from .connect.terrain import Terrain as Terrain
 from .connect.terrain import greedy_terrain as greedy_terrain
@@ -46,5 +47,6 @@ __all__ = [
     "recover_edges",
     "remove_outside",
     "replay",
+    "replay_recovery",
     "skeleton_points",
 ]

@@ -15,15 +15,34 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 from unstruct.plain.predicates import orient
 
-__all__ = ["faces_of", "in_the_way", "meets", "recover_edge", "refills", "walls_of"]
+__all__ = [
+    "RecoveryStep",
+    "cavities",
+    "faces_of",
+    "fewest_in_the_way",
+    "in_the_way",
+    "meets",
+    "recover_edge",
+    "recovery_steps",
+    "refills",
+    "walls_of",
+]
 
 Points = Sequence[Sequence[Any]]
 Face = tuple[int, int, int]
 Cell = tuple[int, int, int, int]
+
+
+class RecoveryStep(NamedTuple):
+    """One step of a recovery: the cells that go, those that come, and all cells after it."""
+
+    cavity: frozenset[Cell]
+    refill: frozenset[Cell]
+    cells: frozenset[Cell]
 
 
 def faces_of(cell: Cell) -> frozenset[Face]:
@@ -65,24 +84,41 @@ def refills(
 def recover_edge(
     points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8
 ) -> frozenset[Cell] | None:
-    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck.
+    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck."""
+    cells = frozenset(cells)
+    for step in recovery_steps(points, cells, a, b, most):
+        cells = step.cells
+    return None if in_the_way(points, cells, a, b) else cells
+
+
+def recovery_steps(
+    points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8
+) -> Iterator[RecoveryStep]:
+    """Refills that lower the number of faces in the way of ab, until there are none, or none is found.
 
     Only cavities of at most ``most`` vertices are tried, and only some of them.
     """
     cells = frozenset(cells)
     while way := in_the_way(points, cells, a, b):
-        for cavity in _cavities(cells, way, most):
-            before = len(in_the_way(points, cavity, a, b))
-            found = islice(refills(points, walls_of(cavity), inner={v for cell in cavity for v in cell}), 200)
-            used = {v for cell in cavity for v in cell}
-            whole = [new for new in found if {v for cell in new for v in cell} == used]
-            best = min(whole, key=lambda new: len(in_the_way(points, new, a, b)), default=cavity)
-            if len(in_the_way(points, best, a, b)) < before:
+        for cavity in cavities(cells, way, most):
+            best = fewest_in_the_way(points, cavity, a, b)
+            if len(in_the_way(points, best, a, b)) < len(in_the_way(points, cavity, a, b)):
                 cells = cells - cavity | best
+                yield RecoveryStep(cavity, best, cells)
                 break
         else:
-            return None
-    return cells
+            return
+
+
+def fewest_in_the_way(points: Points, cavity: frozenset[Cell], a: int, b: int) -> frozenset[Cell]:
+    """The refill of a cavity, on all its vertices, with the fewest faces in the way of ab.
+
+    Of the first 200 refills; the cavity itself if none of these uses all vertices.
+    """
+    used = {v for cell in cavity for v in cell}
+    found = islice(refills(points, walls_of(cavity), inner=used), 200)
+    whole = [new for new in found if {v for cell in new for v in cell} == used]
+    return min(whole, key=lambda new: len(in_the_way(points, new, a, b)), default=cavity)
 
 
 def in_the_way(points: Points, cells: Iterable[Cell], a: int, b: int) -> set[Face]:
@@ -129,7 +165,7 @@ def _area(p: Sequence[Fraction], q: Sequence[Fraction], r: Sequence[Fraction]) -
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
 
-def _cavities(cells: frozenset[Cell], way: set[Face], most: int) -> Iterator[frozenset[Cell]]:
+def cavities(cells: frozenset[Cell], way: set[Face], most: int) -> Iterator[frozenset[Cell]]:
     """Sets of cells that hang together, with the two cells at a face in the way; small ones first."""
     owner = {face: cell for cell in cells for face in faces_of(cell)}
     waiting = [frozenset({owner[f], owner[_reverse(f)]}) for f in sorted(way) if _reverse(f) in owner]

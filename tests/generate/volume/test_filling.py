@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from solids import six_points
+from solids import six_points, twisted_star
 
 from unstruct import (
     Domain,
@@ -21,6 +22,9 @@ from unstruct import (
     constrained_delaunay,
     delaunay,
 )
+from unstruct.geometry import simplex
+from unstruct.predicates import orient
+from unstruct.studies import replay_recovery
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -155,3 +159,44 @@ def test_what_is_refused() -> None:
 def test_the_same_input_gives_the_same_mesh() -> None:
     one, two = (constrained_delaunay(twisted(-np.pi / 6)) for _ in range(2))
     assert np.array_equal(one.points, two.points) and np.array_equal(one.simplices, two.simplices)
+
+
+def notched() -> Domain:
+    """A prism on a star whose sides are turned: it needs points, which are moved off the surface again."""
+    points, triangles = twisted_star(6, 3, 0.6)
+    return Domain(points, triangles)
+
+
+@pytest.mark.parametrize("make", [lambda: twisted(-np.pi / 6), notched, lambda: Domain(*six_points())])
+def test_the_record_is_replayed_to_the_identical_mesh(make: Callable[[], Domain]) -> None:
+    domain = make()
+    mesh, plain = constrained_delaunay(domain, history=True), constrained_delaunay(domain)
+    assert np.array_equal(mesh.points, plain.points) and np.array_equal(mesh.simplices, plain.simplices)
+    steps = mesh.steps
+    assert plain.steps is None and steps is not None
+    place = np.full(len(steps["points"]), -1)
+    place[steps["vertex"]] = np.arange(len(mesh.points))
+    assert np.array_equal(steps["points"][steps["vertex"]], mesh.points)
+    assert np.array_equal(place[replay_recovery(steps)[steps["inside"]]], mesh.simplices)
+    box = replay_recovery(steps, 0)
+    volume = simplex.volume(steps["points"][box]).sum()
+    for k in range(1, len(steps["kind"]) + 1):  # each state fills the box
+        cells = replay_recovery(steps, k)
+        cells = cells[cells[:, 0] >= 0]
+        assert (orient(steps["points"][cells]) > 0).all()
+        assert np.isclose(simplex.volume(steps["points"][cells]).sum(), volume)
+        if steps["kind"][k - 1] == "found":
+            goal = set(steps["goal"][k - 1].tolist()) - {-1}
+            assert any(goal <= set(cell) for cell in cells.tolist())
+    assert {"refill", "found"} <= set(steps["kind"])
+    goals = steps["goal"]
+    for k in range(1, len(goals)):  # a refill that follows another one for the same goal has fewer in its way
+        if steps["kind"][k - 1] == "refill" and (goals[k] == goals[k - 1]).all():
+            assert steps["faces"][k] < steps["faces"][k - 1]
+
+
+def test_no_record_in_the_plane() -> None:
+    with pytest.raises(InputError, match="in space"):
+        constrained_delaunay(Domain.polygon([(0, 0), (1, 0), (0, 1)]), history=True)
+    with pytest.raises(InputError, match="no record"):
+        replay_recovery({})

@@ -15,7 +15,8 @@ from ...base.jit import kernel
 from ...predicates.batch import orient_rows, power_of_two
 from ..insertion.engine import COUNT, FREE, STAMP, grown
 from ..insertion.triangulation import Triangulation
-from .records import SEED, Search, Solid, new_search
+from .journal import EVENT_ROOM, new_journal, unpacked
+from .records import LAST_EVENT, NOTED, SEED, Search, Solid, new_search
 
 __all__ = ["CellArrays"]
 
@@ -89,6 +90,9 @@ class CellArrays:
         For duplicate points, and for coordinates whose exponents differ too much for one scale.
     """
 
+    journal: NDArray[np.int32] = np.empty(0, dtype=np.int32)  # see `start_history`
+    start: NDArray[np.int32] | None = None
+
     def __init__(self, points: ArrayLike, *, progress: bool = False):
         rows = as_points(points)
         if rows.shape[1] != 3:
@@ -140,6 +144,7 @@ class CellArrays:
             self.free,
             self.at,
             self.state,
+            self.journal,
         )
 
     def reserve(self, vertices: int, slots: int) -> None:
@@ -159,6 +164,36 @@ class CellArrays:
             )  # fmt: skip
             self.found = new_search(slots)
 
+    def start_history(self) -> None:
+        """From now on, note what changes cells."""
+        self.journal, self.state[NOTED] = new_journal(), 0
+        self.start = self.vertex[: 4 * self.slots].reshape(-1, 4).copy()
+
+    def reserve_events(self, room: int = 4 * EVENT_ROOM) -> None:
+        """Make room for this many more numbers in the record, if there is one."""
+        if len(self.journal):
+            self.journal = grown(self.journal, int(self.state[NOTED]) + room)
+
+    def name_point(self, goal: tuple[int, int, int], faces: int) -> None:
+        """Write into the last event, that of a point, for which goal it was inserted."""
+        if len(self.journal):
+            self.journal[self.state[LAST_EVENT] + 1 : self.state[LAST_EVENT] + 5] = *goal, faces
+
+    def history(self) -> dict[str, NDArray]:
+        """What has happened since `start_history`, as named arrays.
+
+        Returns
+        -------
+        dict of str to ndarray
+            "points" (n, 3): all vertices, also those of the box and those that were added. "start" (m, 4):
+            the vertices of the cells at the beginning, one row for each slot. Then for each event "kind",
+            "goal" (e, 3), "faces", "point", and the ends of its rows in "removed" (slots), which are
+            "removed_end", and in "made" (slot and four vertices), which are "made_end".
+            `replay_recovery` performs them again. `constrained_delaunay` explains the kinds.
+        """
+        start = np.empty((0, 4), np.int32) if self.start is None else self.start
+        return {"points": self.points(), "start": start, **unpacked(self.journal, int(self.state[NOTED]))}
+
     def saved(self) -> tuple[NDArray, ...]:
         """Copies of all arrays, for `restore`."""
         return (*(array.copy() for array in self.solid()), np.array(self.size))
@@ -168,7 +203,7 @@ class CellArrays:
         solid = Solid(*(array.copy() for array in saved[:-1]))
         self.xyz, self.vertex, self.across, self.mark = solid.xyz, solid.vertex, solid.across, solid.mark
         self.region, self.stamp, self.free, self.at = solid.region, solid.stamp, solid.free, solid.at
-        self.state, self.size = solid.state, int(saved[-1])
+        self.state, self.size, self.journal = solid.state, int(saved[-1]), solid.journal
         self.found = new_search(len(self.stamp))
 
     # ------------------------------------------------------------------ results

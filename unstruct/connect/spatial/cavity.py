@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
 from .held import holds
+from .journal import EVENT_ROOM, close_event, note_refill
 from .records import (
     CELLS_ROOM,
     COST_KIND,
@@ -12,6 +13,7 @@ from .records import (
     HASH,
     LOCALS,
     NEW_CELLS,
+    NOTED,
     NUMBERED,
     OLD_CELLS,
     SEED,
@@ -19,7 +21,7 @@ from .records import (
 )
 from .refill import DEGREE, EDGE, FACE, SHAPE, UNFILLED, UNSEEN, face_cost, face_number, tet_cost
 
-__all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "wall"]
+__all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "unwritten", "wall"]
 
 NOWHERE = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
 
@@ -230,6 +232,13 @@ def _find_guards(solid, held, r):
 
 
 @lean
+def unwritten(solid):
+    """Whether the record, if there is one, has no room for another refill."""
+    room = solid.journal.shape[0]
+    return room > 0 and solid.state[NOTED] + 2 * EVENT_ROOM > room
+
+
+@lean
 def new_slot(solid):
     """A free slot for a cell. There must be room."""
     state = solid.state
@@ -245,6 +254,9 @@ def commit(solid, r):
     """Replace the cells of the cavity by the best refill; ``r.cells`` then lists the new cells."""
     n, vertex, across, mark, state = r.size[LOCALS], solid.vertex, solid.across, solid.mark, solid.state
     old, new, region = r.size[OLD_CELLS], r.size[NEW_CELLS], solid.region[r.cells[0]]
+    noting = solid.journal.shape[0] > 0
+    if noting:
+        note_refill(solid, r)
     for i in range(new, old):
         vertex[4 * r.cells[i]] = -2
         solid.free[state[FREE]] = r.cells[i]
@@ -275,3 +287,5 @@ def commit(solid, r):
             else:
                 r.beyond[face] = NOWHERE - 1 - place
     r.size[OLD_CELLS] = new
+    if noting:
+        close_event(solid, r.cells, new)

@@ -99,6 +99,7 @@ class SpatialComplex(CellArrays):
         budget: int | None = None,
         seed: int = 0,
         restarts: int = RESTARTS,
+        history: bool = False,
         progress: bool = False,
     ) -> Recovered:
         """Make given segments edges and given triangles faces, with as few further points as are found.
@@ -117,6 +118,8 @@ class SpatialComplex(CellArrays):
             Of the random numbers by which ties and cavities are chosen.
         restarts : int
             How many seeds in all are tried as long as something is missing, or is there in parts only.
+        history : bool
+            Whether to keep a record of what the best seed has changed; see `history`.
         progress : bool
             Show progress bars.
 
@@ -137,6 +140,8 @@ class SpatialComplex(CellArrays):
             np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
         )
         budget = 100 + len(corners) // 10 if budget is None else min(budget, MOST_ADDED)
+        if history:
+            self.start_history()
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
@@ -213,9 +218,13 @@ class SpatialComplex(CellArrays):
         there[marks.ravel()] = True
         return bool((facet & alive & ~there[:-1]).any())
 
+    def inside_slots(self) -> NDArray[np.int64]:
+        """The slots of the cells that `flood` found inside."""
+        return np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
+
     def inside(self) -> SpatialMesh:
         """The cells that `flood` found inside, in the units of the input."""
-        slots = np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
+        slots = self.inside_slots()
         corners = self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]
         across = self.across[: 4 * self.slots].reshape(-1, 4)[slots]
         marks = self.mark[: 4 * self.slots].reshape(-1, 4)[slots]

@@ -13,17 +13,24 @@ from numpy.typing import NDArray
 __all__ = [
     "CELLS_ROOM",
     "COST_KIND",
+    "EVENT",
+    "FACES",
     "GUARD_COUNT",
     "HASH",
+    "LAST_EVENT",
     "LOCALS",
     "LOCAL_ROOM",
     "NEW_CELLS",
     "NODES",
+    "NOTED",
     "NUMBERED",
     "OLD_CELLS",
+    "RESUMED",
     "SEED",
+    "SHAKES_LEFT",
     "TARGET",
     "TETS_ROOM",
+    "WORK_DONE",
     "Held",
     "Local",
     "Search",
@@ -37,6 +44,8 @@ CELLS_ROOM = 128  # its cells
 TETS_ROOM = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
 MEMO = 1 << 15  # exact signs that are remembered
 SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
+NOTED = 7  # entry of the state of a `Solid`: how much of its journal is written
+LAST_EVENT = 8  # entry of the state of a `Solid`: where its last event begins
 
 # Entries of ``size`` in a `Local`.
 LOCALS = 0  # how many vertices the cavity has
@@ -47,6 +56,11 @@ COST_KIND = 4  # what a refill costs
 TARGET = 5  # three entries: the vertices of the segment or triangle that is sought
 NODES = 8  # nodes that the last search has visited
 NUMBERED = 10  # how many local numbers there are: corners, then those vertices of the target that are none
+EVENT = 11  # what a refill is called in the record
+FACES = 12  # how many faces are in the way of the target
+SHAKES_LEFT = 13  # of the present goal
+RESUMED = 14  # 1 if the search for the present goal has been interrupted
+WORK_DONE = 15  # steps since the last look at whether the user wants to stop
 HASH = 9  # of the cells that are there, to recognize a refill that changes nothing
 
 
@@ -62,6 +76,7 @@ class Solid(NamedTuple):
     free: NDArray[np.int32]
     at: NDArray[np.int32]
     state: NDArray[np.int64]
+    journal: NDArray[np.int32]  # the record; empty if there is none
 
 
 class Held(NamedTuple):

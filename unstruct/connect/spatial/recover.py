@@ -12,7 +12,8 @@ from .arrays import CellArrays
 from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
-from .records import SEED, new_local
+from .journal import EVENT_ROOM
+from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
 from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
@@ -78,6 +79,7 @@ class Recovery:
     def _room(self) -> None:
         cells = self.cells
         cells.reserve(cells.size, cells.slots + 4 * SPARE_SLOTS)
+        cells.reserve_events()
 
     def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
@@ -100,12 +102,14 @@ class Recovery:
         self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options
     ) -> NDArray[np.int64]:
         chosen = np.array(options, dtype=np.int64)
-        while True:
-            cells = self.cells
-            done = recover_all(cells.solid(), self.held, self.local, cells.found, kind, goals, left, chosen)
-            if done == len(goals):
-                return left
+        self.local.size[RESUMED] = first = 0
+        while first < len(goals):
+            cells, rest = self.cells, slice(first, None)
+            first += recover_all(
+                cells.solid(), self.held, self.local, cells.found, kind, goals[rest], left[rest], chosen
+            )
             self._room()
+        return left
 
     def _one(self, a: int, b: int) -> bool:
         goal = np.array([[a, b, 0, 0]], dtype=np.int32)
@@ -154,6 +158,7 @@ class Recovery:
         if len(self.splits) >= self.budget:
             return False
         cells.reserve(cells.size + 1, cells.slots + len(cells.found.faces) // 64 + 4 * SPARE_SLOTS)
+        cells.reserve_events(20 * cells.slots + EVENT_ROOM)
         return True
 
     def _place(self, row: NDArray[np.float64]) -> int:
@@ -186,6 +191,7 @@ class Recovery:
             p = self._place(start + where * (end - start))
             if self._insert_at(face, corners, crossed, p):
                 cells.size += 1
+                cells.name_point((a, b, -1), count)
                 return p
         return -1
 
@@ -225,6 +231,7 @@ class Recovery:
             p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
             if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p):
                 cells.size += 1
+                cells.name_point(tuple(goal[:3].tolist()), count)
                 return p
         return -1
 

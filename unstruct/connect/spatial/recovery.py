@@ -9,16 +9,29 @@ from __future__ import annotations
 
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
-from .cavity import beside, commit, draw, grow, load
+from .cavity import beside, commit, draw, grow, load, unwritten
 from .crossing import classify, crossings, mark_face
 from .held import hold
-from .records import COST_KIND, LOCAL_ROOM, NODES, TARGET
-from .refill import EDGE, NEVER, refill
+from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
+from .records import (
+    COST_KIND,
+    EVENT,
+    FACES,
+    LOCAL_ROOM,
+    NODES,
+    RESUMED,
+    SHAKES_LEFT,
+    TARGET,
+    WORK_DONE,
+)
+from .refill import EDGE, FACE, NEVER, refill
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
 
 SPARE_SLOTS = 128  # slots that a refill may need
 FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
+MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
+WORK_OF_A_STEP = 20
 FEWEST_CORNERS = 5  # vertices of two cells with a common face
 # Entries of the options.
 MOST_WANTED = 0  # vertices of the largest cavity
@@ -30,6 +43,7 @@ TOTAL = 3  # nodes of all searches for one goal
 @apart
 def _attempt(solid, held, r, count, wanted, options, noise, equal):
     """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
+    r.size[WORK_DONE] += WORK_OF_A_STEP
     if not grow(solid, r, count, wanted, noise):
         return False
     faces, cost = load(solid, held, r)
@@ -38,6 +52,7 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
     if refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER:
         return False
+    r.size[EVENT] = EVENT_SHAKE if equal else EVENT_REFILL
     commit(solid, r)
     return True
 
@@ -48,6 +63,8 @@ def _lower(solid, held, r, found, count, options):
     for wanted in range(FEWEST_CORNERS, options[MOST_WANTED] + 1):
         start = draw(solid.state, count)
         for j in range(count):
+            if r.size[NODES] > options[TOTAL]:
+                return False
             if beside(solid, r, found.faces[(start + j) % count]):
                 if _attempt(solid, held, r, 2, wanted, options, 2, False):
                     return True
@@ -70,24 +87,34 @@ def _lower_all(solid, held, r, found, options):
 
 @apart
 def recover_one(solid, held, r, found, kind, goal, options):
-    """Recover one segment or triangle; how many faces are still in the way, -2 if slots are lacking."""
-    r.size[COST_KIND], r.size[NODES] = kind, 0
-    for k in range(3):
-        r.size[TARGET + k] = goal[k]
-    shakes = options[SHAKES]
+    """Recover one segment or triangle; how many faces are still in the way.
+
+    -2 if slots or room in the record are lacking, or after some work, so that the user can stop it: to be
+    called again.
+    """
+    size = r.size
+    if not size[RESUMED]:
+        size[NODES], size[SHAKES_LEFT] = 0, options[SHAKES]
+    size[COST_KIND], size[RESUMED], size[TARGET + 2] = kind, 0, -1
+    for k in range(kind + 1):  # two vertices of a segment, three of a triangle
+        size[TARGET + k] = goal[k]
     while True:
-        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
+        lacking = solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]
+        if lacking or unwritten(solid) or size[WORK_DONE] > MUCH_WORK:
+            size[RESUMED], size[WORK_DONE] = 1, 0
             return -2
         count = crossings(solid, kind, goal, found)
+        size[FACES] = count
+        size[WORK_DONE] += WORK_OF_A_STEP + count
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count
         if _lower(solid, held, r, found, count, options):
             continue
         if _lower_all(solid, held, r, found, options):
             continue
-        if shakes == 0:
+        if size[SHAKES_LEFT] == 0:
             return count
-        shakes -= 1
+        size[SHAKES_LEFT] -= 1
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[MOST_WANTED] - 4)
             face = _wander(solid, found.faces[draw(solid.state, count)])
@@ -135,7 +162,7 @@ def recover_all(solid, held, r, found, kind, goals, left, options):
     """Recover the goals, rows of three vertices and a number, whose entry of ``left`` is not 0.
 
     Writes how many faces are in the way of each. What is recovered is held or marked with its number.
-    Returns the first goal for which slots are lacking, or the number of goals.
+    Returns the first goal that has to be tried again, see `recover_one`, or the number of goals.
     """
     for i in range(goals.shape[0]):
         if left[i] == 0:
@@ -144,6 +171,8 @@ def recover_all(solid, held, r, found, kind, goals, left, options):
         if count == -2:
             return i
         left[i] = count
+        third = goals[i, 2] if kind == FACE else -1
+        note(solid, EVENT_FOUND if count == 0 else EVENT_GIVEN_UP, goals[i, 0], goals[i, 1], third, count, -1)
         if count == 0:
             _keep(solid, held, found, kind, goals[i])
     return goals.shape[0]

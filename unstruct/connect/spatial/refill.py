@@ -30,6 +30,7 @@ from .records import (
     SEED,
     TARGET,
     TETS_ROOM,
+    WORK_DONE,
 )
 from .signs import DISJOINT, in_order, meets, remembered_side
 
@@ -364,4 +365,5 @@ def refill(xyz, r, state, faces, limit, goal, budget):
         length = r.chosen[depth, LENGTH]
         still_open -= _unset(r, depth)
     r.size[NODES] += nodes
+    r.size[WORK_DONE] += nodes
     return found

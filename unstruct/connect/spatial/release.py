@@ -14,10 +14,20 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import beside, commit, corner, grow, load, new_slot, reset, wall
+from .cavity import beside, commit, corner, grow, load, new_slot, reset, unwritten, wall
 from .crossing import star
-from .given import Split
-from .records import COST_KIND, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
+from .given import Given, Split
+from .journal import (
+    EVENT_FEWER,
+    EVENT_MOVED,
+    EVENT_RELEASED,
+    EVENT_REMOVED,
+    EVENT_ROOM,
+    close_event,
+    old_cells,
+    open_event,
+)
+from .records import COST_KIND, EVENT, FACES, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
 from .refill import ANY, DEGREE, EDGE, NEVER, refill
@@ -62,16 +72,18 @@ def lower_degree(solid, held, r, found, goal):
     """Refill around vertex goal[0] so that fewer cells have it, as long as that is possible.
 
     If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
-    many cells have the vertex in the end.
+    many cells have the vertex in the end; -1 if the record has no room, to be called again.
     """
     p = goal[0]
-    r.size[COST_KIND] = DEGREE
+    r.size[COST_KIND], r.size[EVENT], r.size[FACES] = DEGREE, EVENT_FEWER, 0
     for k in range(3):
         r.size[TARGET + k] = goal[k]
     while True:
         size = star(solid, found, p)
         if size <= 4 or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
             return size
+        if unwritten(solid):
+            return -1
         before = size
         for wanted in range(5, 9):
             for i in range(4 * size):
@@ -136,7 +148,8 @@ class Release:
         """The cells at p, after refills that have made them few."""
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
-        lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal)
+        while lower_degree(self.cells.solid(), self.recovery.held, self.local, self.cells.found, goal) < 0:
+            self.cells.reserve_events()
         size = star(self.cells.solid(), self.cells.found, p)
         return self.cells.found.cells[:size].tolist()
 
@@ -166,7 +179,8 @@ class Release:
                 return False
             tets += found
         restored = {frozenset(given.corner[t].tolist()): t for t in split.parents}
-        if not self._replace(around, tets, restored):
+        event = (EVENT_MOVED if moved else EVENT_RELEASED, *_goal(split, given), 0, p)
+        if not self._replace(around, tets, restored, event):
             self.cells.size = before
             return False
         self.inner += moved
@@ -178,7 +192,7 @@ class Release:
         """Take a point away that is not on the surface."""
         around = self._star(p, None)
         found = self._without(self._link(around, p), None)
-        if found is None or not self._replace(around, found, {}):
+        if found is None or not self._replace(around, found, {}, (EVENT_REMOVED, -1, -1, -1, 0, p)):
             return False
         self.cells.at[p] = -1
         return True
@@ -267,7 +281,13 @@ class Release:
                 length /= 2
         return None
 
-    def _replace(self, old: list[int], tets: list[Cell], restored: dict[frozenset, int]) -> bool:
+    def _replace(
+        self,
+        old: list[int],
+        tets: list[Cell],
+        restored: dict[frozenset, int],
+        event: tuple[int, int, int, int, int, int],
+    ) -> bool:
         """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
         cells, inside = self.cells, set(old)
         border: dict[frozenset, tuple[int, int]] = {}
@@ -285,13 +305,17 @@ class Release:
             return False
         if not set(border) <= set(faces):
             return False
-        self._write(old, tets, (border, faces, restored))
+        self._write(old, tets, (border, faces, restored), event)
         return True
 
-    def _write(self, old: list[int], tets: list[Cell], tables) -> None:
+    def _write(self, old: list[int], tets: list[Cell], tables, event: tuple[int, ...]) -> None:
         border, faces, restored = tables
-        cells = self.cells
+        cells, noting = self.cells, len(self.cells.journal) > 0
         cells.reserve(cells.size, cells.slots + len(tets))
+        cells.reserve_events(5 * (len(old) + len(tets)) + EVENT_ROOM)
+        if noting:
+            open_event(cells.solid(), *event)
+            old_cells(cells.solid(), np.array(old, dtype=np.int32), len(old))
         region = int(cells.region[old[0]])
         for t in old:
             cells.vertex[4 * t] = -2
@@ -302,6 +326,8 @@ class Release:
         for t, v in zip(slots, tets, strict=True):
             cells.vertex[4 * t : 4 * t + 4] = v
             cells.at[list(v)], cells.region[t] = t, region
+        if noting:
+            close_event(solid, np.array(slots, dtype=np.int32), len(slots))
         for face, places in faces.items():
             ends = [4 * slots[i] + k for i, k in places]
             mark = restored.get(face, border[face][1] if face in border else -1)
@@ -309,6 +335,14 @@ class Release:
             cells.across[ends[0]], cells.mark[ends[0]] = over, mark
             if over >= 0:
                 cells.across[over], cells.mark[over] = ends[0], mark
+
+
+def _goal(split: Split, given: Given) -> tuple[int, int, int]:
+    """The segment or triangle that a point has split."""
+    if split.segment is not None:
+        return (*split.segment, -1)
+    a, b, c = given.corner[split.parents[0]].tolist()
+    return a, b, c
 
 
 def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from ..insertion.space import Cavity, Space, star3
 from .cavity import corner
 from .crossing import ring
 from .held import holds
+from .journal import EVENT_POINT, close_event, old_cells, open_event
 from .signs import COPLANAR, ON_EDGE, meets, side
 
 __all__ = ["crossed_edges", "insert_around", "insert_between", "on_line", "on_plane", "sees"]
@@ -58,6 +59,10 @@ def _star(solid, found, size, p):
             found.faces[walls] = 4 * t + k
             walls += 1
     found.sizes[0], found.sizes[1] = size, walls
+    noting = solid.journal.shape[0] > 0
+    if noting:
+        open_event(solid, EVENT_POINT, -1, -1, -1, 0, p)
+        old_cells(solid, found.cells, size)
     space = Space(solid.xyz, solid.vertex, solid.across, solid.stamp, solid.free, solid.state)
     star3(space, Cavity(found.cells, found.faces, found.sizes), p, solid.state[STAMP])
     for i in range(walls):
@@ -69,6 +74,9 @@ def _star(solid, found, size, p):
             solid.mark[4 * t + k] = -1
             solid.at[solid.vertex[4 * t + k]] = t
         solid.mark[new] = solid.mark[over]
+        found.cells[i] = t
+    if noting:
+        close_event(solid, found.cells, walls)
     return True
 
 

@@ -29,7 +29,11 @@ __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
 
 
 def constrained_delaunay(
-    domain: Domain, hull: bool | Literal["holes"] = False, *, progress: bool = False
+    domain: Domain,
+    hull: bool | Literal["holes"] = False,
+    *,
+    history: bool = False,
+    progress: bool = False,
 ) -> DomainMesh:
     """The constrained Delaunay triangulation of a domain; in space, tetrahedra that have its facets as faces.
 
@@ -41,6 +45,8 @@ def constrained_delaunay(
         In the plane: whether to mesh the whole convex hull; then ``domain.facets`` may be empty. True ignores
         holes. "holes" leaves them out (Triangle's -pc): the parts with a point of ``domain.hole_seeds``, as
         `Domain.read` finds them in a file, and those that are outside and enclosed by pieces.
+    history : bool
+        In space: whether to keep a record of the recovery in ``steps`` of the result.
     progress : bool
         Show a bar while segments are inserted.
 
@@ -58,12 +64,25 @@ def constrained_delaunay(
         ``counts["added inside"]`` counts others. Should a facet be missing all the same, the mesh is not
         `complete`, and `reasons` says which; the cells are valid.
 
+        With ``history``, ``steps`` is the record of the recovery. "points" are its vertices: those of the
+        domain, the eight of a box around it, and those that were added. "start" are the vertices of the
+        cells at the beginning; the number of a row is the slot of its cell. Each event has a row in "kind",
+        "goal" (the vertices of the segment, then -1, or of the triangle that is to be recovered), "faces"
+        (how many were in the way before; of a triangle those with an edge that crosses it) and "point" (or
+        -1). Its cells are ``removed[removed_end[k - 1] : removed_end[k]]``, slots, and ``made[made_end[k - 1]
+        : made_end[k]]``, slots and four vertices. The kinds are "refill" (fewer faces are in the way after
+        it), "shake" (as many), "found" (the goal is there), "given up" (for now), "point" (inserted on the
+        goal), then "fewer" (a refill, so that fewer cells are at the point that goes next), "released" (the
+        point is gone), "moved" (it is off the surface), "removed" (now it is gone as well). What was there
+        from the beginning has no event. "inside" are the slots of the cells of the mesh, "vertex" which
+        vertex each of its points is. ``studies.replay_recovery(steps, k)`` gives the cells after k events.
+
     Raises
     ------
     InputError
-        For equal vertices, and for exponents too wide for one scale. For facets that bound no area. For a
-        seed that is on a segment, outside, or in the same part as a seed of another name. For segments that
-        cross or overlap (a `Domain` refuses them earlier).
+        For ``history`` in the plane. For equal vertices, and for exponents too wide for one scale. For facets
+        that bound no area. For a seed that is on a segment, outside, or in the same part as a seed of another
+        name. For segments that cross or overlap (a `Domain` refuses them earlier).
 
     Notes
     -----
@@ -79,12 +98,14 @@ def constrained_delaunay(
     nothing else helps, and taken away again if possible (N. P. Weatherill, O. Hassan, Int. J. Numer. Methods
     Eng. 37 (1994) 2005-2039). Where this has changed nothing, the tetrahedra are Delaunay. Book: 2.5, 2.8b.
     """
-    as_flags(progress=progress)
+    as_flags(history=history, progress=progress)
     domain = as_domain(domain, None)
     if domain.dimension == 3:
         if hull is not False:
             raise InputError("hull is for planar domains; delaunay(points) fills the convex hull in space")
-        return noticed(filled(domain, progress=progress))
+        return noticed(filled(domain, history=history, progress=progress))
+    if history:
+        raise InputError("history is for domains in space; for the plane see studies.recover_edges")
     sampled = domain.sampled()
     holes = isinstance(hull, str) and hull == "holes"
     if isinstance(hull, str) and not holes:

@@ -33,6 +33,7 @@ def filled(
     optimize: bool = False,
     seed: int = 0,
     budget: int | None = None,
+    history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
     """Tetrahedra of the vertices of a body, and of further ones where there must be.
@@ -51,6 +52,8 @@ def filled(
         Of the random numbers of the recovery.
     budget : int, optional
         How many points may be added; see `SpatialComplex.recover`.
+    history : bool
+        Whether to keep a record of the recovery in ``steps``; not together with ``optimize``.
     progress : bool
         Show progress bars.
 
@@ -67,7 +70,9 @@ def filled(
         )
     points = domain.points if inner is None else np.concatenate([domain.points, inner])
     complex_ = SpatialComplex(points, progress=progress)
-    found = complex_.recover(shell.triangles, shell.segments, seed=seed, budget=budget, progress=progress)
+    found = complex_.recover(
+        shell.triangles, shell.segments, seed=seed, budget=budget, history=history, progress=progress
+    )
     complex_.flood(len(shell.bounding))
     made = complex_.inside()
     if len(made.simplices) == 0:
@@ -81,7 +86,10 @@ def filled(
     if field is not None:
         for cell in _large(made, field).tolist():
             unrefined.setdefault(cell, "a facet is larger than the size")
-    return with_names(domain, found, made, chains, unrefined, counts)
+    steps = None
+    if history:
+        steps = complex_.history() | {"inside": complex_.inside_slots(), "vertex": made.vertex}
+    return with_names(domain, found, made, chains, unrefined, counts, steps)
 
 
 def _rounder(
@@ -111,6 +119,7 @@ def with_names(
     chains: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]],
     unrefined: dict[int, str],
     counts: dict[str, int],
+    steps: dict[str, NDArray] | None = None,
 ) -> DomainMesh:
     """The mesh with all that is known of it."""
     shell = domain.triangulated
@@ -154,6 +163,7 @@ def with_names(
             "seed": found.seed,
             **counts,
         },
+        steps=steps,
     )
     return mesh
 

@@ -20,8 +20,8 @@ __all__ = ["COLOR_MAP", "Coloring", "cell_coloring", "legend", "value_scale"]
 
 COLOR_MAP = "cividis"
 REGION_COLORS = ("#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442", "#0072b2", "#d55e00", "#bbbbbb")
-LOST = "#000000"  # where a value is not a number
-MOST_NAMES = 12  # in a legend
+NO_COLOR = "#000000"  # where a value is not a number
+MOST_IN_LEGEND = 12  # in a legend
 
 
 class Coloring(NamedTuple):
@@ -53,9 +53,9 @@ class Coloring(NamedTuple):
             places = {value: k for k, value in enumerate(self.regions)}
             return [REGION_COLORS[places[int(v)] % len(REGION_COLORS)] for v in values.tolist()]
         chart = matplotlib.colormaps[COLOR_MAP]
-        table = [to_hex(color) for color in chart(np.arange(chart.N))] + [LOST]
+        table = [to_hex(color) for color in chart(np.arange(chart.N))] + [NO_COLOR]
         lost = ~np.isfinite(values)
-        share = np.ma.getdata(self.scale(np.where(lost, self.scale.vmin, values)))
+        share = np.ma.getdata(self.scale(np.where(lost, self.scale.vmin or 0.0, values)))
         step = np.clip((np.asarray(share) * chart.N).astype(int), 0, chart.N - 1)
         return [table[k] for k in np.where(lost, chart.N, step).tolist()]
 
@@ -132,7 +132,7 @@ def legend(ax: Axes, coloring: Coloring) -> None:
     """A color bar beside the picture, or the names of the regions."""
     if coloring.regions:
         colors = coloring.colors(np.array(list(coloring.regions)))
-        pairs = list(zip(colors, coloring.regions.values()))[:MOST_NAMES]
+        pairs = list(zip(colors, coloring.regions.values()))[:MOST_IN_LEGEND]
         patches = [Patch(facecolor=color, edgecolor="#1a1a1a", label=name) for color, name in pairs]
         ax.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return

@@ -20,7 +20,7 @@ __all__ = ["cut_items", "item3", "mesh_items3", "needs_faces", "solid_items"]
 SPACE_KINDS = ("cells", "polygons", "segments", "points", "labels", "spheres")
 MANY_CELLS = 2500  # with more tetrahedra than this, only the boundary is drawn
 INNER = "#a9cfe6"  # the color of faces that a section uncovers, unless cells have colors
-OVER = 4.0  # the section of a plane is painted after everything behind it: so many radii of the scene
+CAP_LIFT = 4.0  # the section of a plane is painted after everything behind it: so many radii of the scene
 Item = dict[str, Any]
 
 
@@ -180,7 +180,7 @@ def solid_items(
         )
         places = places[pairs % len(places)] + moved[pairs // len(places)]
         rows = np.where(rows < 0, -1, again.reshape(rows.shape))
-    colors = None if coloring is None else coloring.of_faces(shown)
+    colors: list[str | None] | None = None if coloring is None else [*coloring.of_faces(shown)]
     if colors is None and plane is not None:
         colors = [INNER if inner else None for inner in shown.inner.tolist()]
     solid = all(name in SOLIDS.values() for name in cells)
@@ -190,7 +190,7 @@ def solid_items(
         if which.any() or not cap:
             data = [[v for v in row if v >= 0] for row in rows[which].tolist()]
             one: Item = {"kind": "polygons", "role": role, "points": places.tolist(), "data": data}
-            one |= {"opacity": 1.0, "closed": solid, "lift": OVER * (cap and parts is None)}
+            one |= {"opacity": 1.0, "closed": solid, "lift": CAP_LIFT * (cap and parts is None)}
             if colors is not None:
                 one["colors"] = [color for color, mine in zip(colors, which.tolist()) if mine]
             items.append(one)

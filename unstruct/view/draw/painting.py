@@ -138,8 +138,9 @@ def _seen(
                 f"together must be a marker of cells, or one integer per cell, shape ({size},), "
                 f"not {together!r}"
             )
-    more = {"plane": plane, "flat": cut == "flat", "parts": parts, "explode": explode}
-    return solid_items(mesh, role, coloring, **more), coloring
+    flat = cut == "flat"
+    items = solid_items(mesh, role, coloring, plane=plane, flat=flat, parts=parts, explode=explode)
+    return items, coloring
 
 
 def things_of(

@@ -97,7 +97,7 @@ def plot(
         For more than three dimensions, if ``values`` does not have one entry per cell or vertex, and for
         a plane that is none.
     """
-    given = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
+    given: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation, "explode": explode}
     given |= {"section": section, "cut": cut, "together": together}
     view: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if isinstance(mesh, Outline | DomainError):
