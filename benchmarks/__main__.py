@@ -20,6 +20,8 @@ from . import (
     small,
     small_report,
     threads,
+    volume,
+    volume_report,
 )
 from .run import RESULTS, Workers
 
@@ -31,6 +33,7 @@ SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "planar": planar.run,
     "small": small.run,
     "threads": threads.run,
+    "volume": volume.run,
 }
 # Reports have `markdown` and `plot`.
 REPORTS: dict[str, Any] = {
@@ -40,6 +43,7 @@ REPORTS: dict[str, Any] = {
     "planar": planar_report,
     "small": small_report,
     "threads": threads,
+    "volume": volume_report,
 }
 
 

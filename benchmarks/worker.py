@@ -112,11 +112,12 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, small
+    from . import front, layers, meshers, planar, small, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    suite: Any = {"small": small, "front": front, "layers": layers}.get(case.get("suite", ""), planar)
+    suites: dict[str, Any] = {"small": small, "front": front, "layers": layers, "volume": volume}
+    suite: Any = suites.get(case.get("suite", ""), planar)
     found = meshers.find(work, getattr(suite, "MESHERS", meshers.MESHERS))
     rows, given = _rows(case, found, suite.warm_up(work)), suite.task(work, case["kind"], n)
     for row, mesh in _in_turn(case, rows, given):
@@ -134,7 +135,16 @@ def threads(case: dict) -> dict[str, Any]:
     return both_ways(case)
 
 
-JOBS = {"timed": timed, "meshed": meshed, "memory": memory, "start": start, "threads": threads}
+def solid(case: dict) -> dict[str, Any]:
+    """What a mesher makes of a CAD-like body."""
+    from .solids import judged
+
+    return judged(case)
+
+
+JOBS = {
+    "timed": timed, "meshed": meshed, "memory": memory, "start": start, "threads": threads, "solid": solid,
+}  # fmt: skip
 
 if __name__ == "__main__":
     os.environ.update(ONE)

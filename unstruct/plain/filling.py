@@ -23,14 +23,16 @@ Point = Sequence[Any]
 Points = Sequence[Point]
 Face = tuple[int, int, int]
 Cell = tuple[int, int, int, int]
+Cells = frozenset[Cell]
 FAR = ((1009, 643, 397), (-811, 1013, 509), (601, -733, 1019), (-419, -877, 997))
 
 
 def lattice(low: Point, high: Point, side: Any) -> list[tuple[Fraction, ...]]:
     """The corners of cubes that fill a box, and then their centers."""
     steps = [range(int((b - a) / Fraction(side)) + 1) for a, b in zip(low, high)]
-    corners = [tuple(a + Fraction(side) * k for a, k in zip(low, place)) for place in product(*steps)]
-    centers = [tuple(x + Fraction(side) / 2 for x in corner) for corner in corners]
+    whole, half = Fraction(side), Fraction(side) / 2
+    corners = [tuple(a + whole * k for a, k in zip(low, at)) for at in product(*steps)]
+    centers = [tuple(x + half for x in corner) for corner in corners]
     return corners + [c for c in centers if all(x <= b for x, b in zip(c, high))]
 
 
@@ -62,13 +64,17 @@ def _met(face: Sequence[Point], place: Point, end: Point) -> bool | None:
 
 
 def flood(cells: Iterable[Cell], facets: Iterable[Face]) -> dict[Cell, int]:
-    """How many facets, modulo 2, lie between each cell and the outside; facets must be faces of cells."""
+    """How many facets, modulo 2, lie between each cell and the outside.
+
+    Facets must be faces of cells.
+    """
     cells, walls = list(cells), {frozenset(face) for face in facets}
     owners: dict[frozenset[int], list[Cell]] = {}
     for cell in cells:
         for face in combinations(cell, 3):
             owners.setdefault(frozenset(face), []).append(cell)
-    parity = {own[0]: int(face in walls) for face, own in owners.items() if len(own) == 1}
+    hull = [(face, own[0]) for face, own in owners.items() if len(own) == 1]
+    parity = {cell: int(face in walls) for face, cell in hull}
     waiting = list(parity)
     while waiting:
         cell = waiting.pop()
@@ -78,14 +84,19 @@ def flood(cells: Iterable[Cell], facets: Iterable[Face]) -> dict[Cell, int]:
                 if other != cell and other not in parity:
                     parity[other] = crossed
                     waiting.append(other)
-                assert other == cell or parity[other] == crossed, "the facets are not closed"
+                right = other == cell or parity[other] == crossed
+                assert right, "the facets are not closed"
     return parity
 
 
 def shape(points: Points, cell: Cell) -> Fraction:
-    """The square of 6 sqrt(2) V / l^3, where l^2 is the mean square of the edges: 1 for a regular cell."""
+    """The square of 6 sqrt(2) V / l^3: 1 for a regular cell, 0 for a flat one.
+
+    Here l^2 is the mean square of the edges.
+    """
     rows = [[Fraction(x) for x in points[v]] for v in cell]
-    squares = [sum((x - y) ** 2 for x, y in zip(p, q)) for p, q in combinations(rows, 2)]
+    pairs = combinations(rows, 2)
+    squares = [sum((x - y) ** 2 for x, y in zip(p, q)) for p, q in pairs]
     u, v, w = ([x - y for x, y in zip(row, rows[0])] for row in rows[1:])
     six = sum(u[i] * (v[i - 2] * w[i - 1] - v[i - 1] * w[i - 2]) for i in range(3))
     return 2 * six**2 / (sum(squares) / 6) ** 3
@@ -96,22 +107,29 @@ def worst_of(points: Points, cells: Iterable[Cell]) -> Fraction:
     return min(shape(points, cell) for cell in cells)
 
 
-def improve_once(points: Points, cells: frozenset[Cell], most: int = 7) -> frozenset[Cell] | None:
-    """Refill one cavity so that its worst cell is better: around the worst cell for which one is found."""
+def improve_once(points: Points, cells: Cells, most: int = 7) -> Cells | None:
+    """Refill one cavity so that its worst cell is better.
+
+    It is around the worst cell for which there is one; None if there is none.
+    """
     for cell in sorted(cells, key=lambda cell: (shape(points, cell), cell)):
         for cavity in _around(cells, cell, most):
-            before, used = worst_of(points, cavity), {v for old in cavity for v in old}
-            found = [new for new in refills(points, walls_of(cavity)) if {v for c in new for v in c} == used]
-            best = max(found, key=lambda new: worst_of(points, new), default=cavity)
-            if worst_of(points, best) > before:
+            found = refills(points, walls_of(cavity))
+            whole = [new for new in found if _corners(new) == _corners(cavity)]
+            best = max(whole, key=lambda new: worst_of(points, new), default=cavity)
+            if worst_of(points, best) > worst_of(points, cavity):
                 return cells - cavity | best
     return None
 
 
-def _around(cells: frozenset[Cell], cell: Cell, most: int) -> list[frozenset[Cell]]:
+def _corners(cells: Iterable[Cell]) -> set[int]:
+    return {v for cell in cells for v in cell}
+
+
+def _around(cells: Cells, cell: Cell, most: int) -> list[Cells]:
     """Cavities: the cell with one neighbor, or with all cells at one of its edges."""
     near = [other for other in sorted(cells) if len(set(other) & set(cell)) == 3]
     found = [frozenset({cell, other}) for other in near]
     for edge in combinations(sorted(cell), 2):
         found.append(frozenset(other for other in cells if set(edge) <= set(other)))
-    return [cavity for cavity in found if len({v for old in cavity for v in old}) <= most]
+    return [cavity for cavity in found if len(_corners(cavity)) <= most]

@@ -17,6 +17,7 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...sizing.field import SizeField
+from .lattice import Lattice
 from .rounder import faces_of_cells, rounded
 
 __all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
@@ -27,7 +28,7 @@ MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are n
 
 def filled(
     domain: Domain,
-    inner: NDArray[np.float64] | None = None,
+    lattice: Lattice | None = None,
     *,
     field: SizeField | None = None,
     optimize: bool = False,
@@ -42,8 +43,8 @@ def filled(
     ----------
     domain : Domain
         In space.
-    inner : ndarray, shape (k, 3), optional
-        Further vertices inside, on no piece.
+    lattice : Lattice, optional
+        Further vertices, on no piece; those outside are dropped in the end.
     field : SizeField, optional
         The wanted length of edges, by which cells at facets that are much larger are listed.
     optimize : bool
@@ -68,7 +69,7 @@ def filled(
             "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
             "fills the convex hull of points"
         )
-    points = domain.points if inner is None else np.concatenate([domain.points, inner])
+    points = domain.points if lattice is None else np.concatenate([domain.points, *lattice])
     complex_ = SpatialComplex(points, progress=progress)
     found = complex_.recover(
         shell.triangles, shell.segments, seed=seed, budget=budget, history=history, progress=progress
@@ -78,7 +79,7 @@ def filled(
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
     chains = chains_of_segments(domain, found, made)
-    counts = {} if inner is None else {"lattice points": len(inner)}
+    counts = {} if lattice is None else {"lattice points": len(lattice.inside)}
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
         counts |= changes

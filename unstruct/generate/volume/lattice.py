@@ -3,9 +3,15 @@
 The Delaunay tetrahedra of a body-centered lattice are all alike, with dihedral angles of 60 and 90 degrees.
 Exact lattices are cospherical, which makes insertion slow; so each point is moved by about a thousandth of
 its cell, by a hash of its place in the lattice. See the book, 2.8c.
+
+Points of the same lattice are kept outside, too, next to the surface. Their cells are thrown away in the end,
+but they make the facets easier to recover: without them the void of a round hole is a triangulation of rings
+of cospherical points, in which the given diagonals of a wall often exist together in no triangulation.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +25,12 @@ from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
 from ...sizing.field import SizeField
 
-__all__ = ["MOST_INNER", "lattice_points"]
+__all__ = ["MOST_INNER", "Lattice", "lattice_points"]
 
 Array = NDArray[np.float64]
 CELL = 1.1  # the side of a cubic cell over the wanted length, so that the mean edge has it
 FROM_SURFACE = 0.6  # how near to the surface points may be; unit: the wanted length there
+OUTSIDE = 1.7  # how near to the surface points outside are: about one layer of cells; in the same unit
 JITTER = 1e-3  # of the side of a cell
 MOST_INNER = 2_000_000  # points, unless a budget is given
 SPARSE = (
@@ -39,8 +46,15 @@ DEEPEST_LATTICE = 18  # levels of nested lattices; their places fit into 64 bits
 LOOKED_UP = 16  # places along the box where sizes are looked up at least, so that small features are met
 
 
-def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Array:
-    """Points inside the body, farther than 0.6 of the wanted length from its facets, segments and points.
+class Lattice(NamedTuple):
+    """Points inside, for the mesh, and points outside, which only help to recover the surface."""
+
+    inside: Array
+    outside: Array
+
+
+def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Lattice:
+    """Points farther than 0.6 of the wanted length from all facets, segments and points of the body.
 
     Parameters
     ----------
@@ -49,12 +63,13 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     field : SizeField
         The wanted length of edges.
     budget : int, optional
-        The largest number of points.
+        The largest number of points inside.
 
     Returns
     -------
-    ndarray, shape (n, 3)
-        In the order of the lattice.
+    Lattice
+        Those inside the body, and those outside that are nearer than 1.7 of the wanted length; both in the
+        order of the lattice.
 
     Raises
     ------
@@ -71,11 +86,13 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
     size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
-    rows = rows[~_near(shell, domain, rows, FROM_SURFACE * size)]
-    rows = rows[even_odd_in_space(shell.points, shell.bounding, rows)[0]]
-    if len(rows) > most:
-        raise InputError(_too_many(len(rows), most))
-    return rows
+    far = ~_near(shell, domain, rows, FROM_SURFACE * size)
+    rows, size = rows[far], size[far]
+    within = even_odd_in_space(shell.points, shell.bounding, rows)[0]
+    if np.count_nonzero(within) > most:
+        raise InputError(_too_many(np.count_nonzero(within), most))
+    outside = rows[~within]
+    return Lattice(rows[within], outside[_near(shell, domain, outside, OUTSIDE * size[~within])])
 
 
 def _too_many(count: float, most: int) -> str:
@@ -151,10 +168,21 @@ def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
 
 
 def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array) -> float:
-    """The side of the first cell: the extent at least, and such that the finest cells fit the least size."""
+    """The side of the first cell: the extent at least, and such that halves of it fit most cells.
+
+    The sides of leaves are those of the root, halved, so they miss sizes by up to the square root of 2 either
+    way. In the logarithm of base 2 they miss by what is left of whole numbers: the root is chosen by the mean
+    of these remainders, as of angles, where each probe counts as many cells as there would be around it. The
+    probe next to that mean is met exactly, and so is a size that is constant but for some places.
+    """
     share = (np.array(list(np.ndindex(PROBES_ALONG, PROBES_ALONG, PROBES_ALONG))) + 0.5) / PROBES_ALONG
-    probes = np.concatenate([low + share * (high - low), shell.points[np.unique(shell.triangles)]])
-    least = CELL * float(_limited(surface, probes, field(probes)).min())
+    probes = low + share * (high - low)
+    within = probes[even_odd_in_space(shell.points, shell.bounding, probes)[0]]
+    probes = within if len(within) else probes
+    wanted = CELL * _limited(surface, probes, field(probes))
+    turn = np.exp(2j * np.pi * np.log2(wanted))
+    off = np.abs(turn - np.exp(1j * np.angle(((wanted.min() / wanted) ** 3 * turn).sum())))
+    least = float(wanted[np.argmin(np.round(off, 6))])  # the last bits of logarithms differ between processors
     return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
 
 

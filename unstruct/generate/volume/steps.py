@@ -109,12 +109,29 @@ def _positive(solid, found, size):
 
 
 @apart
+def _worst_below(solid, found, size, limit):
+    """The worst badness of the cells found if it is below a limit; otherwise that of the first which is not.
+
+    That cell is then put first: places that are tried for a vertex mostly fail at the same one.
+    """
+    worst = -1.0
+    for i in range(size):
+        v = solid.vertex[4 * found.cells[i] : 4 * found.cells[i] + 4]
+        bad = badness(solid.xyz, v[0], v[1], v[2], v[3])
+        if bad >= limit:
+            found.cells[0], found.cells[i] = found.cells[i], found.cells[0]
+            return bad
+        worst = max(worst, bad)
+    return worst
+
+
+@apart
 def _try(solid, found, size, p, place, worst):
     """Move vertex p to a place if that is better; returns the worst badness then."""
     xyz = solid.xyz
     x, y, z = xyz[p, 0], xyz[p, 1], xyz[p, 2]
     xyz[p, 0], xyz[p, 1], xyz[p, 2] = place[0], place[1], place[2]
-    now, _ = _worst(solid, found, size)
+    now = _worst_below(solid, found, size, worst - LEAST_GAIN)
     if now < worst - LEAST_GAIN and _positive(solid, found, size):
         return now
     xyz[p, 0], xyz[p, 1], xyz[p, 2] = x, y, z

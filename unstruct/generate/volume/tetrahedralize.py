@@ -72,9 +72,11 @@ def tetrahedralize(
     optimize, progress = as_flag(optimize, "optimize"), as_flag(progress, "progress")
     seed = as_seed(seed)
     budget = None if budget is None else as_count(budget, "budget")
-    field, inner = None, None
+    field, lattice = None, None
     if size is not None and len(domain.facets):
         field = as_size(size)
-        inner = lattice_points(domain, field, budget)
-    mesh = filled(domain, inner, field=field, optimize=optimize, seed=seed, budget=budget, progress=progress)
+        lattice = lattice_points(domain, field, budget)
+    mesh = filled(
+        domain, lattice, field=field, optimize=optimize, seed=seed, budget=budget, progress=progress
+    )
     return noticed(mesh)
