@@ -27,11 +27,13 @@ import numpy as np
 from ...base.jit import apart, inline, lean
 from ...predicates.kernels import insphere
 from ..insertion.engine import COUNT, FREE, STAMP
-from .cavity import new_slot
+from .cavity import corner, new_slot
 from .numbered import number_of_edge
 from .opening import FACES_OPEN, STAR_CELLS, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third
 
 __all__ = ["commit_star", "in_star", "room_for_star", "search_star"]
+
+FLATTEST = 2.0**-50  # height of a cell with a point that is rounded to a facet; unit: the largest coordinate
 
 
 @apart
@@ -49,6 +51,22 @@ def _in_ball(xyz, vertex, t, p):
 def in_star(solid, t):
     """Whether cell t was in the cavity of the last search."""
     return solid.stamp[t] == 2 * solid.state[STAMP]
+
+
+@apart
+def _clear(xyz, vertex, face, p):
+    """Whether p is farther from the plane of a face than it is rounded, so that its cell will not be flat."""
+    t, k = face & ~3, face & 3
+    a, b, c = vertex[t + corner(k, 0)], vertex[t + corner(k, 1)], vertex[t + corner(k, 2)]
+    six = square = 0.0
+    for j in range(3):
+        i, h = (j + 1) % 3, (j + 2) % 3
+        normal = (xyz[b, i] - xyz[a, i]) * (xyz[c, h] - xyz[a, h]) - (xyz[b, h] - xyz[a, h]) * (
+            xyz[c, i] - xyz[a, i]
+        )
+        six += normal * (xyz[p, j] - xyz[a, j])
+        square += normal * normal
+    return abs(six) > FLATTEST * np.sqrt(square)
 
 
 @apart
@@ -111,7 +129,12 @@ def _see_walls(solid, star, p):
                 over = solid.across[4 * t + k]
                 if over >= 0 and solid.stamp[over >> 2] == inside and solid.mark[4 * t + k] < 0:
                     continue
-                if solid.mark[4 * t + k] <= -2 or sees_face(solid, 4 * t + k, p) <= 0:
+                face = 4 * t + k
+                if (
+                    solid.mark[face] <= -2
+                    or sees_face(solid, face, p) <= 0
+                    or not (star.sizes[FACES_OPEN] == 0 or _clear(solid.xyz, solid.vertex, face, p))
+                ):
                     if i < seeds:
                         return False
                     solid.stamp[t] = inside + 1
@@ -214,13 +237,14 @@ def _turned(solid, t, k, j):
     """Turn about the common edge of faces k (a wall) and j of t, through the cavity, to the next wall.
 
     Returns the new cell on it, the place there of the vertex that is not on the edge, and the mark of the
-    opened face that was passed, -1 for none. Links of walls hold their new cells, as -2 - new.
+    opened face that was passed; -1 for none, or two, between which the edge stays. Links of walls hold their
+    new cells, as -2 - new.
     """
     enter, out, passed = k, j, -1
     link = np.int64(solid.across[4 * t + out])
     while link >= 0:
         if solid.mark[4 * t + out] <= -2:
-            passed = -2 - solid.mark[4 * t + out]
+            passed = -2 - solid.mark[4 * t + out] if passed < 0 else -1
         x = solid.vertex[4 * t + enter]
         t, enter = link >> 2, link & 3
         out = np.int64(0)

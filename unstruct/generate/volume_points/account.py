@@ -11,7 +11,7 @@ from ...connect.spatial.complex import SpatialMesh
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..volume.filling import with_names
-from .dividing import NEAR_VERTEX, STAYS
+from .dividing import AT_ANGLE, NEAR_VERTEX, SLIVER, STAYS
 from .limits import BY_QUALITY
 from .measures import judge_cell
 from .run import BodyRun
@@ -23,6 +23,8 @@ BODY_REASONS = {
     ROUNDED: "precision: rounding leaves no valid place for its center",
     NEAR_VERTEX: "too near: its shape would need edges much shorter than those of the input nearby",
     STAYS: "kept: only a point on a segment or facet that must stay, or is too short, would help",
+    AT_ANGLE: "input angle: pieces that meet at a small angle leave no choice",
+    SLIVER: "sliver: a point against it would be very near to its vertices; improve may help",
     0: "budget",
 }
 

@@ -30,11 +30,23 @@ from .measures import encroaches_edge, encroaches_face, face_center
 from .queues import after_star, look_at_segment, push_segment
 from .records import FACET_POINTS, IN_FACES, IN_HEAP, SEGMENT_POINTS, SUBSEGMENTS_NOW, VERTICES_NOW
 
-__all__ = ["NEAR_VERTEX", "STAYS", "WAITS", "divide_face", "divide_segment", "far_enough", "has_room"]
+__all__ = [
+    "AT_ANGLE",
+    "NEAR_VERTEX",
+    "SLIVER",
+    "STAYS",
+    "WAITS",
+    "divide_face",
+    "divide_segment",
+    "far_enough",
+    "has_room",
+]
 
 WAITS = 8  # what is in the way is divided first
 NEAR_VERTEX = 9  # a vertex is too near
 STAYS = 10  # what is in the way must stay as it is
+AT_ANGLE = 11  # the shape comes from a small angle of the input
+SLIVER = 12  # the center is nearer to the vertices than these are to each other
 FLOOR_SHARE = 2.0**-8  # points for the shape's sake keep this share of the lengths nearby in the beginning
 SIZE_SHARE = 0.25  # points for the size's sake may be this share of it apart, or as points for the shape
 LEAST_DISTANCE = 2.0**-44  # of the largest coordinate: halves of shorter subsegments would bend
@@ -141,11 +153,25 @@ def _search_at_edge(w, s, p, wide, out):
 
 @apart
 def _place_on_edge(w, s, p):
-    """Write the middle of a subsegment; returns the parameter there."""
+    """Write a point on a subsegment; returns the parameter there.
+
+    It is the middle, or, if one end is sharp, at a power of two from there, so that points on other segments
+    there have equal distances.
+    """
     a, b = w.ends[s, 0], w.ends[s, 1]
+    n, share = w.sharp_vertex.shape[0], 0.5
+    from_a, from_b = a < n and w.sharp_vertex[a], b < n and w.sharp_vertex[b]
+    if from_a != from_b:
+        square = 0.0
+        for j in range(3):
+            square += (w.solid.xyz[a, j] - w.solid.xyz[b, j]) ** 2
+        length = np.sqrt(square)
+        share = 2.0 ** np.round(np.log2(0.5 * length)) / length
+        if from_b:
+            share = 1.0 - share
     for j in range(3):
-        w.solid.xyz[p, j] = 0.5 * (w.solid.xyz[a, j] + w.solid.xyz[b, j])
-    return 0.5 * (w.span[s, 0] + w.span[s, 1])
+        w.solid.xyz[p, j] = w.solid.xyz[a, j] + share * (w.solid.xyz[b, j] - w.solid.xyz[a, j])
+    return w.span[s, 0] + share * (w.span[s, 1] - w.span[s, 0])
 
 
 @apart

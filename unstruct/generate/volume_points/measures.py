@@ -10,6 +10,7 @@ import numpy as np
 from ...base.jit import apart, inline
 from ...connect.spatial.cavity import corner
 from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
+from .sharp import feature_of, meet_sharply
 
 __all__ = ["cell_center", "encroaches_edge", "encroaches_face", "face_center", "face_size", "judge_cell"]
 
@@ -74,7 +75,8 @@ def sharpest(xyz, vertex, t, out):
 def judge_cell(solid, limits, t, out):
     """Write the circumcenter of cell t; why it is bad (bits, 0 for not at all), and how bad.
 
-    Returns bits, the worst quotient of a measure and its limit, and the squared circumradius.
+    Returns bits, the worst quotient of a measure and its limit, and the squared circumradius; the squared
+    shortest edge goes to ``out[18]``. A sliver that is not bad otherwise has the quotient 1/2.
     """
     r = solid.region[t]
     if r < 0:
@@ -97,7 +99,22 @@ def judge_cell(solid, limits, t, out):
         cause, worst = cause | BY_QUALITY, max(worst, quotient)
     if limits.sliver < 1.0 and cause == 0 and sharpest(solid.xyz, solid.vertex, t, out) > limits.sliver:
         cause, worst = BY_QUALITY, 0.5
+    out[18] = shortest
     return cause, worst, square
+
+
+@apart
+def across_sharp(w, t):
+    """Whether the shortest edge of cell t joins parts of the surface that meet sharply."""
+    best, u, v = np.inf, 0, 0
+    for i in range(1, 4):
+        for j in range(i):
+            a, b, square = w.solid.vertex[4 * t + i], w.solid.vertex[4 * t + j], 0.0
+            for k in range(3):
+                square += (w.solid.xyz[a, k] - w.solid.xyz[b, k]) ** 2
+            if square < best:
+                best, u, v = square, a, b
+    return meet_sharply(w.sharp, feature_of(w.sharp, w.feature, u), feature_of(w.sharp, w.feature, v))
 
 
 @apart

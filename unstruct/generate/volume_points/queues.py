@@ -16,6 +16,7 @@ from ...connect.spatial.opening import STAR_WALLS, third
 from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
 from .measures import encroaches_edge, encroaches_face, face_center, face_size, judge_cell
 from .records import IN_FACES, IN_HEAP, IN_SEGMENTS, NO_MORE
+from .sharp import feature_of, meet_sharply
 
 __all__ = ["after_star", "enter_cell", "look_at_all", "look_at_segment", "push_face", "push_segment"]
 
@@ -73,12 +74,33 @@ def look_at_face(w, face, out):
         push_face(w, face, BY_MEASURE)
         return
     over = solid.across[face]
-    if (solid.region[face >> 2] >= 0 and encroaches_face(solid.xyz, out, square, solid.vertex[face])) or (
-        over >= 0
-        and solid.region[over >> 2] >= 0
-        and encroaches_face(solid.xyz, out, square, solid.vertex[over])
+    if _in_sphere(w, face, solid.mark[face], square, out) or (
+        over >= 0 and _in_sphere(w, over, solid.mark[face], square, out)
     ):
         push_face(w, face, BY_QUALITY)
+
+
+@inline
+def _in_sphere(w, face, m, square, out):
+    """Whether the cell of a face of facet m is inside and has its vertex in the sphere of the face."""
+    v = w.solid.vertex[face]
+    return (
+        w.solid.region[face >> 2] >= 0
+        and encroaches_face(w.solid.xyz, out, square, v)
+        and not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[1] + m)
+    )
+
+
+@inline
+def _near_segment(w, s, v):
+    """Whether vertex v is in the sphere of subsegment s, and not only since their pieces meet sharply.
+
+    Two segments that meet sharply are divided in shells about their vertex; so these are not excepted.
+    """
+    return encroaches_edge(w.solid.xyz, w.ends[s, 0], w.ends[s, 1], v) and (
+        w.feature[v] >= 0
+        or not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[0] + w.parent[s])
+    )
 
 
 @apart
@@ -104,7 +126,7 @@ def look_at_segment(w, s, t):
         u = third(solid, out, a, b)
         if solid.region[t] >= 0:
             h = min(h, wanted_in_space(w.limits, solid.region[t], x, y, z))
-            seen = seen or encroaches_edge(solid.xyz, a, b, u) or encroaches_edge(solid.xyz, a, b, v)
+            seen = seen or _near_segment(w, s, u) or _near_segment(w, s, v)
         v = u
         if solid.across[out] < 0:
             break
@@ -147,11 +169,13 @@ def after_star(w, p, out):
         c = solid.vertex[4 * new + corner(k, 2)]
         if solid.mark[4 * new + k] >= 0:
             square = face_center(solid.xyz, a, b, c, out)
-            if encroaches_face(solid.xyz, out, square, p):
+            if encroaches_face(solid.xyz, out, square, p) and not meet_sharply(
+                w.sharp, feature_of(w.sharp, w.feature, p), w.sharp.base[1] + solid.mark[4 * new + k]
+            ):
                 push_face(w, 4 * new + k, BY_QUALITY)
         for u, v in ((a, b), (b, c), (c, a)):
             s = number_of_edge(w.edges, u, v)
-            if s >= 0 and encroaches_edge(solid.xyz, u, v, p):
+            if s >= 0 and _near_segment(w, s, p):
                 push_segment(w, s, BY_QUALITY)
 
 

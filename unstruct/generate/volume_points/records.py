@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,8 @@ class BodyWork(NamedTuple):
     star: Star
     edges: Numbered
     limits: BodyLimits
+    sharp: Any  # a `Sharp`
+    sharp_vertex: NDArray[np.bool_]  # (vertices of the domain,)
     ends: NDArray[np.int32]  # (subsegments, 2)
     parent: NDArray[np.int32]  # the segment that each is a part of
     span: NDArray[np.float64]  # (subsegments, 2) parameters of its ends there

@@ -12,7 +12,7 @@ from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...connect.spatial.numbered import new_numbered, number_edges
-from ...connect.spatial.opening import new_star
+from ...connect.spatial.opening import STAR_WALLS, new_star
 from ...domain.domain import Domain
 from ..volume.filling import numbered_regions
 from .limits import BodyLimits
@@ -21,6 +21,7 @@ from .records import (
     CENTER_POINTS,
     FACET_POINTS,
     FREE_POINT,
+    IN_FACES,
     IN_HEAP,
     NO_MORE,
     OF_DOMAIN,
@@ -30,6 +31,7 @@ from .records import (
     VERTICES_NOW,
     BodyWork,
 )
+from .sharp import find_sharp
 from .start import find_surface, planes_of
 from .steps import SPARE_QUEUE, divide
 
@@ -85,7 +87,11 @@ class BodyRun:
         stays = np.append(kept, np.zeros(count, dtype=kept.dtype))[
             np.minimum(surface.parent, len(kept))
         ].astype(bool)
-        stays[surface.beside[0][kept[surface.beside[1]] > 0]] = True
+        row, _, mark = surface.wings
+        stays[row[kept[shell.piece[mark]] > 0]] = True
+        self.sharp, self.sharp_vertex = find_sharp(
+            cells.xyz[: cells.size], self.ends, self.parent, surface.wings, len(shell.triangles)
+        )
         self.asked = np.where(stays, 3 << NO_MORE, 0).astype(np.int8)
         self.count = np.zeros(16, dtype=np.int64)
         self.count[VERTICES_NOW], self.count[SUBSEGMENTS_NOW] = cells.size, count
@@ -109,8 +115,8 @@ class BodyRun:
         cells, count = self.cells, self.count
         points = int(count[VERTICES_NOW])
         cells.size = points
-        slots = cells.slots
-        cells.reserve(points + points // 2 + 1024, slots + slots // 2 + 4 * SPARE_QUEUE)
+        slots, walls = cells.slots, int(self.star.sizes[STAR_WALLS])
+        cells.reserve(points + points // 2 + 1024, slots + slots // 2 + 4 * SPARE_QUEUE + walls)
         vertices, slots = len(cells.xyz), len(cells.stamp)
         if len(self.why) < slots:
             more = slots - len(self.why)
@@ -127,14 +133,15 @@ class BodyRun:
         if len(self.edges.key) < 6 * parts or len(self.edges.degree) < vertices:
             self.edges = new_numbered(3 * parts, vertices)
             number_edges(self.edges, self.ends, 0, int(count[SUBSEGMENTS_NOW]))
-        self.heap = grown(self.heap, int(count[IN_HEAP]) * 2 + 4 * SPARE_QUEUE)
+        self.heap = grown(self.heap, int(count[IN_HEAP]) * 2 + 4 * (SPARE_QUEUE + walls))
         self.bad = grown(self.bad, len(self.heap))
-        self.faces = grown(self.faces, len(self.faces) + 4 * SPARE_QUEUE)
+        self.faces = grown(self.faces, int(count[IN_FACES]) * 2 + 4 * (SPARE_QUEUE + walls))
 
     def work(self) -> BodyWork:
         """The arrays as they are now, in one record for the kernels."""
         return BodyWork(
-            self.cells.solid(), self.star, self.edges, self.limits, self.ends, self.parent, self.span,
+            self.cells.solid(), self.star, self.edges, self.limits, self.sharp, self.sharp_vertex,
+            self.ends, self.parent, self.span,
             self.asked, self.plane, self.kept, self.feature, self.floor, self.flag, self.why, self.heap,
             self.bad, self.segments, self.faces, self.count,
         )  # fmt: skip

@@ -30,14 +30,15 @@ class Surface(NamedTuple):
         facets.
     span : (k, 2) float64
         The parameters of the ends on inner segments.
-    beside : list of int32 arrays, two
-        For each edge of a facet (its row in ``ends``) a piece at it: rows and pieces.
+    wings : tuple of arrays
+        For each pair of a subsegment and a face at it: the row in ``ends``, the third vertex of the face, and
+        its mark.
     """
 
     ends: NDArray[np.int32]
     parent: NDArray[np.int32]
     span: NDArray[np.float64]
-    beside: tuple[NDArray[np.int64], NDArray[np.int32]]
+    wings: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]
 
 
 def planes_of(shell: Shell, factor: float) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
@@ -93,7 +94,7 @@ def find_surface(domain: Domain, found: Recovered, made: SpatialMesh, cells: Spa
     others = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
     faces, number = corner[row[:, None], others[k]], marks[row, k]
     ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [0, 2]]]), axis=1)
-    mark = np.tile(number, 3)
+    mark, far = np.tile(number, 3), np.concatenate([faces[:, 2], faces[:, 0], faces[:, 1]])
     group, first = group_rows(ends)
     count = np.bincount(group)
     least, most = np.full(len(count), np.iinfo(np.int32).max), np.full(len(count), -1)
@@ -111,10 +112,9 @@ def find_surface(domain: Domain, found: Recovered, made: SpatialMesh, cells: Spa
     number_of = {tuple(sorted(e)): i for i, e in enumerate(every.tolist())}
     at_border = np.flatnonzero(border[group])
     beside = np.array([number_of[tuple(e)] for e in ends[at_border].tolist()], dtype=np.int64)
-    shell = domain.triangulated
     return Surface(
         every,
         np.concatenate([piece, len(domain.pieces) + np.arange(int(new.sum()))]).astype(np.int32),
         np.concatenate([span, np.tile([0.0, 1.0], (int(new.sum()), 1))]).reshape(-1, 2),
-        (beside, shell.piece[mark[at_border]].astype(np.int32)),
+        (beside, far[at_border], mark[at_border]),
     )

@@ -14,8 +14,19 @@ from ...connect.spatial.cavity import corner
 from ...connect.spatial.numbered import number_of_edge
 from ...connect.spatial.opening import FACES_OPEN, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
-from .dividing import NEAR_VERTEX, STAYS, WAITS, divide_face, divide_segment, far_enough, has_room
-from .measures import encroaches_edge, encroaches_face, face_center, judge_cell
+from .dividing import (
+    AT_ANGLE,
+    NEAR_VERTEX,
+    SLIVER,
+    STAYS,
+    WAITS,
+    divide_face,
+    divide_segment,
+    far_enough,
+    has_room,
+)
+from .limits import BY_QUALITY
+from .measures import across_sharp, encroaches_edge, encroaches_face, face_center, judge_cell
 from .queues import after_star, push_face, push_segment, set_flag
 from .records import (
     CENTER_POINTS,
@@ -143,11 +154,16 @@ def _next_cell(w, out):
     w.count[IN_HEAP] = pop(w.heap, w.bad, w.count[IN_HEAP])
     if w.solid.vertex[4 * t] < 0:
         return INSERTED
-    cause, worst, _ = judge_cell(w.solid, w.limits, t, out)
+    cause, worst, square = judge_cell(w.solid, w.limits, t, out)
     cause &= ~w.why[t] & 3
     if cause == 0 or worst != -key:
         return INSERTED
-    code = _center(w, t, cause, out)
+    if cause == BY_QUALITY and across_sharp(w, t):
+        code = AT_ANGLE
+    elif cause == BY_QUALITY and worst == 0.5 and square < out[18]:
+        code = SLIVER
+    else:
+        code = _center(w, t, cause, out)
     if code == ROOM or code == WAITS:
         w.count[IN_HEAP] = push(w.heap, w.bad, w.count[IN_HEAP], key, t)
     elif code != INSERTED:

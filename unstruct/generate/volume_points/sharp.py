@@ -1,0 +1,154 @@
+"""Small angles of the input, and which parts of a surface meet at one.
+
+A segment is *sharp* if two facets meet there at less than 60 degrees, a vertex if two subsegments do at less
+than 45, or if a sharp segment ends there. Vertices on two pieces that meet at something sharp come as near to
+each other as one likes, whatever is divided: so no division is asked for because of them. See the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import apart, inline
+from .records import FREE_POINT, OF_DOMAIN
+
+__all__ = ["Sharp", "feature_of", "find_sharp", "meet_sharply"]
+
+SHARP_SEGMENT, SHARP_VERTEX = 60.0, 45.0  # degrees
+SHARP_ENOUGH = 1e-9  # an angle of exactly 60 degrees is not sharp
+
+
+class Sharp(NamedTuple):
+    """For each part of the surface what is sharp on it: ``items[first[f] : first[f + 1]]``, in order.
+
+    Parts are the vertices of the domain, the segments, and the facets, in this order. ``base`` are the
+    numbers of the first segment and of the first facet.
+    """
+
+    first: NDArray[np.int64]
+    items: NDArray[np.int32]
+    base: NDArray[np.int64]
+
+
+@inline
+def feature_of(sharp, feature, v):
+    """The part of the surface on which vertex v is; -1 for none."""
+    f = feature[v]
+    if f == OF_DOMAIN:
+        return np.int64(v)
+    if f == FREE_POINT:
+        return np.int64(-1)
+    return sharp.base[0] + f if f >= 0 else sharp.base[1] - 3 - f
+
+
+@apart
+def meet_sharply(sharp, f, g):
+    """Whether two different parts have something sharp in common."""
+    if f < 0 or g < 0 or f == g:
+        return False
+    i, last = sharp.first[f], sharp.first[f + 1]
+    j, end = sharp.first[g], sharp.first[g + 1]
+    while i < last and j < end:
+        if sharp.items[i] == sharp.items[j]:
+            return True
+        if sharp.items[i] < sharp.items[j]:
+            i += 1
+        else:
+            j += 1
+    return False
+
+
+def find_sharp(
+    xyz: NDArray[np.float64],
+    ends: NDArray[np.int32],
+    parent: NDArray[np.int32],
+    wings: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]],
+    marks: int,
+) -> tuple[Sharp, NDArray[np.bool_]]:
+    """What is sharp, and which vertices are.
+
+    Parameters
+    ----------
+    xyz : (n, 3) float64
+    ends, parent : (k, 2) and (k,) int32
+        Subsegments, and the segments that they are parts of.
+    wings : tuple of arrays
+        For each pair of a subsegment and a face at it: its row, the third vertex of the face, its mark.
+    marks : int
+        How many marks there are.
+    """
+    n, row, far, mark = len(xyz), *wings
+    segments = int(parent.max()) + 1 if len(parent) else 0
+    narrow = _narrow_segments(xyz, ends, row, far)
+    sharp_vertex = _narrow_vertices(xyz, ends)
+    sharp_vertex[ends[narrow].ravel()] = True
+    parts, items = [np.flatnonzero(sharp_vertex)], [np.flatnonzero(sharp_vertex)]
+    parts.append(n + parent[narrow].astype(np.int64))
+    items.append(n + np.flatnonzero(narrow))
+    for k in range(2):
+        at = sharp_vertex[ends[:, k]]
+        parts.append(n + parent[at].astype(np.int64))
+        items.append(ends[at, k].astype(np.int64))
+        at = sharp_vertex[ends[row, k]]
+        parts.append(n + segments + mark[at].astype(np.int64))
+        items.append(ends[row[at], k].astype(np.int64))
+    at = narrow[row]
+    parts.append(n + segments + mark[at].astype(np.int64))
+    items.append(n + row[at])
+    pairs = np.unique(np.column_stack([np.concatenate(parts), np.concatenate(items)]), axis=0)
+    first = np.searchsorted(pairs[:, 0], np.arange(n + segments + marks + 1))
+    base = np.array([n, n + segments], dtype=np.int64)
+    return Sharp(first.astype(np.int64), pairs[:, 1].astype(np.int32), base), sharp_vertex
+
+
+def _narrow_segments(
+    xyz: NDArray[np.float64], ends: NDArray[np.int32], row: NDArray[np.int64], far: NDArray[np.int32]
+) -> NDArray[np.bool_]:
+    """The subsegments where two faces are at less than 60 degrees, on either side."""
+    result = np.zeros(len(ends), dtype=bool)
+    if len(row) == 0:
+        return result
+    along = xyz[ends[:, 1]] - xyz[ends[:, 0]]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    out = xyz[far] - xyz[ends[row, 0]]
+    out -= (out * along[row]).sum(axis=1)[:, None] * along[row]
+    some = np.zeros((len(ends), 3))
+    some[row] = out  # one direction for each subsegment from which angles are counted
+    other = np.cross(along, some)
+    angle = np.arctan2((out * other[row]).sum(axis=1), (out * some[row]).sum(axis=1))
+    order = np.lexsort((angle, row))
+    r, a = row[order], angle[order]
+    count = np.bincount(r, minlength=len(ends))
+    last = np.append(r[1:] != r[:-1], True)
+    step = np.empty(len(a))
+    step[:-1] = a[1:] - a[:-1]
+    first = np.flatnonzero(np.append(True, r[1:] != r[:-1]))
+    step[last] = a[first] + 2 * np.pi - a[last]
+    small = (step < np.radians(SHARP_SEGMENT) - SHARP_ENOUGH) & (count[r] > 1)
+    result[r[small]] = True
+    return result
+
+
+def _narrow_vertices(xyz: NDArray[np.float64], ends: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """The vertices where two subsegments are at less than 45 degrees."""
+    result = np.zeros(len(xyz), dtype=bool)
+    at = np.concatenate([ends[:, 0], ends[:, 1]])
+    way = xyz[np.concatenate([ends[:, 1], ends[:, 0]])] - xyz[at]
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    order = np.argsort(at, kind="stable")
+    at, way = at[order], way[order]
+    vertex, first, count = np.unique(at, return_index=True, return_counts=True)
+    least = np.cos(np.radians(SHARP_VERTEX)) + SHARP_ENOUGH
+    for degree in np.unique(count):
+        if degree < 2:
+            continue
+        chosen = np.flatnonzero(count == degree)
+        for part in np.array_split(chosen, 1 + len(chosen) * degree * degree // 1_000_000):
+            rows = way[first[part][:, None] + np.arange(degree)]
+            cosine = np.einsum("vik,vjk->vij", rows, rows)
+            cosine[:, np.arange(degree), np.arange(degree)] = -1.0
+            result[vertex[part]] = cosine.max(axis=(1, 2)) > least
+    return result
