@@ -55,7 +55,7 @@ def twisted_prism_state(twist: float = 30.0, seen_from: float = -60.0) -> fr.Fra
         item3("polygons", "accepted", TWISTED_WALLS, corners, opacity=0.35),
         item3("segments", "edge", edges, corners),
         item3("segments", "waiting" if fits else "bad", NOT_JOINED, corners),
-        item3("labels", "vertex", corners, text="ABCDEF"),
+        item3("labels", "vertex", corners, text=range(6)),
     ]
     ending = "four tetrahedra fill it" if fits else "no tetrahedron fits its faces"
     number = f"the dashed segments are {where}: {ending}"
