@@ -38,13 +38,13 @@ def lattice(low: Point, high: Point, side: Any) -> list[tuple[Fraction, ...]]:
 
 def inside(points: Points, facets: Iterable[Face], place: Point) -> bool:
     """Whether a path from far away to this place, on no facet, goes through an odd number of facets."""
-    facets = [tuple(points[v] for v in face) for face in facets]
-    reach = 1 + max(abs(x) for face in facets for p in face for x in p)
+    corners = [[points[v] for v in face] for face in facets]
+    reach = 1 + max(abs(x) for face in corners for p in face for x in p)
     for far in FAR:
         end = tuple(x * reach for x in far)
-        signs = [_met(face, place, end) for face in facets]
+        signs = [_met(face, place, end) for face in corners]
         if None not in signs:
-            return sum(signs) % 2 == 1
+            return signs.count(True) % 2 == 1
     raise ValueError("each path meets an edge of a facet")
 
 
@@ -78,9 +78,9 @@ def flood(cells: Iterable[Cell], facets: Iterable[Face]) -> dict[Cell, int]:
     waiting = list(parity)
     while waiting:
         cell = waiting.pop()
-        for face in map(frozenset, combinations(cell, 3)):
-            for other in owners[face]:
-                crossed = parity[cell] ^ (face in walls)
+        for side in map(frozenset, combinations(cell, 3)):
+            for other in owners[side]:
+                crossed = parity[cell] ^ (side in walls)
                 if other != cell and other not in parity:
                     parity[other] = crossed
                     waiting.append(other)
@@ -99,7 +99,8 @@ def shape(points: Points, cell: Cell) -> Fraction:
     squares = [sum((x - y) ** 2 for x, y in zip(p, q)) for p, q in pairs]
     u, v, w = ([x - y for x, y in zip(row, rows[0])] for row in rows[1:])
     six = sum(u[i] * (v[i - 2] * w[i - 1] - v[i - 1] * w[i - 2]) for i in range(3))
-    return 2 * six**2 / (sum(squares) / 6) ** 3
+    mean = Fraction(sum(squares)) / 6
+    return 2 * six**2 / (mean * mean * mean)
 
 
 def worst_of(points: Points, cells: Iterable[Cell]) -> Fraction:
