@@ -7,7 +7,8 @@ Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delauna
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
 `advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `improve`.
 
-Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `second_order`, `CurvedMesh`.
+Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
+`CurvedMesh`.
 
 Namespaces: `sizing` (wanted lengths), `predicates` (exact signs), `simplex` and `topology` (single cells and
 bare arrays), `examples`, `view` (pictures; needs matplotlib), `plain` (each algorithm once more, to be read),
@@ -60,6 +61,7 @@ from .geometry.curves import Curve as Curve
 from .mesh.curved import CurvedMesh as CurvedMesh
 from .mesh.curved import second_order as second_order
 from .mesh.domain_mesh import DomainMesh as DomainMesh
+from .mesh.joining import join as join
 from .mesh.mesh import Mesh as Mesh
 from .sizing.stretching import Layers as Layers
 
@@ -98,6 +100,7 @@ __all__ = [
     "improve",
     "insert",
     "interpolate",
+    "join",
     "plain",
     "predicates",
     "refine",

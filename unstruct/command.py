@@ -104,7 +104,7 @@ _region_options = [
 _file_options = [
     click.option("--gmsh-version", type=click.Choice(["2.2", "4.1"]), help="For .msh; 2.2 by default."),
     click.option("--binary/--text", default=None, help="For .msh, .vtu, .vtk, .stl, .ply, .xdmf."),
-    click.option("--thickness", type=float, help="Of the layer, for a folder polyMesh."),
+    click.option("--thickness", type=float, help="Of the layer over a planar mesh, for a folder polyMesh."),
 ]
 _quiet = click.option("-q", "--quiet", is_flag=True, help="Print nothing but warnings and errors.")
 

@@ -55,7 +55,7 @@ def test_a_failure_half_way_leaves_the_old_file(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(meshio.Mesh, "write", lambda self, path, **options: full(path))
-    for name in ("write_msh", "write_su2", "write_node_ele", "write_foam"):
+    for name in ("write_msh", "write_su2", "write_node_ele", "write_foam", "write_medit"):
         real = getattr(files, name)
         monkeypatch.setattr(files, name, lambda mesh, path, *rest, real=real: full(path))
     with pytest.raises(InputError, match=r"cannot write .*: No space left on device"):

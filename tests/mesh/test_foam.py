@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
-from mixed_cells import planar
+from mixed_cells import planar, spatial
 
-from unstruct import Domain, InputError, Mesh, MeshError, constrained_delaunay
+from unstruct import Domain, InputError, Mesh, MeshError, constrained_delaunay, tetrahedralize
+
+
+def halves() -> Domain:
+    """A box of two regions with a named wall between them."""
+    plane = Domain(
+        [(0, 0), (1, 0), (2, 0), (2, 1), (1, 1), (0, 1)],
+        [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0)],
+        inner=[(1, 4)],
+        markers={"in let": [5], "out": [2], "wall": [0, 1, 3, 4], "interface": [6]},
+        regions={"left": [(0.5, 0.5)], "right": [(1.5, 0.5)]},
+    )
+    return Domain.extruded(plane, 1)
 
 
 def contents(path: Path) -> str:
@@ -46,7 +59,20 @@ def area_vector(x: np.ndarray) -> np.ndarray:
     return sum(np.cross(x[i] - x[0], x[i + 1] - x[0]) for i in range(1, len(x) - 1)) / 2
 
 
-def assert_good(folder: Path, mesh: Mesh, thickness: float) -> dict[str, tuple]:
+def zones(folder: Path, name: str) -> dict[str, list[int]]:
+    found = re.findall(
+        r"(\S+)\n\{\n    type (\w+);\n    \w+Labels List<label>\n"
+        r"(\d+)\n\(\n([\d\n]*)\)\n;\n(    flipMap.*\n|)\}\n",
+        contents(folder / name),
+    )
+    assert len(found) == int(contents(folder / name).split("\n")[0])
+    for _, kind, many, labels, rest in found:
+        assert kind == name[:-1] and int(many) == len(labels.split())
+        assert rest == (f"    flipMap List<bool> {many}{{0}};\n" if kind == "faceZone" else "")
+    return {zone: [int(word) for word in labels.split()] for zone, _, _, labels, _ in found}
+
+
+def assert_good(folder: Path, mesh: Mesh, thickness: float = 1.0) -> dict[str, tuple]:
     points, faces, owner, neighbour, patches = read(folder)
     assert len(owner) == len(faces) and (owner[: len(neighbour)] < neighbour).all()
     pairs = list(zip(owner[: len(neighbour)].tolist(), neighbour.tolist()))
@@ -69,9 +95,78 @@ def assert_good(folder: Path, mesh: Mesh, thickness: float) -> dict[str, tuple]:
     for kind, n, start in patches.values():
         assert start == at and kind in ("patch", "empty")
         at += n
-    assert at == len(faces) and list(patches)[-1] == "frontAndBack"
-    assert patches["frontAndBack"][:2] == ("empty", 2 * mesh.size)
+    assert at == len(faces) and ("frontAndBack" in patches) == (mesh.dimension == 2)
+    if mesh.dimension == 2:
+        assert list(patches)[-1] == "frontAndBack"
+        assert patches["frontAndBack"][:2] == ("empty", 2 * mesh.size)
+    assert len(np.unique(np.concatenate([np.array(face) for face in faces]))) == len(points)
     return patches
+
+
+@pytest.mark.parametrize("mesh", [spatial(2), spatial(3, jitter=0.1)], ids=repr)
+def test_solid_cells_of_all_kinds(tmp_path: Path, mesh: Mesh) -> None:
+    mesh.write(tmp_path / "polyMesh")
+    patches = assert_good(tmp_path / "polyMesh", mesh)
+    assert patches == {"facets": ("patch", len(mesh.boundary), len(read(tmp_path / "polyMesh")[3]))}
+
+
+def test_tetrahedra_of_a_body_with_regions(tmp_path: Path) -> None:
+    mesh = tetrahedralize(halves(), 0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh.write(tmp_path / "polyMesh")
+    folder = tmp_path / "polyMesh"
+    patches = assert_good(folder, mesh)
+    assert {name: n for name, (_, n, _) in patches.items()} == {
+        name: len(mesh.markers[name.replace("_", " ")]) for name in ("in_let", "out", "wall", "bottom", "top")
+    }
+    points, faces, owner, neighbour, _ = read(folder)
+    assert zones(folder, "cellZones") == {
+        name: np.flatnonzero(mesh.markers["region"] == k).tolist() for name, k in mesh.regions.items()
+    }
+    (wall,) = zones(folder, "faceZones").values()
+    region = mesh.markers["region"]
+    assert len(wall) == len(mesh.markers["interface"]) > 0
+    assert all(f < len(neighbour) and (points[faces[f]][:, 0] == 1).all() for f in wall)
+    assert sorted(wall) == np.flatnonzero(region[owner[: len(neighbour)]] != region[neighbour]).tolist()
+    constrained_delaunay(Domain.rectangle()).write(folder)
+    assert zones(folder, "cellZones") == zones(folder, "faceZones") == {}, "no earlier zone is left"
+
+
+def test_regions_of_the_plane_are_zones(tmp_path: Path) -> None:
+    domain = Domain(
+        [(0, 0), (1, 0), (2, 0), (2, 1), (1, 1), (0, 1)],
+        [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0)],
+        inner=[(1, 4)],
+        markers={"middle": [6]},
+        regions={"left": [(0.5, 0.5)]},
+    )
+    mesh = constrained_delaunay(domain)
+    mesh.write(tmp_path / "polyMesh")
+    assert_good(tmp_path / "polyMesh", mesh, 0.2)
+    assert set(zones(tmp_path / "polyMesh", "cellZones")) == {"left", "region_1"}
+    assert [len(rows) for rows in zones(tmp_path / "polyMesh", "faceZones").values()] == [1]
+
+
+def test_turned_solids_and_bad_ones(tmp_path: Path) -> None:
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0]]
+    turned = Mesh(corners, [[0, 2, 1, 3], [1, 2, 3, 4]])
+    turned.write(tmp_path / "polyMesh")
+    assert_good(tmp_path / "polyMesh", turned)
+    for mesh, told in [
+        (Mesh(corners, [[0, 1, 2, 5]]), "cell 0 has no volume"),
+        (
+            Mesh(corners, [[0, 1, 2, 3], [0, 1, 2, 4], [0, 2, 1, 4]]),
+            r"the face \[0, 1, 2\]|\[.*\] belongs to more",
+        ),
+    ]:
+        with pytest.raises(MeshError, match=told):
+            mesh.write(tmp_path / "polyMesh")
+    with pytest.raises(InputError, match="these cells are solid"):
+        turned.write(tmp_path / "polyMesh", thickness=1)
+    odd = Mesh(corners, turned.simplices, markers={"value": [0.5, 1], "edge": [[0, 1]]})
+    with pytest.warns(UserWarning, match="not written: 'value', 'edge'; polyMesh stores"):
+        odd.write(tmp_path / "polyMesh")
 
 
 @pytest.mark.parametrize("mesh", [planar(4, jitter=0.1, seed=1), planar(6, seed=5)], ids=repr)

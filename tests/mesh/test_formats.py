@@ -90,7 +90,7 @@ def test_gmsh_groups_of_triangles_and_quadrilaterals(tmp_path: Path) -> None:
         assert faces(again.markers[name]) == faces(mesh.markers[name])
 
 
-@pytest.mark.parametrize("suffix", ["mesh", "su2", "avs", "bdf"])
+@pytest.mark.parametrize("suffix", ["su2", "avs", "bdf"])
 def test_cells_alone(tmp_path: Path, suffix: str) -> None:
     mesh = marked(spatial(2))
     with pytest.warns(UserWarning, match=r"not written: ('wall', )?'some edges', .*'value'"):

@@ -53,6 +53,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "clip": (diagram.clip, (((0, 0), (1, 1)),), {}),
         "relax": (diagram.relax, (), {}),
         "swap_diagonals": (u.swap_diagonals, (mesh,), {}),
+        "join": (u.join, (mesh,), {}),
         "interpolate": (u.interpolate, (delaunay, CLOUD[:, 0], CLOUD[:5]), {}),
         "Domain": (u.Domain, (points, SQUARE.facets), {}),
         "polygon": (u.Domain.polygon, (points,), {}),

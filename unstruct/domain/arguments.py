@@ -12,6 +12,7 @@ from ..base.arrays import INT32, as_points, frozen
 from ..base.errors import InputError
 from ..geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..geometry.outline import Outline
+from ..geometry.polygons import Polygons
 
 __all__ = [
     "DomainOptions",
@@ -147,7 +148,7 @@ def around(first: int, count: int) -> np.ndarray:
 
 
 def joined(domains: Sequence[Outline]) -> dict[str, Any]:
-    """The arguments of one domain with the pieces of several: all facets, then all inner segments."""
+    """The arguments of one domain with the pieces of several: all facets, then all inner pieces."""
     facets, inner, points = [], [], []
     curves: dict[int, CurveLike] = {}
     markers: dict[str, list[int]] = {}
@@ -157,8 +158,8 @@ def joined(domains: Sequence[Outline]) -> dict[str, Any]:
     for d in domains:
         f = len(d.facets)
         number = np.concatenate([first + np.arange(f), last + np.arange(len(d.inner))])
-        facets.append(d.facets + start)
-        inner.append(d.inner + start)
+        facets.append(_moved(d.facets, start, d.points.shape[1]))
+        inner.append(_moved(d.inner, start, d.points.shape[1]))
         points.append(d.points)
         curves |= {int(number[piece]): curve for piece, curve in d.curves.items()}
         for name, pieces in d.markers.items():
@@ -168,12 +169,25 @@ def joined(domains: Sequence[Outline]) -> dict[str, Any]:
         start, first, last = start + len(d.points), first + f, last + len(d.inner)
     return {
         "points": np.concatenate(points),
-        "facets": np.concatenate(facets),
-        "inner": np.concatenate(inner),
+        "facets": _stacked(facets),
+        "inner": _stacked(inner),
         "curves": curves,
         "markers": markers,
         "regions": regions,
     }
+
+
+def _moved(pieces: Any, start: int, dimension: int) -> Any:
+    """Pieces whose vertices have numbers larger by ``start``; polygons in space."""
+    if dimension == 2:
+        return pieces + start
+    rows = Polygons.of(pieces)
+    return Polygons(rows.vertices + np.int32(start), rows.ring_start, rows.first_ring)
+
+
+def _stacked(parts: list[Any]) -> Any:
+    """Pieces of several domains as those of one."""
+    return Polygons.joined(*parts) if isinstance(parts[0], Polygons) else np.concatenate(parts)
 
 
 def composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:

@@ -24,6 +24,7 @@ from .plane.repair import Repair
 from .plane.sample import Sampled
 from .shaped import Shaped
 from .sides import SIDES, Side
+from .space.shells import emptied
 
 __all__ = ["Domain", "as_domain"]
 
@@ -243,14 +244,16 @@ class Domain(Shaped):
         Parameters
         ----------
         *others : Domain
-            Markers and regions of equal names are joined.
+            Markers and regions of equal names are joined. In space, for example, a box around a body: the
+            body's facets keep their names and, in `tetrahedralize`, their triangles.
         resolve : bool
-            As for `Domain`; the others may then overlap, and lie partly or wholly outside.
+            As for `Domain`; the others may then, in the plane, overlap, and lie partly or wholly outside.
         """
         as_flags(resolve=resolve)
-        domains: list[Domain] = [self, *map(as_domain, others)]
+        domains: list[Domain] = [self, *(as_domain(other, self.dimension) for other in others)]
+        if self.dimension == 3:
+            return emptied(partial(making.of, type(self)), joined(domains), domains, resolve=resolve)
         for domain in domains:
-            derived.must_be_planar(domain, "combined")
             derived.must_be_free(domain, "combined")
         group = np.repeat(np.arange(len(domains)), [len(d.facets) for d in domains])
         names = ["the domain", *(f"others[{i}]" for i in range(len(others)))]

@@ -122,13 +122,13 @@ def plain_names(names: Iterable[str]) -> dict[str, str]:
 
 
 def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Give each facet of the boundary to one marker: the first other than "facets" that names it.
+    """Give each of some facets to one marker: the first other than "facets" that names it, "inner" last.
 
     Parameters
     ----------
     mesh : Mesh
     border : ndarray of int, shape (f, k)
-        The facets where the mesh ends, padded by -1.
+        Facets, such as those where the mesh ends, padded by -1.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def border_groups(mesh: CellComplex, border: np.ndarray) -> tuple[dict[str, np.n
     names: list[str] = []
     lost = []
     wide: list[np.ndarray] = []
-    for name, faces in mesh.markers.items():
+    for name, faces in sorted(mesh.markers.items(), key=lambda item: item[0] == "inner"):
         if faces.ndim == 1:
             lost.append(name)
         elif name != "facets" and (name != "inner" or len(faces)):

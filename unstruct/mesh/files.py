@@ -28,6 +28,7 @@ from .foam import write_foam
 from .formats import MAY_BE_DOMAINS, NEED_H5PY, NOT_MESHES, fits, meshio_options, refuse_options
 from .gmsh import coded, face_blocks, to_groups
 from .grouping import group_rows
+from .medit import with_names, write_medit
 from .msh import msh_version, read_msh
 from .msh_writing import write_msh
 from .naming import WITH_NAMES, add_names, names_by_number
@@ -112,11 +113,17 @@ def write(
         why = ".su2 stores for each facet of the boundary its first marker other than facets"
         _drop(mesh, why, lost, duplicates=True)
         return
+    if suffix == ".mesh":
+        refuse_options(suffix, binary=binary)
+        with replacing(path) as beside:
+            write_medit(_for_groups(mesh, ".mesh", data=False), beside)
+        _drop(mesh, ".mesh has no place for them", (), duplicates=True)
+        return
     if suffix == ".msh":
         if version not in (None, "2.2", "4.1"):
             raise InputError(f"version {version!r} of Gmsh's format is not written: '2.2' or '4.1' is")
         with replacing(path) as beside:
-            write_msh(_for_gmsh(mesh), beside, version or "2.2", bool(binary))
+            write_msh(_for_groups(mesh, ".msh"), beside, version or "2.2", bool(binary))
         return
     _write_by_meshio(mesh, path, suffix, binary)
 
@@ -130,7 +137,7 @@ def _write_foam(mesh: CellComplex, path: Path, thickness: float | None) -> None:
         raise InputError(f"cannot make the folder {path}: {error.strerror or error}") from None
     with replacing(path / "points") as beside:
         lost = write_foam(mesh, beside.parent, thickness)
-    why = "polyMesh stores for each edge of the boundary its first marker other than facets"
+    why = "polyMesh stores for each face its first marker other than facets, and of cells their regions"
     _drop(mesh, why, lost, duplicates=True)
 
 
@@ -203,22 +210,26 @@ def _drop_whole(mesh: CellComplex) -> None:
     _drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
 
 
-def _for_gmsh(mesh: CellComplex) -> Exchange:
+def _for_groups(mesh: CellComplex, suffix: str, *, data: bool = True) -> Exchange:
     """Make regions and named faces physical groups; keep real data if there is only one block of cells."""
     other = exchange_of(mesh, flags=False)
     other.points = _padded(other.points)
     _drop_whole(mesh)
     faces = named_faces(mesh)
-    data = dict(other.cell_data)
+    values = dict(other.cell_data)
     held, lost = to_groups(mesh, other, faces)
-    why = ".msh stores each face in one group, that of its first marker other than facets and inner"
+    why = f"{suffix} stores each face in one group, that of its first marker other than facets and inner"
     _drop(mesh, why, lost)
-    rest = [name for name in data if name not in held and not name.startswith("gmsh:")]
-    if len(other.cells) > 1:  # other programs take data of cells for data of all elements
+    rest = [name for name in values if name not in held and not name.startswith("gmsh:")]
+    if not data:
+        vertices = [name for name, rows in faces.items() if rows.shape[1] == 1]
+        _drop(mesh, f"{suffix} has one number for each cell and face, and names of regions", rest + vertices)
+        rest = []
+    elif len(other.cells) > 1:  # other programs take data of cells for data of all elements
         _drop(mesh, ".msh keeps other cell data only where there is one kind of cell and no named face", rest)
         rest = []
-    other.point_data = {name: values.astype(float) for name, values in other.point_data.items()}
-    other.cell_data |= {coded(name): [v.astype(float) for v in data[name]] for name in rest}
+    other.point_data = {name: column.astype(float) for name, column in other.point_data.items()}
+    other.cell_data |= {coded(name): [v.astype(float) for v in values[name]] for name in rest}
     return other
 
 
@@ -239,7 +250,8 @@ def read(path: str | Path) -> dict[str, Any]:
         if version in MESHIO_READS_MSH:
             return arguments_of(path, _read_by_meshio(path, "gmsh"))
         return arguments_of(path, read_msh(path, version, sections, order))
-    return arguments_of(path, _read_by_meshio(path, None))
+    other = _read_by_meshio(path, None)
+    return arguments_of(path, with_names(path, other) if suffix == ".mesh" else other)
 
 
 def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:

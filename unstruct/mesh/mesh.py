@@ -293,13 +293,14 @@ class Mesh(CellComplex):
         Parameters
         ----------
         path : str or Path
-            A folder named "polyMesh" becomes OpenFOAM's mesh of one layer of prisms.
+            A folder named "polyMesh" becomes OpenFOAM's mesh: of solid cells, or of one layer of prisms over
+            a planar mesh.
         version : str, optional
             Of Gmsh's format: "2.2", the default, or "4.1".
         binary : bool, optional
             Binary instead of text: .msh (text by default), .vtu, .vtk, .stl, .ply, .xdmf.
         thickness : float, optional
-            Of the layer in polyMesh; by default a tenth of the longer side of the bounding box.
+            Of the layer over a planar mesh in polyMesh; by default a tenth of the longer side of its box.
 
         Raises
         ------
@@ -318,19 +319,23 @@ class Mesh(CellComplex):
         format       points, cells  origin, copies    markers of faces     markers of cells
         ============ ============== ================= ==================== ===================
         .vtu, .vtk   yes            yes               all, empty ones too  all
+        .xdmf        yes            yes               all, empty ones too  all
         .msh         yes            yes               one for each face    "region"
+        .mesh        yes            no                one for each face    "region"
         .su2         yes            no                one, boundary only   no
-        polyMesh     planar         no                one, boundary only   no
+        polyMesh     (not read)     no                one for each face    "region"
         .node, .ele  simplices      no                no                   no
         others       yes            no                no                   no
         ============ ============== ================= ==================== ===================
 
         .msh, .su2, polyMesh, .node and .ele need no other package, the others meshio. Names of regions are
         kept where markers of cells are. In .msh markers are Gmsh's physical groups (`unstruct.mesh.gmsh`):
-        those of cells have the names of regions, or "region 0", ... without one. In .vtu and .vtk names are
-        field data, "region:<name>", with the number of the region. A face in several markers is in the group
-        of the first one other than "facets" and "inner", which follow from where the mesh ends. .msh and .su2
-        have no polygons; .vtu and .vtk store all kinds, and polygons in their order.
+        those of cells have the names of regions, or "region 0", ... without one. In .vtu, .vtk and .xdmf
+        names are field data, "region:<name>", with the number of the region; in .mesh (Medit), whose cells
+        and faces have numbers, they are comments. A face in several markers is in the group of the first one
+        other than "facets" and "inner", which follow from where the mesh ends. In polyMesh such groups are
+        patches, and zones of faces inside; regions are zones of cells. .msh and .su2 have no polygons; .vtu
+        and .vtk store all kinds, and polygons in their order.
 
         Kinds without cells are left out, as in `select`; .node and .ele alone store a mesh without any cell.
         Formats of meshio may group the kinds in another order, and store as many digits as they have.

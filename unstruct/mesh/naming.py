@@ -15,7 +15,7 @@ from ..base.files import suffix_of
 
 __all__ = ["WITH_NAMES", "add_names", "as_region_names", "found_names", "names_by_number"]
 
-WITH_NAMES = (".vtu", ".vtk")  # formats of VTK, whose field data have no place in meshio's files
+WITH_NAMES = (".vtu", ".vtk", ".xdmf", ".xmf")  # formats whose names have no place in meshio's files
 FIELD = "region:"  # before the name of a region among field data
 
 
@@ -63,6 +63,10 @@ def add_names(path: Path, regions: Mapping[str, int]) -> None:
             for name, number in names.items()
         )
         added = f"\n<FieldData>\n{rows}</FieldData>\n".encode()
+    elif suffix_of(path) in (".xdmf", ".xmf"):  # as meshio reads them: names in a document inside
+        at = content.index(b">", content.index(b"<Grid ")) + 1
+        rows = "".join(f'<map key="{name}" dim="0">{number}</map>' for name, number in names.items())
+        added = f'<Information Name="regions"><![CDATA[<main>{rows}</main>]]></Information>'.encode()
     else:
         at = content.index(b"DATASET UNSTRUCTURED_GRID\n") + len(b"DATASET UNSTRUCTURED_GRID\n")
         text = b"\nASCII\n" in content[:at]
@@ -82,6 +86,8 @@ def found_names(path: Path, other: Any) -> dict[str, int]:
         fields = {
             name: int(np.ravel(rows)[0]) for name, rows in other.field_data.items() if np.size(rows) == 1
         }
+    elif suffix_of(path) in (".xdmf", ".xmf"):
+        fields = {name: int(row[0]) for name, row in other.field_data.items()}
     else:  # meshio drops field data of the grid
         head = path.read_bytes().partition(b"POINTS ")[0]
         if b"\nASCII\n" in head:

@@ -120,7 +120,7 @@ def test_parts_are_moved_together():
 
 
 def test_options_of_plot():
-    mesh = cloud(count=200)
+    mesh = cloud(count=40)
     marked = Mesh(mesh.points, mesh.simplices, markers={"region": np.arange(mesh.size) % 3}, regions={"a": 0})
     for cut in ("cells", "flat"):
         for values in (None, "region", "min_dihedral", mesh.points[:, 0], np.arange(mesh.size)):
@@ -202,3 +202,27 @@ def test_histogram_of_dihedral_angles():
     assert "cloud: minimum" in ax.get_legend().get_texts()[0].get_text()
     with pytest.raises(InputError, match="not tetrahedra"):
         view.plot_dihedrals(Mesh(CUBE, cells={"wedge": KINDS["wedge"]}))
+
+
+@pytest.mark.parametrize("scale", [1e300, 1.0, 1e-300])
+@pytest.mark.filterwarnings("error")
+def test_pictures_at_all_scales_and_without_cells(scale):
+    corners = CUBE * scale
+    cube = Mesh(corners, KINDS["tetra"])
+    for cut in ("cells", "flat"):
+        ax = cube.plot(section=("x", 0.5 * scale), cut=cut, explode=0.1)
+        assert np.isfinite(ax.dataLim.get_points()).all()
+    empty = Mesh(corners, np.empty((0, 4), dtype=int))
+    for options in ({}, {"cut": "flat"}, {"explode": 0.3}):
+        empty.plot(section=("x", 0.5), values=np.empty(0), **options)
+    curve = Mesh(corners, [[0, 1], [1, 3]])
+    curve.plot(section=("x", 0.5 * scale), cut="flat")
+
+
+def test_polygons_of_a_surface_are_cut():
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0.5, 1.5, 0], [0, 1, 0], [2, 0, 1]]
+    mesh = Mesh(points, cells={"polygon": [[0, 1, 2, 3, 4]], "triangle": [[1, 5, 2]]})
+    _, sizes, shown = areas(mesh, as_plane(("x", 0.5)), flat=True)
+    assert sizes.tolist() == pytest.approx([0.5 + 0.125]) and shown.owner.tolist() == [0]
+    ax = mesh.plot(section=("x", 0.5), cut="flat", values=np.arange(6.0))
+    assert len(ax.collections) == 1

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base.errors import DomainError, InputError
 from ...geometry.outline import Outline
+from ...mesh.cells import cell_rows
 from .bodies import body_parts
 from .coloring import Coloring, cell_coloring
 from .colors import role as style_of
@@ -171,7 +172,7 @@ def solid_items(
         cells = {SOLIDS.get(cells[""].shape[1], "triangle"): cells[""]}
     shown = shown_faces(points, cells, plane, flat=flat, parts=parts)
     places, rows = shown.extended(points), shown.rows
-    if parts is not None and explode:
+    if parts is not None and explode and len(rows):
         part = np.unique(parts, return_inverse=True)[1]
         centers = np.column_stack([np.bincount(part, column) for column in _centers(points, cells).T])
         moved = explode * (centers / np.bincount(part)[:, None] - places[np.unique(rows[rows >= 0])].mean(0))
@@ -199,7 +200,8 @@ def solid_items(
 
 def _centers(points: np.ndarray, cells: dict[str, Any]) -> np.ndarray:
     """The mean of the corners of each cell."""
-    return np.concatenate([np.array([points[row].mean(axis=0) for row in block]) for block in cells.values()])
+    indptr, corners = cell_rows(cells)
+    return np.add.reduceat(points[corners], indptr[:-1]) / np.diff(indptr)[:, None]
 
 
 def cut_items(items: list[Item], plane: Plane, explode: float) -> list[Item]:

@@ -45,7 +45,8 @@ def ball_around(items: list[Item]) -> list[float]:
     if not len(flat):
         return [0.0, 0.0, 0.0, 1.0]
     center = (flat.min(axis=0) + flat.max(axis=0)) / 2
-    radius = float(np.linalg.norm(flat - center, axis=1).max())
+    size = np.abs(flat - center).max() or 1.0  # so that squares do not overflow
+    radius = float(size * np.linalg.norm((flat - center) / size, axis=1).max())
     return [*map(float, center), radius or 1.0]
 
 

@@ -124,8 +124,10 @@ def shown_faces(
         inner = (np.bincount(group)[group] > 1)[chosen]
         rows, owner, group = rows[chosen], owner[chosen], group[chosen]
         visible = ~_hidden(group, np.zeros(count, dtype=np.int64)[owner] if parts is None else parts[owner])
-        # Cells that are turned are shown like the others.
-        inside = np.einsum("ij,ij->i", face_normals(points, rows), _middles(points, rows) - middle[owner]) < 0
+        # Cells that are turned are shown like the others. Products of huge or tiny lengths would overflow.
+        size = np.abs(points).max(initial=0.0) or 1.0
+        outward = (_middles(points, rows) - middle[owner]) / size
+        inside = np.einsum("ij,ij->i", face_normals(points / size, rows), outward) < 0
         rows[inside] = _reversed(rows[inside])
     else:
         rows, owner = _padded(indptr, corners)[kept], np.flatnonzero(kept)
