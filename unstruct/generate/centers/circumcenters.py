@@ -28,6 +28,7 @@ from ...sizing import as_size
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
+from ..volume_points.methods import centers_in_body
 from .steps import REASONS, SHORTEST_SPLIT, TOO_THIN, UNSPLIT, enter_slots, insert_centers, note
 from .worst import CENTERS_A_CALL, NONE, Contest, Rule, make_rule, measures, put
 
@@ -57,7 +58,7 @@ def circumcenter_insertion(
     Parameters
     ----------
     domain_or_points : Domain, or array_like of shape (n, 2)
-        What to mesh. The boundary of a set of points is its convex hull.
+        What to mesh, a region or a body in space. The boundary of a set of points is its convex hull.
     size : float, function, SizeField, or dict of region name to one of these, optional
         The wanted edge length h; in a dict the key None stands for all regions that are not named. A triangle
         is bad if alpha = R / f(Q) >= 1, where f = h / sqrt(3), R is its circumradius, and Q its circumcenter.
@@ -117,8 +118,24 @@ def circumcenter_insertion(
     the worst triangle, O(1) on average for its cavity. Sources: the source chapter, 12.2.6; L. P. Chew,
     Cornell TR 89-983 (1989); the split is the step of J. Ruppert, Journal of Algorithms 18 (1995) 548-585.
     Book: 2.6a, 2.6b.
+
+    *In space* the point goes to the center of the maximal tetrahedron: f = sqrt(6) h / 4 is the circumradius
+    of a regular one with edges h. ``priority`` is "alpha" or "circumradius"; there is no ``limit`` and no
+    ``step``. Segments longer than 2 f are halved and triangles of facets with circumradii of more than f
+    divided, as `refine` does; a center that sees one of them under 120 degrees or more divides that instead,
+    unless it must stay or is very short. Four points near a circle make slivers, flat tetrahedra whose
+    circumradius is not large: `statistics` counts them, and `improve` cures them. Only positive cells, by
+    exact signs. Book: 2.8c.
     """
     as_flags(history=history, progress=progress)
+    if isinstance(domain_or_points, Domain) and domain_or_points.dimension == 3:
+        if limit is not None or step != STEP:
+            raise InputError("limit and step are for the plane; in space give a size and a priority")
+        mesh = centers_in_body(
+            domain_or_points, size, priority=priority, split_boundary=split_boundary, budget=budget,
+            history=history, progress=progress,
+        )  # fmt: skip
+        return noticed(mesh)
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
     if not isinstance(size, Mapping):

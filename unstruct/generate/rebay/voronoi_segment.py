@@ -16,6 +16,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
+from ..volume_points.methods import segments_in_body
 from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
@@ -38,7 +39,7 @@ def voronoi_segment(
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """Mesh a planar domain by Rebay's insertion along Voronoi segments.
+    """Mesh a region, or a body in space, by Rebay's insertion along Voronoi segments.
 
     Parameters
     ----------
@@ -134,9 +135,26 @@ def voronoi_segment(
     nearer than 0.7 f to a vertex that it would be joined to, so that the number of points is bounded.
     Sources: S. Rebay, Journal of Computational Physics 106 (1993) 125-138; L. P. Chew, Symposium on
     Computational Geometry (1993) 274-280. Book: 2.6c.
+
+    *In space* the edge AB becomes the active face ABC of a tetrahedron that waits, M its circumcenter, p its
+    circumradius; the formulas for R and d are the same, and f = sqrt(6) h / 4. Of the active faces of a cell
+    the one with the least circumradius is taken. A point nearer than 0.7 f to a vertex is not put; the
+    circumcenter of the cell is then tried. There are slivers: ``finish`` cures them by `improve` (not with
+    ``history``), and ``figures`` has the least dihedral angles and 3r/R before and after. ``priority`` is
+    "alpha" or "circumradius"; the boundary is divided as in `circumcenter_insertion`. ``counts`` has
+    "Voronoi points", "circumcenters", "segment points", "facet points". No bound on angles is known.
+    Book: 2.8c.
     """
     check_split_boundary(split_boundary)
     as_flags(finish=finish, history=history, progress=progress)
+    if isinstance(domain, Domain) and domain.dimension == 3:
+        if evaluate != "center" or order != "first":
+            raise InputError("evaluate and order are for the plane")
+        body = segments_in_body(
+            domain, size, priority=priority, accept=accept, finish=finish, split_boundary=split_boundary,
+            budget=budget, history=history, progress=progress,
+        )  # fmt: skip
+        return noticed(body)
     rule = rule_of(accept, evaluate, order, priority, bool(split_boundary))
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)

@@ -22,7 +22,7 @@ BODY_REASONS = {
     HIDDEN: "hidden: a segment or facet that cannot be divided lies before its center",
     ROUNDED: "precision: rounding leaves no valid place for its center",
     NEAR_VERTEX: "too near: its shape would need edges much shorter than those of the input nearby",
-    STAYS: "kept: only a point on a segment or facet that must stay, or is too short, would help",
+    STAYS: "kept: only a point on a segment or facet that must stay, or was divided very often, would help",
     AT_ANGLE: "input angle: pieces that meet at a small angle leave no choice",
     SLIVER: "sliver: a point against it would be very near to its vertices; improve may help",
     0: "budget",

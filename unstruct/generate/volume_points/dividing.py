@@ -25,7 +25,7 @@ from ...connect.spatial.opening import (
     third,
 )
 from ...connect.spatial.star import commit_star, room_for_star, search_star
-from .limits import BY_MEASURE, wanted_in_space
+from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
 from .measures import encroaches_edge, encroaches_face, face_center
 from .queues import after_star, look_at_segment, push_segment
 from .records import FACET_POINTS, IN_FACES, IN_HEAP, SEGMENT_POINTS, SUBSEGMENTS_NOW, VERTICES_NOW
@@ -71,8 +71,8 @@ def _nearest(w, p):
 
 
 @apart
-def far_enough(w, p, cause):
-    """Whether p may be put so near to its nearest vertex; sets its floor."""
+def far_enough(w, p, cause, near):
+    """Whether p may be put so near to its nearest vertex, and farther than ``near``; sets its floor."""
     square, v = _nearest(w, p)
     xyz, least = w.solid.xyz, FLOOR_SHARE * w.floor[v]
     w.floor[p] = w.floor[v]
@@ -83,7 +83,7 @@ def far_enough(w, p, cause):
             if r >= 0:
                 h = min(h, wanted_in_space(w.limits, r, xyz[p, 0], xyz[p, 1], xyz[p, 2]))
         least = min(least, SIZE_SHARE * h)
-    return square >= max(least, LEAST_DISTANCE) ** 2
+    return square >= max(max(least, near), LEAST_DISTANCE) ** 2
 
 
 @apart
@@ -102,7 +102,7 @@ def _open_facets(w, p, out):
             if other < 0 or solid.mark[other] < 0:
                 continue
             square = face_center(solid.xyz, a, b, third(solid, other, a, b), out)
-            if encroaches_face(solid.xyz, out, square, p) and not open_face(solid, star, other):
+            if encroaches_face(solid.xyz, out, square, p, 0.0) and not open_face(solid, star, other):
                 return
 
 
@@ -178,13 +178,15 @@ def _place_on_edge(w, s, p):
 def divide_segment(w, s, cause, out):
     """Put a point on subsegment s."""
     solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
+    if cause == BY_QUALITY and w.left[w.parent[s]] <= 0:
+        return STAYS
     where = _place_on_edge(w, s, p)
     if not _search_at_edge(w, s, p, True, out):
         close_faces(solid, star)
         if not _search_at_edge(w, s, p, False, out):
             close_faces(solid, star)
             return ROUNDED
-    if not far_enough(w, p, cause):
+    if not far_enough(w, p, cause, 0.0):
         close_faces(solid, star)
         return NEAR_VERTEX
     if not has_room(w):
@@ -204,6 +206,7 @@ def divide_segment(w, s, cause, out):
     look_at_segment(w, s, solid.at[a])  # cells that vertices remember are new, and have p
     look_at_segment(w, new, solid.at[b])
     w.count[SEGMENT_POINTS] += 1
+    w.left[w.parent[s]] -= cause == BY_QUALITY
     return INSERTED
 
 
@@ -247,6 +250,8 @@ def divide_face(w, face, cause, out):
     """Put a point at the circumcenter of a face of a facet."""
     solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
     t, k, m = face & ~3, face & 3, solid.mark[face]
+    if cause == BY_QUALITY and w.left_facet[m] <= 0:
+        return STAYS
     a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
     square = face_center(solid.xyz, a, b, c, out)
     if not square < 64.0:
@@ -273,13 +278,13 @@ def divide_face(w, face, cause, out):
     for i in range(star.sizes[RIM_EDGES]):
         u, v = star.rim[i, 0], star.rim[i, 1]
         s = number_of_edge(w.edges, u, v)
-        if s >= 0 and encroaches_edge(solid.xyz, u, v, p):
+        if s >= 0 and encroaches_edge(solid.xyz, u, v, p, 0.0):
             if push_segment(w, s, cause):
                 waits = True
             else:
                 stays = True
     code = WAITS if waits else (STAYS if stays else INSERTED)
-    if code == INSERTED and not far_enough(w, p, cause):
+    if code == INSERTED and not far_enough(w, p, cause, 0.0):
         code = NEAR_VERTEX
     if code == INSERTED and not has_room(w):
         code = ROOM
@@ -291,4 +296,5 @@ def divide_face(w, face, cause, out):
     w.count[VERTICES_NOW] = p + 1
     after_star(w, p, out)
     w.count[FACET_POINTS] += 1
+    w.left_facet[m] -= cause == BY_QUALITY
     return INSERTED

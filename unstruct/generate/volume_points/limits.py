@@ -22,8 +22,24 @@ from ...sizing.field import as_size
 from ...sizing.metric import Metric
 from ...sizing.space_table import size_in_space, space_nodes
 
-__all__ = ["BY_MEASURE", "BY_QUALITY", "BodyLimits", "field_of", "make_body_limits", "wanted_in_space"]
+__all__ = [
+    "BY_MEASURE",
+    "BY_QUALITY",
+    "BY_QUOTIENT",
+    "BY_RADIUS",
+    "CENTER_RULE",
+    "REGULAR",
+    "SEGMENT_RULE",
+    "BodyLimits",
+    "field_of",
+    "make_body_limits",
+    "shape_limits",
+    "wanted_in_space",
+]
 
+BY_QUOTIENT, BY_RADIUS = 0, 1
+CENTER_RULE, SEGMENT_RULE = 0, 1
+REGULAR = math.sqrt(6.0) / 4.0  # circumradius of a regular tetrahedron with edges of length 1
 BY_MEASURE, BY_QUALITY = 1, 2  # why something is divided: size and volume, or shape
 NO_FIELD = np.full(1, -1, dtype=np.int32), np.zeros((1, 8)), np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 LARGEST_DIHEDRAL = 60.0  # degrees: more cannot be asked for
@@ -35,6 +51,10 @@ class BodyLimits(NamedTuple):
     ratio2: float  # largest radius-edge ratio, squared; inf for none
     sliver: float  # cosine of the least dihedral angle; 1 for none
     reach2: float  # largest circumradius, squared, in sizes
+    order: int  # which cell is next: `BY_QUOTIENT`, `BY_RADIUS`
+    rule: int  # which point is put: `CENTER_RULE`, `SEGMENT_RULE`
+    bold: int  # whether points are put in the spheres of what must stay
+    lens: float  # 0: spheres are encroached upon; 1: only lenses in them, where one is seen under 120 degrees
     volume: NDArray[np.float64]  # (regions,) six times the largest volume, inf for none
     size: NDArray[np.float64]  # (regions,) the size, if it is constant; inf for none
     first: NDArray[np.int64]  # (regions,) first row of the size's table, -1 if the size is constant
@@ -74,6 +94,10 @@ def make_body_limits(
     radius_edge: float | None = None,
     min_dihedral: float | None = None,
     reach: float = math.sqrt(0.5),
+    order: int = 0,
+    rule: int = 0,
+    bold: bool = False,
+    lens: float = 0.0,
 ) -> BodyLimits:
     """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates.
 
@@ -91,6 +115,8 @@ def make_body_limits(
         The least dihedral angle, in degrees.
     reach : float
         The largest circumradius, in sizes.
+    order, rule, bold, lens
+        As for `BodyLimits`.
     """
     count = len(names)
     volumes = [
@@ -119,7 +145,7 @@ def make_body_limits(
     return BodyLimits(
         math.inf if radius_edge is None else radius_edge * radius_edge,
         1.0 if min_dihedral is None else cosine(math.radians(min_dihedral)),
-        reach * reach, np.array(volumes, dtype=np.float64), sizes,
+        reach * reach, order, rule, int(bold), lens, np.array(volumes, dtype=np.float64), sizes,
         first.astype(np.int64), last.astype(np.int64),
         np.concatenate(child) if child else NO_FIELD[0], np.concatenate(values) if values else NO_FIELD[1],
         (box * factor).ravel(),

@@ -9,11 +9,12 @@ import numpy as np
 
 from ...base.jit import apart, inline
 from ...connect.spatial.cavity import corner
-from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
+from .limits import BY_MEASURE, BY_QUALITY, BY_RADIUS, wanted_in_space
 from .sharp import feature_of, meet_sharply
 
 __all__ = ["cell_center", "encroaches_edge", "encroaches_face", "face_center", "face_size", "judge_cell"]
 
+TAN_30 = 3.0**-0.5
 CLOSED_BALL = 1.0 - 1e-12  # of a squared radius: points on a sphere, up to rounding, are not in it
 
 
@@ -100,6 +101,8 @@ def judge_cell(solid, limits, t, out):
     if limits.sliver < 1.0 and cause == 0 and sharpest(solid.xyz, solid.vertex, t, out) > limits.sliver:
         cause, worst = BY_QUALITY, 0.5
     out[18] = shortest
+    if limits.order == BY_RADIUS and cause:
+        worst = square
     return cause, worst, square
 
 
@@ -114,7 +117,7 @@ def across_sharp(w, t):
                 square += (w.solid.xyz[a, k] - w.solid.xyz[b, k]) ** 2
             if square < best:
                 best, u, v = square, a, b
-    return meet_sharply(w.sharp, feature_of(w.sharp, w.feature, u), feature_of(w.sharp, w.feature, v))
+    return meet_sharply(w.sharp, feature_of(w.sharp, w.feature, u), feature_of(w.sharp, w.feature, v), 0)
 
 
 @apart
@@ -139,21 +142,29 @@ def face_center(xyz, a, b, c, out):
 
 
 @inline
-def encroaches_edge(xyz, a, b, p):
-    """Whether p is in the sphere with diameter ab."""
+def encroaches_edge(xyz, a, b, p, lens):
+    """Whether p is in the sphere with diameter ab, or (lens 1) sees ab under more than 120 degrees."""
     dot = pa = pb = 0.0
     for j in range(3):
         u, v = xyz[a, j] - xyz[p, j], xyz[b, j] - xyz[p, j]
         dot, pa, pb = dot + u * v, pa + u * u, pb + v * v
+    if lens > 0.0:
+        return dot < 0.0 and dot * dot > 0.25 * pa * pb
     return dot < (CLOSED_BALL - 1.0) * (pa + pb)
 
 
 @inline
-def encroaches_face(xyz, out, square, p):
-    """Whether p is in the sphere around the circumcenter that `face_center` has written."""
-    away = 0.0
+def encroaches_face(xyz, out, square, p, lens):
+    """Whether p is in the sphere around the circumcenter that `face_center` has written.
+
+    With lens 1: in both of the spheres through the circle that meet the plane at 60 degrees from within.
+    """
+    away = height = 0.0
     for j in range(3):
         away += (xyz[p, j] - out[j]) ** 2
+        height += (xyz[p, j] - out[j]) * out[3 + j]
+    if lens > 0.0:
+        away += 2.0 * TAN_30 * np.sqrt(square) * abs(height)
     return away < CLOSED_BALL * square
 
 

@@ -21,10 +21,16 @@ from .sharp import feature_of, meet_sharply
 __all__ = ["after_star", "enter_cell", "look_at_all", "look_at_segment", "push_face", "push_segment"]
 
 
+@inline
+def _any_shape(w):
+    """Whether no limit of shape was asked for."""
+    return w.limits.ratio2 == np.inf and w.limits.sliver == 1.0
+
+
 @lean
 def push_segment(w, s, cause):
     """Let a subsegment wait to be divided; False if it was given up."""
-    if cause & ~(w.asked[s] >> NO_MORE) == 0:
+    if cause & ~(w.asked[s] >> NO_MORE) == 0 or (cause == BY_QUALITY and _any_shape(w)):
         return False
     if w.asked[s] & 3 == 0:
         w.segments[w.count[IN_SEGMENTS]] = s
@@ -37,7 +43,11 @@ def push_segment(w, s, cause):
 def push_face(w, face, cause):
     """Let a face of a facet wait to be divided; False if it was given up, or must stay."""
     solid = w.solid
-    if w.kept[solid.mark[face]] or cause & ~(w.flag[face] >> NO_MORE) == 0:
+    if (
+        w.kept[solid.mark[face]]
+        or (cause == BY_QUALITY and _any_shape(w))
+        or cause & ~(w.flag[face] >> NO_MORE) == 0
+    ):
         return False
     if w.flag[face] & 3 == 0:
         w.faces[w.count[IN_FACES]] = face
@@ -86,8 +96,8 @@ def _in_sphere(w, face, m, square, out):
     v = w.solid.vertex[face]
     return (
         w.solid.region[face >> 2] >= 0
-        and encroaches_face(w.solid.xyz, out, square, v)
-        and not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[1] + m)
+        and encroaches_face(w.solid.xyz, out, square, v, 0.0)
+        and not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[1] + m, 0)
     )
 
 
@@ -95,12 +105,12 @@ def _in_sphere(w, face, m, square, out):
 def _near_segment(w, s, v):
     """Whether vertex v is in the sphere of subsegment s, and not only since their pieces meet sharply.
 
-    Two segments that meet sharply are divided in shells about their vertex; so these are not excepted.
+    Two segments that meet sharply at a vertex are not excepted: they are divided in shells about it.
     """
-    return encroaches_edge(w.solid.xyz, w.ends[s, 0], w.ends[s, 1], v) and (
-        w.feature[v] >= 0
-        or not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[0] + w.parent[s])
-    )
+    if not encroaches_edge(w.solid.xyz, w.ends[s, 0], w.ends[s, 1], v, 0.0):
+        return False
+    least = w.sharp.base[2] if w.feature[v] >= 0 else 0
+    return not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[0] + w.parent[s], least)
 
 
 @apart
@@ -169,8 +179,8 @@ def after_star(w, p, out):
         c = solid.vertex[4 * new + corner(k, 2)]
         if solid.mark[4 * new + k] >= 0:
             square = face_center(solid.xyz, a, b, c, out)
-            if encroaches_face(solid.xyz, out, square, p) and not meet_sharply(
-                w.sharp, feature_of(w.sharp, w.feature, p), w.sharp.base[1] + solid.mark[4 * new + k]
+            if encroaches_face(solid.xyz, out, square, p, 0.0) and not meet_sharply(
+                w.sharp, feature_of(w.sharp, w.feature, p), w.sharp.base[1] + solid.mark[4 * new + k], 0
             ):
                 push_face(w, 4 * new + k, BY_QUALITY)
         for u, v in ((a, b), (b, c), (c, a)):

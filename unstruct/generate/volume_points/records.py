@@ -20,6 +20,7 @@ SUBSEGMENTS_NOW = 1  # subsegments so far
 IN_HEAP, IN_SEGMENTS, IN_FACES = 2, 3, 4  # lengths of the queues
 CENTER_POINTS, SEGMENT_POINTS, FACET_POINTS = 5, 6, 7  # how many were put where
 REFUSED_POINTS = 8  # how many were looked at and not put
+VORONOI_POINTS = 9  # how many were put on Voronoi segments
 # Bits of ``asked``, ``lock`` and ``flag``: BY_MEASURE, BY_QUALITY, and these, shifted, for what is given up.
 NO_MORE = 2  # by how many bits to shift
 # Features of vertices: a subsegment's segment s is s, a facet with mark m is -3 - m.
@@ -43,6 +44,8 @@ class BodyWork(NamedTuple):
     kept: NDArray[np.int8]  # (marks,) whether a facet must stay as it is
     feature: NDArray[np.int32]  # of vertices: where they are
     floor: NDArray[np.float64]  # of vertices: lengths of edges nearby in the beginning
+    left: NDArray[np.int32]  # (segments,) how many points for the shape's sake each may still get
+    left_facet: NDArray[np.int32]  # (marks,)
     flag: NDArray[np.int8]  # of faces: as ``asked``
     why: NDArray[np.int8]  # of cells: why they were given up
     heap: NDArray[np.float64]

@@ -40,7 +40,7 @@ def refine_body(
     cells, found = recovered(domain, progress)
     if not found.complete:
         return filled(domain, progress=progress)
-    run = BodyRun(domain, cells, found, kept)
+    run = BodyRun(domain, cells, found, kept, budget is None)
     names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,

@@ -29,6 +29,7 @@ from .records import (
     SEGMENT_POINTS,
     SUBSEGMENTS_NOW,
     VERTICES_NOW,
+    VORONOI_POINTS,
     BodyWork,
 )
 from .sharp import find_sharp
@@ -38,6 +39,9 @@ from .steps import SPARE_QUEUE, divide
 __all__ = ["BodyRun", "recovered"]
 
 BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
+# Where no budget is given: points for the shape's sake alone, on a segment of the input and on a facet.
+MOST_ON_SEGMENT, MOST_ON_FACET = 64, 1024
+NO_LIMIT = 2**31 - 1
 MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
 
 
@@ -65,9 +69,18 @@ class BodyRun:
         See `recovered`.
     kept : (pieces,) uint8
         Which pieces get no points.
+    narrow : bool
+        Whether each segment and facet gets only so many points for the shape's sake alone.
     """
 
-    def __init__(self, domain: Domain, cells: SpatialComplex, found: Recovered, kept: NDArray[np.uint8]):
+    def __init__(
+        self,
+        domain: Domain,
+        cells: SpatialComplex,
+        found: Recovered,
+        kept: NDArray[np.uint8],
+        narrow: bool = False,
+    ):
         self.domain, self.cells, self.found = domain, cells, found
         made = cells.inside()
         self.regions = numbered_regions(domain, made)
@@ -89,7 +102,7 @@ class BodyRun:
         ].astype(bool)
         row, _, mark = surface.wings
         stays[row[kept[shell.piece[mark]] > 0]] = True
-        self.sharp, self.sharp_vertex = find_sharp(
+        self.sharp, self.sharp_vertex, soft = find_sharp(
             cells.xyz[: cells.size], self.ends, self.parent, surface.wings, len(shell.triangles)
         )
         self.asked = np.where(stays, 3 << NO_MORE, 0).astype(np.int8)
@@ -99,6 +112,10 @@ class BodyRun:
         self.edges = new_numbered(2 * count + 64, cells.size)
         self.feature = np.full(cells.size, OF_DOMAIN, dtype=np.int32)
         self.floor = _shortest(cells, made)
+        segments = int(self.parent.max()) + 1 if count else 0
+        self.left = np.full(segments, MOST_ON_SEGMENT if narrow else NO_LIMIT, dtype=np.int32)
+        self.left_facet = np.full(len(self.kept), MOST_ON_FACET if narrow else NO_LIMIT, dtype=np.int32)
+        self.left[soft[0]] = self.left_facet[soft[1]] = 0
         self.flag, self.why = np.zeros(0, dtype=np.int8), np.zeros(0, dtype=np.int8)
         self.heap, self.bad = np.empty(0), np.empty(0, dtype=np.int32)
         self.segments, self.faces = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
@@ -141,9 +158,9 @@ class BodyRun:
         """The arrays as they are now, in one record for the kernels."""
         return BodyWork(
             self.cells.solid(), self.star, self.edges, self.limits, self.sharp, self.sharp_vertex,
-            self.ends, self.parent, self.span,
-            self.asked, self.plane, self.kept, self.feature, self.floor, self.flag, self.why, self.heap,
-            self.bad, self.segments, self.faces, self.count,
+            self.ends, self.parent, self.span, self.asked, self.plane, self.kept, self.feature, self.floor,
+            self.left, self.left_facet, self.flag, self.why, self.heap, self.bad, self.segments, self.faces,
+            self.count,
         )  # fmt: skip
 
     # ------------------------------------------------------------------ the run
@@ -157,6 +174,10 @@ class BodyRun:
         self.faces = grown(self.faces, 4 * slots + 4 * SPARE_QUEUE)
         at = _cells_at(self.cells, self.ends[: int(self.count[SUBSEGMENTS_NOW])])
         look_at_all(self.work(), self.out, at)
+
+    def enter_again(self) -> None:
+        """Fill the queue of cells anew."""
+        enter_all(self.work(), self.out)
 
     def advance(self, budget: int, bar: Any) -> bool:
         """Put points until nothing waits, or so many are there; whether nothing waits."""
@@ -195,6 +216,7 @@ class BodyRun:
     def counts(self) -> dict[str, int]:
         """How many points were put where."""
         return {
+            "Voronoi points": int(self.count[VORONOI_POINTS]),
             "circumcenters": int(self.count[CENTER_POINTS]),
             "segment points": int(self.count[SEGMENT_POINTS]),
             "facet points": int(self.count[FACET_POINTS]),

@@ -2,7 +2,9 @@
 
 A segment is *sharp* if two facets meet there at less than 60 degrees, a vertex if two subsegments do at less
 than 45, or if a sharp segment ends there. Vertices on two pieces that meet at something sharp come as near to
-each other as one likes, whatever is divided: so no division is asked for because of them. See the book, 2.8c.
+each other as one likes, whatever is divided: so no division is asked for because of them. Facets that are
+nearly in one plane, as the triangles into which a plane side of a file is cut, are treated as if they met
+sharply; edges stay, and needles among them are not divided for the shape's sake. See the book, 2.8c.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ from .records import FREE_POINT, OF_DOMAIN
 __all__ = ["Sharp", "feature_of", "find_sharp", "meet_sharply"]
 
 SHARP_SEGMENT, SHARP_VERTEX = 60.0, 45.0  # degrees
+NEARLY_FLAT = 1e-3  # radians
+NEEDLE = 2.0  # circumradius of a triangle over its shortest edge, if its least angle is below 14.5 degrees
 SHARP_ENOUGH = 1e-9  # an angle of exactly 60 degrees is not sharp
 
 
@@ -25,7 +29,7 @@ class Sharp(NamedTuple):
     """For each part of the surface what is sharp on it: ``items[first[f] : first[f + 1]]``, in order.
 
     Parts are the vertices of the domain, the segments, and the facets, in this order. ``base`` are the
-    numbers of the first segment and of the first facet.
+    numbers of the first segment, of the first facet, and of the first item that stands for facets in a plane.
     """
 
     first: NDArray[np.int64]
@@ -45,16 +49,16 @@ def feature_of(sharp, feature, v):
 
 
 @apart
-def meet_sharply(sharp, f, g):
-    """Whether two different parts have something sharp in common."""
+def meet_sharply(sharp, f, g, least):
+    """Whether two different parts have something sharp in common, with a number of ``least`` or more."""
     if f < 0 or g < 0 or f == g:
         return False
     i, last = sharp.first[f], sharp.first[f + 1]
     j, end = sharp.first[g], sharp.first[g + 1]
     while i < last and j < end:
-        if sharp.items[i] == sharp.items[j]:
+        if sharp.items[i] == sharp.items[j] and sharp.items[i] >= least:
             return True
-        if sharp.items[i] < sharp.items[j]:
+        if sharp.items[i] <= sharp.items[j]:
             i += 1
         else:
             j += 1
@@ -67,8 +71,8 @@ def find_sharp(
     parent: NDArray[np.int32],
     wings: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]],
     marks: int,
-) -> tuple[Sharp, NDArray[np.bool_]]:
-    """What is sharp, and which vertices are.
+) -> tuple[Sharp, NDArray[np.bool_], tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """What is sharp, which vertices are, and which segments and facets are of needles nearly in a plane.
 
     Parameters
     ----------
@@ -82,7 +86,7 @@ def find_sharp(
     """
     n, row, far, mark = len(xyz), *wings
     segments = int(parent.max()) + 1 if len(parent) else 0
-    narrow = _narrow_segments(xyz, ends, row, far)
+    narrow, flat = _narrow_segments(xyz, ends, row, far)
     sharp_vertex = _narrow_vertices(xyz, ends)
     sharp_vertex[ends[narrow].ravel()] = True
     parts, items = [np.flatnonzero(sharp_vertex)], [np.flatnonzero(sharp_vertex)]
@@ -98,19 +102,42 @@ def find_sharp(
     at = narrow[row]
     parts.append(n + segments + mark[at].astype(np.int64))
     items.append(n + row[at])
+    label = _joined(row, mark, flat, marks)
+    at = label[mark] >= 0
+    own = n + len(ends) + label[mark[at]]
+    for part in (ends[row[at], 0], ends[row[at], 1], far[at], n + segments + mark[at]):
+        parts.append(part.astype(np.int64))
+        items.append(own)
+    at &= flat[row]
+    parts.append(n + parent[row[at]].astype(np.int64))
+    items.append(n + len(ends) + label[mark[at]])
     pairs = np.unique(np.column_stack([np.concatenate(parts), np.concatenate(items)]), axis=0)
     first = np.searchsorted(pairs[:, 0], np.arange(n + segments + marks + 1))
-    base = np.array([n, n + segments], dtype=np.int64)
-    return Sharp(first.astype(np.int64), pairs[:, 1].astype(np.int32), base), sharp_vertex
+    base = np.array([n, n + segments, n + len(ends)], dtype=np.int64)
+    needles = np.zeros(marks, dtype=bool)
+    at = (label[mark] >= 0) & (_quotient(xyz, ends[row, 0], ends[row, 1], far) > NEEDLE)
+    needles[mark[at]] = True
+    soft = np.unique(parent[row[flat[row] & needles[mark]]]), np.flatnonzero(needles)
+    return Sharp(first.astype(np.int64), pairs[:, 1].astype(np.int32), base), sharp_vertex, soft
+
+
+def _quotient(
+    xyz: NDArray[np.float64], a: NDArray[np.int32], b: NDArray[np.int32], c: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """The circumradius of triangles over their shortest edges."""
+    u, v, w = xyz[b] - xyz[a], xyz[c] - xyz[b], xyz[a] - xyz[c]
+    sides = np.stack([np.linalg.norm(x, axis=1) for x in (u, v, w)])
+    area = np.linalg.norm(np.cross(u, v), axis=1)
+    return sides.prod(axis=0) / (2 * np.maximum(area, 1e-300) * sides.min(axis=0))
 
 
 def _narrow_segments(
     xyz: NDArray[np.float64], ends: NDArray[np.int32], row: NDArray[np.int64], far: NDArray[np.int32]
-) -> NDArray[np.bool_]:
-    """The subsegments where two faces are at less than 60 degrees, on either side."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The subsegments where faces are at less than 60 degrees, on either side; those where two are flat."""
     result = np.zeros(len(ends), dtype=bool)
     if len(row) == 0:
-        return result
+        return result, result.copy()
     along = xyz[ends[:, 1]] - xyz[ends[:, 0]]
     along /= np.linalg.norm(along, axis=1)[:, None]
     out = xyz[far] - xyz[ends[row, 0]]
@@ -129,7 +156,30 @@ def _narrow_segments(
     step[last] = a[first] + 2 * np.pi - a[last]
     small = (step < np.radians(SHARP_SEGMENT) - SHARP_ENOUGH) & (count[r] > 1)
     result[r[small]] = True
-    return result
+    even = np.bincount(r[np.abs(step - np.pi) < NEARLY_FLAT], minlength=len(ends))
+    return result, (count == 2) & (even == 2)
+
+
+def _joined(
+    row: NDArray[np.int64], mark: NDArray[np.int32], flat: NDArray[np.bool_], marks: int
+) -> NDArray[np.int64]:
+    """For each mark the least one of those that it is nearly in a plane with; -1 if there is no other."""
+    label = np.arange(marks)
+    at = np.flatnonzero(flat[row])
+    order = at[np.argsort(row[at], kind="stable")]
+    pairs = mark[order].reshape(-1, 2)
+    while True:
+        least = np.minimum(label[pairs[:, 0]], label[pairs[:, 1]])
+        new = label.copy()
+        for k in range(2):
+            np.minimum.at(new, label[pairs[:, k]], least)
+            np.minimum.at(new, pairs[:, k], least)
+        new = new[new]
+        if np.array_equal(new, label):
+            break
+        label = new
+    alone = np.bincount(label, minlength=marks)[label] < 2
+    return np.where(alone, -1, label)
 
 
 def _narrow_vertices(xyz: NDArray[np.float64], ends: NDArray[np.int32]) -> NDArray[np.bool_]:

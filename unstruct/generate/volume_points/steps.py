@@ -25,9 +25,9 @@ from .dividing import (
     far_enough,
     has_room,
 )
-from .limits import BY_QUALITY
+from .limits import BY_QUALITY, SEGMENT_RULE
 from .measures import across_sharp, encroaches_edge, encroaches_face, face_center, judge_cell
-from .queues import after_star, push_face, push_segment, set_flag
+from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .records import (
     CENTER_POINTS,
     FREE_POINT,
@@ -37,10 +37,13 @@ from .records import (
     NO_MORE,
     REFUSED_POINTS,
     VERTICES_NOW,
+    VORONOI_POINTS,
 )
+from .segment_rule import active_face, after_giving_up, place_on_voronoi
 
 __all__ = ["SPARE_QUEUE", "divide"]
 
+NEAREST_SHARE = 0.7  # of f: no point on a Voronoi segment is nearer to a vertex
 SPARE_QUEUE = 4096  # entries of queues that one step may add; larger stars wait for room
 
 
@@ -58,7 +61,7 @@ def _in_the_way(w, p, cause, out):
         for j in range(3):
             u, v = solid.vertex[t + corner(k, j)], solid.vertex[t + corner(k, (j + 1) % 3)]
             s = number_of_edge(w.edges, u, v)
-            if s >= 0 and encroaches_edge(solid.xyz, u, v, p):
+            if s >= 0 and encroaches_edge(solid.xyz, u, v, p, w.limits.lens):
                 if push_segment(w, s, cause):
                     waits = True
                 else:
@@ -72,7 +75,7 @@ def _in_the_way(w, p, cause, out):
         t, k = face & ~3, face & 3
         a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
         square = face_center(solid.xyz, a, b, c, out)
-        if encroaches_face(solid.xyz, out, square, p):
+        if encroaches_face(solid.xyz, out, square, p, w.limits.lens):
             if push_face(w, face, cause):
                 waits = True
             else:
@@ -81,13 +84,15 @@ def _in_the_way(w, p, cause, out):
 
 
 @apart
-def _center(w, t, cause, out):
-    """Put a point at the circumcenter of cell t, which ``out`` has."""
+def _put(w, t, cause, near, out):
+    """Put the point that is written in the place of the next vertex, into a cavity with cell t.
+
+    No vertex must be nearer than ``near``.
+    """
     solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
     for j in range(3):
-        if not abs(out[j]) < 0.9:
+        if not abs(solid.xyz[p, j]) < 0.9:
             return ROUNDED
-        solid.xyz[p, j] = out[j]
     found = walk_within(solid, t, p)
     if found < 0:
         face = -1 - found
@@ -101,9 +106,9 @@ def _center(w, t, cause, out):
     if not in_star(solid, t):
         return HIDDEN
     code = _in_the_way(w, p, cause, out)
-    if code != INSERTED:
+    if code == WAITS or (code == STAYS and w.limits.bold == 0):
         return code
-    if not far_enough(w, p, cause):
+    if not far_enough(w, p, cause, near):
         return NEAR_VERTEX
     if not has_room(w):
         return ROOM
@@ -111,8 +116,38 @@ def _center(w, t, cause, out):
     w.feature[p] = FREE_POINT
     w.count[VERTICES_NOW] = p + 1
     after_star(w, p, out)
-    w.count[CENTER_POINTS] += 1
+    if w.limits.rule == SEGMENT_RULE:
+        for i in range(star.sizes[STAR_WALLS]):
+            over = solid.across[4 * star.fresh[i] + (star.walls[i] & 3)]
+            if over >= 0 and solid.mark[over] < 0:
+                enter_cell(w, over >> 2, out)
     return INSERTED
+
+
+@apart
+def _center(w, t, cause, out):
+    """Put a point at the circumcenter of cell t, which ``out`` has."""
+    for j in range(3):
+        w.solid.xyz[w.count[VERTICES_NOW], j] = out[j]
+    code = _put(w, t, cause, 0.0, out)
+    w.count[CENTER_POINTS] += code == INSERTED
+    return code
+
+
+@apart
+def _on_segment(w, t, cause, out):
+    """Put a point on the Voronoi segment of an active face of cell t; INSERTED also if there is none."""
+    face = active_face(w, t, out)
+    if face < 0:
+        return INSERTED
+    f = place_on_voronoi(w, t, face, w.count[VERTICES_NOW], out)
+    code = _put(w, t, cause, NEAREST_SHARE * f, out) if f > 0.0 else HIDDEN
+    if code == INSERTED:
+        w.count[VORONOI_POINTS] += 1
+    elif code != ROOM and code != WAITS:
+        judge_cell(w.solid, w.limits, t, out)
+        code = _center(w, t, cause, out)
+    return code
 
 
 # ---------------------------------------------------------------------- the loop
@@ -162,12 +197,16 @@ def _next_cell(w, out):
         code = AT_ANGLE
     elif cause == BY_QUALITY and worst == 0.5 and square < out[18]:
         code = SLIVER
+    elif w.limits.rule == SEGMENT_RULE:
+        code = _on_segment(w, t, cause, out)
     else:
         code = _center(w, t, cause, out)
     if code == ROOM or code == WAITS:
         w.count[IN_HEAP] = push(w.heap, w.bad, w.count[IN_HEAP], key, t)
     elif code != INSERTED:
         w.why[t] = (w.why[t] & 3) | cause | code << 2
+        if w.limits.rule == SEGMENT_RULE:
+            after_giving_up(w, t, out)
     return code
 
 

@@ -1,0 +1,117 @@
+"""The source chapter's methods in space: circumcenters of the worst cells, and points on Voronoi segments.
+
+Both make slivers; `improve` cures them. See the book, 2.8c.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...base.arguments import DEFAULT_BUDGET, as_count, positive
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...domain.domain import Domain
+from ...mesh.domain_mesh import DomainMesh
+from ..boundary.kept import SplitBoundary, kept_pieces
+from ..volume.filling import filled
+from ..volume.improving import improve
+from .account import result_of
+from .limits import BY_QUOTIENT, BY_RADIUS, CENTER_RULE, REGULAR, SEGMENT_RULE, make_body_limits
+from .run import BodyRun, recovered
+
+__all__ = ["centers_in_body", "segments_in_body"]
+
+UNLIMITED = 2.0**-40  # of the extent: a size for which each cell is bad
+
+
+def centers_in_body(
+    domain: Domain,
+    size: Any = None,
+    *,
+    priority: Any = None,
+    split_boundary: SplitBoundary = True,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> DomainMesh:
+    """`circumcenter_insertion` for a body in space; see there."""
+    if size is None and budget is None:
+        raise InputError("without a size or a limit every cell is bad: give a size, or a budget")
+    order = _order(priority, size is not None)
+    extent = float((domain.bounds[1] - domain.bounds[0]).max())
+    size = UNLIMITED * extent if size is None else size
+    return _run(domain, size, order, CENTER_RULE, 1.0, split_boundary, budget, history, progress, "centers")[
+        0
+    ]
+
+
+def segments_in_body(
+    domain: Domain,
+    size: Any,
+    *,
+    priority: Any = None,
+    accept: float = 1.35,
+    finish: bool = True,
+    split_boundary: SplitBoundary = True,
+    budget: int | None = None,
+    history: bool = False,
+    progress: bool = False,
+) -> DomainMesh:
+    """`voronoi_segment` for a body in space; see there."""
+    accept = positive(accept, "accept")
+    order = _order(priority, True)
+    mesh, done = _run(
+        domain, size, order, SEGMENT_RULE, accept, split_boundary, budget, history, progress, "Voronoi"
+    )
+    if not finish or history or not done:
+        return mesh
+    better = improve(mesh, progress=progress)
+    for name in ("min_dihedral", "3r/R"):
+        for when, one in (("before", mesh), ("after", better)):
+            better.figures[f"minimum {name} {when}"] = float(one.quality(name).min())
+    return better
+
+
+def _order(priority: Any, sized: bool) -> int:
+    """How the next cell is chosen."""
+    if priority is None:
+        return BY_QUOTIENT if sized else BY_RADIUS
+    if priority in ("alpha", "circumradius") and isinstance(priority, str):
+        return BY_QUOTIENT if priority == "alpha" else BY_RADIUS
+    raise InputError(f"priority = {priority!r:.60} must be 'alpha' or 'circumradius' in space")
+
+
+def _run(
+    domain: Domain,
+    size: Any,
+    order: int,
+    rule: int,
+    accept: float,
+    split_boundary: SplitBoundary,
+    budget: int | None,
+    history: bool,
+    progress: bool,
+    what: str,
+) -> tuple[DomainMesh, bool]:
+    """The mesh, and whether nothing is left to do."""
+    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    cells, found = recovered(domain, progress)
+    if not found.complete:
+        return filled(domain, progress=progress), False
+    run = BodyRun(domain, cells, found, kept, budget is None)
+    names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
+    limits = make_body_limits(
+        names, np.asarray(domain.bounds), cells.factor,
+        size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
+    )  # fmt: skip
+    run.begin(limits)
+    with progress_bar(progress, " points", desc=what) as bar:
+        done = run.advance(most, bar)
+        if done and rule == SEGMENT_RULE:  # cells that never had an active face
+            run.limits = limits._replace(rule=CENTER_RULE)
+            run.enter_again()
+            done = run.advance(most, bar)
+    return result_of(run, history), done
