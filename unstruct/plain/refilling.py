@@ -15,15 +15,35 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 from unstruct.plain.predicates import orient
 
-__all__ = ["faces_of", "in_the_way", "meets", "recover_edge", "refills", "walls_of"]
+__all__ = [
+    "RecoveryStep",
+    "cavities",
+    "faces_of",
+    "fewest_in_the_way",
+    "in_the_way",
+    "meets",
+    "recover_edge",
+    "recovery_steps",
+    "refills",
+    "walls_of",
+]
 
 Points = Sequence[Sequence[Any]]
 Face = tuple[int, int, int]
 Cell = tuple[int, int, int, int]
+Cells = frozenset[Cell]
+
+
+class RecoveryStep(NamedTuple):
+    """One step of a recovery: the cells that go, those that come, and all cells after it."""
+
+    cavity: Cells
+    refill: Cells
+    cells: Cells
 
 
 def faces_of(cell: Cell) -> frozenset[Face]:
@@ -43,46 +63,71 @@ def refills(
     open_faces: frozenset[Face],
     closed: frozenset[Face] | None = None,
     inner: Iterable[int] = (),
-) -> Iterator[frozenset[Cell]]:
-    """Each triangulation of what the open faces bound, once, on their vertices and any of ``inner``.
+) -> Iterator[Cells]:
+    """Each triangulation, once, of what the open faces bound.
 
-    A face that must be there is open in both orientations. A face is closed when its inner side is occupied.
+    Its vertices are theirs and any of ``inner``. A face that must be there is open in
+    both orientations. A face is closed when its inner side is occupied.
     """
-    closed = frozenset(map(_reverse, open_faces)) - open_faces if closed is None else closed
+    if closed is None:
+        closed = frozenset(map(_reverse, open_faces)) - open_faces
     if not open_faces:
         yield frozenset()
         return
     face = min(open_faces)
-    for apex in sorted({v for other in open_faces | closed for v in other} | set(inner)):
+    vertices = {v for other in open_faces | closed for v in other} | set(inner)
+    for apex in sorted(vertices - set(face)):
         cell = (*face, apex)
-        if apex in face or orient([points[v] for v in cell]) <= 0 or faces_of(cell) & closed:
+        served = faces_of(cell)
+        if orient([points[v] for v in cell]) <= 0 or served & closed:
             continue
-        opened = {_reverse(f) for f in faces_of(cell) - open_faces}
-        for rest in refills(points, open_faces - faces_of(cell) | opened, closed | faces_of(cell), inner):
+        opened = frozenset(map(_reverse, served - open_faces))
+        still_open = open_faces - served | opened
+        for rest in refills(points, still_open, closed | served, inner):
             yield rest | {cell}
 
 
-def recover_edge(
+def recover_edge(points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8) -> Cells | None:
+    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck."""
+    cells = frozenset(cells)
+    for step in recovery_steps(points, cells, a, b, most):
+        cells = step.cells
+    return None if in_the_way(points, cells, a, b) else cells
+
+
+def recovery_steps(
     points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8
-) -> frozenset[Cell] | None:
-    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck.
+) -> Iterator[RecoveryStep]:
+    """Refills that lower the number of faces in the way of ab, while there are any.
 
     Only cavities of at most ``most`` vertices are tried, and only some of them.
     """
     cells = frozenset(cells)
     while way := in_the_way(points, cells, a, b):
-        for cavity in _cavities(cells, way, most):
-            before = len(in_the_way(points, cavity, a, b))
-            found = islice(refills(points, walls_of(cavity), inner={v for cell in cavity for v in cell}), 200)
-            used = {v for cell in cavity for v in cell}
-            whole = [new for new in found if {v for cell in new for v in cell} == used]
-            best = min(whole, key=lambda new: len(in_the_way(points, new, a, b)), default=cavity)
-            if len(in_the_way(points, best, a, b)) < before:
-                cells = cells - cavity | best
+        for cavity in cavities(cells, way, most):
+            best = fewest_in_the_way(points, cavity, a, b)
+            changed = cells - cavity | best
+            if len(in_the_way(points, changed, a, b)) < len(way):
+                cells = changed
+                yield RecoveryStep(cavity, best, cells)
                 break
         else:
-            return None
-    return cells
+            return
+
+
+def fewest_in_the_way(points: Points, cavity: Cells, a: int, b: int) -> Cells:
+    """The refill of a cavity with the fewest faces in the way of ab, on all vertices.
+
+    Of the first 200 refills; the cavity itself if none of these uses all vertices.
+    """
+
+    def cost(new: Cells) -> int:
+        return len(in_the_way(points, new, a, b))
+
+    used = {v for cell in cavity for v in cell}
+    found = islice(refills(points, walls_of(cavity), inner=used), 200)
+    whole = [new for new in found if {v for cell in new for v in cell} == used]
+    return min(whole, key=cost, default=cavity)
 
 
 def in_the_way(points: Points, cells: Iterable[Cell], a: int, b: int) -> set[Face]:
@@ -129,7 +174,7 @@ def _area(p: Sequence[Fraction], q: Sequence[Fraction], r: Sequence[Fraction]) -
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
 
-def _cavities(cells: frozenset[Cell], way: set[Face], most: int) -> Iterator[frozenset[Cell]]:
+def cavities(cells: Cells, way: set[Face], most: int) -> Iterator[Cells]:
     """Sets of cells that hang together, with the two cells at a face in the way; small ones first."""
     owner = {face: cell for cell in cells for face in faces_of(cell)}
     waiting = [frozenset({owner[f], owner[_reverse(f)]}) for f in sorted(way) if _reverse(f) in owner]

@@ -59,7 +59,10 @@ from .scenes.rebay_history import rebay_frames as rebay_frames
 from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_insertion import space_insertion_frames as space_insertion_frames
+from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames
+from .scenes.space_recovery import missing_edge_items as missing_edge_items
 from .scenes.space_slivers import sliver_state as sliver_state
+from .scenes.space_weights import weight_state as weight_state
 from .scenes.springs import SPRING_X as SPRING_X
 from .scenes.springs import SPRING_Y as SPRING_Y
 from .scenes.springs import spring_state as spring_state
@@ -72,6 +75,9 @@ from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state
+from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
+from .scenes.twisted_prism import twisted_prism as twisted_prism
+from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state
 from .widgets.center_widgets import circumcenters as circumcenters
 from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
 from .widgets.constraint_widgets import principal_component as principal_component

@@ -163,7 +163,7 @@ def with_names(
     chains: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]],
     unrefined: dict[int, str],
     counts: dict[str, int],
-    steps: dict[str, NDArray] | None,
+    steps: dict[str, NDArray] | None = None,
 ) -> DomainMesh:
     """The mesh with all that is known of it."""
     shell = domain.triangulated
