@@ -28,10 +28,10 @@ __all__ = ["Laid", "frames", "lay", "meshed"]
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
 FEW_EDGES = 8.0  # the extent of patches that are meshed together; unit: the size
-EVEN = 1.25  # how much larger the largest size in such a patch may be than the least
+EVEN_PATCH = 1.25  # how much larger the largest size in such a patch may be than the least
 SIDE_BY_SIDE = 4096  # patches that are meshed together
-APART = FEW_EDGES * EVEN + 2.0  # from one such patch to the next
-ACCEPTED = 1.35  # as for `voronoi_segment`
+PATCHES_APART = FEW_EDGES * EVEN_PATCH + 2.0  # from one such patch to the next
+ACCEPTED_IN_PATCH = 1.35  # as for `voronoi_segment`
 ONE_EDGE = np.array([0.0, 1.0])
 
 
@@ -127,7 +127,7 @@ def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers,
     h = field(points[laid.vertex])
     low, high = np.minimum.reduceat(h, start), np.maximum.reduceat(h, start)
     extent = (np.maximum.reduceat(laid.flat, start) - np.minimum.reduceat(laid.flat, start)).max(axis=1)
-    small = (extent <= FEW_EDGES * low) & (high <= EVEN * low)
+    small = (extent <= FEW_EDGES * low) & (high <= EVEN_PATCH * low)
     together = np.flatnonzero(small)
     groups = [np.array([k]) for k in np.flatnonzero(~small)]
     groups += [together[i : i + SIDE_BY_SIDE] for i in range(0, len(together), SIDE_BY_SIDE)]
@@ -165,7 +165,7 @@ def _of_group(
     if unit is not None:
         scale = 1.0 / unit
         cell = np.stack(np.divmod(np.arange(len(group)), across), axis=1)
-        shift = APART * cell - scale[:, None] * np.minimum.reduceat(laid.flat[at], ahead)
+        shift = PATCHES_APART * cell - scale[:, None] * np.minimum.reduceat(laid.flat[at], ahead)
     elif field.constant is not None:
         wanted = field.constant
     else:
@@ -182,7 +182,7 @@ def _of_group(
     of = np.zeros(len(old), dtype=np.int64)
     of[known] = owner[old[known]]
     if unit is not None:
-        place = np.floor((mesh.points[new] + 1.0) / APART).astype(np.int64)
+        place = np.floor((mesh.points[new] + 1.0) / PATCHES_APART).astype(np.int64)
         of[new] = place[:, 0] * across + place[:, 1]
     y = (mesh.points[new] - shift[of[new]]) / scale[of[new], None]
     x = laid.origin[group[of[new]]] + (y[:, :, None] * laid.frame[group[of[new]]]).sum(axis=1)
@@ -195,7 +195,7 @@ def _filled(planar: Domain, size: Any) -> DomainMesh:
     """As `voronoi_segment` without new points on pieces; what it could not reach is judged in space."""
     complex_ = planar_complex(planar, size)
     kept = kept_pieces(False, len(planar.facets), len(planar.pieces), planar.held())
-    rule = rule_of(ACCEPTED, "center", "first", None, False)
+    rule = rule_of(ACCEPTED_IN_PATCH, "center", "first", None, False)
     run = VoronoiSegmentRun(planar, complex_, size, None, rule, kept, False)
     with progress_bar(False, " points") as bar:
         run.insert(DEFAULT_BUDGET, bar)
