@@ -27,14 +27,14 @@ __all__ = ["Divided", "divided"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
-IN_PLANE = (
+FLAT_POLYGON = (
     16 * 2.0**-53
 )  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
 COARSE_PATCH = (
     1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
 )
 BOTH_ENDS = np.array([0.0, 1.0])
-NO_PIECES: Mapping[int, Any] = {}
+NO_CURVES: Mapping[int, Any] = {}
 
 
 class Divided(NamedTuple):
@@ -65,8 +65,8 @@ class Divided(NamedTuple):
 class _Edges:
     """Straight edges in space, as `evenly` wants pieces and their sizes: each lies along the first axis."""
 
-    curves: Mapping[int, Any] = NO_PIECES
-    spacings: Mapping[int, Any] = NO_PIECES
+    curves: Mapping[int, Any] = NO_CURVES
+    spacings: Mapping[int, Any] = NO_CURVES
 
     def __init__(self, points: Array, ends: Numbers):
         self.points, self.pieces = points, ends
@@ -236,7 +236,7 @@ def _patches(domain: Domain) -> _Patches:
     away = np.abs(((x[ends[:, 0]] - x[first[owner]]) * unit[owner]).sum(axis=1))
     off = np.zeros(len(pieces))
     np.maximum.at(off, owner, away)
-    whole = (pieces.corners > 3) & (off <= IN_PLANE * np.abs(x).max())
+    whole = (pieces.corners > 3) & (off <= FLAT_POLYGON * np.abs(x).max())
     polygons, rows = np.flatnonzero(whole), np.flatnonzero(~whole[shell.piece])
     rank = np.full(len(pieces), -1)
     rank[polygons] = np.arange(len(polygons))
