@@ -17,6 +17,7 @@ from ...connect.spatial.opening import (
     FACES_OPEN,
     RIM_EDGES,
     STAR_CELLS,
+    STAR_FIRST,
     STAR_SEEDS,
     STAR_WALLS,
     close_faces,
@@ -108,15 +109,21 @@ def _open_facets(w, p, out):
 
 @apart
 def _seed(w, size):
-    """Add the cells at opened faces to the first ``size`` cells, as seeds."""
+    """Begin with the first ``size`` cells, as seeds, and the cells at opened faces.
+
+    Without any the cells at the first face are the seeds.
+    """
     star = w.star
+    star.sizes[STAR_SEEDS] = size
     for i in range(star.sizes[FACES_OPEN]):
         star.cells[size] = star.opened[i] >> 2
         size += 1
         if w.solid.across[star.opened[i]] >= 0:
             star.cells[size] = w.solid.across[star.opened[i]] >> 2
             size += 1
-    star.sizes[STAR_SEEDS] = size
+        if star.sizes[STAR_SEEDS] == 0:
+            star.sizes[STAR_SEEDS] = size
+    star.sizes[STAR_FIRST] = size
 
 
 @inline

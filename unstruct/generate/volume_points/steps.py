@@ -12,7 +12,7 @@ from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import corner
 from ...connect.spatial.numbered import number_of_edge
-from ...connect.spatial.opening import FACES_OPEN, STAR_SEEDS, STAR_WALLS, walk_within
+from ...connect.spatial.opening import FACES_OPEN, STAR_FIRST, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
 from .dividing import (
     AT_INPUT_ANGLE,
@@ -100,7 +100,7 @@ def _put(w, t, cause, near, out):
             return HIDDEN
         return WAITS if push_face(w, face, cause) else MUST_STAY
     star.cells[0] = found
-    star.sizes[STAR_SEEDS], star.sizes[FACES_OPEN] = 1, 0
+    star.sizes[STAR_SEEDS], star.sizes[STAR_FIRST], star.sizes[FACES_OPEN] = 1, 1, 0
     if not search_star(solid, star, w.edges, p, -1):
         return ROUNDED
     if not in_star(solid, t):
