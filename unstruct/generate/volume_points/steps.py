@@ -84,6 +84,20 @@ def _in_the_way(w, p, cause, out):
 
 
 @apart
+def _beyond(w, face, p, cause, out):
+    """Let a face of a facet wait that is before p, if p is in its sphere."""
+    solid = w.solid
+    if solid.mark[face] < 0:
+        return HIDDEN
+    t, k = face & ~3, face & 3
+    a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
+    square = face_center(solid.xyz, a, b, c, out)
+    if not encroaches_face(solid.xyz, out, square, p, 0.0):
+        return HIDDEN
+    return WAITS if push_face(w, face, cause) else MUST_STAY
+
+
+@apart
 def _put(w, t, cause, near, out):
     """Put the point that is written in the place of the next vertex, into a cavity with cell t.
 
@@ -95,10 +109,7 @@ def _put(w, t, cause, near, out):
             return ROUNDED
     found = walk_within(solid, t, p)
     if found < 0:
-        face = -1 - found
-        if solid.mark[face] < 0:
-            return HIDDEN
-        return WAITS if push_face(w, face, cause) else MUST_STAY
+        return _beyond(w, -1 - found, p, cause, out)
     star.cells[0] = found
     star.sizes[STAR_SEEDS], star.sizes[STAR_FIRST], star.sizes[FACES_OPEN] = 1, 1, 0
     if not search_star(solid, star, w.edges, p, -1):
