@@ -25,7 +25,7 @@ from .dividing import (
     far_enough,
     has_room,
 )
-from .limits import BY_QUALITY, SEGMENT_RULE
+from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
 from .measures import across_sharp, encroaches_edge, encroaches_face, face_center, judge_cell
 from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .records import (
@@ -85,7 +85,7 @@ def _in_the_way(w, p, cause, out):
 
 @apart
 def _beyond(w, face, p, cause, out):
-    """Let a face of a facet wait that is before p, if p is in its sphere."""
+    """Let a face of a facet wait that is before p, if p is in its sphere, or for the size's sake alone."""
     solid = w.solid
     if solid.mark[face] < 0:
         return HIDDEN
@@ -93,7 +93,9 @@ def _beyond(w, face, p, cause, out):
     a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
     square = face_center(solid.xyz, a, b, c, out)
     if not encroaches_face(solid.xyz, out, square, p, 0.0):
-        return HIDDEN
+        cause &= BY_MEASURE
+        if cause == 0:
+            return HIDDEN
     return WAITS if push_face(w, face, cause) else MUST_STAY
 
 
