@@ -21,6 +21,7 @@ __all__ = [
     "OPEN_ROOM",
     "RIM_EDGES",
     "STAR_CELLS",
+    "STAR_FIRST",
     "STAR_SEEDS",
     "STAR_WALLS",
     "Star",
@@ -38,6 +39,7 @@ OPEN_ROOM = 256  # faces that one point may open
 FAR_WALK = 100_000  # steps of a walk
 # Entries of ``sizes``.
 STAR_CELLS, STAR_WALLS, STAR_SEEDS, FACES_OPEN, RIM_EDGES = 0, 1, 2, 3, 4
+STAR_FIRST = 5  # cells from which the search begins: the seeds, and after them others that may be left out
 
 
 class Star(NamedTuple):

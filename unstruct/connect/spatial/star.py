@@ -29,7 +29,7 @@ from ...predicates.kernels import insphere
 from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import corner, new_slot
 from .numbered import number_of_edge
-from .opening import FACES_OPEN, STAR_CELLS, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third
+from .opening import FACES_OPEN, STAR_CELLS, STAR_FIRST, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third
 
 __all__ = ["commit_star", "in_star", "room_for_star", "search_star"]
 
@@ -78,7 +78,8 @@ def search_star(solid, star, edges, p, split):
     Parameters
     ----------
     solid, star, edges : records
-        ``star.cells`` has ``sizes[STAR_SEEDS]`` seeds, and faces may be open.
+        ``star.cells`` has ``sizes[STAR_SEEDS]`` seeds, which must not be left out, and up to
+        ``sizes[STAR_FIRST]`` further cells to begin with; faces may be open.
     p : int
         The vertex, with its coordinates.
     split : int
@@ -86,13 +87,15 @@ def search_star(solid, star, edges, p, split):
     """
     solid.state[STAMP] += 1
     inside, size, head = 2 * solid.state[STAMP], 0, 0
-    for i in range(star.sizes[STAR_SEEDS]):  # without those that are there twice
+    seeds = star.sizes[STAR_SEEDS]
+    for i in range(max(seeds, star.sizes[STAR_FIRST])):  # without those that are there twice
         t = star.cells[i]
         if solid.stamp[t] != inside:
             solid.stamp[t] = inside
             star.cells[size] = t
             size += 1
-    star.sizes[STAR_SEEDS] = size
+        if i == seeds - 1:
+            star.sizes[STAR_SEEDS] = size
     while head < size:
         t = np.int64(star.cells[head])
         head += 1

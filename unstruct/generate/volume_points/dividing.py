@@ -17,6 +17,7 @@ from ...connect.spatial.opening import (
     FACES_OPEN,
     RIM_EDGES,
     STAR_CELLS,
+    STAR_FIRST,
     STAR_SEEDS,
     STAR_WALLS,
     close_faces,
@@ -48,7 +49,7 @@ MUST_STAY = 10  # what is in the way must stay as it is
 AT_INPUT_ANGLE = 11  # the shape comes from a small angle of the input
 FLAT_TETRAHEDRON = 12  # the center is nearer to the vertices than these are to each other
 FLOOR_SHARE = 2.0**-8  # points for the shape's sake keep this share of the lengths nearby in the beginning
-SIZE_SHARE = 0.25  # points for the size's sake may be this share of it apart, or as points for the shape
+SIZE_SHARE = 0.25  # points for the size's sake keep this share of it
 LEAST_DISTANCE = 2.0**-44  # of the largest coordinate: halves of shorter subsegments would bend
 
 
@@ -82,7 +83,8 @@ def far_enough(w, p, cause, near):
             r = w.solid.region[w.star.cells[i]]
             if r >= 0:
                 h = min(h, wanted_in_space(w.limits, r, xyz[p, 0], xyz[p, 1], xyz[p, 2]))
-        least = min(least, SIZE_SHARE * h)
+        if h < np.inf:
+            least = min(least, SIZE_SHARE * h) if cause & BY_QUALITY else SIZE_SHARE * h
     return square >= max(max(least, near), LEAST_DISTANCE) ** 2
 
 
@@ -108,15 +110,21 @@ def _open_facets(w, p, out):
 
 @apart
 def _seed(w, size):
-    """Add the cells at opened faces to the first ``size`` cells, as seeds."""
+    """Begin with the first ``size`` cells, as seeds, and the cells at opened faces.
+
+    Without any the cells at the first face are the seeds.
+    """
     star = w.star
+    star.sizes[STAR_SEEDS] = size
     for i in range(star.sizes[FACES_OPEN]):
         star.cells[size] = star.opened[i] >> 2
         size += 1
         if w.solid.across[star.opened[i]] >= 0:
             star.cells[size] = w.solid.across[star.opened[i]] >> 2
             size += 1
-    star.sizes[STAR_SEEDS] = size
+        if star.sizes[STAR_SEEDS] == 0:
+            star.sizes[STAR_SEEDS] = size
+    star.sizes[STAR_FIRST] = size
 
 
 @inline

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.codes import DONE, MORE, ROOM
+from ...base.codes import DONE, HIDDEN, MORE, ROOM
 from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
@@ -41,6 +41,7 @@ __all__ = ["BodyRun", "recovered"]
 BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
 # Where no budget is given: points for the shape's sake alone, on a segment of the input and on a facet.
 MOST_ON_SEGMENT, MOST_ON_FACET = 64, 1024
+HIDDEN_PASSES = 4  # how often cells whose centers were hidden are tried again
 NO_LIMIT = 2**31 - 1
 MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
 
@@ -181,7 +182,26 @@ class BodyRun:
 
     def advance(self, budget: int, bar: Any) -> bool:
         """Put points until nothing waits, or so many are there; whether nothing waits."""
-        last = min(self.given + budget, MOST_SPATIAL)
+        last, passes, reached = min(self.given + budget, MOST_SPATIAL), 0, -1
+        code = MORE
+        while True:
+            code = self._until(last, bar)
+            hidden = self.why[: self.cells.slots] >> 2 == HIDDEN
+            passes += 1
+            if (
+                code != DONE
+                or passes == HIDDEN_PASSES
+                or not hidden.any()
+                or self.count[VERTICES_NOW] == reached
+            ):
+                break
+            reached = int(self.count[VERTICES_NOW])
+            self.why[: self.cells.slots][hidden] = 0
+            enter_all(self.work(), self.out)
+        self.cells.size = int(self.count[VERTICES_NOW])
+        return code == DONE
+
+    def _until(self, last: int, bar: Any) -> int:
         code = MORE
         while code != DONE and self.count[VERTICES_NOW] < last:
             before = int(self.count[VERTICES_NOW])
@@ -191,8 +211,7 @@ class BodyRun:
                 self._reserve()
                 if self.count[IN_HEAP] > len(self.heap) // 2:
                     enter_all(self.work(), self.out)
-        self.cells.size = int(self.count[VERTICES_NOW])
-        return code == DONE
+        return code
 
     # ------------------------------------------------------------------ results
 

@@ -12,7 +12,7 @@ from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import corner
 from ...connect.spatial.numbered import number_of_edge
-from ...connect.spatial.opening import FACES_OPEN, STAR_SEEDS, STAR_WALLS, walk_within
+from ...connect.spatial.opening import FACES_OPEN, STAR_FIRST, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
 from .dividing import (
     AT_INPUT_ANGLE,
@@ -25,7 +25,7 @@ from .dividing import (
     far_enough,
     has_room,
 )
-from .limits import BY_QUALITY, SEGMENT_RULE
+from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
 from .measures import across_sharp, encroaches_edge, encroaches_face, face_center, judge_cell
 from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .records import (
@@ -84,6 +84,22 @@ def _in_the_way(w, p, cause, out):
 
 
 @apart
+def _beyond(w, face, p, cause, out):
+    """Let a face of a facet wait that is before p, if p is in its sphere, or for the size's sake alone."""
+    solid = w.solid
+    if solid.mark[face] < 0:
+        return HIDDEN
+    t, k = face & ~3, face & 3
+    a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
+    square = face_center(solid.xyz, a, b, c, out)
+    if not encroaches_face(solid.xyz, out, square, p, 0.0):
+        cause &= BY_MEASURE
+        if cause == 0:
+            return HIDDEN
+    return WAITS if push_face(w, face, cause) else MUST_STAY
+
+
+@apart
 def _put(w, t, cause, near, out):
     """Put the point that is written in the place of the next vertex, into a cavity with cell t.
 
@@ -95,12 +111,9 @@ def _put(w, t, cause, near, out):
             return ROUNDED
     found = walk_within(solid, t, p)
     if found < 0:
-        face = -1 - found
-        if solid.mark[face] < 0:
-            return HIDDEN
-        return WAITS if push_face(w, face, cause) else MUST_STAY
+        return _beyond(w, -1 - found, p, cause, out)
     star.cells[0] = found
-    star.sizes[STAR_SEEDS], star.sizes[FACES_OPEN] = 1, 0
+    star.sizes[STAR_SEEDS], star.sizes[STAR_FIRST], star.sizes[FACES_OPEN] = 1, 1, 0
     if not search_star(solid, star, w.edges, p, -1):
         return ROUNDED
     if not in_star(solid, t):
