@@ -118,7 +118,7 @@ def test_inner_segments_and_loose_vertices_stay() -> None:
     inside = np.array([(2.0, 2.0, 1.0), (2.0, 2.0, 3.0), (1.0, 1.3, 2.1), (2.0, 3.1, 1.7)])
     n = len(outer)
     domain = Domain(np.vstack([outer, inside]), faces, inner=[(n, n + 1)])
-    mesh = filled(domain, 0.8)
+    mesh = filled(domain, 0.8, split_boundary=False)
     assert mesh.origin[mesh.segments].tolist() == [[n, n + 1]]
     assert set(range(n, n + 4)) <= set(mesh.origin.tolist())
     free = mesh.points[mesh.origin < 0]
@@ -153,7 +153,7 @@ def test_refused() -> None:
         tetrahedralize(Domain.rectangle(), 0.1)
     with pytest.raises(InputError, match="positive and finite"):
         tetrahedralize(box, -1.0)
-    with pytest.raises(InputError, match="points inside, more than the 2000000"):
+    with pytest.raises(InputError, match=r"points inside.* more than the 2000000"):
         tetrahedralize(box, 1e-4)
     with pytest.raises(InputError, match="more than the 10"):
         tetrahedralize(box, 0.2, budget=10)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.jit import apart, kernel, lean
-from .records import EVENT, FACES, LAST_EVENT, NOTED, OLD_CELLS, TARGET
+from .records import EVENT, LAST_EVENT, NOTED, OLD_CELLS, TARGET, WAY_COUNT
 
 __all__ = [
     "EVENT_FEWER",
@@ -83,7 +83,7 @@ def note_refill(solid, r):
     """Begin the event of a refill with what is sought, and with the cells that will be removed."""
     size = r.size
     open_event(
-        solid, size[EVENT], size[TARGET], size[TARGET + 1], size[TARGET + 2], size[FACES],
+        solid, size[EVENT], size[TARGET], size[TARGET + 1], size[TARGET + 2], size[WAY_COUNT],
         size[TARGET] if size[EVENT] == EVENT_FEWER else -1,
     )  # fmt: skip
     _append(solid, r.cells, r.size[OLD_CELLS], 6)

@@ -14,7 +14,6 @@ __all__ = [
     "CELLS_ROOM",
     "COST_KIND",
     "EVENT",
-    "FACES",
     "GUARD_COUNT",
     "HASH",
     "LAST_EVENT",
@@ -30,6 +29,7 @@ __all__ = [
     "SHAKES_LEFT",
     "TARGET",
     "TETS_ROOM",
+    "WAY_COUNT",
     "WORK_DONE",
     "Held",
     "Local",
@@ -57,7 +57,7 @@ TARGET = 5  # three entries: the vertices of the segment or triangle that is sou
 NODES = 8  # nodes that the last search has visited
 NUMBERED = 10  # how many local numbers there are: corners, then those vertices of the target that are none
 EVENT = 11  # what a refill is called in the record
-FACES = 12  # how many faces are in the way of the target
+WAY_COUNT = 12  # how many faces are in the way of the target
 SHAKES_LEFT = 13  # of the present goal
 RESUMED = 14  # 1 if the search for the present goal has been interrupted
 WORK_DONE = 15  # steps since the last look at whether the user wants to stop

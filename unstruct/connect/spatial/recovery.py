@@ -16,12 +16,12 @@ from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, not
 from .records import (
     COST_KIND,
     EVENT,
-    FACES,
     LOCAL_ROOM,
     NODES,
     RESUMED,
     SHAKES_LEFT,
     TARGET,
+    WAY_COUNT,
     WORK_DONE,
 )
 from .refill import EDGE, FACE, NEVER, refill
@@ -104,7 +104,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
             size[RESUMED], size[WORK_DONE] = 1, 0
             return -2
         count = crossings(solid, kind, goal, found)
-        size[FACES] = count
+        size[WAY_COUNT] = count
         size[WORK_DONE] += WORK_OF_A_STEP + count
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count

@@ -29,7 +29,7 @@ from .journal import (
     old_cells,
     open_event,
 )
-from .records import COST_KIND, EVENT, FACES, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, Local
+from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
 from .refill import ANY, DEGREE, EDGE, NEVER, refill
@@ -75,7 +75,7 @@ def lower_degree(solid, held, r, found, goal, enough):
     many cells have the vertex in the end; -1 if the record has no room, to be called again.
     """
     p = goal[0]
-    r.size[COST_KIND], r.size[EVENT], r.size[FACES] = DEGREE, EVENT_FEWER, 0
+    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = DEGREE, EVENT_FEWER, 0
     for k in range(3):
         r.size[TARGET + k] = goal[k]
     while True:

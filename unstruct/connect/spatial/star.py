@@ -33,7 +33,9 @@ from .opening import FACES_OPEN, STAR_CELLS, STAR_SEEDS, STAR_WALLS, find_rim, s
 
 __all__ = ["commit_star", "in_star", "room_for_star", "search_star"]
 
-FLATTEST = 2.0**-50  # height of a cell with a point that is rounded to a facet; unit: the largest coordinate
+LEAST_HEIGHT = (
+    2.0**-50
+)  # height of a cell with a point that is rounded to a facet; unit: the largest coordinate
 
 
 @apart
@@ -66,7 +68,7 @@ def _clear(xyz, vertex, face, p):
         )
         six += normal * (xyz[p, j] - xyz[a, j])
         square += normal * normal
-    return abs(six) > FLATTEST * np.sqrt(square)
+    return abs(six) > LEAST_HEIGHT * np.sqrt(square)
 
 
 @apart

@@ -32,10 +32,21 @@ STRETCH_SHARE = 64
 class Pieces(Protocol):
     """What has straight or curved pieces between points: an `Outline`, or edges in space."""
 
-    points: np.ndarray
-    pieces: Any
-    curves: Any
-    spacings: Any
+    @property
+    def pieces(self) -> Any:
+        """The vertices of each piece."""
+
+    @property
+    def curves(self) -> Any:
+        """The pieces that are curved, by number."""
+
+    @property
+    def spacings(self) -> Any:
+        """The pieces that are not measured, by number."""
+
+    @property
+    def points(self) -> np.ndarray:
+        """The vertices."""
 
     def points_at(self, piece: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Points of many pieces by parameters."""

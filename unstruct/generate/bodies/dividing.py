@@ -15,22 +15,29 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.plane.by_size import evenly
 from ...domain.space.cutting import views
 from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
-from .laying import lay, meshed
+from ..volume.lattice import MOST_INNER
+from .laying import lay, meshed, too_many
 
 __all__ = ["Divided", "divided"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
-FLAT = 16 * 2.0**-53  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
-COARSE = 1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
+FLAT_POLYGON = (
+    16 * 2.0**-53
+)  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
+COARSE_PATCH = (
+    1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
+)
+PLACES_OF_EDGE = 8  # where the size is looked at before edges are cut
 BOTH_ENDS = np.array([0.0, 1.0])
-NOTHING: Mapping[int, Any] = {}
+NO_CURVES: Mapping[int, Any] = {}
 
 
 class Divided(NamedTuple):
@@ -61,8 +68,8 @@ class Divided(NamedTuple):
 class _Edges:
     """Straight edges in space, as `evenly` wants pieces and their sizes: each lies along the first axis."""
 
-    curves: Mapping[int, Any] = NOTHING
-    spacings: Mapping[int, Any] = NOTHING
+    curves: Mapping[int, Any] = NO_CURVES
+    spacings: Mapping[int, Any] = NO_CURVES
 
     def __init__(self, points: Array, ends: Numbers):
         self.points, self.pieces = points, ends
@@ -132,7 +139,9 @@ class _Patches(NamedTuple):
     normal: Array
 
 
-def divided(domain: Domain, field: SizeField, everything: bool = False) -> Divided | None:
+def divided(
+    domain: Domain, field: SizeField, everything: bool = False, most: int = MOST_INNER
+) -> Divided | None:
     """Cut the facets, inner facets and inner segments of a body by a size.
 
     Parameters
@@ -143,6 +152,8 @@ def divided(domain: Domain, field: SizeField, everything: bool = False) -> Divid
         The wanted length of edges.
     everything : bool
         Whether triangles are divided, too.
+    most : int
+        The largest number of new points.
 
     Returns
     -------
@@ -151,6 +162,8 @@ def divided(domain: Domain, field: SizeField, everything: bool = False) -> Divid
 
     Raises
     ------
+    InputError
+        If there would be more new points.
     DomainError
         If by rounding the parts of the facets touch or cross.
 
@@ -167,11 +180,12 @@ def divided(domain: Domain, field: SizeField, everything: bool = False) -> Divid
     if not everything:
         corners = domain.pieces.corners[patches.piece]
         kept[number[: len(patches.sides)][corners[patches.patch] == 3]] = True
+    _refuse_too_many(domain, field, edges[~kept], most)
     chain = _Chains.of(domain.points, edges, kept, field)
     if chain is None and not _too_coarse(domain, field, patches, everything).any():
         return None
     chain = chain or _Chains.whole(domain.points, edges)
-    return _put_together(domain, field, patches, number, chain, everything)
+    return _put_together(domain, field, patches, number, chain, everything, most)
 
 
 class _Chains(NamedTuple):
@@ -232,7 +246,7 @@ def _patches(domain: Domain) -> _Patches:
     away = np.abs(((x[ends[:, 0]] - x[first[owner]]) * unit[owner]).sum(axis=1))
     off = np.zeros(len(pieces))
     np.maximum.at(off, owner, away)
-    whole = (pieces.corners > 3) & (off <= FLAT * np.abs(x).max())
+    whole = (pieces.corners > 3) & (off <= FLAT_POLYGON * np.abs(x).max())
     polygons, rows = np.flatnonzero(whole), np.flatnonzero(~whole[shell.piece])
     rank = np.full(len(pieces), -1)
     rank[polygons] = np.arange(len(polygons))
@@ -280,13 +294,19 @@ def _too_coarse(domain: Domain, field: SizeField, patches: _Patches, everything:
     large = np.zeros(len(domain.pieces), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         length = np.linalg.norm(x[:, i] - x[:, j], axis=1)
-        large[shell.piece[length > COARSE * field((x[:, i] + x[:, j]) / 2)]] = True
+        large[shell.piece[length > COARSE_PATCH * field((x[:, i] + x[:, j]) / 2)]] = True
     may = large[patches.piece]
     return may if everything else may & (domain.pieces.corners[patches.piece] > 3)
 
 
 def _put_together(
-    domain: Domain, field: SizeField, patches: _Patches, number: Numbers, chain: _Chains, everything: bool
+    domain: Domain,
+    field: SizeField,
+    patches: _Patches,
+    number: Numbers,
+    chain: _Chains,
+    everything: bool,
+    most: int,
 ) -> Divided:
     """Mesh the patches, and make a body of all their triangles."""
     shell = domain.triangulated
@@ -304,7 +324,12 @@ def _put_together(
         rank[patches.patch[use[owner]]],
         patches.within[use[owner]],
     )
-    points, rows, patch = meshed(laid, field, chain.points)
+    wide = np.isin(shell.piece, patches.piece[touched])
+    middle = domain.points[shell.triangles[wide]].mean(axis=1)
+    asked = float((_areas(domain)[wide] / (power_of_two(domain.points) * field(middle)) ** 2).sum())
+    if asked > 4 * most:
+        raise InputError(too_many(asked, most))
+    points, rows, patch = meshed(laid, field, chain.points, most)
     parent = patches.piece[touched][patch]
     still = np.ones(len(shell.triangles), dtype=bool)
     still[np.isin(shell.piece, patches.piece[touched & patches.flat])] = False
@@ -313,6 +338,25 @@ def _put_together(
     rows = np.concatenate([rows, shell.triangles[still].astype(np.int64)])
     parent = np.concatenate([parent, shell.piece[still].astype(np.int64)])
     return _body(domain, points, rows, parent, number, chain)
+
+
+def _areas(domain: Domain) -> Array:
+    """The areas of the triangles of a body, in units in which no product leaves the doubles."""
+    factor = power_of_two(domain.points)
+    x = domain.points[domain.triangulated.triangles] * factor
+    return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
+
+
+def _refuse_too_many(domain: Domain, field: SizeField, edges: Numbers, most: int) -> None:
+    """Raise an error if edges alone would have far too many points, by the size at some places of them."""
+    if len(edges) == 0:
+        return
+    along = _Edges(domain.points, edges)
+    share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
+    piece = np.repeat(np.arange(len(edges)), PLACES_OF_EDGE)
+    parts = along.length[piece] / field(along.in_space(piece, np.tile(share, len(edges))))
+    if parts.sum() / PLACES_OF_EDGE > 4 * most:
+        raise InputError(too_many(float(parts.sum()) / PLACES_OF_EDGE, most))
 
 
 def _body(

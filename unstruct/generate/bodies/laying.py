@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET
+from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.derived import held_by
 from ...domain.domain import Domain
@@ -23,15 +24,15 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..rebay.run import VoronoiSegmentRun, rule_of
 
-__all__ = ["Laid", "frames", "lay", "meshed"]
+__all__ = ["Laid", "frames", "lay", "meshed", "too_many"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
 FEW_EDGES = 8.0  # the extent of patches that are meshed together; unit: the size
-EVEN = 1.25  # how much larger the largest size in such a patch may be than the least
+EVEN_PATCH = 1.25  # how much larger the largest size in such a patch may be than the least
 SIDE_BY_SIDE = 4096  # patches that are meshed together
-APART = FEW_EDGES * EVEN + 2.0  # from one such patch to the next
-ACCEPTED = 1.35  # as for `voronoi_segment`
+PATCHES_APART = FEW_EDGES * EVEN_PATCH + 2.0  # from one such patch to the next
+ACCEPTED_IN_PATCH = 1.35  # as for `voronoi_segment`
 ONE_EDGE = np.array([0.0, 1.0])
 
 
@@ -102,7 +103,7 @@ def frames(normal: Array) -> Array:
     return np.stack([first, np.cross(unit, first)], axis=1)
 
 
-def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers, Numbers]:
+def meshed(laid: Laid, field: SizeField, points: Array, most: int) -> tuple[Array, Numbers, Numbers]:
     """Mesh patches with exactly the given edges.
 
     Parameters
@@ -112,6 +113,8 @@ def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers,
         The wanted length of edges.
     points : (n, 3) float64
         The points of the body.
+    most : int
+        The largest number of new points.
 
     Returns
     -------
@@ -127,7 +130,7 @@ def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers,
     h = field(points[laid.vertex])
     low, high = np.minimum.reduceat(h, start), np.maximum.reduceat(h, start)
     extent = (np.maximum.reduceat(laid.flat, start) - np.minimum.reduceat(laid.flat, start)).max(axis=1)
-    small = (extent <= FEW_EDGES * low) & (high <= EVEN * low)
+    small = (extent <= FEW_EDGES * low) & (high <= EVEN_PATCH * low)
     together = np.flatnonzero(small)
     groups = [np.array([k]) for k in np.flatnonzero(~small)]
     groups += [together[i : i + SIDE_BY_SIDE] for i in range(0, len(together), SIDE_BY_SIDE)]
@@ -135,8 +138,8 @@ def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers,
     have = len(points)
     for group in groups:
         unit = np.sqrt(low[group] * high[group]) if small[group[0]] else None
-        cells, owner, new = _of_group(laid, group, unit, field, have)
-        have += len(new)
+        cells, owner, new = _of_group(laid, group, unit, field, (have, most))
+        have, most = have + len(new), most - len(new)
         every.append(new)
         rows.append(cells)
         patch.append(group[owner])
@@ -144,11 +147,12 @@ def meshed(laid: Laid, field: SizeField, points: Array) -> tuple[Array, Numbers,
 
 
 def _of_group(
-    laid: Laid, group: Numbers, unit: Array | None, field: SizeField, have: int
+    laid: Laid, group: Numbers, unit: Array | None, field: SizeField, room: tuple[int, int]
 ) -> tuple[Numbers, Numbers, Array]:
-    """Triangles of some patches, the place of each in the group, and new points, numbered from ``have`` on.
+    """Triangles of some patches, the place of each in the group, and new points.
 
-    With units the patches are laid side by side, each in its unit; without, there is only one.
+    With units the patches are laid side by side, each in its unit; without, there is only one. ``room`` has
+    the number of the first new point, and how many there may be.
     """
     first, last = (np.searchsorted(laid.owner, group, side=side) for side in ("left", "right"))
     count = last - first
@@ -165,7 +169,7 @@ def _of_group(
     if unit is not None:
         scale = 1.0 / unit
         cell = np.stack(np.divmod(np.arange(len(group)), across), axis=1)
-        shift = APART * cell - scale[:, None] * np.minimum.reduceat(laid.flat[at], ahead)
+        shift = PATCHES_APART * cell - scale[:, None] * np.minimum.reduceat(laid.flat[at], ahead)
     elif field.constant is not None:
         wanted = field.constant
     else:
@@ -176,13 +180,14 @@ def _of_group(
     ends, within = moved[laid.ends[edge]], laid.within[edge]
     planar = Domain(flat, ends[~within], inner=ends[within] if within.any() else None)
     planar = held_by(planar, dict.fromkeys(range(len(planar.pieces)), ONE_EDGE), [])
-    mesh = _filled(planar, wanted)
+    have, most = room
+    mesh = _filled(planar, wanted, most)
     old, cells = np.asarray(mesh.origin).astype(np.int64), np.asarray(mesh.simplices)
     new, known = np.flatnonzero(old < 0), np.flatnonzero(old >= 0)
     of = np.zeros(len(old), dtype=np.int64)
     of[known] = owner[old[known]]
     if unit is not None:
-        place = np.floor((mesh.points[new] + 1.0) / APART).astype(np.int64)
+        place = np.floor((mesh.points[new] + 1.0) / PATCHES_APART).astype(np.int64)
         of[new] = place[:, 0] * across + place[:, 1]
     y = (mesh.points[new] - shift[of[new]]) / scale[of[new], None]
     x = laid.origin[group[of[new]]] + (y[:, :, None] * laid.frame[group[of[new]]]).sum(axis=1)
@@ -191,12 +196,22 @@ def _of_group(
     return number[cells], of[cells[:, 0]], x
 
 
-def _filled(planar: Domain, size: Any) -> DomainMesh:
+def too_many(count: float, most: int) -> str:
+    """What to say of a size that asks for too many points."""
+    return (
+        f"the size asks for about {count:.3g} points inside facets and their edges, more than the {most} of "
+        "the budget: give a larger size or budget"
+    )
+
+
+def _filled(planar: Domain, size: Any, most: int) -> DomainMesh:
     """As `voronoi_segment` without new points on pieces; what it could not reach is judged in space."""
     complex_ = planar_complex(planar, size)
     kept = kept_pieces(False, len(planar.facets), len(planar.pieces), planar.held())
-    rule = rule_of(ACCEPTED, "center", "first", None, False)
+    rule = rule_of(ACCEPTED_IN_PATCH, "center", "first", None, False)
     run = VoronoiSegmentRun(planar, complex_, size, None, rule, kept, False)
     with progress_bar(False, " points") as bar:
-        run.insert(DEFAULT_BUDGET, bar)
-    return run.result(None if run.spent else run.finish(DEFAULT_BUDGET))
+        run.insert(most, bar)
+    if run.spent:
+        raise InputError(too_many(most + 1, most))
+    return run.result(run.finish(DEFAULT_BUDGET))

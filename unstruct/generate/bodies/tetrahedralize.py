@@ -15,7 +15,7 @@ from ...domain.domain import Domain, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import as_size
 from ..volume.filling import filled
-from ..volume.lattice import lattice_points
+from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
 __all__ = ["tetrahedralize"]
@@ -49,8 +49,8 @@ def tetrahedralize(
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
-        The largest number of points inside, and of points that recovery may add: by default 2,000,000, and
-        100 plus a tenth of the number of triangles.
+        The largest number of points inside, of points that divide facets, and of points that recovery may
+        add: by default 2,000,000, as many, and 100 plus a tenth of the number of triangles.
     progress : bool
         Show progress bars.
 
@@ -94,7 +94,7 @@ def tetrahedralize(
     if size is not None and len(domain.facets):
         field = as_size(size)
         if split_boundary is None or split_boundary:
-            parts = divided(domain, field, bool(split_boundary))
+            parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
         lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
     options: Any = {
         "field": field,

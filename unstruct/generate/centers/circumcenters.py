@@ -129,7 +129,7 @@ def circumcenter_insertion(
     """
     as_flags(history=history, progress=progress)
     if isinstance(domain_or_points, Domain) and domain_or_points.dimension == 3:
-        if limit is not None or step != STEP:
+        if limit is not None or not isinstance(step, float) or step != STEP:
             raise InputError("limit and step are for the plane; in space give a size and a priority")
         mesh = centers_in_body(
             domain_or_points, size, priority=priority, split_boundary=split_boundary, budget=budget,

@@ -21,6 +21,7 @@ from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
 
+CHOICES = ("center", "first")  # of `evaluate` and `order`, in space
 # The bits of ``steps["case"]``, by name.
 CASES: dict[str, int] = {name: 1 << bit for bit, name in enumerate(COUNT_NAMES[:8])}
 
@@ -148,7 +149,7 @@ def voronoi_segment(
     check_split_boundary(split_boundary)
     as_flags(finish=finish, history=history, progress=progress)
     if isinstance(domain, Domain) and domain.dimension == 3:
-        if evaluate != "center" or order != "first":
+        if not (isinstance(evaluate, str) and isinstance(order, str)) or (evaluate, order) != CHOICES:
             raise InputError("evaluate and order are for the plane")
         body = segments_in_body(
             domain, size, priority=priority, accept=accept, finish=finish, split_boundary=split_boundary,

@@ -182,7 +182,8 @@ def refine(
     planar = {"min_angle": min_angle, "max_area": max_area, "refine_if": refine_if}
     spatial = {"radius_edge": radius_edge, "max_volume": max_volume, "min_dihedral": min_dihedral}
     if isinstance(domain, Domain) and domain.dimension == 3:
-        _refuse_others(planar | {"method": None if method == "off-centers" else method}, "the plane")
+        other = not isinstance(method, str) or method != "off-centers"
+        _refuse_others(planar | {"method": repr(method) if other else None}, "the plane")
         mesh = refine_body(
             domain, size, **spatial, split_boundary=split_boundary, budget=_budget(budget), history=history,
             progress=progress,

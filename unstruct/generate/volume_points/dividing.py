@@ -31,10 +31,10 @@ from .queues import after_star, look_at_segment, push_segment
 from .records import FACET_POINTS, IN_FACES, IN_HEAP, SEGMENT_POINTS, SUBSEGMENTS_NOW, VERTICES_NOW
 
 __all__ = [
-    "AT_ANGLE",
+    "AT_INPUT_ANGLE",
+    "FLAT_TETRAHEDRON",
+    "MUST_STAY",
     "NEAR_VERTEX",
-    "SLIVER",
-    "STAYS",
     "WAITS",
     "divide_face",
     "divide_segment",
@@ -44,9 +44,9 @@ __all__ = [
 
 WAITS = 8  # what is in the way is divided first
 NEAR_VERTEX = 9  # a vertex is too near
-STAYS = 10  # what is in the way must stay as it is
-AT_ANGLE = 11  # the shape comes from a small angle of the input
-SLIVER = 12  # the center is nearer to the vertices than these are to each other
+MUST_STAY = 10  # what is in the way must stay as it is
+AT_INPUT_ANGLE = 11  # the shape comes from a small angle of the input
+FLAT_TETRAHEDRON = 12  # the center is nearer to the vertices than these are to each other
 FLOOR_SHARE = 2.0**-8  # points for the shape's sake keep this share of the lengths nearby in the beginning
 SIZE_SHARE = 0.25  # points for the size's sake may be this share of it apart, or as points for the shape
 LEAST_DISTANCE = 2.0**-44  # of the largest coordinate: halves of shorter subsegments would bend
@@ -125,8 +125,8 @@ def has_room(w):
     walls = 4 * w.star.sizes[STAR_WALLS]
     return (
         room_for_star(solid, w.star)
-        and w.count[IN_HEAP] + walls < w.heap.shape[0]
-        and w.count[IN_FACES] + walls < w.faces.shape[0]
+        and w.tally[IN_HEAP] + walls < w.heap.shape[0]
+        and w.tally[IN_FACES] + walls < w.faces.shape[0]
     )
 
 
@@ -177,9 +177,9 @@ def _place_on_edge(w, s, p):
 @apart
 def divide_segment(w, s, cause, out):
     """Put a point on subsegment s."""
-    solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
+    solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     if cause == BY_QUALITY and w.left[w.parent[s]] <= 0:
-        return STAYS
+        return MUST_STAY
     where = _place_on_edge(w, s, p)
     if not _search_at_edge(w, s, p, True, out):
         close_faces(solid, star)
@@ -192,7 +192,7 @@ def divide_segment(w, s, cause, out):
     if not has_room(w):
         close_faces(solid, star)
         return ROOM
-    new, a, b = w.count[SUBSEGMENTS_NOW], w.ends[s, 0], w.ends[s, 1]
+    new, a, b = w.tally[SUBSEGMENTS_NOW], w.ends[s, 0], w.ends[s, 1]
     commit_star(solid, star, p)
     forget_edge(w.edges, a, b)
     w.ends[s, 1], w.ends[new, 0], w.ends[new, 1] = p, p, b
@@ -201,11 +201,11 @@ def divide_segment(w, s, cause, out):
     number_edge(w.edges, a, p, s)
     number_edge(w.edges, p, b, new)
     w.feature[p] = w.parent[s]
-    w.count[VERTICES_NOW], w.count[SUBSEGMENTS_NOW] = p + 1, new + 1
+    w.tally[VERTICES_NOW], w.tally[SUBSEGMENTS_NOW] = p + 1, new + 1
     after_star(w, p, out)
     look_at_segment(w, s, solid.at[a])  # cells that vertices remember are new, and have p
     look_at_segment(w, new, solid.at[b])
-    w.count[SEGMENT_POINTS] += 1
+    w.tally[SEGMENT_POINTS] += 1
     w.left[w.parent[s]] -= cause == BY_QUALITY
     return INSERTED
 
@@ -248,10 +248,10 @@ def _walk_on_facet(w, face, p):
 @apart
 def divide_face(w, face, cause, out):
     """Put a point at the circumcenter of a face of a facet."""
-    solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
+    solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     t, k, m = face & ~3, face & 3, solid.mark[face]
     if cause == BY_QUALITY and w.left_facet[m] <= 0:
-        return STAYS
+        return MUST_STAY
     a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
     square = face_center(solid.xyz, a, b, c, out)
     if not square < 64.0:
@@ -263,7 +263,7 @@ def divide_face(w, face, cause, out):
         solid.xyz[p, j] = out[j] - off * w.plane[m, 3 + j]
     found = _walk_on_facet(w, face, p)
     if found < 0:
-        return WAITS if push_segment(w, -1 - found, cause) else STAYS
+        return WAITS if push_segment(w, -1 - found, cause) else MUST_STAY
     star.sizes[FACES_OPEN] = 0
     open_face(solid, star, found)
     _open_facets(w, p, out)
@@ -283,7 +283,7 @@ def divide_face(w, face, cause, out):
                 waits = True
             else:
                 stays = True
-    code = WAITS if waits else (STAYS if stays else INSERTED)
+    code = WAITS if waits else (MUST_STAY if stays else INSERTED)
     if code == INSERTED and not far_enough(w, p, cause, 0.0):
         code = NEAR_VERTEX
     if code == INSERTED and not has_room(w):
@@ -293,8 +293,8 @@ def divide_face(w, face, cause, out):
         return code
     commit_star(solid, star, p)
     w.feature[p] = -3 - m
-    w.count[VERTICES_NOW] = p + 1
+    w.tally[VERTICES_NOW] = p + 1
     after_star(w, p, out)
-    w.count[FACET_POINTS] += 1
+    w.tally[FACET_POINTS] += 1
     w.left_facet[m] -= cause == BY_QUALITY
     return INSERTED

@@ -23,7 +23,7 @@ from .run import BodyRun, recovered
 
 __all__ = ["centers_in_body", "segments_in_body"]
 
-UNLIMITED = 2.0**-40  # of the extent: a size for which each cell is bad
+NO_SIZE = 2.0**-40  # of the extent: a size for which each cell is bad
 
 
 def centers_in_body(
@@ -41,7 +41,7 @@ def centers_in_body(
         raise InputError("without a size or a limit every cell is bad: give a size, or a budget")
     order = _order(priority, size is not None)
     extent = float((domain.bounds[1] - domain.bounds[0]).max())
-    size = UNLIMITED * extent if size is None else size
+    size = NO_SIZE * extent if size is None else size
     return _run(domain, size, order, CENTER_RULE, 1.0, split_boundary, budget, history, progress, "centers")[
         0
     ]
@@ -78,7 +78,7 @@ def _order(priority: Any, sized: bool) -> int:
     """How the next cell is chosen."""
     if priority is None:
         return BY_QUOTIENT if sized else BY_RADIUS
-    if priority in ("alpha", "circumradius") and isinstance(priority, str):
+    if isinstance(priority, str) and priority in ("alpha", "circumradius"):
         return BY_QUOTIENT if priority == "alpha" else BY_RADIUS
     raise InputError(f"priority = {priority!r:.60} must be 'alpha' or 'circumradius' in space")
 

@@ -33,8 +33,8 @@ def push_segment(w, s, cause):
     if cause & ~(w.asked[s] >> NO_MORE) == 0 or (cause == BY_QUALITY and _any_shape(w)):
         return False
     if w.asked[s] & 3 == 0:
-        w.segments[w.count[IN_SEGMENTS]] = s
-        w.count[IN_SEGMENTS] += 1
+        w.segments[w.tally[IN_SEGMENTS]] = s
+        w.tally[IN_SEGMENTS] += 1
     w.asked[s] |= cause
     return True
 
@@ -50,8 +50,8 @@ def push_face(w, face, cause):
     ):
         return False
     if w.flag[face] & 3 == 0:
-        w.faces[w.count[IN_FACES]] = face
-        w.count[IN_FACES] += 1
+        w.faces[w.tally[IN_FACES]] = face
+        w.tally[IN_FACES] += 1
     set_flag(w, face, w.flag[face] | cause)
     return True
 
@@ -69,7 +69,7 @@ def enter_cell(w, t, out):
     """Let a cell wait if it is bad and was not given up."""
     cause, worst, _ = judge_cell(w.solid, w.limits, t, out)
     if cause & ~w.why[t] & 3:
-        w.count[IN_HEAP] = push(w.heap, w.bad, w.count[IN_HEAP], -worst, t)
+        w.tally[IN_HEAP] = push(w.heap, w.bad, w.tally[IN_HEAP], -worst, t)
 
 
 @apart
@@ -165,8 +165,8 @@ def after_star(w, p, out):
         if solid.mark[4 * new + k] >= 0:
             w.flag[4 * new + k] = waiting
             if waiting & 3:
-                w.faces[w.count[IN_FACES]] = 4 * new + k
-                w.count[IN_FACES] += 1
+                w.faces[w.tally[IN_FACES]] = 4 * new + k
+                w.tally[IN_FACES] += 1
     for i in range(star.sizes[STAR_WALLS]):
         new, k = star.fresh[i], star.walls[i] & 3
         for j in range(4):
@@ -207,7 +207,7 @@ def look_at_all(w, out, cell_of):
 @kernel
 def enter_all(w, out):
     """Fill the queue of cells anew."""
-    w.count[IN_HEAP] = 0
+    w.tally[IN_HEAP] = 0
     for t in range(w.solid.state[COUNT]):
         if w.solid.vertex[4 * t] >= 0:
             enter_cell(w, t, out)

@@ -14,7 +14,7 @@ from .limits import BodyLimits
 
 __all__ = ["BodyWork"]
 
-# Entries of ``count``.
+# Entries of ``tally``.
 VERTICES_NOW = 0  # vertices so far
 SUBSEGMENTS_NOW = 1  # subsegments so far
 IN_HEAP, IN_SEGMENTS, IN_FACES = 2, 3, 4  # lengths of the queues
@@ -52,4 +52,4 @@ class BodyWork(NamedTuple):
     bad: NDArray[np.int32]  # the cell of each entry of the heap
     segments: NDArray[np.int32]  # the queue of subsegments
     faces: NDArray[np.int32]  # the queue of faces
-    count: NDArray[np.int64]
+    tally: NDArray[np.int64]

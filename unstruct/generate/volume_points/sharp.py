@@ -20,9 +20,11 @@ from .records import FREE_POINT, OF_DOMAIN
 __all__ = ["Sharp", "feature_of", "find_sharp", "meet_sharply"]
 
 SHARP_SEGMENT, SHARP_VERTEX = 60.0, 45.0  # degrees
-NEARLY_FLAT = 1e-3  # radians
-NEEDLE = 2.0  # circumradius of a triangle over its shortest edge, if its least angle is below 14.5 degrees
-SHARP_ENOUGH = 1e-9  # an angle of exactly 60 degrees is not sharp
+NEARLY_ONE_PLANE = 1e-3  # radians
+SHARP_TRIANGLE = (
+    2.0  # circumradius of a triangle over its shortest edge, if its least angle is below 14.5 degrees
+)
+ANGLE_ROUNDING = 1e-9  # an angle of exactly 60 degrees is not sharp
 
 
 class Sharp(NamedTuple):
@@ -115,9 +117,9 @@ def find_sharp(
     first = np.searchsorted(pairs[:, 0], np.arange(n + segments + marks + 1))
     base = np.array([n, n + segments, n + len(ends)], dtype=np.int64)
     needles = np.zeros(marks, dtype=bool)
-    at = (label[mark] >= 0) & (_quotient(xyz, ends[row, 0], ends[row, 1], far) > NEEDLE)
+    at = (label[mark] >= 0) & (_quotient(xyz, ends[row, 0], ends[row, 1], far) > SHARP_TRIANGLE)
     needles[mark[at]] = True
-    soft = np.unique(parent[row[flat[row] & needles[mark]]]), np.flatnonzero(needles)
+    soft = np.unique(parent[row[flat[row] & needles[mark]]]).astype(np.int64), np.flatnonzero(needles)
     return Sharp(first.astype(np.int64), pairs[:, 1].astype(np.int32), base), sharp_vertex, soft
 
 
@@ -154,9 +156,9 @@ def _narrow_segments(
     step[:-1] = a[1:] - a[:-1]
     first = np.flatnonzero(np.append(True, r[1:] != r[:-1]))
     step[last] = a[first] + 2 * np.pi - a[last]
-    small = (step < np.radians(SHARP_SEGMENT) - SHARP_ENOUGH) & (count[r] > 1)
+    small = (step < np.radians(SHARP_SEGMENT) - ANGLE_ROUNDING) & (count[r] > 1)
     result[r[small]] = True
-    even = np.bincount(r[np.abs(step - np.pi) < NEARLY_FLAT], minlength=len(ends))
+    even = np.bincount(r[np.abs(step - np.pi) < NEARLY_ONE_PLANE], minlength=len(ends))
     return result, (count == 2) & (even == 2)
 
 
@@ -191,7 +193,7 @@ def _narrow_vertices(xyz: NDArray[np.float64], ends: NDArray[np.int32]) -> NDArr
     order = np.argsort(at, kind="stable")
     at, way = at[order], way[order]
     vertex, first, count = np.unique(at, return_index=True, return_counts=True)
-    least = np.cos(np.radians(SHARP_VERTEX)) + SHARP_ENOUGH
+    least = np.cos(np.radians(SHARP_VERTEX)) + ANGLE_ROUNDING
     for degree in np.unique(count):
         if degree < 2:
             continue

@@ -15,10 +15,10 @@ from ...connect.spatial.numbered import number_of_edge
 from ...connect.spatial.opening import FACES_OPEN, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
 from .dividing import (
-    AT_ANGLE,
+    AT_INPUT_ANGLE,
+    FLAT_TETRAHEDRON,
+    MUST_STAY,
     NEAR_VERTEX,
-    SLIVER,
-    STAYS,
     WAITS,
     divide_face,
     divide_segment,
@@ -80,7 +80,7 @@ def _in_the_way(w, p, cause, out):
                 waits = True
             else:
                 stays = True
-    return WAITS if waits else (STAYS if stays else INSERTED)
+    return WAITS if waits else (MUST_STAY if stays else INSERTED)
 
 
 @apart
@@ -89,7 +89,7 @@ def _put(w, t, cause, near, out):
 
     No vertex must be nearer than ``near``.
     """
-    solid, star, p = w.solid, w.star, w.count[VERTICES_NOW]
+    solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     for j in range(3):
         if not abs(solid.xyz[p, j]) < 0.9:
             return ROUNDED
@@ -98,7 +98,7 @@ def _put(w, t, cause, near, out):
         face = -1 - found
         if solid.mark[face] < 0:
             return HIDDEN
-        return WAITS if push_face(w, face, cause) else STAYS
+        return WAITS if push_face(w, face, cause) else MUST_STAY
     star.cells[0] = found
     star.sizes[STAR_SEEDS], star.sizes[FACES_OPEN] = 1, 0
     if not search_star(solid, star, w.edges, p, -1):
@@ -106,7 +106,7 @@ def _put(w, t, cause, near, out):
     if not in_star(solid, t):
         return HIDDEN
     code = _in_the_way(w, p, cause, out)
-    if code == WAITS or (code == STAYS and w.limits.bold == 0):
+    if code == WAITS or (code == MUST_STAY and w.limits.bold == 0):
         return code
     if not far_enough(w, p, cause, near):
         return NEAR_VERTEX
@@ -114,7 +114,7 @@ def _put(w, t, cause, near, out):
         return ROOM
     commit_star(solid, star, p)
     w.feature[p] = FREE_POINT
-    w.count[VERTICES_NOW] = p + 1
+    w.tally[VERTICES_NOW] = p + 1
     after_star(w, p, out)
     if w.limits.rule == SEGMENT_RULE:
         for i in range(star.sizes[STAR_WALLS]):
@@ -128,9 +128,9 @@ def _put(w, t, cause, near, out):
 def _center(w, t, cause, out):
     """Put a point at the circumcenter of cell t, which ``out`` has."""
     for j in range(3):
-        w.solid.xyz[w.count[VERTICES_NOW], j] = out[j]
+        w.solid.xyz[w.tally[VERTICES_NOW], j] = out[j]
     code = _put(w, t, cause, 0.0, out)
-    w.count[CENTER_POINTS] += code == INSERTED
+    w.tally[CENTER_POINTS] += code == INSERTED
     return code
 
 
@@ -140,10 +140,10 @@ def _on_segment(w, t, cause, out):
     face = active_face(w, t, out)
     if face < 0:
         return INSERTED
-    f = place_on_voronoi(w, t, face, w.count[VERTICES_NOW], out)
+    f = place_on_voronoi(w, t, face, w.tally[VERTICES_NOW], out)
     code = _put(w, t, cause, NEAREST_SHARE * f, out) if f > 0.0 else HIDDEN
     if code == INSERTED:
-        w.count[VORONOI_POINTS] += 1
+        w.tally[VORONOI_POINTS] += 1
     elif code != ROOM and code != WAITS:
         judge_cell(w.solid, w.limits, t, out)
         code = _center(w, t, cause, out)
@@ -155,8 +155,8 @@ def _on_segment(w, t, cause, out):
 
 @apart
 def _next_segment(w, out):
-    s = w.segments[w.count[IN_SEGMENTS] - 1]
-    w.count[IN_SEGMENTS] -= 1
+    s = w.segments[w.tally[IN_SEGMENTS] - 1]
+    w.tally[IN_SEGMENTS] -= 1
     cause = w.asked[s] & 3
     w.asked[s] &= ~3
     code = divide_segment(w, s, cause, out)
@@ -169,8 +169,8 @@ def _next_segment(w, out):
 
 @apart
 def _next_face(w, out):
-    face = w.faces[w.count[IN_FACES] - 1]
-    w.count[IN_FACES] -= 1
+    face = w.faces[w.tally[IN_FACES] - 1]
+    w.tally[IN_FACES] -= 1
     if w.solid.vertex[face & ~3] < 0 or w.solid.mark[face] < 0 or w.flag[face] & 3 == 0:
         return INSERTED
     cause = w.flag[face] & 3
@@ -186,7 +186,7 @@ def _next_face(w, out):
 @apart
 def _next_cell(w, out):
     t, key = w.bad[0], w.heap[0]
-    w.count[IN_HEAP] = pop(w.heap, w.bad, w.count[IN_HEAP])
+    w.tally[IN_HEAP] = pop(w.heap, w.bad, w.tally[IN_HEAP])
     if w.solid.vertex[4 * t] < 0:
         return INSERTED
     cause, worst, square = judge_cell(w.solid, w.limits, t, out)
@@ -194,15 +194,15 @@ def _next_cell(w, out):
     if cause == 0 or worst != -key:
         return INSERTED
     if cause == BY_QUALITY and across_sharp(w, t):
-        code = AT_ANGLE
+        code = AT_INPUT_ANGLE
     elif cause == BY_QUALITY and worst == 0.5 and square < out[18]:
-        code = SLIVER
+        code = FLAT_TETRAHEDRON
     elif w.limits.rule == SEGMENT_RULE:
         code = _on_segment(w, t, cause, out)
     else:
         code = _center(w, t, cause, out)
     if code == ROOM or code == WAITS:
-        w.count[IN_HEAP] = push(w.heap, w.bad, w.count[IN_HEAP], key, t)
+        w.tally[IN_HEAP] = push(w.heap, w.bad, w.tally[IN_HEAP], key, t)
     elif code != INSERTED:
         w.why[t] = (w.why[t] & 3) | cause | code << 2
         if w.limits.rule == SEGMENT_RULE:
@@ -217,25 +217,25 @@ def divide(w, out, stop, steps):
     Returns DONE, MORE, or ROOM if arrays must grow first.
     """
     for _ in range(steps):
-        if w.count[VERTICES_NOW] >= stop:
+        if w.tally[VERTICES_NOW] >= stop:
             return MORE
         if (
             w.solid.stamp.shape[0] - w.solid.state[COUNT] + w.solid.state[FREE] < SPARE_QUEUE
-            or w.count[IN_HEAP] + SPARE_QUEUE > w.heap.shape[0]
-            or w.count[IN_FACES] + SPARE_QUEUE > w.faces.shape[0]
-            or w.count[VERTICES_NOW] + 2 > w.solid.xyz.shape[0]
+            or w.tally[IN_HEAP] + SPARE_QUEUE > w.heap.shape[0]
+            or w.tally[IN_FACES] + SPARE_QUEUE > w.faces.shape[0]
+            or w.tally[VERTICES_NOW] + 2 > w.solid.xyz.shape[0]
         ):
             return ROOM
-        if w.count[IN_SEGMENTS] > 0:
+        if w.tally[IN_SEGMENTS] > 0:
             code = _next_segment(w, out)
-        elif w.count[IN_FACES] > 0:
+        elif w.tally[IN_FACES] > 0:
             code = _next_face(w, out)
-        elif w.count[IN_HEAP] > 0:
+        elif w.tally[IN_HEAP] > 0:
             code = _next_cell(w, out)
         else:
             return DONE
         if code == ROOM:
             return ROOM
         if code > INSERTED and code != WAITS:
-            w.count[REFUSED_POINTS] += 1
+            w.tally[REFUSED_POINTS] += 1
     return MORE
