@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from solids import saddle_lines
 
 import unstruct
 from unstruct import Arc, Bezier, Curve, Domain, examples, sizing
@@ -213,6 +214,23 @@ def protected() -> Arrays:
     scattered = points(300, 2, 10) * [9, 7]
     yield from of(unstruct.studies.insert_without_breaking(harbor(), scattered, size=0.5).mesh)
     yield unstruct.studies.skeleton_points(harbor(), 0.5).points
+
+
+@case
+def bodies() -> Arrays:
+    """Where the recovery has to add points, and where facets are planar up to rounding."""
+    stored = np.load(STORED.with_name("near_planar.npz"))
+    for name in ("25", "63"):
+        yield from of(unstruct.constrained_delaunay(Domain(stored[f"p{name}"], stored[f"t{name}"])))
+    lines, segments = saddle_lines(3, 0.0625)
+    box = Domain.box(lines.min(axis=0) - 1, lines.max(axis=0) + 1)
+    corners = np.concatenate([box.points, lines])
+    crossed = Domain(corners, list(box.facets), inner=(segments + 8).tolist())
+    yield from of(unstruct.constrained_delaunay(crossed))
+    warnings.simplefilter("ignore", unstruct.IncompleteWarning)  # lines are close to each other
+    for method in (unstruct.tetrahedralize, unstruct.refine, unstruct.voronoi_segment):
+        yield from of(method(crossed, 2.0))
+    yield from of(unstruct.circumcenter_insertion(box, 2.0))
 
 
 # ---------------------------------------------------------------------- refinement and placement

@@ -10,6 +10,7 @@ notebook.
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import sys
@@ -23,11 +24,45 @@ sys.path.append(str(BOOK))
 import processors
 
 SOLVES = re.compile(r"skfem|linalg\.(solve|lstsq|eig|svd)|spsolve|from_hessian|from_error")
+OF_MATRICES = {"det", "eig", "eigh", "inv", "lstsq", "qr", "solve", "svd"}
+DECIDE = [
+    *("connect/insertion", "connect/planar", "connect/spatial", "generate"),
+    *(f"domain/space/{name}.py" for name in "bodies cutting flat repair rings splitting swept".split()),
+]
 STORED = json.loads(mesh_hashes.STORED.read_text(encoding="utf-8"))
 
 
 def that_solve() -> list[Path]:
     return [path for path in chapters() if any(SOLVES.search(cell.source) for cell in code_cells(path))]
+
+
+def is_blas(node: ast.AST) -> bool:
+    """Whether this is a product or a norm that BLAS adds, in an order that depends on the processor."""
+    if isinstance(node, ast.BinOp | ast.AugAssign):
+        return isinstance(node.op, ast.MatMult)
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        return False
+    if node.func.attr == "norm":  # of rows it is added in their order
+        return all(keyword.arg != "axis" for keyword in node.keywords)
+    return node.func.attr in {"dot", "vdot", "inner", "matmul", "tensordot", "einsum", *OF_MATRICES}
+
+
+@pytest.mark.parametrize("room", DECIDE)
+def test_what_decides_meshes_adds_in_a_fixed_order(room: str) -> None:
+    place = BOOK.parent / "unstruct" / room
+    found = [
+        f"{path.relative_to(BOOK.parent)}:{node.lineno}"
+        for path in ([place] if place.suffix else sorted(place.rglob("*.py")))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if is_blas(node)
+    ]
+    assert not found, f"{found}: write sums of products, (a * b).sum(axis=-1), or geometry.edge_vectors"
+
+
+@pytest.mark.parametrize("text", ["a @ b", "a @= b", "np.dot(a, b)", "np.linalg.norm(a)", "np.linalg.det(a)"])
+def test_linear_algebra_is_found(text: str) -> None:
+    assert any(map(is_blas, ast.walk(ast.parse(text))))
+    assert not any(map(is_blas, ast.walk(ast.parse("np.linalg.norm(a, axis=1) + (a * b).sum(axis=1)"))))
 
 
 def named(which: str) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -78,14 +78,27 @@ def test_polyhedra_without_tetrahedra(name: str) -> None:
     assert len(mesh.simplices) == 8 and cell_volumes(mesh) == abs(six_volumes(points, triangles))
 
 
-def test_lines_of_a_saddle() -> None:
-    points, segments = solids.saddle_lines(4, 0.01)
-    c = SpatialComplex(points)
-    found = c.recover(np.empty((0, 3)), segments, restarts=1)
-    assert found.complete
+@pytest.mark.parametrize("budget", [0, 1, 3, None])
+@pytest.mark.parametrize(("n", "gap"), [(3, 0.0625), (4, 0.01), (4, 0.25)])
+def test_lines_of_a_saddle(n: int, gap: float, budget: int | None) -> None:
+    """No triangles are at them, so that the record alone tells which parts are to be recovered."""
+    points, segments = solids.saddle_lines(n, gap)
+    cube, triangles = solids.cube(1)
+    low, high = points.min(axis=0) - 1, points.max(axis=0) + 1
+    c = SpatialComplex(np.concatenate([low + cube * (high - low), points]))
+    segments = segments + len(cube)
+    found = c.recover(triangles, segments, restarts=1, budget=budget)
+    assert found.complete == (budget is None)
     c.validate()
     edges = {pair for cell in c.cells().tolist() for pair in combinations(sorted(cell), 2)}
-    assert len(found.steiner) or all(tuple(row) in edges for row in segments.tolist())
+    between: list[int] = []
+    for a, b in segments.tolist():
+        chain = found.chains.get((a, b), [a, b])
+        there = all((min(ends), max(ends)) in edges for ends in pairwise(chain))
+        assert chain[0] == a and chain[-1] == b
+        assert there == ([a, b] not in found.segments.tolist())
+        between += chain[1:-1]
+    assert sorted(between) == sorted(found.steiner.tolist())
 
 
 def test_no_budget_is_an_incomplete_result() -> None:

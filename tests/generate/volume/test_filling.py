@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from solids import six_points, twisted_star
+from solids import saddle_lines, six_points, twisted_star
 
 from unstruct import (
     Domain,
@@ -200,3 +200,17 @@ def test_no_record_in_the_plane() -> None:
         constrained_delaunay(Domain.polygon([(0, 0), (1, 0), (0, 1)]), history=True)
     with pytest.raises(InputError, match="no record"):
         replay_recovery({})
+
+
+@pytest.mark.parametrize(("n", "gap"), [(3, 0.0625), (4, 0.25), (5, 0.25)])
+def test_a_box_with_lines_of_a_saddle(n: int, gap: float) -> None:
+    """Inner segments are there in parts, in either direction, and no part is missing between its points."""
+    points, lines = saddle_lines(n, gap)
+    box = Domain.box(points.min(axis=0) - 1, points.max(axis=0) + 1)
+    lines[::2] = lines[::2, ::-1]
+    domain = Domain(np.concatenate([box.points, points]), list(box.facets), inner=(lines + 8).tolist())
+    mesh = filled(domain)
+    on_lines = np.setdiff1d(mesh.segments, np.flatnonzero(mesh.origin >= 0))
+    assert mesh.counts["added on pieces"] > 0 and np.array_equal(on_lines, mesh.steiner)
+    assert len(mesh.segments) == len(lines) + len(mesh.steiner)
+    assert (mesh.span[:, 0] < mesh.span[:, 1]).all()

@@ -44,6 +44,8 @@ class Recovered(NamedTuple):
         How missing segments crossed cells at the beginning: vertex-face, edge-edge, edge-face, face-face.
     seed : int
         The seed that led here.
+    chains : dict of list of int by pair of int
+        For each given segment, lower vertex first, that is there in parts: its vertices in order.
     """
 
     segments: NDArray[np.int32]
@@ -52,6 +54,7 @@ class Recovered(NamedTuple):
     inner: NDArray[np.int32]
     crossings: NDArray[np.int64]
     seed: int
+    chains: dict[tuple[int, int], list[int]]
 
     @property
     def complete(self) -> bool:
@@ -182,9 +185,9 @@ class SpatialComplex(CellArrays):
         release.run()
         lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
         return Recovered(
-            np.array(sorted(run.lost_edges), dtype=np.int32).reshape(-1, 2), lost.astype(np.int32),
+            run.missing(), lost.astype(np.int32),
             np.array([split.point for split in release.kept], dtype=np.int32),
-            np.array(release.inner, dtype=np.int32), run.crossed, seed,
+            np.array(release.inner, dtype=np.int32), run.crossed, seed, given.chains(),
         ), given  # fmt: skip
 
     def flood(self, facets: int | None = None) -> int:

@@ -55,6 +55,8 @@ class Given:
         Which are not split.
     segment : ndarray of int32, shape (k, 2)
         All edges of given triangles and all given segments, once each.
+    middle : dict of int by edge
+        For each segment that is split, or part of one that is, the point between its parts.
     """
 
     def __init__(self, triangles: NDArray[np.int32], segments: NDArray[np.int32]):
@@ -72,11 +74,30 @@ class Given:
         many = int(pairs.max(initial=0)) + 1
         keys = distinct(pairs[:, 0] * many + pairs[:, 1])
         self.segment = np.stack(np.divmod(keys, many), axis=1).astype(np.int32)
+        self.middle: dict[Edge, int] = {}
         self._beside: dict[Edge, list[int]] | None = None
 
     def goals(self, rows: NDArray[np.int64]) -> NDArray[np.int32]:
         """Rows for `recover_all`: the vertices of these triangles, and their numbers."""
         return np.column_stack([self.corner[rows], rows]).astype(np.int32)
+
+    def parts(self, a: int, b: int) -> list[int]:
+        """The vertices of the segment ab, from a to b, with the points that split it."""
+        chain, waiting = [a], [b]
+        while waiting:
+            between = self.middle.get(edge(chain[-1], waiting[-1]))
+            if between is None:
+                chain.append(waiting.pop())
+            else:
+                waiting.append(between)
+        return chain
+
+    def chains(self) -> dict[Edge, list[int]]:
+        """The vertices of each given segment that is split, from the lower end to the other."""
+        if not self.middle:
+            return {}
+        rows = map(tuple, self.segment.tolist())
+        return {(a, b): self.parts(a, b) for a, b in rows if (a, b) in self.middle}
 
     def beside(self) -> dict[Edge, list[int]]:
         """The triangles at each edge that are not split; made at the first split."""
@@ -119,6 +140,7 @@ class Given:
                 children.append(self._add([p if v == end else v for v in corners], int(self.root[t])))
             inner.append(edge(p, c))
             self._kill(t)
+        self.middle[edge(a, b)] = p
         return Split(p, edge(a, b), tuple(parents), tuple(children), tuple(inner))
 
     def split_triangle(self, t: int, p: int) -> Split:
@@ -134,3 +156,5 @@ class Given:
             self._kill(t)
         for t in split.parents:
             self._revive(t)
+        if split.segment is not None:
+            del self.middle[split.segment]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -144,9 +144,9 @@ class Recovery:
                 split = self.given.split_segment(a, b, p)
                 self.splits.append(split)
                 following += split.edges()
-            waiting = [ends for ends in following if edge(*ends) in self.given.beside()]
-            if not waiting:
+            if not following:
                 return
+            waiting = following
 
     def _split_triangles(self, rows: list[int], tried: set[int]) -> bool:
         """Split these triangles; whether that was possible for one."""
@@ -245,6 +245,19 @@ class Recovery:
                 cells.name_point(tuple(goal[:3].tolist()), count)
                 return p
         return -1
+
+    def missing(self) -> NDArray[np.int32]:
+        """The given segments that are not there, neither whole nor in parts: each part is looked for."""
+        given = self.given.segment
+        if not self.splits and not self.lost_edges:
+            return given[:0]
+        chains = [self.given.parts(*row) for row in given.tolist()]
+        owner = np.repeat(np.arange(len(given)), [len(chain) - 1 for chain in chains])
+        goals = np.zeros((len(owner), 4), dtype=np.int32)
+        goals[:, :2] = [ends for chain in chains for ends in pairwise(chain)]
+        left, counts = np.zeros(len(goals), dtype=np.int64), np.zeros(4, dtype=np.int64)
+        survey(self.cells.solid(), self.held, self.cells.found, EDGE, goals, left, counts)
+        return given[np.unique(owner[left != 0])]
 
     def drop(self, split: Split) -> None:
         """Join what was split, in the tables."""

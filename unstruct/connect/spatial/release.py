@@ -17,7 +17,7 @@ from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
 from .cavity import beside, commit, grow, load, new_slot, reset, unwritten, wall
 from .crossing import star
-from .given import Given, Split
+from .given import Given, Split, edge
 from .held import holds
 from .journal import (
     EVENT_FEWER,
@@ -151,6 +151,8 @@ class Release:
         given, p = self.recovery.given, split.point
         if not all(given.alive[t] for t in split.children):
             return False
+        if split.segment is not None and any(edge(p, v) in given.middle for v in split.segment):
+            return False  # without triangles, only the record tells that a part is split itself
         around = self._star(p, split.segment)
         marks = {
             int(self.cells.mark[4 * t + k])
@@ -265,6 +267,8 @@ class Release:
         if not walls:
             return []
         rows = np.array(walls, dtype=np.int32)
+        if segment is not None and not np.isin(segment, rows).all():
+            return None  # a part of it is not there
         if len(np.unique(rows)) > LOCAL_ROOM or not refill_walls(
             self.cells.solid(), self.local, rows, NODES_WITHOUT
         ):

@@ -14,6 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.edge_vectors import cross, lengths
 from .arrays import CellArrays
 from .signs import side
 from .steiner import sees
@@ -59,21 +60,21 @@ def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     """A direction with a positive product with all normals, if that is found soon."""
     step = normals.sum(axis=0)
     for _ in range(50):
-        products = normals @ step
+        products = (normals * step).sum(axis=1)  # by BLAS, it would depend on the processor
         if products.min() > 0:
             break
         step = step + normals[int(products.argmin())]
-    return step / max(float(np.linalg.norm(step)), 1e-300)
+    return step / max(float(lengths(step)), 1e-300)
 
 
 def _steps(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> Iterator[NDArray[np.float64]]:
     """Two ways from p into its sector: away from the triangles, and to the middle."""
     corners = cells.xyz[np.array(link + whole, dtype=np.int32)]
     flat = corners[len(link) :]
-    normals = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    normals = cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
+    normals /= np.maximum(lengths(normals), 1e-300)[:, None]
     away = corners.reshape(-1, 3) - cells.xyz[p]
-    yield _inward(normals) * float(np.linalg.norm(away, axis=1).mean())
+    yield _inward(normals) * float(lengths(away).mean())
     yield away.mean(axis=0)
 
 

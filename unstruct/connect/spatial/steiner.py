@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import apart, kernel, lean
+from ...geometry.edge_vectors import cross, lengths
 from ..insertion.engine import STAMP
 from ..insertion.stars import Cavity, Space, star3
 from .cavity import corner
@@ -184,20 +185,26 @@ def crossed_edges(solid, goal, found, faces, edges):
                     edges[i, 0], edges[i, 1] = p, q
 
 
+def _inner(a: Row, b: Row) -> float:
+    """The inner product, added in a fixed order: that of BLAS depends on the processor."""
+    x, y, z = (a * b).tolist()
+    return x + y + z
+
+
 def on_plane(a: Row, b: Row, u: Row, v: Row, w: Row) -> float:
     """Where the line ab meets the plane uvw: 0 at a, 1 at b; NaN if it nowhere does."""
-    normal = np.cross(v - u, w - u)
-    above, below = normal @ (a - u), normal @ (b - u)
-    return float(above / (above - below)) if above != below else np.nan
+    normal = cross(v - u, w - u)
+    above, below = _inner(normal, a - u), _inner(normal, b - u)
+    return above / (above - below) if above != below else np.nan
 
 
 def on_line(a: Row, b: Row, p: Row, q: Row) -> float:
     """Where the line ab is closest to the line pq: 0 at a, 1 at b; NaN if they are parallel."""
-    normal = np.cross(b - a, q - p)
-    square = normal @ normal
-    return float(np.cross(p - a, q - p) @ normal / square) if square > 0 else np.nan
+    normal = cross(b - a, q - p)
+    square = _inner(normal, normal)
+    return _inner(cross(p - a, q - p), normal) / square if square > 0 else np.nan
 
 
 def distance(p: Row, a: Row, b: Row) -> float:
     """From p to the line ab."""
-    return float(np.linalg.norm(np.cross(b - a, p - a)) / np.linalg.norm(b - a))
+    return float(lengths(cross(b - a, p - a)) / lengths(b - a))

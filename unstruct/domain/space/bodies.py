@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...base.arguments import DEFAULT_BUDGET, positive
 from ...base.arrays import as_points
 from ...base.errors import InputError
+from ...geometry.edge_vectors import determinant, lengths
 from ..plane.shapes import Parts
 from .rings import between, circle, disc, smoothed
 
@@ -63,9 +64,9 @@ def _icosahedron() -> tuple[np.ndarray, NDArray[np.int64]]:
     faces = []
     for a, b, c in product(range(12), repeat=3):
         if a < b < c and near[a, b] and near[b, c] and near[c, a]:
-            outward = np.linalg.det(points[[a, b, c]]) > 0
+            outward = determinant(points[[a, b, c]]) > 0
             faces.append((a, b, c) if outward else (a, c, b))
-    return points / np.linalg.norm(points[0]), np.array(faces)
+    return points / lengths(points[0]), np.array(faces)
 
 
 def _divided(n: int) -> tuple[np.ndarray, NDArray[np.int32]]:
@@ -130,13 +131,13 @@ def _frame(axis: np.ndarray, name: str) -> np.ndarray:
     if largest == 0.0:
         raise InputError(f"{name} has no direction: give a vector other than zero")
     w = axis / largest
-    w = w / np.linalg.norm(w)
+    w = w / lengths(w)
     if np.count_nonzero(w) == 1:
         k = int(np.argmax(np.abs(w)))
         u, v = np.eye(3)[(k + 1) % 3], np.eye(3)[(k + 2) % 3]
         return np.stack([u, v if w[k] > 0 else -v, w])
     u = np.cross(w, np.eye(3)[int(np.argmin(np.abs(w)))])
-    u = u / np.linalg.norm(u)
+    u = u / lengths(u)
     return np.stack([u, np.cross(w, u), w])
 
 
@@ -168,7 +169,7 @@ def torus(center: Any, radius: Any, tube: Any, size: Any, axis: Any) -> Parts:
         return _on_torus(x, far, r)
 
     found = onto(smoothed(np.concatenate(points), cells, np.ones(first[-1], dtype=bool), onto))
-    return {"points": found @ frame + middle, "facets": cells}
+    return {"points": (found[:, :, None] * frame).sum(axis=1) + middle, "facets": cells}
 
 
 def _on_torus(x: np.ndarray, radius: float, tube: float) -> np.ndarray:
@@ -184,7 +185,7 @@ def cylinder(start: Any, end: Any, radius: Any, size: Any) -> Parts:
     """A cylinder between two points; names of its facets are "side", "bottom" and "top"."""
     low, high, r = as_vector(start, "start"), as_vector(end, "end"), positive(radius, "radius")
     frame = _frame(high - low, "the axis from start to end")
-    length = float(np.linalg.norm(high - low))
+    length = float(lengths(high - low))
     h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
     n = max(FEWEST, _whole(2 * np.pi * r / h, h, lambda n: n * (n / 5 + length / h)))
     layers = max(1, round(length / (h * ROW)))

@@ -19,6 +19,7 @@ from ...connect.insertion.engine import COUNT
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
+from ...geometry.edge_vectors import lengths
 from ...geometry.parity import even_odd, left_parity
 from ...geometry.polygons import Polygons
 from ..plane.sample import Sampled
@@ -150,7 +151,7 @@ def extruded(planar: Any, height: Any, size: Any, layers: Any, ends: Any) -> Par
         raise InputError(f"height = {along.tolist()} stays in the plane: give it a third coordinate")
     chords = planar.sampled(size)
     if layers is None:
-        many = 1 if size is None or callable(size) else _steps(np.linalg.norm(along), size)
+        many = 1 if size is None or callable(size) else _steps(lengths(along), size)
     else:
         many = as_count(layers, "layers")
         if many == 0:

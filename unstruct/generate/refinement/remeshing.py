@@ -245,7 +245,8 @@ def _named_edges(mesh: Mesh, key: NDArray[np.int64]) -> tuple[NDArray[np.int64],
     names = _names(mesh)
     if not names:
         return np.zeros(len(key), dtype=np.int64), []
-    rows = [np.sort(mesh.markers[name].astype(np.int64), axis=1) @ [len(mesh.points), 1] for name in names]
+    edges = [np.sort(mesh.markers[name].astype(np.int64), axis=1) for name in names]
+    rows = [ends[:, 0] * len(mesh.points) + ends[:, 1] for ends in edges]
     owner = np.repeat(np.arange(len(names)), [len(part) for part in rows])
     edge, owner = np.divmod(
         distinct(np.searchsorted(key, np.concatenate(rows)) * len(names) + owner), len(names)

@@ -24,7 +24,6 @@ from .rounder import faces_of_cells, rounded
 
 __all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
 
-ON_SEGMENT = 2.0**-45  # how far a new vertex of an inner segment may be from it; unit: the largest coordinate
 SEEDS_OUTSIDE = 3  # that are tried with points outside
 OTHER_SEEDS = 4  # that are tried in the end where points are left on the surface
 HELPERS = 4  # points outside that may help to recover a surface, for each of its points
@@ -217,26 +216,23 @@ def chains_of_segments(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
     """The edges of inner segments, their pieces and the parameters of their ends."""
     shell = domain.triangulated
-    number = np.full(len(domain.points), -1, dtype=np.int64)
-    known = np.flatnonzero(made.vertex < len(domain.points))
-    number[made.vertex[known]] = known
-    added = np.flatnonzero(np.isin(made.vertex, found.steiner))
-    scale = ON_SEGMENT * max(float(np.abs(domain.points).max()), 1e-300)
+    number = np.full(max(int(made.vertex.max()) + 1, len(domain.points)), -1, dtype=np.int64)
+    number[made.vertex] = np.arange(len(made.vertex))
     lost = {tuple(row) for row in np.sort(found.segments, axis=1).tolist()}
     ends: list[tuple[int, int]] = []
     owner: list[int] = []
     span: list[tuple[float, float]] = []
     for row, i in zip(shell.segments.tolist(), shell.segment_piece.tolist()):
-        a, b = number[row].tolist()
-        if tuple(sorted(row)) in lost or min(a, b) < 0:
+        u, v = row
+        vertices = found.chains.get((min(u, v), max(u, v)), [min(u, v), max(u, v)])
+        chain = number[vertices if u < v else vertices[::-1]]
+        if (min(u, v), max(u, v)) in lost or chain.min() < 0:
             continue
-        start, along = domain.points[row[0]], domain.points[row[1]] - domain.points[row[0]]
-        share = (made.points[added] - start) @ along / (along @ along)
-        off = np.linalg.norm(made.points[added] - start - share[:, None] * along, axis=1)
-        on = np.flatnonzero((off <= scale) & (share > 0) & (share < 1))
-        on = on[np.argsort(share[on])]
-        chain, places = [a, *added[on].tolist(), b], [0.0, *share[on].tolist(), 1.0]
-        ends += pairwise(chain)
+        start, along = domain.points[u], domain.points[v] - domain.points[u]
+        axis = int(np.abs(along).argmax())  # the points are on the segment up to rounding
+        share = (made.points[chain[1:-1], axis] - start[axis]) / along[axis]
+        places = [0.0, *share.tolist(), 1.0]
+        ends += pairwise(chain.tolist())
         span += pairwise(places)
         owner += [i] * (len(chain) - 1)
     return (

@@ -200,7 +200,7 @@ def _narrow_vertices(xyz: NDArray[np.float64], ends: NDArray[np.int32]) -> NDArr
         chosen = np.flatnonzero(count == degree)
         for part in np.array_split(chosen, 1 + len(chosen) * degree * degree // 1_000_000):
             rows = way[first[part][:, None] + np.arange(degree)]
-            cosine = np.einsum("vik,vjk->vij", rows, rows)
+            cosine = (rows[:, :, None] * rows[:, None]).sum(axis=3)
             cosine[:, np.arange(degree), np.arange(degree)] = -1.0
             result[vertex[part]] = cosine.max(axis=(1, 2)) > least
     return result
