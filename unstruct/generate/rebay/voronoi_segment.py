@@ -45,7 +45,7 @@ def voronoi_segment(
     Parameters
     ----------
     domain : Domain
-    size : number, function (k, 2) -> (k,), SizeField, or dict of region name to one of these
+    size : number, function (k, d) -> (k,), SizeField, or dict of region name to one of these
         The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
         between two regions takes the smaller size. The threshold of the source chapter, which this book
         follows, is f = h / sqrt(3): the circumradius of an equilateral triangle with edges h. Each piece of

@@ -71,7 +71,7 @@ def refine(
         the smallest size or area that is wanted on their sides; a new vertex on one is the image, bit for
         bit, of that on the other. No more vertices are put there: triangles for which the angle asks for one
         say "kept".
-    size : number, function (k, 2) -> (k,), size field, or dict of region name to one of these, optional
+    size : number, function (k, d) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length h. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
         stands for all regions that are not named; without it these have no limit.

@@ -37,6 +37,7 @@ def filled(
     *,
     field: SizeField | None = None,
     names: Callable[[int], str] | None = None,
+    large: str = "a facet is larger than the size",
     optimize: bool = False,
     seed: int = 0,
     budget: int | None = None,
@@ -55,6 +56,8 @@ def filled(
         The wanted length of edges, by which cells at facets that are much larger are listed.
     names : callable, optional
         What messages call a piece; by default `Domain.name`.
+    large : str
+        What is said of these.
     optimize : bool
         Whether to make the cells rounder afterwards; see `rounded`.
     seed : int
@@ -94,7 +97,7 @@ def filled(
     unrefined = _incomplete(domain, found, made, names or domain.name)
     if field is not None:
         for cell in _large(made, field).tolist():
-            unrefined.setdefault(cell, "a facet is larger than the size")
+            unrefined.setdefault(cell, large)
     steps = None
     if history:
         steps = complex_.history() | {"inside": complex_.inside_slots(), "vertex": made.vertex}
