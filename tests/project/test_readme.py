@@ -100,7 +100,7 @@ def test_the_commands_run_in_a_light_installation(tmp_path: Path) -> None:
 
 
 def test_the_taste_runs(tmp_path: Path) -> None:
-    code, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    code, _, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     assert 8 <= len([line for line in code.splitlines() if line.strip()]) <= 13
     result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
@@ -110,8 +110,17 @@ def test_the_taste_runs(tmp_path: Path) -> None:
     assert (tmp_path / "points.msh").stat().st_size > 100_000
 
 
+def test_the_body_is_filled(tmp_path: Path) -> None:
+    *_, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    degrees, faces = re.search(r"([\d.]+) (\d+) faces on top", result.stdout).groups()  # type: ignore[union-attr]
+    assert float(degrees) > 20 and int(faces) > 1000
+    assert (tmp_path / "polyMesh" / "boundary").exists()
+
+
 def test_the_region_is_meshed() -> None:
-    _, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    _, code, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     *figures, last = result.stdout.splitlines()

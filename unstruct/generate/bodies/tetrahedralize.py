@@ -103,6 +103,8 @@ def tetrahedralize(
         "budget": budget,
         "progress": progress,
     }
+    if not split_boundary:
+        options["large"] = "a facet is larger than the size; split_boundary=True divides it"
     if parts is None:
         return noticed(filled(domain, lattice, **options))
     return noticed(_as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **options)))
