@@ -11,6 +11,7 @@ import pytest
 from mixed_cells import planar, spatial
 
 from unstruct import Domain, InputError, Mesh, MeshError, constrained_delaunay, tetrahedralize
+from unstruct.mesh.exchange import plain_names
 
 
 def halves() -> Domain:
@@ -218,3 +219,11 @@ def test_what_cannot_be_extruded(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="thickness = -1"):
         Mesh(square, [[0, 1, 2]]).write(folder, thickness=-1)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_plain_name_is_never_given_to_another_marker() -> None:
+    names = ["inlet 1", "inlet_1", "inlet_1_2", "", "_", "inlet(1)"]
+    words = plain_names(names)
+    assert list(words) == names and len(set(words.values())) == len(names)
+    assert all(words[name] == name for name in ("inlet_1", "inlet_1_2", "_"))
+    assert words["inlet 1"] == "inlet_1_3"

@@ -108,14 +108,17 @@ def rows_in_runs(
 
 
 def plain_names(names: Iterable[str]) -> dict[str, str]:
-    """Names as configuration files of solvers can use them: letters, digits, _ - . + only; all different."""
+    """Names as configuration files of solvers can use them: letters, digits, _ - . + only; all different.
+
+    Those that are of this kind stay, so that others which become like one of them get a number.
+    """
+    plain = {name: re.sub(r"[^\w.+-]+", "_", name) or "_" for name in names}
+    taken = {name for name, word in plain.items() if name == word}
     found: dict[str, str] = {}
-    taken: set[str] = set()
-    for name in names:
-        word = plain = re.sub(r"[^\w.+-]+", "_", name) or "_"
-        count = 2
-        while word in taken:
-            word, count = f"{plain}_{count}", count + 1
+    for name, first in plain.items():
+        word, count = first, 2
+        while word != name and word in taken:
+            word, count = f"{first}_{count}", count + 1
         found[name] = word
         taken.add(word)
     return found
