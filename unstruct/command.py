@@ -21,6 +21,7 @@ from .base.files import suffix_of
 from .domain.domain import Domain
 from .domain.plane.sources import REGION_SUFFIXES
 from .domain.space.sources import BODY_SUFFIXES
+from .generate.bodies.tetrahedralize import tetrahedralize
 from .generate.boundary.conforming import conforming_delaunay
 from .generate.boundary.constrained import constrained_delaunay
 from .generate.centers.circumcenters import circumcenter_insertion
@@ -40,6 +41,7 @@ MESHERS: dict[str, Any] = {
     "circumcenter-insertion": circumcenter_insertion,
     "conforming-delaunay": conforming_delaunay,
     "constrained-delaunay": constrained_delaunay,
+    "tetrahedralize": tetrahedralize,
 }
 TAKES = {  # which options a method has
     "refine": {"size", "min_angle", "max_area"},
@@ -49,6 +51,7 @@ TAKES = {  # which options a method has
     "circumcenter-insertion": {"size"},
     "conforming-delaunay": {"size"},
     "constrained-delaunay": {"hull"},
+    "tetrahedralize": {"size"},
 }
 NEEDS_SIZE = ("voronoi-segment", "advancing-front", "front-delaunay", "circumcenter-insertion")
 NOT_WELL, WRONG_USE = 1, 2
@@ -123,7 +126,9 @@ def _with(options: list[Any]) -> Any:
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The file to write.")
 @click.option("--size", type=float, help="The wanted edge length.")
 @click.option(
-    "--method", type=click.Choice(list(MESHERS)), default="refine", show_default=True, help="How to mesh."
+    "--method",
+    type=click.Choice(list(MESHERS)),
+    help="How to mesh: by default refine, and tetrahedralize for bodies.",
 )
 @click.option("--min-angle", type=float, help="The wanted least angle in degrees; for refine.")
 @click.option("--max-area", type=float, help="The largest area of a triangle; for refine.")
@@ -132,11 +137,16 @@ def _with(options: list[Any]) -> Any:
 @_with(_file_options)
 @click.option("--progress/--no-progress", default=None, help="A progress bar; by default on a terminal.")
 @_quiet
-def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | None, **options: Any) -> None:
+def mesh(
+    source: Path, output: Path, method: str | None, quiet: bool, progress: bool | None, **options: Any
+) -> None:
     """Mesh the region in SOURCE: .poly, .geojson, .wkt, .shp, or an airfoil's .dat.
 
-    SOURCE may also be a mesh of triangles, which is refined.
+    SOURCE may also be a mesh of triangles, which is refined, or the surface of a body (.stl, .off, .ply,
+    .obj, .smesh), which is filled with tetrahedra.
     """
+    if method is None:
+        method = "tetrahedralize" if suffix_of(source) in BODY_SUFFIXES else "refine"
     given = {name: options[name] for name in ("size", "min_angle", "max_area") if options[name] is not None}
     given |= {"hull": True} if options["hull"] else {}
     for name in given:
@@ -152,11 +162,14 @@ def mesh(source: Path, output: Path, method: str, quiet: bool, progress: bool | 
     result = MESHERS[method](found, **given, progress=show)
     _write(result, output, options)
     if not quiet:
-        angle = f", minimum angle {result.quality('min_angle').min():.4g} degrees" if result.size else ""
-        click.echo(f"{output}: {len(result.points)} points, {result.size} triangles{angle}")
+        solid = result.dimension == 3
+        kind, what = ("min_dihedral", "minimum dihedral angle") if solid else ("min_angle", "minimum angle")
+        angle = f", {what} {result.quality(kind).min():.4g} degrees" if result.size else ""
+        cells = "tetrahedra" if solid else "triangles"
+        click.echo(f"{output}: {len(result.points)} points, {result.size} {cells}{angle}")
     if not getattr(result, "complete", True):
         reasons = Counter(str(reason) or "not reached" for reason in result.reasons)
-        click.echo(f"Not complete: {len(result.unrefined)} triangles are not as asked for", err=True)
+        click.echo(f"Not complete: {len(result.unrefined)} cells are not as asked for", err=True)
         for reason, count in reasons.most_common(5):
             click.echo(f"  {count}: {reason}", err=True)
         sys.exit(NOT_WELL)
