@@ -36,6 +36,7 @@ COARSE_PATCH = (
     1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
 )
 PLACES_OF_EDGE = 8  # where the size is looked at before edges are cut
+ROUGHLY = 4  # how many times too many points an estimate by few places must tell, before it is believed
 BOTH_ENDS = np.array([0.0, 1.0])
 NO_CURVES: Mapping[int, Any] = {}
 
@@ -182,10 +183,11 @@ def divided(
         kept[number[: len(patches.sides)][corners[patches.patch] == 3]] = True
     _refuse_too_many(domain, field, edges[~kept], most)
     chain = _Chains.of(domain.points, edges, kept, field)
-    if chain is None and not _too_coarse(domain, field, patches, everything).any():
+    coarse = _too_coarse(domain, field, patches, everything)
+    if chain is None and not coarse.any():
         return None
     chain = chain or _Chains.whole(domain.points, edges)
-    return _put_together(domain, field, patches, number, chain, everything, most)
+    return _put_together(domain, field, patches, number, chain, coarse, most)
 
 
 class _Chains(NamedTuple):
@@ -225,12 +227,13 @@ class _Chains(NamedTuple):
         vertices[at], place[at] = len(points) + np.arange(len(new)), t
         return cls(np.concatenate([points, new]), vertices, start, place)
 
-    def steps(self, edge: Numbers) -> tuple[Numbers, Numbers]:
-        """The parts of some edges as pairs of vertices, and the place in ``edge`` of each."""
+    def steps(self, edge: Numbers) -> tuple[Numbers, Numbers, Array]:
+        """The parts of some edges as pairs of vertices, the place in ``edge`` of each, and their spans."""
         count = self.start[edge + 1] - self.start[edge] - 1
         owner = np.repeat(np.arange(len(edge)), count)
         at = self.start[edge][owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-        return np.column_stack([self.vertices[at], self.vertices[at + 1]]), owner
+        pairs, spans = (np.column_stack([row[at], row[at + 1]]) for row in (self.vertices, self.t))
+        return pairs, owner, spans
 
 
 def _patches(domain: Domain) -> _Patches:
@@ -305,17 +308,17 @@ def _put_together(
     patches: _Patches,
     number: Numbers,
     chain: _Chains,
-    everything: bool,
+    coarse: NDArray[np.bool_],
     most: int,
 ) -> Divided:
-    """Mesh the patches, and make a body of all their triangles."""
+    """Mesh the patches that are coarse or have a cut side, and make a body of all their triangles."""
     shell = domain.triangulated
     cut = np.diff(chain.start) > 2
-    touched = _too_coarse(domain, field, patches, everything)
+    touched = coarse.copy()
     touched[patches.patch[cut[number[: len(patches.sides)]]]] = True
     use = np.flatnonzero(touched[patches.patch])
     use = use[np.argsort(patches.patch[use], kind="stable")]
-    steps, owner = chain.steps(number[use])
+    steps, owner, _ = chain.steps(number[use])
     rank = np.cumsum(touched) - 1
     laid = lay(
         chain.points,
@@ -327,7 +330,7 @@ def _put_together(
     wide = np.isin(shell.piece, patches.piece[touched])
     middle = domain.points[shell.triangles[wide]].mean(axis=1)
     asked = float((_areas(domain)[wide] / (power_of_two(domain.points) * field(middle)) ** 2).sum())
-    if asked > 4 * most:
+    if asked > ROUGHLY * most:
         raise InputError(too_many(asked, most))
     points, rows, patch = meshed(laid, field, chain.points, most)
     parent = patches.piece[touched][patch]
@@ -355,7 +358,7 @@ def _refuse_too_many(domain: Domain, field: SizeField, edges: Numbers, most: int
     share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
     piece = np.repeat(np.arange(len(edges)), PLACES_OF_EDGE)
     parts = along.length[piece] / field(along.in_space(piece, np.tile(share, len(edges))))
-    if parts.sum() / PLACES_OF_EDGE > 4 * most:
+    if parts.sum() / PLACES_OF_EDGE > ROUGHLY * most:
         raise InputError(too_many(float(parts.sum()) / PLACES_OF_EDGE, most))
 
 
@@ -369,10 +372,7 @@ def _body(
     rows, parent = rows[order], parent[order]
     many = int(facets.sum())
     edge = number[len(number) - len(shell.segments) :]
-    steps, owner = chain.steps(edge)
-    count = np.diff(chain.start)[edge] - 1
-    at = chain.start[edge][owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-    span = np.stack([chain.t[at], chain.t[at + 1]], axis=1)
+    steps, owner, span = chain.steps(edge)
     turned = (shell.segments[:, 0] > shell.segments[:, 1])[owner]
     steps[turned], span[turned] = steps[turned][:, ::-1], 1.0 - span[turned][:, ::-1]
     inner = [*rows[many:], *steps]

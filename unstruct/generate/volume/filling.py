@@ -112,7 +112,7 @@ def _recovered(
 
 
 def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
-    """The best of a quick attempt, one with points outside, and some with other seeds, until all is exact."""
+    """The best of one attempt, some with points outside, and some with other seeds, until all is exact."""
     shell, points = domain.triangulated, domain.points
     best = _recovered(points, shell, options | {"restarts": 1})
     if not best[1].exact:
