@@ -12,6 +12,7 @@ from .jit import kernel
 __all__ = [
     "FLOAT64",
     "INT32",
+    "all_positive",
     "as_numbers",
     "as_points",
     "as_weights",
@@ -44,6 +45,15 @@ def _all_finite(rows):
         for k in range(rows.shape[1]):
             if not abs(rows[i, k]) <= GREATEST:
                 return False
+    return True
+
+
+@kernel
+def all_positive(values):
+    """Whether all entries of a flat array are positive and finite."""
+    for i in range(values.shape[0]):
+        if not 0.0 < values[i] <= GREATEST:
+            return False
     return True
 
 

@@ -235,6 +235,7 @@ class Batch:
         self.group = np.full(pieces, -1, dtype=np.int64)  # of others: those that are asked together
         self.span = np.zeros((pieces, 2))  # the parameters at the ends of these
         self.controls: dict[int, Array] = {}
+        self.arcs = False  # whether there are any
         self.functions: list[Callable[[Array], Array]] = []
         arcs: list[tuple[float, ...]] = []
         beziers: dict[int, list[tuple[int, Array]]] = {}
@@ -253,6 +254,7 @@ class Batch:
                 self.group[piece] = known.setdefault(key, len(self.functions))
                 if self.group[piece] == len(self.functions):
                     self.functions.append(asked)
+        self.arcs = bool(arcs)
         if arcs:
             table = np.array(arcs)
             at = table[:, 0].astype(np.int64)
@@ -264,7 +266,8 @@ class Batch:
 
     def fill(self, piece: NDArray[np.int64], t: Array, x: Array) -> None:
         """Write the points of the rows that lie on curves, by parameter."""
-        _arcs(self.kind, self.arc, piece, t, x)
+        if self.arcs:
+            _arcs(self.kind, self.arc, piece, t, x)
         if not (self.functions or self.controls):
             return
         rows, own = np.empty(len(t), dtype=np.int64), np.empty(len(t))

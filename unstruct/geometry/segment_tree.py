@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+SURELY = 1e-14  # above the rounding errors of squares and products
 IN_LEAF = 2.0  # segments in a leaf of the tree, at most, on average
 
 
@@ -44,17 +45,22 @@ def first_in(leaf, many, depth):
 
 
 @inline
-def to_box(x, q, low, high, node):
-    """The distance from point q to a box; infinite for an empty box."""
+def _to_box_squared(x, q, low, high, node):
     if x.shape[1] == 2:
         u = max(low[node, 0] - x[q, 0], x[q, 0] - high[node, 0], 0.0)
         v = max(low[node, 1] - x[q, 1], x[q, 1] - high[node, 1], 0.0)
-        return np.sqrt(u * u + v * v)
+        return u * u + v * v
     total = 0.0
     for j in range(x.shape[1]):
         away = max(low[node, j] - x[q, j], x[q, j] - high[node, j], 0.0)
         total += away * away
-    return np.sqrt(total)
+    return total
+
+
+@inline
+def to_box(x, q, low, high, node):
+    """The distance from point q to a box; infinite for an empty box."""
+    return np.sqrt(_to_box_squared(x, q, low, high, node))
 
 
 @inline
@@ -136,14 +142,15 @@ class SegmentNodes(NamedTuple):
 def _search(x, tree, growth, best, which):
     """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
 
-    A box is skipped if its minimum weight at its nearest point would not be lower. Queries that follow each
-    other are often close, so the answer of the previous query is tried first.
+    A box is skipped if its minimum weight at its nearest point would not be lower. Most are skipped by
+    squares, before any root is taken. Queries that follow each other are often close, so the answer of the
+    previous query is tried first.
     """
     low, high, least, order, segments, weights = tree
     leaves = low.shape[0] // 2
     depth = depth_of(leaves)
     stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
-    last = -1
+    last, inverse = -1, (1.0 + SURELY) / growth if growth > 0.0 else np.inf
     for q in range(x.shape[0]):
         lowest, found = best[q], np.int64(-1)
         if last >= 0:
@@ -157,15 +164,19 @@ def _search(x, tree, growth, best, which):
             if node < leaves:
                 near = 2 * node
                 far = near + 1
-                to_near = least[near] + growth * to_box(x, q, low, high, near)
-                to_far = least[far] + growth * to_box(x, q, low, high, far)
-                if to_far < to_near:
-                    near, far, to_near, to_far = far, near, to_far, to_near
-                if to_near < lowest:
-                    if to_far < lowest:
-                        stack[top], bound[top] = far, to_far
-                        top += 1
-                    node = near
+                square, room = _to_box_squared(x, q, low, high, near), lowest - least[near]
+                square_far, room_far = _to_box_squared(x, q, low, high, far), lowest - least[far]
+                to_this = room > 0.0 and square <= (room * inverse) * (room * inverse)
+                to_other = room_far > 0.0 and square_far <= (room_far * inverse) * (room_far * inverse)
+                if to_this and to_other:
+                    to_near = least[near] + growth * np.sqrt(square)
+                    to_far = least[far] + growth * np.sqrt(square_far)
+                    if to_far < to_near:
+                        near, far, to_near, to_far = far, near, to_far, to_near
+                    stack[top], bound[top] = far, to_far
+                    top += 1
+                if to_this or to_other:
+                    node = near if to_this else far
                     continue
             else:
                 leaf, many = node - leaves, order.shape[0]
@@ -326,15 +337,19 @@ class SegmentTree:
             The segment that gave each value; -1 where no value is lower than ``start``.
         """
         points = as_points(x, "x")
-        if points.shape[1] != self.segments.shape[2]:
-            raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         if not 0 <= growth < np.inf:
             raise InputError(f"growth must be a finite number of at least 0, not {growth!r}")
         best = np.full(len(points), np.inf) if start is None else np.array(start, dtype=np.float64)
-        which = np.full(len(points), -1, dtype=np.int64)
+        return best, self.lower(points, growth, best)
+
+    def lower(self, points: Array, growth: float, best: Array) -> Integers:
+        """As `least`, but writes the values to ``best``, which has the bounds; only shapes are checked."""
+        if points.shape[1] != self.segments.shape[2]:
+            raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
+        which = np.empty(len(points), dtype=np.int64)
         scaled = points if self.factor == 1.0 else np.ascontiguousarray(points * self.factor)
         _search(scaled, self.nodes, growth / self.factor, best, which)
-        return best, which
+        return which
 
     def distance(self, x: ArrayLike) -> Array:
         """The distance from each point (k, d) to the nearest segment, shape (k,)."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arguments import positive
-from ..base.arrays import as_points
+from ..base.arrays import FLOAT64, all_positive, as_points
 from ..base.errors import InputError
 from ..geometry.simplex import circumcenter, circumradius
 from .table import SizeTable, build
@@ -96,6 +96,8 @@ class SizeField:
             return np.full(len(points), self.constant)
         try:
             raw = self.function(points)
+            if _are_plain(raw, len(points)) and all_positive(raw):
+                return raw
             values = np.asarray(raw)
         except InputError:  # raised by a field inside this one; its message names the point
             raise
@@ -171,6 +173,16 @@ class SizeField:
         if self.constant is not None:
             return f"<SizeField: constant {self.constant:g}>"
         return f"<SizeField: {self.name}>"
+
+
+def _are_plain(values: Any, many: int) -> bool:
+    """Whether these are so many doubles in an array as kernels take it."""
+    return (
+        type(values) is np.ndarray
+        and values.dtype is FLOAT64
+        and values.shape == (many,)
+        and values.flags.carray
+    )
 
 
 def first_to_raise(function: Callable[[Array], Any], points: Array) -> int:

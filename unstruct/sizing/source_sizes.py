@@ -94,11 +94,15 @@ class _Sources(SizeField):
 
     def below(self, x: Array, bound: Array) -> Array:
         """As `SizeField.below`: the tree looks only for what is below the bound."""
-        return self.tree.least(x, self.change, np.minimum(bound, self.cap))[0]
+        found = np.minimum(bound, self.cap)
+        self.tree.lower(x, self.change, found)
+        return found
 
 
 def _grown(tree: SegmentTree, growth: float, cap: float, x: Array) -> Array:
-    return tree.least(x, growth, np.full(len(x), cap))[0]
+    found = np.full(len(x), cap)
+    tree.lower(x, growth, found)
+    return found
 
 
 def points(places: ArrayLike, size: ArrayLike, *, growth: float = 0.2, far: float | None = None) -> SizeField:

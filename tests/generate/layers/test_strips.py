@@ -37,6 +37,7 @@ def test_all_cells_are_positive_afterwards(seed: int, many: int, layers: int, th
     rays = Rays(
         np.arange(many), np.tile([0.0, 1.0], (many, 1)), none + 1, np.full(many, FREE_RAY, dtype=np.int8),
         np.full(many, -1), none + 1, np.arange(many - 1), np.arange(1, many), np.arange(many - 1),
+        np.arange(many) - 1, np.append(np.arange(1, many), -1),
     )  # fmt: skip
     level = rng.integers(0, layers + 1, many)
     fronts = Fronts(places, np.zeros((many, layers)), np.zeros((many, layers + 1)), level, none, False)

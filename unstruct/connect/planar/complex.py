@@ -214,15 +214,18 @@ class PlanarComplex:
         self.ends, self.piece, self.span, self.where = ends, piece, span, where
 
     def saved(self) -> tuple[NDArray, ...]:
-        """Copies of all arrays, for `restore`."""
-        return tuple(array.copy() for array in self.plane())
+        """Copies of all arrays as far as they are in use, for `restore`."""
+        return tuple(array[:many].copy() for array, many in zip(self.plane(), self._in_use()))
 
     def restore(self, saved: tuple[NDArray, ...]) -> None:
         """Go back to the state in which `saved` was called."""
-        plane = Plane(*saved)
-        self.xy, self.vertex, self.twin, self.mark, self.region = plane[:5]
-        self.where, self.ends, self.piece, self.span = plane[5:9]
-        self.state[:] = plane.state
+        for array, before in zip(self.plane(), saved):
+            array[: len(before)] = before
+
+    def _in_use(self) -> tuple[int, ...]:
+        """How many rows of each array of `plane` are in use."""
+        n, slots, s = self.size, self.triangles, self.segments
+        return n, 3 * slots, 3 * slots, 3 * slots, slots, s, s, s, s, len(self.state)
 
     def scratch(self) -> Scratch:
         """Arrays that fit any cavity of the present triangulation."""

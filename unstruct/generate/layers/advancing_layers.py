@@ -188,7 +188,7 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         "height": np.hypot(*(scene.fronts.places[row, level] - scene.fronts.places[row, 0]).T),
         "reason": np.array(STOP_REASONS)[reason],
         "cell_layer": union.layer,
-        "envelope": union.place[run.top],
+        "envelope": union.place[run.rest.top],
     }
     counts = {
         "rays": len(level),

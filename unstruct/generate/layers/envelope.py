@@ -21,7 +21,7 @@ from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
 from .facing import mark_crowded
-from .rays import Rays, neighbors_of
+from .rays import Rays
 from .scene import Scene, rest_of
 from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
 from .strips import Numbering, numbered, positive, tops
@@ -38,16 +38,17 @@ SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge be
 ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
 
 
-def freed(scene: Scene, stops: Stops) -> tuple[Stops, int]:
-    """The levels lowered until the envelope is free; and how many rounds it took."""
+def freed(scene: Scene, stops: Stops) -> tuple[Stops, Numbering, int]:
+    """The levels lowered until the envelope is free; the points up to them; and how many rounds it took."""
     rounds = 0
     points = scene.walls.points
     stops = positive(points, scene.rays, scene.fronts, stops)
     while True:
-        lower, reason = _faults(scene, stops.level)
+        numbers = numbered(points, scene.rays, scene.fronts, stops.level)
+        lower, reason = _faults(scene, stops.level, numbers)
         rows = np.flatnonzero(lower < stops.level)
         if not len(rows):
-            return stops, rounds
+            return stops, numbers, rounds
         rounds += 1
         level, why = stops.level.copy(), stops.reason.copy()
         faster = np.where(reason[rows] == BY_EXACTNESS, rounds // ROUNDS_OF_ROOM, 0)
@@ -65,7 +66,7 @@ def short_fans(scene: Scene, level: Integers) -> Integers:
     x = scene.fronts.places
     length = np.hypot(*(x[i, level[i]] - x[j, level[j]]).T)
     some = np.flatnonzero(np.maximum(level[i], level[j]) > 0)
-    before, after = neighbors_of(rays)
+    before, after = rays.before, rays.after
     wide = np.zeros(len(scene.walls.points))
     for ray, other in ((i, before), (j, after)):
         rows = np.flatnonzero((other[ray] >= 0) & (rays.base[np.maximum(other[ray], 0)] != rays.base[ray]))
@@ -75,10 +76,9 @@ def short_fans(scene: Scene, level: Integers) -> Integers:
     return np.unique(base[length[some] < SHORT_FAN * wide[base]])
 
 
-def _faults(scene: Scene, level: Integers) -> tuple[Integers, NDArray[np.int8]]:
+def _faults(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integers, NDArray[np.int8]]:
     """The levels that rays must go down to, and why."""
     rays = scene.rays
-    numbers = numbered(scene.walls.points, rays, scene.fronts, level)
     strip, top = tops(rays, level, numbers)
     lower, reason = level.copy(), np.full(len(level), BY_SHAPE, dtype=np.int8)
     if not len(strip):
@@ -145,8 +145,7 @@ def _swallowed(
 def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lower: Integers) -> None:
     """Lower rays beside a vertex at which two edges of the envelope open too little."""
     n = len(rays.base)
-    before, after = np.full(n, -1), np.full(n, -1)
-    after[rays.left], before[rays.right] = rays.right, rays.left
+    before, after = rays.before, rays.after
     v = np.flatnonzero((before >= 0) & (after >= 0))
     p, q = before[v], after[v]
     at = numbers.at(np.arange(n), level)

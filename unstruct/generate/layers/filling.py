@@ -32,6 +32,8 @@ class Remainder(NamedTuple):
         The piece of the whole domain that each piece is a part of; -1 for edges of the envelope.
     span : (p, 2) float64
         The part of that piece.
+    top : (e, 2) int64
+        The edges of the envelope, as numbers of points.
     region : (p,) int64
         For edges of the envelope the region on their left; -1 for others.
     """
@@ -40,6 +42,7 @@ class Remainder(NamedTuple):
     vertex: Integers
     piece: Integers
     span: Array
+    top: Integers
     region: Integers
 
 
@@ -79,7 +82,8 @@ def remainder(scene: Scene, level: Integers, numbers: Numbering) -> Remainder:
     none = np.full(many, -1, dtype=np.int64)
     region = np.concatenate([scene.walls.region[scene.rays.side[strip]], np.full(len(ends), -1)])
     return Remainder(
-        made, vertex, np.concatenate([none, piece]), np.concatenate([np.tile(full, (many, 1)), span]), region
+        made, vertex, np.concatenate([none, piece]), np.concatenate([np.tile(full, (many, 1)), span]), top,
+        region,
     )
 
 

@@ -12,7 +12,7 @@ from ...base.errors import InputError
 from ...base.jit import kernel
 from ...domain.domain import Domain
 from ...sizing.stretching import Layers
-from .rays import SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
+from .rays import SLIDING_RAY, TAPER_RAY, Rays
 from .walls import Walls
 
 __all__ = ["Fronts", "fronts_of"]
@@ -81,10 +81,7 @@ def fronts_of(
         places[r] = domain.points_at(np.full(len(t), k), parameter[r])
         places[r, 0] = x[r]
     steps, apart = np.empty((len(x), heights.shape[1] - 1)), np.empty(heights.shape)
-    before, after = neighbors_of(rays)
-    for other in (before, after):
-        other[(other >= 0) & (rays.kind[other] == TAPER_RAY)] = -1
-    _distances(places, before, after, steps, apart)
+    _distances(places, rays.kind, rays.before, rays.after, steps, apart)
     return Fronts(places, steps, parameter, most, apart, layers.count is None)
 
 
@@ -123,8 +120,8 @@ def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[A
 
 
 @kernel
-def _distances(places, before, after, steps, apart):
-    """Fill ``steps`` and ``apart`` of `Fronts`; -1 for neighbors that are none."""
+def _distances(places, kind, before, after, steps, apart):
+    """Fill ``steps`` and ``apart`` of `Fronts`. Tapered rays are no neighbors."""
     for r in range(places.shape[0]):
         for k in range(places.shape[1]):
             x, y = places[r, k, 0], places[r, k, 1]
@@ -132,7 +129,7 @@ def _distances(places, before, after, steps, apart):
                 steps[r, k - 1] = math.hypot(x - places[r, k - 1, 0], y - places[r, k - 1, 1])
             total, count = 0.0, 0
             for other in (before[r], after[r]):
-                if other >= 0:
+                if other >= 0 and kind[other] != TAPER_RAY:
                     total += math.hypot(x - places[other, k, 0], y - places[other, k, 1])
                     count += 1
             apart[r, k] = total / count if count else np.inf

@@ -66,44 +66,44 @@ class MatchedSize(SizeField):
         change = self.given.growth or 0.0
         both = FILL_GROWTH + change
         blocks, child, level = self._first(box, both * diagonal)
-        worst, count = 0.0, sum(map(len, blocks))
+        count, worst = sum(map(len, blocks)), np.zeros(1)
         away = change * np.hypot(*((FRESH - 0.5) * (box[1] - box[0])).T)
         for depth in range(FIRST_LEVELS, max_depth + 1):
             side = 0.5**depth
-            error, divide = np.empty(len(level.place)), np.empty(len(level.place), dtype=bool)
-            _judge(level, box, side, self.ends, tolerance, error, divide)
-            rows = np.flatnonzero(divide)
-            if depth == max_depth or count + 4 * len(rows) > max_nodes:
-                divide[:], rows = False, rows[:0]
-            worst = max(worst, float(error[~divide].max(initial=0.0)))
-            child[-1][:] = -1
-            if not len(rows):
+            most = 0 if depth == max_depth else (max_nodes - count) // 4
+            rows = np.empty(len(level.place), dtype=np.int64)
+            many = _judge(level, box, side, self.ends, tolerance, (count, most), child[-1], (rows, worst))
+            if not many:
                 break
-            child[-1][rows] = count + 4 * np.arange(len(rows))
-            x, bound, made = np.empty((8 * len(rows), 2)), np.empty(8 * len(rows)), _level(4 * len(rows))
+            rows, x, bound, made = rows[:many], np.empty((8 * many, 2)), np.empty(8 * many), _level(4 * many)
             _probe(level, rows, box, side, away, x, bound)
             found, edge = self._least(x, bound, both * diagonal * side / 4)
             _divide(level, rows, (found, bound, edge), made)
             level = made
             blocks.append(level.values)
-            child.append(np.empty(4 * len(rows), dtype=np.int64))
-            count += 4 * len(rows)
+            child.append(np.empty(4 * many, dtype=np.int64))
+            count += 4 * many
         capped = {"resolved": 0, "depth": 0, "nodes": 0}
-        return table_of(blocks, np.concatenate(child), box, factor, worst, capped)
+        return table_of(blocks, np.concatenate(child), box, factor, float(worst[0]), capped)
 
     def _least(self, x: Array, bound: Array, far: float) -> tuple[Array, Integers]:
-        """The sizes at eight points of each leaf, and their edges; ``bound`` is improved.
+        """The sizes of the envelope at eight points of each leaf, and their edges; ``bound`` is improved.
 
         The given size is at least ``bound``. It is not asked for where that is not less than the size of the
         envelope; where it is more by ``far``, which is enough for all of a leaf, it is not needed exactly.
         The first four points of each leaf are not the middles of leaves.
         """
-        found, edge = self.tree.least(x, FILL_GROWTH)
+        found, edge = self._of_edges(x)
         ask, enough = np.empty(len(x), dtype=np.int64), np.empty(len(x))
         many = _ask(found, bound, far, ask, enough)
         ask = ask[:many]
         bound[ask] = self.given.below(x[ask], enough[:many])
-        return np.minimum(found, bound), edge
+        return found, edge
+
+    def _of_edges(self, x: Array) -> tuple[Array, Integers]:
+        """The sizes that the edges give, and the edges that give them."""
+        found = np.full(len(x), np.inf)
+        return found, self.tree.lower(x, FILL_GROWTH, found)
 
     def _first(self, box: Array, far: float) -> tuple[list[Array], list[Integers], Level]:
         """The first levels: values and children by level; and the last one."""
@@ -111,9 +111,9 @@ class MatchedSize(SizeField):
         lattice = np.arange(2 * many + 1) / (2 * many)
         sizes = []
         for t, reach in ((lattice[::2], 0.0), (lattice[1::2], far / 2 / many)):
-            place = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
-            x = np.minimum(box[0] + place * (box[1] - box[0]), box[1])
-            found, edge = self.tree.least(x, FILL_GROWTH)
+            x = np.empty((len(t) * len(t), 2))
+            _lattice(box, t, x)
+            found, edge = self._of_edges(x)
             bound = self.given.below(x, found + reach)
             sizes.append((np.minimum(found, bound), bound, edge))
         levels = [_level(4**depth) for depth in range(FIRST_LEVELS + 1)]
@@ -156,6 +156,16 @@ def _level(many: int) -> Level:
 
 
 @kernel
+def _lattice(box, t, x):
+    """Write a lattice of places in a box, from coordinates between 0 and 1 that both axes have."""
+    many = len(t)
+    for i in range(many):
+        for k in range(many):
+            x[i * many + k, 0] = min(box[0, 0] + t[i] * (box[1, 0] - box[0, 0]), box[1, 0])
+            x[i * many + k, 1] = min(box[0, 1] + t[k] * (box[1, 1] - box[0, 1]), box[1, 1])
+
+
+@kernel
 def _lay_out(above, depth, corners, centers, level):
     """Fill a level of the first ones from the level above, and from lattices of corners and middles."""
     middle, bound, edge = centers
@@ -181,22 +191,55 @@ def is_behind(ends, edge, x, y, far):
     return 0.0 <= along <= square and ux * vy - uy * vx < -far * math.sqrt(square)
 
 
-@kernel
-def _judge(level, box, side, ends, tolerance, error, divide):
-    """The errors of leaves, and which of them are to be divided."""
+@inline
+def _error(level, i):
+    """The relative error of a leaf at its middle."""
+    values = level.values
+    total = 0.0 + values[i, 0] + values[i, 1] + values[i, 2] + values[i, 3]
+    return abs(total / 4 / level.middle[i] - 1.0)
+
+
+@inline
+def _must_divide(level, i, box, side, ends, tolerance):
+    """Whether a leaf is to be divided."""
     wide, tall = box[1, 0] - box[0, 0], box[1, 1] - box[0, 1]
-    length, far = side * max(wide, tall), side / 2 * math.hypot(wide, tall)
-    for i in range(len(error)):
-        middle, total, least = level.middle[i], 0.0, level.middle[i]
-        for k in range(4):
-            total += level.values[i, k]
-            least = min(least, level.values[i, k])
-        error[i] = abs(total / 4 / middle - 1.0)
-        divide[i] = (error[i] > tolerance or length > BROADEST * middle) and length > RESOLVED * least
-        if divide[i]:
-            x = box[0, 0] + (level.place[i, 0] + 0.5) * side * wide
-            y = box[0, 1] + (level.place[i, 1] + 0.5) * side * tall
-            divide[i] = not is_behind(ends, level.edge[i], x, y, far)
+    length, far, middle = side * max(wide, tall), side / 2 * math.hypot(wide, tall), level.middle[i]
+    if not (length > BROADEST * middle or _error(level, i) > tolerance):
+        return False
+    least = middle
+    for k in range(4):
+        least = min(least, level.values[i, k])
+    if not length > RESOLVED * least:
+        return False
+    x = box[0, 0] + (level.place[i, 0] + 0.5) * side * wide
+    y = box[0, 1] + (level.place[i, 1] + 0.5) * side * tall
+    return not is_behind(ends, level.edge[i], x, y, far)
+
+
+@kernel
+def _judge(level, box, side, ends, tolerance, numbers, child, found):
+    """Write which leaves are to be divided, and the first children of all; returns how many are divided.
+
+    ``numbers`` are the number of the next node and how many leaves may be divided: if there are more, none
+    is. ``found`` gets their rows and, in one entry, the largest error of those that stay.
+    """
+    count, most = numbers
+    rows, worst = found
+    many = 0
+    for i in range(len(child)):
+        if _must_divide(level, i, box, side, ends, tolerance):
+            rows[many] = i
+            many += 1
+    if many > most:
+        many = 0
+    next_row = 0
+    for i in range(len(child)):
+        if next_row < many and rows[next_row] == i:
+            child[i] = count + 4 * next_row
+            next_row += 1
+        else:
+            child[i], worst[0] = -1, max(worst[0], _error(level, i))
+    return many
 
 
 @kernel
@@ -223,9 +266,11 @@ def _ask(found, bound, far, ask, enough):
 
 @kernel
 def _divide(level, rows, probed, made):
-    """Fill the leaves that some leaves are divided into, from the sizes at the places `FRESH`."""
+    """Fill the leaves that some leaves are divided into, from both sizes at the places `FRESH`."""
     found, bound, edge = probed
     known = np.empty(9)
+    for r in range(8 * len(rows)):
+        found[r] = min(found[r], bound[r])
     for r in range(len(rows)):
         i = rows[r]
         for k in range(4):
@@ -247,4 +292,6 @@ def matched_size(size: Any, points: Array, top: Integers) -> SizeField:
 
 def _matched(tree: SegmentTree, size: SizeField, x: Array) -> Array:
     """The minimum; the tree looks only for what is below the size."""
-    return tree.least(x, FILL_GROWTH, size(x))[0]
+    found = size(x)
+    tree.lower(x, FILL_GROWTH, found)
+    return found

@@ -26,7 +26,6 @@ __all__ = [
     "TAPER_RAY",
     "Rays",
     "directed",
-    "neighbors_of",
     "rays_of",
 ]
 
@@ -67,6 +66,8 @@ class Rays(NamedTuple):
         The rays of each strip, at the start and at the end of its side. Strips of fans come last.
     side : (t,) int64
         The side of each strip; strips of a fan belong to the side before it.
+    before, after : (r,) int64
+        The rays before and after each one, through the strips; -1 for none.
     """
 
     base: Integers
@@ -78,6 +79,8 @@ class Rays(NamedTuple):
     left: Integers
     right: Integers
     side: Integers
+    before: Integers
+    after: Integers
 
 
 def directed(walls: Walls) -> tuple[Array, Array, Array]:
@@ -94,14 +97,6 @@ def _clockwise(back: Array, out: Array) -> Array:
     cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
     angle = turns(cross, (back * out).sum(axis=1))
     return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
-
-
-def neighbors_of(rays: Rays) -> tuple[Integers, Integers]:
-    """For each ray the one before and the one after it, through the strips; -1 for none."""
-    before = np.full(len(rays.base), -1, dtype=np.int64)
-    after = before.copy()
-    after[rays.left], before[rays.right] = rays.right, rays.left
-    return before, after
 
 
 class _Rows:
@@ -172,6 +167,9 @@ def rays_of(
     strips = _fans(walls, (joined[fan], follow[fan], angle[fan]), normal, rows, (left, right))
     _open_ends(domain, walls, along, other, piece, rows, (left, right))
     direction = np.concatenate([*rows.direction, np.empty((0, 2))])
+    left, right = np.concatenate([left, strips[0]]), np.concatenate([right, strips[1]])
+    before, after = np.full((2, rows.count), -1, dtype=np.int64)
+    after[left], before[right] = right, left
     found = Rays(
         np.concatenate([*rows.base, np.empty(0, dtype=np.int64)]).astype(np.int64),
         direction / np.hypot(*direction.T)[:, None],
@@ -179,9 +177,11 @@ def rays_of(
         np.concatenate([*rows.kind, np.empty(0, dtype=np.int64)]).astype(np.int8),
         np.concatenate([*rows.slide, np.empty(0, dtype=np.int64)]).astype(np.int64),
         np.ones(rows.count),
-        np.concatenate([left, strips[0]]),
-        np.concatenate([right, strips[1]]),
+        left,
+        right,
         np.concatenate([np.arange(m), strips[2]]),
+        before,
+        after,
     )
     return _smoothed(walls, found, normal)
 
@@ -258,7 +258,6 @@ def _open_ends(
 
 def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
     """The rays with smoothed directions, and the factors of their heights."""
-    before, after = neighbors_of(rays)
     sides = len(walls.ends)
     coming, going = np.full((2, len(rays.base)), -1, dtype=np.int64)
     coming[rays.right[:sides]] = np.arange(sides)
@@ -266,7 +265,7 @@ def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
     coming, going = np.where(coming < 0, going, coming), np.where(going < 0, coming, going)
     direction = rays.direction.copy()
     scale, cosine = np.empty((2, len(rays.base)))
-    around = before, after, coming, going, rays.kind
+    around = rays.before, rays.after, coming, going, rays.kind
     _smooth(walls.points[rays.base], normal, around, direction)
     _stretch(normal, around, direction, scale, cosine)
     return rays._replace(direction=direction, scale=scale, cosine=cosine)

@@ -19,10 +19,10 @@ from .filling import Remainder, remainder
 from .heights import fronts_of
 from .matched import matched_size
 from .rays import rays_of
-from .scene import Scene
+from .scene import Scene, slid_pieces
 from .spacing import spaced_walls
 from .stops import BY_SHAPE, Stops, stops_of
-from .strips import cells_of, numbered, positive, tops
+from .strips import cells_of, numbered, positive
 from .union import Union, extreme_angle, union_of
 
 __all__ = ["LayersRun"]
@@ -58,8 +58,9 @@ class LayersRun:
         span = c.span[: c.segments].copy()
         rays = rays_of(domain, walls, ends, piece)
         fronts = fronts_of(domain, walls, rays, layers, (ends, piece, span))
-        loose = domain.loose.astype(np.int64)
-        self.scene = Scene(domain, walls, rays, fronts, ends, piece, span, wall[piece], loose)
+        loose, slides = domain.loose.astype(np.int64), slid_pieces(rays, piece)
+        self.scene = Scene(domain, walls, rays, fronts, ends, piece, span, wall[piece], loose, slides)
+        self.rest: Remainder
         self.filled: DomainMesh
         self.rounds = self.repeats = 0
 
@@ -77,8 +78,8 @@ class LayersRun:
         single = np.zeros(len(points), dtype=bool)
         while True:
             targets = points[every], piece_at[every]
-            stops = stops_of(scene.rays, scene.fronts, self.field, targets, self.spring, scene.slides())
-            self.stops, rounds = freed(scene, stops)
+            stops = stops_of(scene.rays, scene.fronts, self.field, targets, self.spring, scene.slides)
+            self.stops, self.numbers, rounds = freed(scene, stops)
             self.rounds += rounds
             short = short_fans(scene, self.stops.level)
             if not len(short):
@@ -87,34 +88,32 @@ class LayersRun:
             rays = rays_of(scene.domain, scene.walls, scene.ends, scene.piece, single)
             subsegments = scene.ends, scene.piece, scene.span
             fronts = fronts_of(scene.domain, scene.walls, rays, self.layers, subsegments)
-            scene = scene._replace(rays=rays, fronts=fronts)
+            scene = scene._replace(rays=rays, fronts=fronts, slides=slid_pieces(rays, scene.piece))
         self.scene = scene
 
     # ------------------------------------------------------------------ the rest
 
-    def _number(self) -> None:
-        """Number the points, and make a domain of the rest; step back where it is none."""
+    def _leave(self) -> Remainder:
+        """A domain of the rest; where it is none, fronts step back."""
         scene = self.scene
         while True:
-            self.numbers = numbered(scene.walls.points, scene.rays, scene.fronts, self.stops.level)
             try:
-                self.rest: Remainder = remainder(scene, self.stops.level, self.numbers)
-                break
+                return remainder(scene, self.stops.level, self.numbers)
             except UnstructError:  # the envelope touches a curve between its chords
                 if not self.stops.level.any():
                     raise
                 lower = Stops(np.maximum(self.stops.level - 1, 0), self.stops.reason)
                 self.stops = positive(scene.walls.points, scene.rays, scene.fronts, lower)
-        self.top = tops(scene.rays, self.stops.level, self.numbers)[1]
+                self.numbers = numbered(scene.walls.points, scene.rays, scene.fronts, self.stops.level)
 
     def fill(self, method: Callable[..., DomainMesh], options: Mapping[str, Any]) -> None:
         """Mesh the rest; where its angles are poor, let the fronts beside them step back and repeat."""
         best: tuple[float, Any] = (-1.0, None)
         for repeat in range(MOST_REPEATS + 1):
-            self._number()
+            self.rest = self._leave()
             wanted: Any = self.field
-            if len(self.top):
-                wanted = matched_size(self.field, self.numbers.points, self.top)
+            if len(self.rest.top):
+                wanted = matched_size(self.field, self.numbers.points, self.rest.top)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", IncompleteWarning)
                 self.filled = method(self.rest.domain, wanted, **options)
@@ -124,12 +123,12 @@ class LayersRun:
             angle = extreme_angle(self.filled, True)
             least = 180.0 if angle is None else angle
             if least > best[0]:
-                best = least, (self.stops, self.numbers, self.rest, self.top, self.filled)
+                best = least, (self.stops, self.numbers, self.rest, self.filled)
             enough = POOR_ANGLE if repeat < MOST_REPEATS - 2 else BAD_ANGLE
             if least >= enough or repeat == MOST_REPEATS or not self._step_back(repeat):
                 break
             self.repeats += 1
-        self.least, (self.stops, self.numbers, self.rest, self.top, self.filled) = best
+        self.least, (self.stops, self.numbers, self.rest, self.filled) = best
 
     def _step_back(self, repeat: int) -> bool:
         """Lower the rays beside poor cells of the rest; False if there are none."""
@@ -150,7 +149,7 @@ class LayersRun:
         lower, why = level.copy(), self.stops.reason.copy()
         lower[rows] = np.maximum(lower[rows] - 1 - repeat, 0 if last else 1)
         why[rows] = BY_SHAPE
-        self.stops, rounds = freed(scene, Stops(lower, why))
+        self.stops, self.numbers, rounds = freed(scene, Stops(lower, why))
         self.rounds += rounds
         return True
 

@@ -16,7 +16,7 @@ from .walls import Walls
 
 BESIDE = 0.7  # so much of a subsegment
 
-__all__ = ["Scene", "bare", "rest_of", "slid_ranges"]
+__all__ = ["Scene", "bare", "rest_of", "slid_pieces", "slid_ranges"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -37,6 +37,8 @@ class Scene(NamedTuple):
         Which of them belong to walls.
     loose : (j,) int64
         Vertices of the domain that no piece uses.
+    slides : (r,) int64
+        The piece that each ray slides along, -1 for none.
     """
 
     domain: Domain
@@ -48,13 +50,15 @@ class Scene(NamedTuple):
     span: Array
     wall: NDArray[np.bool_]
     loose: Integers
+    slides: Integers
 
-    def slides(self) -> Integers:
-        """The piece that each ray slides along, -1 for none: (r,)."""
-        found = np.full(len(self.rays.base), -1, dtype=np.int64)
-        rows = np.flatnonzero(self.rays.kind == SLIDING_RAY)
-        found[rows] = self.piece[self.rays.slide[rows]]
-        return found
+
+def slid_pieces(rays: Rays, piece: Integers) -> Integers:
+    """`Scene.slides`, from the pieces of all subsegments."""
+    found = np.full(len(rays.base), -1, dtype=np.int64)
+    rows = np.flatnonzero(rays.kind == SLIDING_RAY)
+    found[rows] = piece[rays.slide[rows]]
+    return found
 
 
 def bare(scene: Scene, level: Integers) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -71,10 +75,9 @@ def bare(scene: Scene, level: Integers) -> tuple[NDArray[np.bool_], NDArray[np.b
 def slid_ranges(scene: Scene, level: Integers) -> dict[int, list[tuple[int, float, bool]]]:
     """Per piece along which rays have slid: the ray, the parameter of its last place, and whether from 0."""
     found: dict[int, list[tuple[int, float, bool]]] = {}
-    slides = scene.slides()
-    for r in np.flatnonzero((slides >= 0) & (level > 0)).tolist():
+    for r in np.flatnonzero((scene.slides >= 0) & (level > 0)).tolist():
         t = scene.fronts.parameter[r]
-        found.setdefault(int(slides[r]), []).append((r, float(t[level[r]]), bool(t[1] < 0.5)))
+        found.setdefault(int(scene.slides[r]), []).append((r, float(t[level[r]]), bool(t[1] < 0.5)))
     return found
 
 

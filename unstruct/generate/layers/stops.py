@@ -12,7 +12,7 @@ from ...base.jit import inline, kernel
 from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField
 from .heights import Fronts
-from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays, neighbors_of
+from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays
 from .spring import AHEAD, meet
 
 __all__ = [
@@ -53,7 +53,7 @@ class Stops(NamedTuple):
 def leveled(stops: Stops, rays: Rays) -> Stops:
     """Levels of neighbors differ by at most 1."""
     level, reason = stops.level.copy(), stops.reason.copy()
-    _level(*neighbors_of(rays), level, reason)
+    _level(rays.before, rays.after, level, reason)
     return Stops(level, reason)
 
 
@@ -186,7 +186,7 @@ def _wall_spacing(rays: Rays, apart: Array) -> Array:
 
 def chains_of(rays: Rays) -> tuple[Integers, Integers, Integers]:
     """The chain of each ray, its place counted in vertices of the wall, and the length of closed chains."""
-    before, after = neighbors_of(rays)
+    before, after = rays.before, rays.after
     step = np.zeros(len(before), dtype=np.int64)  # fans count as one vertex
     step[rays.left] = rays.base[rays.left] != rays.base[rays.right]
     chain, place, around = np.full((3, len(before)), -1, dtype=np.int64)
@@ -227,7 +227,7 @@ def _near(
         apart = apart.copy()
         apart[fan, :-1] = fronts.apart[fan, 1:]
     meet(
-        (fronts.places, fronts.steps, apart), (rays.direction, *neighbors_of(rays)),
+        (fronts.places, fronts.steps, apart), (rays.direction, rays.before, rays.after),
         _candidates(rays, fronts, stops, rest, slides), np.ascontiguousarray(rest[0]), spring, level, stopped,
     )  # fmt: skip
     reason[stopped] = BY_FRONT

@@ -224,7 +224,7 @@ def _layered(scene: Scene, level: Integers, numbers: Numbering) -> tuple[Integer
     free, layer = bare(scene, level)
     rows = np.flatnonzero(layer & ~free)
     segments, piece, span = [scene.ends[rows]], [scene.piece[rows]], [scene.span[rows]]
-    slides = scene.slides()
+    slides = scene.slides
     for r in np.flatnonzero((slides >= 0) & (level > 0)).tolist():
         k = np.arange(level[r] + 1)
         chain, t = numbers.at(np.full(len(k), r), k), scene.fronts.parameter[r, : level[r] + 1].copy()

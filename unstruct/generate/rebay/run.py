@@ -49,6 +49,33 @@ RENUMBERED_FROM = 1 << 14  # new vertices: smaller meshes are in the processor's
 MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
 
 
+class _Best:
+    """The best state of a complex so far, by its minimum angle. It is copied when it is about to change.
+
+    Parameters
+    ----------
+    complex_ : PlanarComplex
+    wanted : bool
+        Whether it will be asked for.
+    """
+
+    def __init__(self, complex_: PlanarComplex, wanted: bool):
+        self.complex, self.wanted = complex_, wanted
+        self.angle, self.saved, self.current = -1.0, None, wanted  # ``current``: it is that of the complex
+
+    def offer(self, angle: float) -> bool:
+        """Take the present state if its minimum angle is larger; whether it is."""
+        better = self.wanted and angle > self.angle
+        if better:
+            self.angle, self.saved, self.current = angle, None, True
+        return better
+
+    def keep(self) -> None:
+        """Call this before the complex changes."""
+        if self.current:
+            self.saved, self.current = self.complex.saved(), False
+
+
 class VoronoiSegmentRun:
     """The state of one run.
 
@@ -215,15 +242,13 @@ class VoronoiSegmentRun:
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         slots: list[int] = []
         reasons: list[str] = []
-        best: tuple[float, Any] = (-1.0, None)  # where pieces stay, refinement may end below its start
-        as_saved, keeps = False, bool(self.kept.any())
-        if keeps:
-            best = -1.0, c.saved()
+        best = _Best(c, bool(self.kept.any()))  # where pieces stay, refinement may end below its start
         for number in range(PASSES + 1):
+            best.keep()
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
                 moves, swaps, moved, measured = smooth_poor(c, self.first, since, self.effort)
                 if number == 0:
-                    before, best = measured, (measured["minimum angle"], best[1])
+                    before, best.angle = measured, measured["minimum angle"]
                 done["moves"] += moves
                 done["swaps"] += swaps
                 # What did not change has kept its class; but triangles that were given up are tried again.
@@ -244,33 +269,31 @@ class VoronoiSegmentRun:
                     self.domain, c, self.front(), self.first, self.kept, most is None
                 )
                 after = figures(c)
-            self.counts, as_saved = counted, keeps and after["minimum angle"] > best[0]
-            if as_saved:
-                best = after["minimum angle"], c.saved()
-            elif best[1] is not None and 0 < number < PASSES:
+            self.counts = counted
+            if not best.offer(after["minimum angle"]) and best.wanted and 0 < number < PASSES:
                 break
             refined, top = False, ceiling + done["removed"]  # a vertex that was removed is no growth
             slots, reasons = [], []
             if number < PASSES and after["minimum angle"] < HOPED_ANGLE:
                 every = 1 + self.kept
+                best.keep()
                 found, _, _ = refine_angles(
                     self.domain, c, self.first, most, every, top, allowed, TRIED_ANGLE
                 )
                 refined, after = self._refined(found, done, after)
-                as_saved = False
             if after["minimum angle"] < PROMISED_ANGLE:
+                best.keep()
                 found, slots, reasons = refine_angles(
                     self.domain, c, self.first, most, 2 * self.kept, top, allowed
                 )
                 more, after = self._refined(found, done, after)
-                refined, as_saved = refined or more, False
+                refined = refined or more
             if not refined and (not again or number > 0):
                 break
             since = 0 if refined else size
-        if best[1] is not None and after["minimum angle"] <= best[0]:
-            if not as_saved:
-                c.restore(best[1])
-                after = figures(c)
+        if best.saved is not None and after["minimum angle"] <= best.angle:
+            c.restore(best.saved)
+            after = figures(c)
             self.restart()
             slots = small_angles(c, PROMISED_ANGLE).tolist()
             reasons = [TEXTS[KEPT]] * len(slots)
