@@ -12,6 +12,7 @@ from .jit import kernel
 __all__ = [
     "FLOAT64",
     "INT32",
+    "all_finite",
     "all_positive",
     "as_numbers",
     "as_points",
@@ -39,7 +40,7 @@ def fill(array, value):
 
 
 @kernel
-def _all_finite(rows):
+def all_finite(rows):
     """Whether all entries are finite: one call, where a ufunc and its reduction take ten times as long."""
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
@@ -100,7 +101,7 @@ def as_points(points: Any, name: str = "points") -> np.ndarray:
         and points.ndim == 2
         and points.shape[1] > 0
         and points.flags.c_contiguous
-        and _all_finite(points)
+        and all_finite(points)
     ):
         return points
     if np.ma.isMaskedArray(points) and np.ma.getmaskarray(points).any():

@@ -69,6 +69,16 @@ def _candidates(query_low, query_high, tree, start, boxes):
         start[q + 1] = count
 
 
+@inline
+def _spaced(i):
+    """The number i, below 2^31, with a zero bit inserted between any two of its bits."""
+    i = (i | i << 16) & 0x0000FFFF0000FFFF
+    i = (i | i << 8) & 0x00FF00FF00FF00FF
+    i = (i | i << 4) & 0x0F0F0F0F0F0F0F0F
+    i = (i | i << 2) & 0x3333333333333333
+    return (i | i << 1) & 0x5555555555555555
+
+
 @kernel
 def _morton(box_low, box_high, bits, keys):
     """Keys of boxes by their centers: interleaved bits of coordinates, in order along a Z-shaped curve.
@@ -90,6 +100,9 @@ def _morton(box_low, box_high, bits, keys):
         for j in range(d):
             half = (box_low[i, j] / 2 + box_high[i, j] / 2) / 2 - first[j]
             grid[j] = int(min(half / span * wide, last))
+        if d == 2:
+            keys[i] = 2 * _spaced(grid[0]) + _spaced(grid[1])
+            continue
         key = 0
         for b in range(bits - 1, -1, -1):
             for j in range(d):

@@ -15,7 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arrays import as_numbers
+from ..base.arrays import all_finite, as_numbers
 from ..base.elementary import angle_of, cosine, cosines, sine, sines
 from ..base.errors import InputError
 from ..base.jit import kernel
@@ -146,6 +146,8 @@ def _evaluated(function: Callable[[Array], ArrayLike], inner: Array) -> Array:
             f"a curve's function must return shape {(*inner.shape, 2)} for parameters {inner.shape}, "
             f"not {result.shape}"
         )
+    if result.ndim == 2 and result.flags.carray and all_finite(result):
+        return result
     if not np.isfinite(result).all():
         where = float(inner[np.argmin(np.isfinite(result).all(axis=-1))])
         raise InputError(f"a curve's function is not finite at parameter {where}")

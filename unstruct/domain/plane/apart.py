@@ -38,6 +38,8 @@ class Chords(NamedTuple):
         The coordinates of both ends.
     bent : (m,) bool
         Which are chords of curves.
+    whole : (m,) bool
+        Which are points, or straight pieces as a whole: these are known to be apart.
     depth : (m,) float64
     spread : (m, 2) float64
         The tangents of the angles under which the stretch is seen from either end.
@@ -48,6 +50,7 @@ class Chords(NamedTuple):
     ends: NDArray[np.int32]
     sides: NDArray[np.float64]
     bent: NDArray[np.bool_]
+    whole: NDArray[np.bool_]
     depth: NDArray[np.float64]
     spread: NDArray[np.float64]
     low: NDArray[np.float64]
@@ -74,11 +77,15 @@ def _tangent(x, y, ux, uy):
 
 
 @kernel
-def _measure(points, ends, rows, chains, alone, chords):
-    """Fill `Chords` from subsegments, chains of the curved ones, and points that lie alone."""
+def _measure(points, given, ends, rows, chains, alone, chords):
+    """Fill `Chords` from subsegments, chains of the curved ones, and points that lie alone.
+
+    The first ``given`` points are vertices, the others cut pieces.
+    """
     sides, many = chords.sides, ends.shape[0]
     for i in range(sides.shape[0]):
         chords.bent[i], chords.depth[i], chords.spread[i, 0], chords.spread[i, 1] = False, 0.0, 0.0, 0.0
+        chords.whole[i] = i >= many or max(ends[i, 0], ends[i, 1]) < given
         for k in range(2):
             chords.ends[i, k] = ends[i, k] if i < many else many - i - 1
             for j in range(2):
@@ -86,7 +93,7 @@ def _measure(points, ends, rows, chains, alone, chords):
     for r in range(rows.shape[0]):
         i = rows[r]
         ax, ay, bx, by = sides[i, 0], sides[i, 1], sides[i, 2], sides[i, 3]
-        chords.bent[i] = True
+        chords.bent[i], chords.whole[i] = True, False
         for k in range(1, chains.shape[1] - 1):
             x, y = chains[r, k, 0], chains[r, k, 1]
             chords.depth[i] = max(chords.depth[i], _from_side(sides, i, x, y))
@@ -142,8 +149,11 @@ def _two_apart(chords, i, j, slack):
 
 @kernel
 def _all_apart(chords, tree_low, tree_high, order, slack):
-    """Whether no two chords may be in conflict; the boxes of the tree are wider than theirs by the slack."""
-    low, high = chords.low, chords.high
+    """Whether no two chords may be in conflict, apart from two whole ones.
+
+    The tree is that of the others, in this order; its boxes are wider than theirs by the slack.
+    """
+    low, high, whole = chords.low, chords.high, chords.whole
     leaves = tree_low.shape[0] // 2
     stack = np.empty(128, dtype=np.int64)
     for i in range(low.shape[0]):
@@ -162,7 +172,7 @@ def _all_apart(chords, tree_low, tree_high, order, slack):
             first = (node - leaves) * BOXES_IN_LEAF
             for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                 j = order[k]
-                if j <= i or low[i, 0] > high[j, 0] + slack or high[i, 0] < low[j, 0] - slack:
+                if (j <= i and not whole[i]) or low[i, 0] > high[j, 0] + slack or high[i, 0] < low[j, 0] - slack:
                     continue
                 if low[i, 1] > high[j, 1] + slack or high[i, 1] < low[j, 1] - slack:
                     continue
@@ -179,6 +189,7 @@ def surely_apart(
     Parameters
     ----------
     outline : Outline
+        Its straight pieces have been validated: none crosses another one or holds a vertex or a seed.
     points, ends : ndarray
         Of the subsegments, as in `Sampled`.
     rows : (r,) int64
@@ -192,9 +203,12 @@ def surely_apart(
     alone = np.concatenate([points[outline.loose], *outline.regions.values()])
     m, slack = len(ends) + len(alone), FAR_ROUNDING * scale
     chords = Chords(
-        np.empty((m, 2), dtype=np.int32), np.empty((m, 4)), np.empty(m, dtype=bool), np.empty(m),
+        np.empty((m, 2), dtype=np.int32), np.empty((m, 4)), *np.empty((2, m), dtype=bool), np.empty(m),
         np.empty((m, 2)), *np.empty((2, m, 2)),
     )  # fmt: skip
-    _measure(points, ends, rows, chains, alone, chords)
-    tree = BoxTree(chords.low - slack, chords.high + slack)
-    return bool(_all_apart(chords, tree.low, tree.high, tree.order, slack))
+    _measure(points, len(outline.points), ends, rows, chains, alone, chords)
+    parts = np.flatnonzero(~chords.whole)
+    if not len(parts):
+        return True
+    tree = BoxTree(chords.low[parts] - slack, chords.high[parts] + slack)
+    return bool(_all_apart(chords, tree.low, tree.high, parts[tree.order], slack))

@@ -19,7 +19,7 @@ from ..boundary.pairs import paired
 from ..front.advancing_front import advancing_front
 from ..rebay.voronoi_segment import voronoi_segment
 from ..refinement.refine import refine
-from .rays import FAN_RAY, SLIDING_RAY
+from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY
 from .run import LayersRun
 from .stops import BY_END, STOP_REASONS
 from .union import extreme_angle
@@ -190,17 +190,19 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
         "cell_layer": union.layer,
         "envelope": union.place[run.rest.top],
     }
+    layered, kinds = int((union.layer > 0).sum()), np.bincount(rays.kind, minlength=TAPER_RAY + 1).tolist()
     counts = {
         "rays": len(level),
-        "fan rays": int((rays.kind == FAN_RAY).sum()),
-        "sliding rays": int((rays.kind == SLIDING_RAY).sum()),
+        "fan rays": kinds[FAN_RAY],
+        "sliding rays": kinds[SLIDING_RAY],
         "refused": int(((level == 0) & (reason != BY_END)).sum()),
-        "layer cells": int((union.layer > 0).sum()),
-        "rest cells": int((union.layer == 0).sum()),
+        "layer cells": layered,
+        "rest cells": len(union.layer) - layered,
         "rounds": run.rounds,
         "repeats": run.repeats,
     }
-    counts |= {f"stopped: {name}": int((reason == i).sum()) for i, name in enumerate(STOP_REASONS)}
+    stopped = np.bincount(reason, minlength=len(STOP_REASONS)).tolist()
+    counts |= {f"stopped: {name}": stopped[i] for i, name in enumerate(STOP_REASONS)}
     mesh = DomainMesh(
         union.points, None, cells=union.cells, origin=union.origin, markers=markers, segments=segments,
         piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,

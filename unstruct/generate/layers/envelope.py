@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import flagged
 from ...base.elementary import turns
-from ...geometry.boxes import BoxTree
+from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
 from .facing import mark_crowded
@@ -125,7 +125,7 @@ def _swallowed(
     tips = numbers.points[np.stack([
         numbers.at(i, level[i]), numbers.at(j, level[j]), rays.base[i], rays.base[j]
     ], axis=1)]  # fmt: skip
-    tree = BoxTree(tips.min(axis=1), tips.max(axis=1))
+    tree = BoxTree(*bounding_boxes(tips))
     x = numbers.points[vertices]
     query, hit = tree.pairs(x, x)
     away = (vertices[query] != rays.base[i[hit]]) & (vertices[query] != rays.base[j[hit]])

@@ -153,12 +153,8 @@ def rays_of(
     kind = np.where(
         tapered, TAPER_RAY, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), HELD_RAY, FREE_RAY)
     )
-    half = angle / 2
-    back = -along[joined]
-    bisector = np.column_stack([
-        back[:, 0] * cosines(half) + back[:, 1] * sines(half),
-        back[:, 1] * cosines(half) - back[:, 0] * sines(half),
-    ])  # fmt: skip
+    (x, y), c, s = -along[joined].T, cosines(angle / 2), sines(angle / 2)
+    bisector = np.column_stack([x * c + y * s, y * c - x * s])
     number = rows.add(
         walls.ends[joined[plain], 1], bisector[plain], kind[plain], np.full(plain.sum(), -1, dtype=np.int64)
     )
@@ -200,10 +196,8 @@ def _fans(
     owner = np.repeat(np.arange(len(sides)), parts + 1)
     place = np.arange(len(owner)) - np.repeat(np.cumsum(parts + 1) - parts - 1, parts + 1)
     turn = -(angle[owner] - np.pi) * place / np.maximum(parts[owner], 1)
-    n = normal[sides[owner]]
-    direction = np.column_stack([
-        n[:, 0] * cosines(turn) - n[:, 1] * sines(turn), n[:, 0] * sines(turn) + n[:, 1] * cosines(turn)
-    ])  # fmt: skip
+    (x, y), c, s = normal[sides[owner]].T, cosines(turn), sines(turn)
+    direction = np.column_stack([x * c - y * s, x * s + y * c])
     base = walls.ends[sides[owner], 1]
     number = rows.add(base, direction, np.full(len(owner), FAN_RAY), np.full(len(owner), -1, dtype=np.int64))
     right[sides] = number[place == 0]

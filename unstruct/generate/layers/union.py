@@ -59,15 +59,35 @@ def split_quads(points: Array, quads: Integers, made: NDArray[np.int32]) -> None
 
 
 @inline
-def _cosine(points, a, b, c):
-    """The cosine of the angle at a of the triangle abc."""
+def _square(points, a, b):
+    return (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
+
+
+@inline
+def _dot(points, a, b, c):
+    """The product of the edges of the triangle abc that begin at a."""
     ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
     vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
-    return (ux * vx + uy * vy) / np.sqrt(max((ux * ux + uy * uy) * (vx * vx + vy * vy), 1e-300))
+    return ux * vx + uy * vy
+
+
+@inline
+def _cosine(points, a, b, c):
+    """The cosine of the angle at a of the triangle abc."""
+    squares = _square(points, a, b) * _square(points, a, c)
+    return _dot(points, a, b, c) / np.sqrt(max(squares, 1e-300))
 
 
 @inline
 def _least_cosine(points, a, b, c):
+    """The cosine of the largest angle. One that is not acute is found without any root."""
+    one, two, three = _dot(points, a, b, c), _dot(points, b, c, a), _dot(points, c, a, b)
+    if one <= 0.0 < min(two, three):
+        return _cosine(points, a, b, c)
+    if two <= 0.0 < min(one, three):
+        return _cosine(points, b, c, a)
+    if three <= 0.0 < min(one, two):
+        return _cosine(points, c, a, b)
     return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
 
 
@@ -81,11 +101,6 @@ def _split(points, quads, made):
         made[2 * i + 1, 0], made[2 * i + 1, 1], made[2 * i + 1, 2] = a, c, d
         if two > one:
             made[2 * i, 2], made[2 * i + 1, 0], made[2 * i + 1, 1] = d, b, c
-
-
-@inline
-def _square(points, a, b):
-    return (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
 
 
 @kernel
@@ -108,8 +123,7 @@ def _extreme(points, cells, sharpest):
         elif three >= max(one, two):
             a, b, c = c, a, b
         # Most triangles are told by the sign of the cosine, or by its square.
-        dot = (points[b, 0] - points[a, 0]) * (points[c, 0] - points[a, 0])
-        dot += (points[b, 1] - points[a, 1]) * (points[c, 1] - points[a, 1])
+        dot = _dot(points, a, b, c)
         if sharpest:
             dot = -dot
         elif dot > 0.0 and best < 0.0:
