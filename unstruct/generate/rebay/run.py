@@ -291,10 +291,11 @@ class VoronoiSegmentRun:
             if not refined and (not again or number > 0):
                 break
             since = 0 if refined else size
-        if best.saved is not None and after["minimum angle"] <= best.angle:
-            c.restore(best.saved)
-            after = figures(c)
-            self.restart()
+        if best.wanted and after["minimum angle"] <= best.angle:
+            if best.saved is not None:
+                c.restore(best.saved)
+                after = figures(c)
+            self.restart()  # all that is too large is told, also what no step has looked at
             slots = small_angles(c, PROMISED_ANGLE).tolist()
             reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
