@@ -6,6 +6,7 @@ from typing import Any
 
 from .planar_report import ratio, speed, times
 from .report import OURS, figures, grid, page, relative
+from .scatter import Marks, scatter
 
 Row = dict[str, Any]
 TITLES = {
@@ -39,6 +40,19 @@ def table(rows: list[Row], work: str) -> str:
                 cells += [close, f"{row['mean_metric']:.4f}", "yes" if row["valid"] else "no"]
             lines.append(cells)
     return grid(head, 3 if layers else 2, lines)
+
+
+def marks(rows: list[Row]) -> Any:
+    """The seconds and the worst angles of each mesh with layers, as a picture."""
+    panels: dict[str, tuple[str, Marks]] = {
+        "The largest angle": ("degrees", {}), "The least angle beyond the layers": ("degrees", {}),
+    }  # fmt: skip
+    for (work, _, _), case in times(rows).items():
+        if work == "layers" and OURS in case:
+            for (_, found), measure in zip(panels.values(), ("max_angle", "min_angle")):
+                for name, row in case.items():
+                    found.setdefault(name, []).append((row["seconds"], row[measure]))
+    return scatter(panels, "seconds")
 
 
 def markdown(result: dict[str, Any]) -> str:

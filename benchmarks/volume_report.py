@@ -8,6 +8,7 @@ import numpy as np
 
 from .planar_report import DASHES, ratio, speed, times
 from .report import OURS, figures, grid, page, relative
+from .scatter import Marks, scatter
 
 Row = dict[str, Any]
 TITLES = {
@@ -73,6 +74,17 @@ def markdown(result: dict[str, Any]) -> str:
     return page(
         result, sections | {title: table(rows, work) for work, title in TITLES.items() if work in done}
     )
+
+
+def marks(rows: list[Row]) -> Any:
+    """The seconds and the least dihedral angle of each mesh of the works with a size, as a picture."""
+    panels: dict[str, tuple[str, Marks]] = {}
+    for (work, _, _), case in times(rows).items():
+        if work in SIZED and OURS in case:
+            found = panels.setdefault(TITLES[work], ("least dihedral angle in degrees", {}))[1]
+            for name, row in case.items():
+                found.setdefault(name, []).append((row["seconds"], row["min_dihedral"]))
+    return scatter(panels, "seconds")
 
 
 def plot(rows: list[Row]) -> Any:
