@@ -37,7 +37,8 @@ def speed() -> str:
         parts = [
             "Tetrahedra in bodies whose surface is kept triangle for triangle: cells per second, checks of"
         ]
-        parts += [f"the `Domain` included, by those of others. {how}"]
+        parts += ["the `Domain` included, by those of others (body by body, and in seconds, on the"]
+        parts += [f"[page of volume benchmarks](book/benchmarks-volume.ipynb)). {how}"]
         sections += [" ".join(parts), volume_report.summary(volume)]
     return "\n\n".join(sections) + "\n"
 

@@ -22,7 +22,16 @@ HOW_TO = [
     "howto-refine-again",
     "howto-three-dimensions",
 ]
-BACK = ["benchmarks", "benchmarks-planar", "ledger", "errata", "reference", "references"]
+BACK = [
+    "benchmarks",
+    "benchmarks-planar",
+    "benchmarks-front",
+    "benchmarks-volume",
+    "ledger",
+    "errata",
+    "reference",
+    "references",
+]
 
 
 def write_pages(book: Path, site: Path) -> None:
