@@ -42,16 +42,47 @@ def table(rows: list[Row], work: str) -> str:
     return grid(head, 3 if layers else 2, lines)
 
 
+def _layered(rows: list[Row]) -> dict[str, dict[str, Row]]:
+    """The cases with layers, by spacing and first height."""
+    return {kind: case for (work, kind, _), case in times(rows).items() if work == "layers" and OURS in case}
+
+
+def speeds(rows: list[Row]) -> str:
+    """A line for each case with layers: seconds, and our triangles per second by those of others."""
+    cases = _layered(rows)
+    names = list(dict.fromkeys(name for case in cases.values() for name in case))
+    peers = [name for name in names if not name.startswith(OURS)]
+    head = ["spacing", "first height", "our triangles", *(f"{name}, seconds" for name in names)]
+    lines = []
+    for kind, case in cases.items():
+        cells = [*kind.split(), str(case[OURS]["cells"])]
+        cells += [figures(case[name]["seconds"]) if name in case else "–" for name in names]
+        lines.append([*cells, *(relative(ratio(case, peer)) if peer in case else "–" for peer in peers)])
+    return grid([*head, *(["our triangles/s ÷ theirs"] * len(peers))], 2, lines)
+
+
+def qualities(rows: list[Row]) -> str:
+    """A line for each case with layers: each measure for all contestants, in the order of `speeds`."""
+    measures = {
+        "largest angle": ("max_angle", "{:.0f}°"), "least angle beyond": ("min_angle", "{:.1f}°"),
+        "mean 2r/R beyond": ("mean_2r_R", "{:.3f}"), "99 % of area ratios below": ("area_ratio", "{:.2f}"),
+    }  # fmt: skip
+    lines = []
+    for kind, case in _layered(rows).items():
+        found = [" · ".join(form.format(row[key]) for row in case.values()) for key, form in measures.values()]
+        lines.append([*kind.split(), *found])
+    return grid(["spacing", "first height", *measures], 2, lines)
+
+
 def marks(rows: list[Row]) -> Any:
     """The seconds and the worst angles of each mesh with layers, as a picture."""
     panels: dict[str, tuple[str, Marks]] = {
         "The largest angle": ("degrees", {}), "The least angle beyond the layers": ("degrees", {}),
     }  # fmt: skip
-    for (work, _, _), case in times(rows).items():
-        if work == "layers" and OURS in case:
-            for (_, found), measure in zip(panels.values(), ("max_angle", "min_angle")):
-                for name, row in case.items():
-                    found.setdefault(name, []).append((row["seconds"], row[measure]))
+    for case in _layered(rows).values():
+        for (_, found), measure in zip(panels.values(), ("max_angle", "min_angle")):
+            for name, row in case.items():
+                found.setdefault(name, []).append((row["seconds"], row[measure]))
     return scatter(panels, "seconds")
 
 

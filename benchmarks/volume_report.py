@@ -18,7 +18,7 @@ TITLES = {
     "bare": "Even surfaces, without a size",
     "CAD": "Booleans of boxes, cylinders and balls, without a size",
 }
-SIZED = ("good", "parts", "graded")
+SIZED = {"good": "even", "parts": "machine parts", "graded": "varying size"}  # and short names
 
 
 def table(rows: list[Row], work: str) -> str:
@@ -64,6 +64,50 @@ def summary(rows: list[Row]) -> str:
     head = ["work", "bodies", "median speed compared with others", "1000 cells/s", "least dihedral, median",
             "worst", "mean 3r/R, worst"]  # fmt: skip
     return grid(head, 1, lines)
+
+
+def _others(cases: list[dict[str, Row]]) -> list[str]:
+    """All contestants but ours, in the order of the rows."""
+    return list(dict.fromkeys(name for case in cases for name in case if name != OURS))
+
+
+def compared(rows: list[Row]) -> str:
+    """A line for each work with a size and each contestant: medians over the bodies, and worst angles."""
+    head = ["bodies", "by", "cells ÷ ours", "seconds ÷ ours", "our cells/s ÷ theirs", "least dihedral, median",
+            "worst", "cells below 20°"]  # fmt: skip
+    lines = []
+    for work in SIZED:
+        cases = [case for (name, _, _), case in times(rows).items() if name == work and OURS in case]
+        for name in [OURS, *_others(cases)] if cases else []:
+            both = [case for case in cases if name in case]
+            cells, seconds = (
+                float(np.median([c[name][key] / c[OURS][key] for c in both])) for key in ("cells", "seconds")
+            )
+            least = [case[name]["min_dihedral"] for case in both]
+            compared_ = ["", "", ""]
+            if name != OURS:
+                speeds = float(np.median([ratio(case, name) for case in both]))
+                compared_ = [f"{cells:.2f}", relative(seconds), relative(speeds)]
+            sharp = 100 * float(np.median([case[name]["sharp"] for case in both]))
+            lines.append([SIZED[work], name, *compared_, f"{np.median(least):.1f}°", f"{min(least):.1f}°",
+                          f"{sharp:.2f} %"])  # fmt: skip
+    return grid(head, 2, lines)
+
+
+def by_body(rows: list[Row], work: str) -> str:
+    """A line for each body: our cells, seconds and least angle; of others seconds by ours, and that angle."""
+    cases = {kind: case for (name, kind, _), case in times(rows).items() if name == work and OURS in case}
+    others = _others(list(cases.values()))
+    lines = []
+    for kind, case in cases.items():
+        ours = case[OURS]
+        cells = [kind, str(ours["cells"]), f"{figures(ours['seconds'])} s, {ours['min_dihedral']:.1f}°"]
+        for name in others:
+            row = case.get(name)
+            part = "–" if row is None else relative(row["seconds"] / ours["seconds"])
+            cells.append(part if row is None else f"{part}, {row['min_dihedral']:.1f}°")
+        lines.append(cells)
+    return grid(["body", "our cells", OURS, *others], 1, lines)
 
 
 def markdown(result: dict[str, Any]) -> str:
