@@ -69,7 +69,9 @@ def qualities(rows: list[Row]) -> str:
     }  # fmt: skip
     lines = []
     for kind, case in _layered(rows).items():
-        found = [" · ".join(form.format(row[key]) for row in case.values()) for key, form in measures.values()]
+        found = [
+            " · ".join(text.format(row[key]) for row in case.values()) for key, text in measures.values()
+        ]
         lines.append([*kind.split(), *found])
     return grid(["spacing", "first height", *measures], 2, lines)
 

@@ -73,8 +73,8 @@ def _others(cases: list[dict[str, Row]]) -> list[str]:
 
 def compared(rows: list[Row]) -> str:
     """A line for each work with a size and each contestant: medians over the bodies, and worst angles."""
-    head = ["bodies", "by", "cells ÷ ours", "seconds ÷ ours", "our cells/s ÷ theirs", "least dihedral, median",
-            "worst", "cells below 20°"]  # fmt: skip
+    head = ["bodies", "by", "cells ÷ ours", "seconds ÷ ours", "our cells/s ÷ theirs",
+            "least dihedral, median", "worst", "cells below 20°"]  # fmt: skip
     lines = []
     for work in SIZED:
         cases = [case for (name, _, _), case in times(rows).items() if name == work and OURS in case]

@@ -172,7 +172,9 @@ def _all_apart(chords, tree_low, tree_high, order, slack):
             first = (node - leaves) * BOXES_IN_LEAF
             for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
                 j = order[k]
-                if (j <= i and not whole[i]) or low[i, 0] > high[j, 0] + slack or high[i, 0] < low[j, 0] - slack:
+                if j <= i and not whole[i]:
+                    continue
+                if low[i, 0] > high[j, 0] + slack or high[i, 0] < low[j, 0] - slack:
                     continue
                 if low[i, 1] > high[j, 1] + slack or high[i, 1] < low[j, 1] - slack:
                     continue

@@ -82,7 +82,11 @@ def remainder(scene: Scene, level: Integers, numbers: Numbering) -> Remainder:
     none = np.full(many, -1, dtype=np.int64)
     region = np.concatenate([scene.walls.region[scene.rays.side[strip]], np.full(len(ends), -1)])
     return Remainder(
-        made, vertex, np.concatenate([none, piece]), np.concatenate([np.tile(full, (many, 1)), span]), top,
+        made,
+        vertex,
+        np.concatenate([none, piece]),
+        np.concatenate([np.tile(full, (many, 1)), span]),
+        top,
         region,
     )
 
