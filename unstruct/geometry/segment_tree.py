@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-SURELY = 1e-14  # above the rounding errors of squares and products
+BY_SQUARES = 1e-14  # above the rounding errors of squares and products
 IN_LEAF = 2.0  # segments in a leaf of the tree, at most, on average
 
 
@@ -150,7 +150,7 @@ def _search(x, tree, growth, best, which):
     leaves = low.shape[0] // 2
     depth = depth_of(leaves)
     stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
-    last, inverse = -1, (1.0 + SURELY) / growth if growth > 0.0 else np.inf
+    last, inverse = -1, (1.0 + BY_SQUARES) / growth if growth > 0.0 else np.inf
     for q in range(x.shape[0]):
         lowest, found = best[q], np.int64(-1)
         if last >= 0:

@@ -215,11 +215,13 @@ class PlanarComplex:
 
     def saved(self) -> tuple[NDArray, ...]:
         """Copies of all arrays as far as they are in use, for `restore`."""
-        return tuple(array[:many].copy() for array, many in zip(self.plane(), self._in_use()))
+        arrays: tuple[NDArray, ...] = self.plane()
+        return tuple(array[:many].copy() for array, many in zip(arrays, self._in_use()))
 
     def restore(self, saved: tuple[NDArray, ...]) -> None:
         """Go back to the state in which `saved` was called."""
-        for array, before in zip(self.plane(), saved):
+        arrays: tuple[NDArray, ...] = self.plane()
+        for array, before in zip(arrays, saved):
             array[: len(before)] = before
 
     def _in_use(self) -> tuple[int, ...]:

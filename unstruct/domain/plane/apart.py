@@ -205,8 +205,8 @@ def surely_apart(
     alone = np.concatenate([points[outline.loose], *outline.regions.values()])
     m, slack = len(ends) + len(alone), FAR_ROUNDING * scale
     chords = Chords(
-        np.empty((m, 2), dtype=np.int32), np.empty((m, 4)), *np.empty((2, m), dtype=bool), np.empty(m),
-        np.empty((m, 2)), *np.empty((2, m, 2)),
+        np.empty((m, 2), dtype=np.int32), np.empty((m, 4)), np.empty(m, dtype=bool), np.empty(m, dtype=bool),
+        np.empty(m), np.empty((m, 2)), *np.empty((2, m, 2)),
     )  # fmt: skip
     _measure(points, len(outline.points), ends, rows, chains, alone, chords)
     parts = np.flatnonzero(~chords.whole)

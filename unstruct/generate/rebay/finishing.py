@@ -24,8 +24,8 @@ from ..refinement.run import Planned, RefineRun, counts_of
 from ..refinement.state import REFUSALS, VERTEX_LIMIT
 
 __all__ = [
-    "PASSES", "PROMISED_ANGLE", "QUICK", "THOROUGH", "Effort", "figures", "refine_angles", "small_angles",
-    "smooth_poor",
+    "PASSES", "PROMISED_ANGLE", "QUICK", "THOROUGH", "Best", "Effort", "figures", "refine_angles",
+    "small_angles", "smooth_poor",
 ]  # fmt: skip
 
 
@@ -61,6 +61,35 @@ WANTED_ANGLE = 26.0  # degrees: the minimum angle that this refinement asks for
 HOPED_ANGLE, TRIED_ANGLE = 29.5, 30.0
 PASSES = 3  # of smoothing and refinement, at most
 LENS = 0.25  # squared cosine: a subsegment is split where a point would see it under 120 degrees or more
+
+
+class Best:
+    """The best state of a complex so far, by its minimum angle. It is copied when it is about to change.
+
+    Parameters
+    ----------
+    complex_ : PlanarComplex
+    wanted : bool
+        Whether it will be asked for.
+    """
+
+    def __init__(self, complex_: PlanarComplex, wanted: bool):
+        self.complex, self.wanted = complex_, wanted
+        self.angle = -1.0
+        self.saved: tuple[NDArray, ...] | None = None
+        self.current = wanted  # whether it is the present state
+
+    def offer(self, angle: float) -> bool:
+        """Take the present state if its minimum angle is larger; whether it is."""
+        better = self.wanted and angle > self.angle
+        if better:
+            self.angle, self.saved, self.current = angle, None, True
+        return better
+
+    def keep(self) -> None:
+        """Call this before the complex changes."""
+        if self.current:
+            self.saved, self.current = self.complex.saved(), False
 
 
 def smooth_poor(

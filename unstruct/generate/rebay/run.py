@@ -26,6 +26,7 @@ from .finishing import (
     QUICK,
     THOROUGH,
     TRIED_ANGLE,
+    Best,
     figures,
     refine_angles,
     small_angles,
@@ -47,33 +48,6 @@ ORDER_BUCKETS = 96  # for any other measure
 
 RENUMBERED_FROM = 1 << 14  # new vertices: smaller meshes are in the processor's cache anyway
 MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
-
-
-class _Best:
-    """The best state of a complex so far, by its minimum angle. It is copied when it is about to change.
-
-    Parameters
-    ----------
-    complex_ : PlanarComplex
-    wanted : bool
-        Whether it will be asked for.
-    """
-
-    def __init__(self, complex_: PlanarComplex, wanted: bool):
-        self.complex, self.wanted = complex_, wanted
-        self.angle, self.saved, self.current = -1.0, None, wanted  # ``current``: it is that of the complex
-
-    def offer(self, angle: float) -> bool:
-        """Take the present state if its minimum angle is larger; whether it is."""
-        better = self.wanted and angle > self.angle
-        if better:
-            self.angle, self.saved, self.current = angle, None, True
-        return better
-
-    def keep(self) -> None:
-        """Call this before the complex changes."""
-        if self.current:
-            self.saved, self.current = self.complex.saved(), False
 
 
 class VoronoiSegmentRun:
@@ -242,7 +216,7 @@ class VoronoiSegmentRun:
         since = 0  # if not 0: vertices from this number on are new, and nothing else has changed
         slots: list[int] = []
         reasons: list[str] = []
-        best = _Best(c, bool(self.kept.any()))  # where pieces stay, refinement may end below its start
+        best = Best(c, bool(self.kept.any()))  # where pieces stay, refinement may end below its start
         for number in range(PASSES + 1):
             best.keep()
             if number < PASSES:  # the last pass only refines, so that its list describes the final mesh
