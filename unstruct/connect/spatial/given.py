@@ -53,6 +53,8 @@ class Given:
         For each triangle the given one that it is a part of.
     alive : ndarray of bool
         Which are not split.
+    loose : ndarray of int32, shape (s, 2)
+        The given segments.
     segment : ndarray of int32, shape (k, 2)
         All edges of given triangles and all given segments, once each.
     middle : dict of int by edge
@@ -64,16 +66,11 @@ class Given:
         self.corner = np.array(triangles, dtype=np.int32).reshape(-1, 3)
         self.root = np.arange(self.count, dtype=np.int32)
         self.alive = np.ones(self.count, dtype=bool)
-        sides = [
-            self.corner[:, [0, 1]],
-            self.corner[:, [1, 2]],
-            self.corner[:, [2, 0]],
-            segments.reshape(-1, 2),
-        ]
-        pairs = np.sort(np.concatenate(sides), axis=1).astype(np.int64)
-        many = int(pairs.max(initial=0)) + 1
-        keys = distinct(pairs[:, 0] * many + pairs[:, 1])
-        self.segment = np.stack(np.divmod(keys, many), axis=1).astype(np.int32)
+        self.loose = np.array(segments, dtype=np.int32).reshape(-1, 2)
+        a, b, c = self.corner.T
+        one, two = np.concatenate([a, b, c, self.loose[:, 0]]), np.concatenate([b, c, a, self.loose[:, 1]])
+        keys = distinct((np.minimum(one, two).astype(np.int64) << 32) | np.maximum(one, two))
+        self.segment = np.stack([keys >> 32, keys & (2**32 - 1)], axis=1).astype(np.int32)
         self.middle: dict[Edge, int] = {}
         self._beside: dict[Edge, list[int]] | None = None
 
