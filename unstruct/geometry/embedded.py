@@ -25,7 +25,7 @@ from .triangle_pairs import clear_view, meeting, unit_points
 __all__ = ["embedded", "flat_rows"]
 
 DOUBTFUL = 4  # pairs that are decided by exact signs, for each triangle: with more, the quick test gives up
-CANDIDATES = 1 << 12  # candidates that are collected before they are looked at
+NEAR_PAIRS = 1 << 12  # candidates that are collected before they are looked at
 WAITING_NODES = 128  # nodes that wait; a tree of boxes is never half as deep
 
 
@@ -327,7 +327,7 @@ def embedded(points: np.ndarray, triangles: np.ndarray) -> bool:
     rows, boxes = triangles[order], (tree.box_low[order], tree.box_high[order])
     surface = Surface(xyz, rows, view[order], clean, tree.low, tree.high, *boxes)
     found = np.empty((DOUBTFUL * count + 64, 2), dtype=np.int32)
-    many = _doubtful(surface, np.empty((CANDIDATES, 2), dtype=np.int32), found)
+    many = _doubtful(surface, np.empty((NEAR_PAIRS, 2), dtype=np.int32), found)
     return bool(many >= 0 and _none_meet(xyz, rows, found[:many]))
 
 
