@@ -315,7 +315,7 @@ def embedded(points: np.ndarray, triangles: np.ndarray) -> bool:
     count = len(triangles)
     if count < 2:
         return True
-    xyz = unit_points(points)
+    xyz, triangles = unit_points(points), np.array(triangles, dtype=np.int32)  # kernels know no other types
     tree = BoxTree(*bounding_boxes(xyz[triangles]))
     normals, view = np.empty((count, 3)), np.empty(count, dtype=np.int8)
     _normals(xyz, triangles, normals, view)
@@ -347,4 +347,4 @@ def _flat_rows(xyz, triangles, flat):
 def flat_rows(points: np.ndarray, triangles: np.ndarray) -> NDArray[np.int64]:
     """The triangles whose vertices lie on a line, exactly."""
     flat = np.empty(len(triangles), dtype=np.int64)
-    return flat[: _flat_rows(unit_points(points), triangles, flat)]
+    return flat[: _flat_rows(unit_points(points), np.array(triangles, dtype=np.int32), flat)]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
-from .flood import flood_parts, number_inside, write_inside
+from .flood import INWARD, flood_parts, number_inside, write_inside
 from .given import Given
 from .lookup import all_faces, edges_there
 from .recover import Recovery
@@ -25,8 +25,6 @@ WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed woul
 MOST_ADDED = 200_000
 QUICK_BUDGET = 40  # points that the first, quick attempt may add
 FEW_MISSING = 10  # with less missing or in parts, a second quick attempt may do
-# The vertices of the faces of a cell, opposite its vertices in order, seen from within.
-INWARD = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
 RESTARTS = 5  # how many seeds are tried when something is left over
 
 
@@ -160,7 +158,8 @@ class SpatialComplex(CellArrays):
         if self._is_there(given):
             self.given_parts = given
             none = np.empty(0, dtype=np.int32)
-            return Recovered(given.segment[:0], none, none, none, np.zeros(4, dtype=np.int64), seed, {})
+            crossed = np.zeros(4, dtype=np.int64)
+            return Recovered(none.reshape(0, 2), none, none, none, crossed, seed, {})
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...base.jit import kernel
 from ..insertion.engine import COUNT
 
-__all__ = ["flood_parts", "number_inside", "write_inside"]
+__all__ = ["INWARD", "flood_parts", "number_inside", "write_inside"]
+
+# The vertices of the faces of a cell, opposite its vertices in order, seen from within.
+INWARD = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
 
 
 @kernel

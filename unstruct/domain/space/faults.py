@@ -56,8 +56,11 @@ def shell_of(outline: Outline) -> Shell:
     return cut(outline.points, polygons, len(outline.facets))[0]
 
 
-def find_faults(outline: Outline) -> list[Fault]:
-    """All faults, in stages: a stage is the last if it finds any."""
+def find_faults(outline: Outline, *, meetings: bool = True) -> list[Fault]:
+    """All faults, in stages: a stage is the last if it finds any.
+
+    Without ``meetings``, whether pieces meet is not asked, nor what comes after it.
+    """
     for stage in (_indices, _duplicates, _repeated_vertices):
         faults = stage(outline)
         if faults:
@@ -66,7 +69,7 @@ def find_faults(outline: Outline) -> list[Fault]:
     shell, faults = cut(outline.points, polygons, len(outline.facets))
     if faults:
         return [replace(f, text=f.text.format(name=outline.name(f.pieces[0]))) for f in faults]
-    for later in (_flat, _repeated, _meetings, _loose, open_edges):
+    for later in (_flat, _repeated, _meetings, _loose, open_edges)[: None if meetings else 2]:
         faults = later(outline, shell)
         if faults:
             return faults
