@@ -23,6 +23,7 @@ __all__ = [
     "flagged",
     "frozen",
     "refrozen",
+    "surely_different",
     "within",
 ]
 
@@ -165,6 +166,31 @@ def distinct(values: Any) -> np.ndarray:
     head[0] = True
     np.not_equal(row[1:], row[:-1], out=head[1:])
     return row[head]
+
+
+def _mixed(numbers: np.ndarray) -> np.ndarray:
+    """64-bit numbers to others, all different for different ones, in which each bit depends on all."""
+    numbers = (numbers ^ (numbers >> np.uint64(32))) * np.uint64(0xD6E8FEB86659FD93)
+    numbers = (numbers ^ (numbers >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+    return numbers ^ (numbers >> np.uint64(32))
+
+
+def surely_different(rows: np.ndarray, *, as_sets: bool = False) -> bool:
+    """Whether it is certain that no two rows of numbers are equal: by keys that equal rows have in common.
+
+    Parameters
+    ----------
+    rows : (n, k) float64 or int32
+        0.0 equals -0.0.
+    as_sets : bool
+        Whether rows with the same entries in another order are equal, too.
+    """
+    keys = np.zeros(len(rows), dtype=np.uint64)
+    for k in range(rows.shape[1]):
+        column = rows[:, k] + 0.0 if rows.dtype.kind == "f" else rows[:, k].astype(np.int64)
+        keys += _mixed(column.view(np.uint64) + np.uint64(0 if as_sets else 0x9E3779B97F4A7C15 * k % 2**64))
+    keys.sort()
+    return not (keys[1:] == keys[:-1]).any()
 
 
 def frozen(array: np.ndarray) -> np.ndarray:

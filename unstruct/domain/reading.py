@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..base.errors import InputError
 from .plane.sources import read_domain
 from .space.sources import body_path, read_body
 from .space.surfaces import account
@@ -27,4 +28,9 @@ def read(
     if path is None:
         return read_domain(cls, make, source, shape=shape, name=name, options=options)
     found = read_body(path, make=cls, resolve=bool(options.get("resolve")))
-    return account(make(found.parts, options), found)
+    try:
+        made = make(found.parts, options)
+    except InputError:
+        found.check()
+        raise
+    return account(made, found)

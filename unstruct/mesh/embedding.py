@@ -12,7 +12,9 @@ from itertools import combinations
 
 import numpy as np
 
+from ..base.arrays import surely_different
 from ..geometry.boxes import BoxTree, bounding_boxes
+from ..geometry.embedded import embedded
 from ..geometry.triangle_pairs import edges_of, meetings_in_space, sides_index
 from ..predicates.batch import orient_rows, scaled
 from . import topology
@@ -100,6 +102,8 @@ def crossing_facets(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
         hit = segments_meet(points, facets[first], facets[second])
         found = np.column_stack([first[hit], second[hit]])
     elif scaled(points)[1] and not _flat(points, facets).any():
+        if surely_different(facets, as_sets=True) and embedded(points, facets):
+            return np.empty((0, 2), dtype=np.int64)
         edges = edges_of(facets)
         met = meetings_in_space(points, facets, edges)
         key, owner = sides_index(facets)

@@ -30,7 +30,7 @@ from ...base.jit import inline, kernel, lean
 from ...predicates.batch import orient_at
 from ...predicates.filters import filter_balls
 from ...predicates.kernels import insphere, orient3
-from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown
+from .engine import BUSY, COUNT, FREE, GHOST, LAST, REACHED, STAMP, Compiled, grown, number_cells
 from .stars import MOST_WALLS, Cavity, Space, ridges, small_star3, star3
 
 # Why insert3 returned.
@@ -242,6 +242,20 @@ def insert3(space, cavity, batch, ridges, copy_of, stop):
     return FINISHED
 
 
+@kernel
+def _link(vertex, across, labels, number, linked_vertex, linked_across):
+    """Write the numbered cells and what is across their faces, -1 where that is not numbered."""
+    for t in range(number.shape[0]):
+        i = 4 * number[t]
+        if i < 0:
+            continue
+        for k in range(4):
+            over = across[4 * t + k]
+            beyond = number[over >> 2]
+            linked_vertex[i + k] = labels[vertex[4 * t + k]]
+            linked_across[i + k] = 4 * beyond + (over & 3) if beyond >= 0 else -1
+
+
 class Spatial(Compiled):
     """A growing Delaunay triangulation in space."""
 
@@ -299,6 +313,15 @@ class Spatial(Compiled):
                 self._reserve_cells(len(self.mark) + len(self.mark) // 2 + len(self.faces))
             else:
                 self._reserve_scratch(2 * len(self.cavity_cells))
+
+    def linked(self, labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """The cells without ghosts in slot order, as in this file, with the labels of ranks as vertices."""
+        count = int(self.state[COUNT])
+        number = np.empty(count, dtype=np.int32)
+        m = number_cells(self.vertex, self.width, count, number)
+        vertex, across = np.empty(4 * m, dtype=np.int32), np.empty(4 * m, dtype=np.int32)
+        _link(self.vertex, self.across, labels, number, vertex, across)
+        return vertex, across
 
     def locate_all(self, rows: NDArray[np.float64]) -> NDArray[np.int32]:
         """For each row the slot of a tetrahedron that contains it, or of a ghost beyond whose face it is."""

@@ -104,13 +104,10 @@ class Triangulation:
         return self._size
 
     def __repr__(self) -> str:
-        if not self.spans:
-            state = f"not spanning {self.dimension} dimensions yet"
-        else:
+        state = f"not spanning {self.dimension} dimensions yet"
+        if self.spans:
             state = counted(len(self.mesh().simplices), simplex_type(self.dimension))
         return f"Triangulation({self._size} points in {self.dimension} dimensions, {state})"
-
-    # ------------------------------------------------------------------ insertion
 
     def insert(self, points: ArrayLike, *, progress: bool = False) -> None:
         """Insert points, one (d,) or many (m, d), inside or outside the present hull.
@@ -209,8 +206,6 @@ class Triangulation:
             scaled = rows * factor
         return bool(np.abs(scaled).max(initial=0.0) <= 1.0 and np.array_equal(scaled / factor, rows))
 
-    # ------------------------------------------------------------------ results
-
     def _labels(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """The number in the input that stands for each rank, and the duplicates as (copy, kept).
 
@@ -249,6 +244,13 @@ class Triangulation:
         vertex, twin = labels[engine.vertex[:slots]], engine.across[:slots].copy()
         return HalfEdges(self._rows[: self._size] * factor, vertex, twin, factor)
 
+    def linked(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Cells in space with what is across their faces, as in `space`, without ghosts."""
+        self._update(False)
+        if not isinstance(self._engine, Spatial):
+            raise not_spanning(self._rows[: self._size], self._flat)
+        return self._engine.linked(self._labels()[0])
+
     def mesh(self) -> Mesh:
         """The triangulation as a `Mesh` (kept until the next change).
 
@@ -274,8 +276,6 @@ class Triangulation:
             mesh = Mesh(rows, simplices, neighbors=neighbors, origin=origin, duplicates=duplicates)
             self._number, self._mesh = number, mesh
         return self._mesh
-
-    # ------------------------------------------------------------------ queries
 
     def _queries(self, x: ArrayLike) -> NDArray[np.float64]:
         x = np.asanyarray(x)
@@ -359,8 +359,6 @@ class Triangulation:
             )
         cells = self._number[self._engine.cavity(scaled)]  # type: ignore[union-attr]
         return np.sort(cells[cells >= 0]).astype(np.int32)
-
-    # ------------------------------------------------------------------ removal
 
     def remove(self, vertex: int) -> None:
         """Remove a vertex (plane only): what is left is the Delaunay triangulation of the other points.

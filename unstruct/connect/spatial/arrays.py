@@ -24,16 +24,10 @@ BOX = 8  # vertices of the box
 
 
 @kernel
-def _link(simplices, neighbors, across, at):
-    """Write what is across each face, as 4 u + j, and one cell of each vertex."""
-    for t in range(simplices.shape[0]):
-        for k in range(4):
-            at[simplices[t, k]] = t
-            u = neighbors[t, k]
-            across[4 * t + k] = -1
-            for j in range(4):
-                if u >= 0 and neighbors[u, j] == t:
-                    across[4 * t + k] = 4 * u + j
+def _cells_at(vertex, at):
+    """Write one cell of each vertex: the last."""
+    for i in range(vertex.shape[0]):
+        at[vertex[i]] = i >> 2
 
 
 def _box(rows: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -109,16 +103,14 @@ class CellArrays:
         made = Triangulation(everything, progress=progress)
         for copy, kept in made.duplicates[:1].tolist():
             raise InputError(f"points {kept} and {copy} are equal, {rows[kept].tolist()}: merge them first")
-        mesh = made.mesh()
-        count = len(mesh.simplices)
+        self.vertex, self.across = made.linked()
+        count = len(self.vertex) // 4
         self.factor: float = scale
         self.given: int = len(rows)
         self.size: int = len(everything)
         self.xyz: NDArray[np.float64] = everything
-        self.vertex: NDArray[np.int32] = np.ascontiguousarray(mesh.simplices, dtype=np.int32).ravel().copy()
-        self.across: NDArray[np.int32] = np.empty(4 * count, dtype=np.int32)
         self.at: NDArray[np.int32] = np.full(self.size, -1, dtype=np.int32)
-        _link(mesh.simplices, mesh.neighbors, self.across, self.at)
+        _cells_at(self.vertex, self.at)
         self.mark: NDArray[np.int32] = np.full(4 * count, -1, dtype=np.int32)
         self.region: NDArray[np.int32] = np.full(count, -1, dtype=np.int32)
         self.stamp: NDArray[np.int32] = np.zeros(count, dtype=np.int32)

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
-from .flood import flood_parts
+from .flood import INWARD, flood_parts, number_inside, write_inside
 from .given import Given
+from .lookup import all_faces, edges_there
 from .recover import Recovery
 from .release import Release
 
@@ -153,6 +154,12 @@ class SpatialComplex(CellArrays):
         budget = 100 + len(corners) // 10 if budget is None else min(budget, MOST_ADDED)
         if history:
             self.start_history()
+        given = Given(corners, ends)
+        if self._is_there(given):
+            self.given_parts = given
+            none = np.empty(0, dtype=np.int32)
+            crossed = np.zeros(4, dtype=np.int64)
+            return Recovered(none.reshape(0, 2), none, none, none, crossed, seed, {})
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
@@ -168,6 +175,13 @@ class SpatialComplex(CellArrays):
         self.restore(best)
         found, self.given_parts = result
         return found
+
+    def _is_there(self, given: Given) -> bool:
+        """Whether there is nothing to recover; then all triangles are marked."""
+        loose = given.loose
+        if len(loose) and not edges_there(self.solid(), loose).all():
+            return False
+        return all_faces(self.solid(), given.corner)
 
     def _once(
         self,
@@ -214,11 +228,12 @@ class SpatialComplex(CellArrays):
         root = np.empty(0, dtype=np.int32) if given is None else given.root[: given.count]
         alive = np.empty(0, dtype=bool) if given is None else given.alive[: given.count]
         facet = np.append(root < (len(root) if facets is None else facets), False).astype(np.int8)
-        parity = np.zeros(self.slots + 1, dtype=np.int8)
+        parity, there = np.zeros(self.slots + 1, dtype=np.int8), np.zeros(len(facet), dtype=np.bool_)
         stack = np.empty(5 * self.slots + 8, dtype=np.int32)
-        parts, wrong = flood_parts(self.solid(), stack, facet, parity)
-        if wrong or self._lacking(facet[:-1] > 0, alive):
-            self._judge_centers(corners[(facet[:-1] > 0) & alive])
+        parts, wrong = flood_parts(self.solid(), stack, facet, parity, there)
+        wanted = (facet[:-1] > 0) & alive
+        if wrong or (wanted & ~there[:-1]).any():
+            self._judge_centers(corners[wanted])
             return int((self.region[: self.slots] >= 0).any())
         inside = parity[:parts] > 0
         number = np.where(inside, np.cumsum(inside) - 1, -1).astype(np.int32)
@@ -234,35 +249,21 @@ class SpatialComplex(CellArrays):
         self.region[: self.slots] = -1
         self.region[slots] = np.where(odd, 0, -1)
 
-    def _lacking(self, facet: NDArray[np.bool_], alive: NDArray[np.bool_]) -> bool:
-        """Whether a facet is no face of the complex."""
-        marks = self.mark[: 4 * self.slots].reshape(-1, 4)[self.used()]
-        there = np.zeros(len(facet) + 1, dtype=bool)
-        there[marks.ravel()] = True
-        return bool((facet & alive & ~there[:-1]).any())
-
     def inside_slots(self) -> NDArray[np.int64]:
         """The slots of the cells that `flood` found inside."""
         return np.flatnonzero(self.used() & (self.region[: self.slots] >= 0))
 
     def inside(self) -> SpatialMesh:
         """The cells that `flood` found inside, in the units of the input."""
-        slots = self.inside_slots()
-        corners = self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]
-        across = self.across[: 4 * self.slots].reshape(-1, 4)[slots]
-        marks = self.mark[: 4 * self.slots].reshape(-1, 4)[slots]
-        number = np.full(self.slots + 1, -1, dtype=np.int32)
-        number[slots] = np.arange(len(slots), dtype=np.int32)
-        neighbors = np.where(across >= 0, number[across >> 2], -1).astype(np.int32)
-        used = np.unique(corners)
-        place = np.full(self.size, -1, dtype=np.int32)
-        place[used] = np.arange(len(used), dtype=np.int32)
-        here = np.arange(len(slots))[:, None]
-        row, k = np.nonzero((marks >= 0) & ((neighbors < 0) | (neighbors > here)))
-        order = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
-        faces = place[corners[row[:, None], order[k]]]
+        number, place = np.full(self.slots + 1, -1, dtype=np.int32), np.full(self.size, -1, dtype=np.int32)
+        solid = self.solid()
+        count, marked = number_inside(solid, number, place)
+        simplices, neighbors = np.empty((count, 4), dtype=np.int32), np.empty((count, 4), dtype=np.int32)
+        region = np.empty(count, dtype=np.int32)
+        faces, marks = np.empty((marked, 3), dtype=np.int32), np.empty(marked, dtype=np.int32)
+        write_inside(solid, number, place, INWARD, (simplices, neighbors, region), (faces, marks))
+        used = np.flatnonzero(place >= 0)
         root = np.empty(0, np.int32) if self.given_parts is None else self.given_parts.root
         return SpatialMesh(
-            self.points()[used], used.astype(np.int32), place[corners], neighbors, self.region[slots].copy(),
-            faces, root[marks[row, k]],
-        )  # fmt: skip
+            self.points()[used], used.astype(np.int32), simplices, neighbors, region, faces, root[marks]
+        )

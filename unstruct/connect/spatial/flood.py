@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...base.jit import kernel
 from ..insertion.engine import COUNT
 
-__all__ = ["flood_parts"]
+__all__ = ["INWARD", "flood_parts", "number_inside", "write_inside"]
+
+# The vertices of the faces of a cell, opposite its vertices in order, seen from within.
+INWARD = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
 
 
 @kernel
-def flood_parts(solid, stack, facet, parity):
+def flood_parts(solid, stack, facet, parity, there):
     """Number the parts that marked faces separate; returns how many there are, and how many faces disagree.
 
     ``region`` becomes the part of each cell; part 0 touches the hull. ``parity[part]`` is 1 if an odd number
     of facets (``facet[number]`` of the face) lies between the part and the hull. A face disagrees if the
-    parities on its two sides do not fit; then some facets are not there.
+    parities on its two sides do not fit; then some facets are not there. ``there`` gets the numbers of marked
+    faces.
     """
     vertex, across, mark, region = solid.vertex, solid.across, solid.mark, solid.region
     slots, parts = solid.state[COUNT], 0
@@ -57,5 +63,60 @@ def flood_parts(solid, stack, facet, parity):
     for face in range(4 * slots):
         if vertex[face & ~3] >= 0 and mark[face] >= 0 and across[face] > face:
             differ = parity[region[face >> 2]] ^ parity[region[across[face] >> 2]]
+            there[mark[face]] = True
             wrong += differ != facet[mark[face]]
     return parts + 1, wrong
+
+
+@kernel
+def number_inside(solid, number, place):
+    """Number the cells that have a region, and their vertices, both in order; others must have -1.
+
+    Returns how many cells there are, and how many faces `write_inside` writes.
+    """
+    vertex, across, mark, region = solid.vertex, solid.across, solid.mark, solid.region
+    cells = vertices = faces = 0
+    for t in range(solid.state[COUNT]):
+        if vertex[4 * t] >= 0 and region[t] >= 0:
+            number[t] = cells
+            cells += 1
+            for k in range(4):
+                place[vertex[4 * t + k]] = 0
+    for v in range(place.shape[0]):
+        if place[v] == 0:
+            place[v] = vertices
+            vertices += 1
+    for t in range(solid.state[COUNT]):
+        if number[t] >= 0:
+            for k in range(4):
+                over = across[4 * t + k]
+                beyond = number[over >> 2] if over >= 0 else -1
+                faces += mark[4 * t + k] >= 0 and (beyond < 0 or beyond > number[t])
+    return cells, faces
+
+
+@kernel
+def write_inside(solid, number, place, order, cells, faces):
+    """Write cells, their neighbors and regions; marked faces, once each, and their marks.
+
+    ``order[k]`` are the places of the vertices of a face opposite vertex k, as they are seen from its cell.
+    """
+    vertex, across, mark = solid.vertex, solid.across, solid.mark
+    simplices, neighbors, region = cells
+    corners, marks = faces
+    size = 0
+    for t in range(solid.state[COUNT]):
+        i = number[t]
+        if i < 0:
+            continue
+        region[i] = solid.region[t]
+        for k in range(4):
+            over = across[4 * t + k]
+            beyond = number[over >> 2] if over >= 0 else -1
+            simplices[i, k] = place[vertex[4 * t + k]]
+            neighbors[i, k] = beyond
+            if mark[4 * t + k] >= 0 and (beyond < 0 or beyond > i):
+                for j in range(3):
+                    corners[size, j] = place[vertex[4 * t + order[k, j]]]
+                marks[size] = mark[4 * t + k]
+                size += 1

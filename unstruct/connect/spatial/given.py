@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -53,29 +54,28 @@ class Given:
         For each triangle the given one that it is a part of.
     alive : ndarray of bool
         Which are not split.
-    segment : ndarray of int32, shape (k, 2)
-        All edges of given triangles and all given segments, once each.
+    loose : ndarray of int32, shape (s, 2)
+        The given segments.
     middle : dict of int by edge
         For each segment that is split, or part of one that is, the point between its parts.
     """
 
     def __init__(self, triangles: NDArray[np.int32], segments: NDArray[np.int32]):
-        self.count = len(triangles)
+        self.count = self._given = len(triangles)
         self.corner = np.array(triangles, dtype=np.int32).reshape(-1, 3)
         self.root = np.arange(self.count, dtype=np.int32)
         self.alive = np.ones(self.count, dtype=bool)
-        sides = [
-            self.corner[:, [0, 1]],
-            self.corner[:, [1, 2]],
-            self.corner[:, [2, 0]],
-            segments.reshape(-1, 2),
-        ]
-        pairs = np.sort(np.concatenate(sides), axis=1).astype(np.int64)
-        many = int(pairs.max(initial=0)) + 1
-        keys = distinct(pairs[:, 0] * many + pairs[:, 1])
-        self.segment = np.stack(np.divmod(keys, many), axis=1).astype(np.int32)
+        self.loose = np.array(segments, dtype=np.int32).reshape(-1, 2)
         self.middle: dict[Edge, int] = {}
         self._beside: dict[Edge, list[int]] | None = None
+
+    @cached_property
+    def segment(self) -> NDArray[np.int32]:
+        """All edges of the triangles that are given, and all given segments, once each: (k, 2)."""
+        a, b, c = self.corner[: self._given].T
+        one, two = np.concatenate([a, b, c, self.loose[:, 0]]), np.concatenate([b, c, a, self.loose[:, 1]])
+        keys = distinct((np.minimum(one, two).astype(np.int64) << 32) | np.maximum(one, two))
+        return np.stack([keys >> 32, keys & (2**32 - 1)], axis=1).astype(np.int32)
 
     def goals(self, rows: NDArray[np.int64]) -> NDArray[np.int32]:
         """Rows for `recover_all`: the vertices of these triangles, and their numbers."""

@@ -14,6 +14,7 @@ from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
 from .journal import EVENT_ROOM
+from .lookup import look_up
 from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
 from .refill import EDGE, FACE
@@ -93,11 +94,12 @@ class Recovery:
     def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
         left = np.zeros(len(goals), dtype=np.int64)
-        for i in range(0, len(goals), CHUNK):
-            part = slice(i, i + CHUNK)
-            survey(
-                self.cells.solid(), self.held, self.cells.found, kind, goals[part], left[part], self.crossed
-            )
+        rest = np.flatnonzero(~look_up(self.cells.solid(), self.held, kind, goals))
+        for i in range(0, len(rest), CHUNK):
+            rows = rest[i : i + CHUNK]
+            ways = left[rows]
+            survey(self.cells.solid(), self.held, self.cells.found, kind, goals[rows], ways, self.crossed)
+            left[rows] = ways
         bar.update(int((left == 0).sum()))
         for options in self.efforts:
             waiting = np.flatnonzero(left != 0)

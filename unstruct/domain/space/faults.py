@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import surely_different
+from ...geometry.embedded import embedded, flat_rows
 from ...geometry.outline import Outline
 from ...geometry.triangle_pairs import (
     EDGES_CROSS,
@@ -18,14 +20,12 @@ from ...geometry.triangle_pairs import (
     PIERCES,
     VERTEX_ON_EDGE,
     Meetings,
-    clear_view,
     crossing_segments,
     edges_of,
     meetings_in_space,
     points_on_edges,
     points_on_triangles,
     sides_index,
-    unit_points,
 )
 from ..plane.faults import Fault
 from .cutting import Shell, at, cut, place
@@ -37,7 +37,6 @@ __all__ = [
     "crossing_place",
     "find_faults",
     "first_copies",
-    "flat_triangles",
     "meeting_faults",
     "repeats",
     "shell_of",
@@ -57,8 +56,11 @@ def shell_of(outline: Outline) -> Shell:
     return cut(outline.points, polygons, len(outline.facets))[0]
 
 
-def find_faults(outline: Outline) -> list[Fault]:
-    """All faults, in stages: a stage is the last if it finds any."""
+def find_faults(outline: Outline, *, meetings: bool = True) -> list[Fault]:
+    """All faults, in stages: a stage is the last if it finds any.
+
+    Without ``meetings``, whether pieces meet is not asked, nor what comes after it.
+    """
     for stage in (_indices, _duplicates, _repeated_vertices):
         faults = stage(outline)
         if faults:
@@ -67,7 +69,7 @@ def find_faults(outline: Outline) -> list[Fault]:
     shell, faults = cut(outline.points, polygons, len(outline.facets))
     if faults:
         return [replace(f, text=f.text.format(name=outline.name(f.pieces[0]))) for f in faults]
-    for later in (_flat, _repeated, _meetings, _loose, open_edges):
+    for later in (_flat, _repeated, _meetings, _loose, open_edges)[: None if meetings else 2]:
         faults = later(outline, shell)
         if faults:
             return faults
@@ -76,6 +78,8 @@ def find_faults(outline: Outline) -> list[Fault]:
 
 def first_copies(points: np.ndarray) -> np.ndarray:
     """For each point the lowest number of a point with equal coordinates (0.0 equals -0.0)."""
+    if surely_different(points):
+        return np.arange(len(points))
     rows = points + 0.0
     order = np.lexsort(rows.T[::-1])
     head = np.ones(len(rows), dtype=bool)
@@ -122,6 +126,11 @@ def _duplicates(outline: Outline) -> list[Fault]:
 def _repeated_vertices(outline: Outline) -> list[Fault]:
     """Polygons in which a vertex stands twice: sides without length, rings that touch themselves."""
     polygons: Any = outline.pieces
+    whole = polygons.triangles
+    if whole is not None:
+        a, b, c = whole.T
+        if not ((a == b) | (b == c) | (c == a)).any():
+            return []
     owner = np.repeat(np.arange(len(polygons)), polygons.corners)
     key = (owner << 32) | polygons.vertices
     order = np.argsort(key, kind="stable")
@@ -147,19 +156,10 @@ def _rows(outline: Outline, shell: Shell, t: int) -> str:
     return f"{outline.name(i)}{row}"
 
 
-def flat_triangles(points: np.ndarray, triangles: np.ndarray) -> list[int]:
-    """The triangles whose vertices lie on a line, exactly."""
-    xyz = unit_points(points)
-    a, b, c = (xyz[triangles[:, k]] for k in range(3))
-    area = np.abs(np.cross(b - a, c - a)).max(axis=1)
-    suspects = np.flatnonzero(area <= 2.0**-48 * np.abs(np.stack([b - a, c - a])).max(axis=(0, 2)))
-    return [t for t in suspects.tolist() if clear_view(xyz, *triangles[t]) < 0]
-
-
 def _flat(outline: Outline, shell: Shell) -> list[Fault]:
     """Triangles whose vertices lie on a line."""
     result = []
-    for t in flat_triangles(shell.points, shell.triangles):
+    for t in flat_rows(shell.points, shell.triangles).tolist():
         row = shell.triangles[t]
         text = (
             f"{_rows(outline, shell, t)} has no area: its vertices lie on a line, "
@@ -172,6 +172,8 @@ def _flat(outline: Outline, shell: Shell) -> list[Fault]:
 
 def repeats(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of rows with the same vertices: each with the next one of its kind."""
+    if surely_different(rows, as_sets=True):
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     rows = np.sort(rows, axis=1)
     order = np.lexsort(rows.T[::-1])
     same = np.flatnonzero((rows[order[1:]] == rows[order[:-1]]).all(axis=1))
@@ -195,7 +197,12 @@ def _repeated(outline: Outline, shell: Shell) -> list[Fault]:
 
 def _meetings(outline: Outline, shell: Shell) -> list[Fault]:
     """Edges and inner segments that meet a triangle outside of common vertices."""
-    own = edges_of(shell.triangles) if len(shell.triangles) else np.empty((0, 2), dtype=np.int32)
+    if embedded(shell.points, shell.triangles):
+        if len(shell.segments) == 0:
+            return []
+        own = np.empty((0, 2), dtype=np.int32)
+    else:
+        own = edges_of(shell.triangles) if len(shell.triangles) else np.empty((0, 2), dtype=np.int32)
     edges = np.concatenate([own, shell.segments]).astype(np.int32)
     met = meetings_in_space(shell.points, shell.triangles, edges)
     return [*meeting_faults(outline, shell, edges, met), *crossing_faults(outline, shell)]

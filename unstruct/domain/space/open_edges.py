@@ -23,6 +23,8 @@ SEAM = 1e-6  # a vertex is on an open edge if it is nearer; unit: the extent of 
 
 def open_edges(outline: Outline, _: Any = None) -> list[Fault]:
     """Faults for edges at which an odd number of facets meets, with the loops that they form."""
+    if isinstance(outline.facets, np.ndarray) and _closed(outline.facets):
+        return []
     ends, owner = Polygons.of(outline.facets).sides
     key, at_key, count = _edges(ends)
     odd = np.flatnonzero(count % 2)
@@ -45,6 +47,14 @@ def open_edges(outline: Outline, _: Any = None) -> list[Fault]:
         )
         result.append(Fault("open boundary", text, place(middle), touching, (a, b)))
     return result
+
+
+def _closed(triangles: np.ndarray) -> bool:
+    """Whether an even number of triangles meets at each edge."""
+    a, b, c = triangles.T
+    one, two = np.concatenate([a, b, c]), np.concatenate([b, c, a])
+    key = np.sort((np.minimum(one, two).astype(np.int64) << 32) | np.maximum(one, two))
+    return len(key) % 2 == 0 and np.array_equal(key[::2], key[1::2])
 
 
 def seams(points: np.ndarray, facets: Polygons) -> dict[tuple[int, int], list[int]]:

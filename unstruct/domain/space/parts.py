@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import distinct
 from ...base.jit import kernel
 from ...geometry.inside_shell import enclosed_volume, even_odd_in_space
 from ...geometry.triangle_pairs import side, unit_points
@@ -90,7 +91,8 @@ def _joined(pairs, label):
 def _components(pairs: np.ndarray, count: int) -> NDArray[np.int64]:
     label = np.arange(count)
     _joined(np.ascontiguousarray(pairs, dtype=np.int64), label)
-    return np.unique(label, return_inverse=True)[1]
+    first = label == np.arange(count)
+    return (np.cumsum(first) - 1)[label]
 
 
 def _facing(points: np.ndarray, triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -174,7 +176,8 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     boxes = [(points[r.ravel()].min(axis=0), points[r.ravel()].max(axis=0)) for r in walls]
     result = Parts(points, front, back, walls, of_wall[around], np.array(boxes).reshape(-1, 2, 3))
     # a vertex of each body that is on no other; if there is none, the middle of them
-    pairs = np.unique(np.column_stack([np.repeat(body, 3), triangles.ravel()]), axis=0)
+    keys = distinct((np.repeat(body, 3) << 32) | triangles.ravel())
+    pairs = np.column_stack([keys >> 32, keys & (2**32 - 1)])
     many = np.bincount(pairs[:, 1], minlength=len(points))
     begin = np.searchsorted(pairs[:, 0], np.arange(body.max() + 2))
     other = np.flatnonzero(volumes <= 0)

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from ...base.errors import InputError
+from ...geometry.embedded import flat_rows
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ...geometry.triangle_pairs import PIERCES, Meetings, edges_of, meetings_in_space, unit_points
@@ -25,7 +26,7 @@ from ..plane.faults import Fault, refuse
 from ..plane.name_sets import name_sets
 from .closing import join_seams, set_sheets_apart, turn_outward
 from .cutting import Shell, cut, place
-from .faults import NO_PLACE, crossing_faults, first_copies, flat_triangles, meeting_faults
+from .faults import NO_PLACE, crossing_faults, first_copies, meeting_faults
 from .same_facets import same_facets
 from .splitting import Splitting
 from .tangled import cleaned, untangled, without_area
@@ -226,7 +227,7 @@ class SpaceRepairer:
             if faults:
                 self.refuse([replace(f, text=f.text.format(name=self.called(f.pieces[0]))) for f in faults])
         gone = np.zeros(len(self.polygons), dtype=bool)
-        for t in flat_triangles(self.points, shell.triangles):
+        for t in flat_rows(self.points, shell.triangles).tolist():
             row = int(shell.piece[t])
             gone[row] = True
             self._no_area(row, shell.triangles[t].tolist())

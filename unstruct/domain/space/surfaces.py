@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
@@ -40,6 +40,8 @@ class Found(NamedTuple):
     volumes : dict of str to float
         Bounds of regions by name.
     hole_seeds : (h, 3) float64, optional
+    check : callable
+        Raises what is wrong with the file by itself, in its numbers; called if no domain can be made of it.
     """
 
     parts: Parts
@@ -48,6 +50,7 @@ class Found(NamedTuple):
     repairs: tuple[Repair, ...] = ()
     volumes: Mapping[str, float] = MappingProxyType({})
     hole_seeds: np.ndarray | None = None
+    check: Callable[[], Any] = lambda: None
 
 
 def account(domain: Body, found: Found) -> Body:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from unstruct import Domain, DomainError, InputError
+from unstruct.domain.space import faults
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -188,3 +192,47 @@ def test_crossing_facets_are_faults(tmp_path: Path) -> None:
     (tmp_path / "a.poly").write_text(poly("3\n4 0 2 6 4\n2 8 10\n2 9 11") + "\n0\n")
     with pytest.raises(InputError, match=r"line \d+: the polygons of this facet cross or overlap"):
         Domain.read(tmp_path / "a.poly")
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from([0.0, 0.3, 1.0]))
+def test_faults_are_told_in_the_numbers_of_the_file(seed: int, far: float) -> None:
+    """Cubes in and beside each other, with vertices moved, sides left out or repeated, and a seed."""
+    rng = np.random.default_rng(seed)
+    points = np.concatenate([CORNERS * side + low for low, side in [(0, 4), (1, 1), (rng.integers(0, 6), 2)]])
+    moved = rng.integers(len(points), size=2)
+    points[moved] += far * rng.integers(-2, 3, (2, 3))
+    rows = np.concatenate([np.array(SIDES) + 8 * k for k in range(3)])
+    rows = rows[rng.permutation(len(rows))[: rng.integers(16, 19)]]
+    if far and rng.random() < 0.2:
+        rows = np.vstack([rows, rows[:1]])
+    lines = [f"{len(points)} 3 0 0", *(f"{i} {x} {y} {z}" for i, (x, y, z) in enumerate(points.tolist()))]
+    lines += [f"{len(rows)} 0", *(f"4 {' '.join(map(str, row))}" for row in rows.tolist())]
+    told = wanted = None
+    try:
+        Domain(points, (), inner=rows)
+    except InputError as error:
+        wanted = str(error)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.smesh"
+        path.write_text("\n".join([*lines, "1", "0 1.5 1.5 1.5", "0"]))
+        try:
+            Domain.read(path)
+        except InputError as error:
+            told = str(error)
+    if wanted is not None and told != wanted:
+        assert told is not None and "hole 0" in told  # what is found first
+    if wanted is None and told is not None:
+        assert "hole 0" in told
+
+
+def test_that_facets_do_not_meet_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def embedded(*_: object) -> bool:
+        asked.append(1)
+        return True
+
+    monkeypatch.setattr(faults, "embedded", embedded)
+    (tmp_path / "a.smesh").write_text(smesh([(0, 4), (1, 1)], "1\n1 1.5 1.5 1.25\n"))
+    assert Domain.read(tmp_path / "a.smesh").volume == 63.0 and len(asked) == 1

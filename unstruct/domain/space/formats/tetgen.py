@@ -8,6 +8,7 @@ left, and an inner facet otherwise; as in ``plane/poly``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from ....geometry.triangle_pairs import points_on_triangles
 from ....mesh.node_ele import read_points
 from ...plane import faults
 from ...plane.poly import hull_parts, region_name
-from ..faults import shell_of
+from ..faults import find_faults, shell_of
 from ..parts import UNBOUNDED, parts_in_space
 from ..surfaces import Found
 
@@ -75,7 +76,14 @@ def read_tetgen(path: Path, *, make: Callable[..., Any], resolve: bool) -> Found
         if bound and bound[0] > 0:
             volumes[name] = min(volumes.get(name, np.inf), bound[0])
     holes = np.array(seeds, dtype=float).reshape(-1, 3)
-    walls = make(points, (), inner=Polygons.of_rings(rings), markers=markers, resolve=resolve)
+    polygons = Polygons.of_rings(rings)
+    check = partial(make, points, (), inner=polygons, markers=markers, resolve=resolve)
+    # whether pieces meet is not asked before the domain is made of them: what bounds hardly depends on it
+    pieces = {name: np.array(some, dtype=np.int32) for name, some in markers.items()}
+    walls: Any = Outline(points, polygons.select(np.empty(0, dtype=np.int64)), polygons, {}, pieces, {})
+    single = not resolve and not find_faults(walls, meetings=False)
+    if not single:
+        walls = check()
     bounding = _bounding(path, walls, holes)
     order = np.argsort(~bounding, kind="stable")
     place = np.argsort(order, kind="stable")
@@ -87,6 +95,8 @@ def read_tetgen(path: Path, *, make: Callable[..., Any], resolve: bool) -> Found
         "regions": regions,
     }
     origin = np.array(piece_origin, dtype=np.int32)
+    if single:
+        return Found(parts, None, origin[order], (), volumes, holes, check)
     known = walls.piece_origin[order]
     of_file = np.where(known >= 0, origin[np.maximum(known, 0)], -1) if len(origin) else known
     return Found(parts, walls.origin, of_file.astype(np.int32), tuple(walls.repairs), volumes, holes)
