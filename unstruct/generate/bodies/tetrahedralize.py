@@ -12,6 +12,7 @@ import numpy as np
 
 from ...base.arguments import as_count, as_flag, as_seed
 from ...domain.domain import Domain, as_domain
+from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import as_size
 from ..volume.filling import filled
@@ -37,8 +38,9 @@ def tetrahedralize(
     ----------
     domain : Domain
         In space.
-    size : float, callable, or SizeField, optional
-        The wanted length of edges. Without it there are no more points than there must be.
+    size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one of these, optional
+        The wanted length of edges. In a dict the key None stands for all regions that are not named; a facet
+        between two regions takes the smaller size. Without a size there are no more points than there must be.
     optimize : bool
         Whether to make the tetrahedra rounder by refills and by moving vertices that were added inside.
         Without, there are slivers: flat tetrahedra of four points near a circle.
@@ -92,7 +94,7 @@ def tetrahedralize(
     parts = None
     field, lattice = None, None
     if size is not None and len(domain.facets):
-        field = as_size(size)
+        field = as_size(size_by_part(domain, size))
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
         lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
