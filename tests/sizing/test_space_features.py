@@ -151,7 +151,7 @@ def test_sizes_of_bodies_from_features() -> None:
     assert size(x) == pytest.approx(np.minimum(0.5 * local_feature_size(plate, x), 0.25))
     assert size.growth == 0.5 and limited(size, 0.6, (0, 0), (1, 1)) is size
     assert minimum(size, 0.07)([[0.5, 0.5, 0.1]])[0] == pytest.approx(0.05)
-    coarse = from_features(plate, 1.0, far=0.25)
+    coarse = from_features(plate, 0.7, far=0.25)
     mesh = tetrahedralize(plate, coarse)
     assert mesh.complete and check(mesh, domain=plate) and 200 < len(mesh.simplices) < 60_000
     mesh = refine(plate, from_features(plate, 1.5, far=0.4))

@@ -14,7 +14,8 @@ from ...base.arguments import as_count, as_flag, as_seed
 from ...domain.domain import Domain, as_domain
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...sizing.field import as_size
+from ...sizing.asked import asked_again
+from ...sizing.field import SizeField, as_size
 from ..volume.filling import filled
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
@@ -91,25 +92,32 @@ def tetrahedralize(
         split_boundary = as_flag(split_boundary, "split_boundary")
     seed = as_seed(seed)
     budget = None if budget is None else as_count(budget, "budget")
-    parts = None
-    field, lattice = None, None
+    field = None
     if size is not None and len(domain.facets):
         field = as_size(size_by_part(domain, size))
+    options: Any = {"optimize": optimize, "seed": seed, "budget": budget, "progress": progress}
+
+    def made(field: SizeField | None) -> DomainMesh:
+        return _made(domain, field, split_boundary, options)
+
+    return noticed(asked_again(made, field))
+
+
+def _made(
+    domain: Domain, field: SizeField | None, split_boundary: bool | None, options: dict[str, Any]
+) -> DomainMesh:
+    """The mesh, before the size is asked again."""
+    parts, lattice, budget = None, None, options["budget"]
+    if field is not None:
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
         lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
-    options: Any = {
-        "field": field,
-        "optimize": optimize,
-        "seed": seed,
-        "budget": budget,
-        "progress": progress,
-    }
+    more: Any = {"field": field}
     if not split_boundary:
-        options["large"] = "a facet is larger than the size; split_boundary=True divides it"
+        more["large"] = "a facet is larger than the size; split_boundary=True divides it"
     if parts is None:
-        return noticed(filled(domain, lattice, **options))
-    return noticed(_as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **options)))
+        return filled(domain, lattice, **more, **options)
+    return _as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
 
 
 def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:

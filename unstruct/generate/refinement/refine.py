@@ -23,6 +23,7 @@ from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
+from ...sizing.asked import asked_again
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
@@ -184,11 +185,15 @@ def refine(
     if isinstance(domain, Domain) and domain.dimension == 3:
         other = not isinstance(method, str) or method != "off-centers"
         _refuse_others(planar | {"method": repr(method) if other else None}, "the plane")
-        mesh = refine_body(
-            domain, size, **spatial, split_boundary=split_boundary, budget=_budget(budget), history=history,
-            progress=progress,
-        )  # fmt: skip
-        return noticed(mesh)
+        body, most = domain, _budget(budget)
+
+        def made(size: Any) -> DomainMesh:
+            return refine_body(
+                body, size, **spatial, split_boundary=split_boundary, budget=most, history=history,
+                progress=progress,
+            )  # fmt: skip
+
+        return noticed(asked_again(made, size))
     _refuse_others(spatial, "space")
     angle, lens, offset = _method(method, min_angle)
     most = _budget(budget)
