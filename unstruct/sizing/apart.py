@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import distinct
+from ..base.elementary import cosine
 from ..geometry.boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes
 from ..predicates.batch import power_of_two
 from .surface import SHARP_EDGE
@@ -220,7 +221,7 @@ def _faces(domain: Any, triangles: Integers, normal: Array) -> tuple[Integers, I
     s, t = one // 3, other // 3
     flat = (normal[s] * normal[t]).sum(axis=1)
     alike = (piece[s] == piece[t]) | (
-        (flat > np.cos(SHARP_EDGE)) & (forward[one] != forward[other]) & (names[piece[s]] == names[piece[t]])
+        (flat > cosine(SHARP_EDGE)) & (forward[one] != forward[other]) & (names[piece[s]] == names[piece[t]])
     )
     alike &= (piece[s] < len(domain.facets)) == (piece[t] < len(domain.facets))
     face = _components(np.stack([s[alike], t[alike]], axis=1), many)
@@ -246,7 +247,7 @@ def _curves(x: Array, edges: Integers) -> tuple[Integers, Array, Integers]:
     one, other = order[first[two]], order[first[two] + 1]
     away_one = along[one // 2] * np.where(one % 2 == 0, 1.0, -1.0)[:, None]
     away_other = along[other // 2] * np.where(other % 2 == 0, 1.0, -1.0)[:, None]
-    through = -(away_one * away_other).sum(axis=1) > np.cos(SHARP_EDGE)
+    through = -(away_one * away_other).sum(axis=1) > cosine(SHARP_EDGE)
     one, other = one[through], other[through]
     # Direction 0 of an edge leads to its second end: into a vertex by one edge, out of it by the other.
     into, out = 2 * (one // 2) + (one % 2 == 0), 2 * (other // 2) + (other % 2 == 1)

@@ -187,7 +187,8 @@ def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Arra
     least = float(
         wanted[np.argmin(np.round(off, 6))]
     )  # the last bits of logarithms differ between processors
-    return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
+    share, exponent = np.frexp(float((high - low).max()) / least)
+    return least * 2.0 ** float(exponent - (share == 0.5))  # a whole number of halvings, up from the least
 
 
 def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
