@@ -101,7 +101,9 @@ def test_it_is_that_of_all_pairs(name: str) -> None:
     assert found == pytest.approx(one_by_one, rel=1e-12)
     far = float(np.median(wanted))
     cut = feature(x, far)
-    assert np.array_equal(np.isinf(cut), found > far) and np.array_equal(cut[found <= far], found[found <= far])
+    assert np.array_equal(np.isinf(cut), found > far) and np.array_equal(
+        cut[found <= far], found[found <= far]
+    )
 
 
 @pytest.mark.parametrize("name", ["box", "two boxes", "prism", "inner"])
@@ -137,7 +139,9 @@ def test_known_sizes() -> None:
     assert tube == pytest.approx(0.2, rel=0.05)
     hollow = Domain(
         np.concatenate([ball.points, 0.9 * ball.points]),
-        np.concatenate([ball.triangulated.triangles, ball.triangulated.triangles[:, ::-1] + len(ball.points)]),
+        np.concatenate(
+            [ball.triangulated.triangles, ball.triangulated.triangles[:, ::-1] + len(ball.points)]
+        ),
     )
     assert local_feature_size(hollow, [[0, 0, 0.95]])[0] == pytest.approx(0.05, rel=0.05)
     named = Domain(plate.points, BOX, markers={"one": [0], "other": [1]})

@@ -266,15 +266,15 @@ def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
     (1995), section 3; the treatment of curves is ours. See the book, chapter 2.3.
 
     *In space* features are faces, the edges where they end or bend by 40 degrees or more, inner segments, and
-    the corners where edges end. Triangles that meet smoothly, and have the same names, are one face; edges that
-    go on smoothly are one curve. Features with a common vertex are adjacent, all others are not: so two walls,
-    and two parts of a body across a gap, count with the distance between them. Parts of one face or curve count
-    as different features where they face each other, that is where their normals or directions differ by more
-    than 90 to 126 degrees (directions are rounded) and they have no common vertex: so the tube of a torus has
-    about its radius. Where all facets meet at edges of 40 degrees or more, and two opposite parts of none face
-    each other, this is the definition for piecewise linear complexes (J. R. Shewchuk, Symposium on
-    Computational Geometry, 1998). The time per point also grows with the number of triangles that are nearer
-    than the second feature; a cut-off ``far`` bounds it.
+    the corners where edges end. Triangles that meet smoothly, and have the same names, are one face; edges
+    that go on smoothly are one curve. Features with a common vertex are adjacent, all others are not: so two
+    walls, and two parts of a body across a gap, count with the distance between them. Parts of one face or
+    curve count as different features where they face each other, that is where their normals or directions
+    differ by more than 90 to 126 degrees (directions are rounded) and they have no common vertex: so the tube
+    of a torus has about its radius. Where all facets meet at edges of 40 degrees or more, and two opposite
+    parts of none face each other, this is the definition for piecewise linear complexes (J. R. Shewchuk,
+    Symposium on Computational Geometry, 1998). The time per point also grows with the number of triangles
+    that are nearer than the second feature; a cut-off ``far`` bounds it.
     """
     return FeatureSize(domain)(x)
 
