@@ -74,8 +74,8 @@ BOX = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6
 BODIES = {
     "box": Domain.box((0, 0, 0), (1, 2, 0.1)),
     "two boxes": two_boxes(0.05),
-    "ball": Domain.ball(size=0.6),
-    "torus": Domain.torus(size=0.45, tube=0.3),
+    "ball": Domain.ball(size=0.7),
+    "torus": Domain.torus(size=0.6, tube=0.4),
     "cylinder": Domain.cylinder(size=0.3),
     "prism": Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 2), (1, 0.3), (0, 2)]), 0.4),
     "inner": Domain(

@@ -308,13 +308,25 @@ def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None =
         if not (as_number(value, name) > 0 and (name == "far" or np.isfinite(value))):
             raise InputError(f"{name} must be positive, not {value!r}")
     feature = FeatureSize(domain)
-    cap = np.inf if far is None else far
-    return SizeField(
-        partial(_part, feature, fraction, cap),
-        landmarks=feature.places,
-        name=f"{fraction:g} of the local feature size",
-        growth=fraction,  # the local feature size changes by at most 1
-    )
+    return _OfFeatures(feature, fraction, np.inf if far is None else far)
+
+
+class _OfFeatures(SizeField):
+    """The result of `from_features`."""
+
+    def __init__(self, feature: FeatureSize, fraction: float, cap: float):
+        super().__init__(
+            partial(_part, feature, fraction, cap),
+            landmarks=feature.places,
+            name=f"{fraction:g} of the local feature size",
+            growth=fraction,  # the local feature size changes by at most 1
+        )
+        self.feature, self.fraction, self.cap = feature, fraction, cap
+
+    def below(self, x: Array, bound: Array) -> Array:
+        """As `SizeField.below`: what is farther than the largest bound is not looked for."""
+        cap = min(self.cap, float(bound.max(initial=0.0)))
+        return np.minimum(_part(self.feature, self.fraction, cap, x), bound)
 
 
 def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:
