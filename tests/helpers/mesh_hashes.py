@@ -237,6 +237,25 @@ def bodies() -> Arrays:
 
 
 @case
+def round_bodies() -> Arrays:
+    """Balls, tori, cylinders, and what is swept; meshes of them by sizes from their surfaces."""
+    arc = Domain.disc((2.0, 0.3), 0.5)
+    bowl = Domain.polygon([(0, 0), (1, 0), (1.3, 0.7), (1.1, 0.8), (0.9, 0.2), (0, 0.2)])
+    made = [
+        Domain.ball((0.1, 0.2, 0.3), 1.3, size=0.3),
+        Domain.torus((0, 0, 0.1), 1.1, 0.3, size=0.2, axis=(1, 2, 3)),
+        Domain.cylinder((0, 0, 0), (1, 0.3, 2), 0.6, size=0.2), Domain.revolved(arc, size=0.25),
+        Domain.revolved(bowl, 250.0, size=0.25), Domain.extruded(arc, (0.2, 0.1, 1.0), size=0.3),
+    ]  # fmt: skip
+    for body in made:
+        yield body.points
+        yield body.triangulated.triangles
+    for body in made[:3]:
+        yield from of(unstruct.tetrahedralize(body, sizing.from_curvature(body, 20, far=0.5)))
+        yield from of(unstruct.tetrahedralize(body, sizing.from_features(body, 0.6, far=0.4)))
+
+
+@case
 def refined_for_angles() -> Arrays:
     for domain in (harbor(), curved(), wing(), spline()):
         for method in ("ruppert", "chew", "off-centers"):

@@ -29,6 +29,18 @@ DECIDE = [
     *("connect/insertion", "connect/planar", "connect/spatial", "generate"),
     *(f"domain/space/{name}.py" for name in "bodies cutting flat repair rings splitting swept".split()),
 ]
+BODIES = [
+    *(
+        f"domain/space/{name}.py"
+        for name in "bodies by_part cutting flat parts repair rings splitting swept".split()
+    ),
+    *(f"sizing/{name}.py" for name in "apart space_features space_table surface".split()),
+    *("generate/bodies", "generate/volume/rounder.py", "generate/volume/filling.py"),
+]
+ROUNDED_DIFFERENTLY = set(
+    "sin cos tan arcsin arccos arctan arctan2 asin acos atan atan2 hypot exp exp2 expm1 log log2 log10 log1p "
+    "power pow cbrt sinh cosh tanh".split()
+)
 STORED = json.loads(mesh_hashes.STORED.read_text(encoding="utf-8"))
 
 
@@ -45,6 +57,32 @@ def is_blas(node: ast.AST) -> bool:
     if node.func.attr == "norm":  # of rows it is added in their order
         return all(keyword.arg != "axis" for keyword in node.keywords)
     return node.func.attr in {"dot", "vdot", "inner", "matmul", "tensordot", "einsum", *OF_MATRICES}
+
+
+def is_dispatched(node: ast.AST) -> bool:
+    """Whether numpy or the C library computes this, in last bits that depend on the processor."""
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        return False
+    library = isinstance(node.func.value, ast.Name) and node.func.value.id in ("np", "math")
+    return library and node.func.attr in ROUNDED_DIFFERENTLY
+
+
+@pytest.mark.parametrize("room", BODIES)
+def test_bodies_have_functions_of_the_library_itself(room: str) -> None:
+    place = BOOK.parent / "unstruct" / room
+    found = [
+        f"{path.relative_to(BOOK.parent)}:{node.lineno}"
+        for path in ([place] if place.suffix else sorted(place.rglob("*.py")))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if is_dispatched(node)
+    ]
+    assert not found, f"{found}: use base.elementary, or geometry.edge_vectors.lengths for hypot"
+
+
+def test_functions_of_numpy_are_found() -> None:
+    for text in ("np.hypot(a, b)", "math.sin(x)", "np.arctan2(y, x)"):
+        assert any(map(is_dispatched, ast.walk(ast.parse(text))))
+    assert not any(map(is_dispatched, ast.walk(ast.parse("np.sqrt(a) + sines(b) + np.round(c)"))))
 
 
 @pytest.mark.parametrize("room", DECIDE)

@@ -11,7 +11,7 @@ from ..predicates.batch import power_of_two
 from .boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes
 from .segment_tree import to_box
 
-__all__ = ["TriangleTree"]
+__all__ = ["TriangleTree", "onto"]
 
 Array = NDArray[np.float64]
 DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
@@ -35,7 +35,7 @@ def _onto_edge(p, corner, i, j, place):
 
 
 @apart
-def _onto(p, corner, place):
+def onto(p, corner, place):
     """Write the weights of the point of a triangle that is nearest to p; returns the squared distance."""
     ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
     vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
@@ -68,7 +68,7 @@ def _search(x, low, high, order, corners, which, places):
     for q in range(x.shape[0]):
         best = np.inf
         if q > 0:  # a good bound from the beginning: the triangle of the point before
-            best = _onto(x[q], corners[which[q - 1]], place)
+            best = onto(x[q], corners[which[q - 1]], place)
             which[q] = which[q - 1]
             places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]
         stack[0], size = 1, 1
@@ -80,7 +80,7 @@ def _search(x, low, high, order, corners, which, places):
             if w >= leaves:
                 first = (w - leaves) * BOXES_IN_LEAF
                 for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                    square = _onto(x[q], corners[order[k]], place)
+                    square = onto(x[q], corners[order[k]], place)
                     if square < best:
                         best, which[q] = square, order[k]
                         places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]

@@ -4,6 +4,7 @@ Everywhere in the library a *size* is the wanted length of an edge. An equilater
 length h has the circumradius h / sqrt(3), which is the chapter's f. See the book, chapter 2.3.
 """
 
+from .asked import too_large as too_large
 from .background_mesh import Background as Background
 from .background_mesh import background as background
 from .background_mesh import limit_nodes as limit_nodes
@@ -78,4 +79,5 @@ __all__ = [
     "product",
     "sources",
     "to_vertices",
+    "too_large",
 ]

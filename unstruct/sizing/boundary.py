@@ -22,6 +22,7 @@ from ..geometry.outline import Outline
 from ..geometry.segment_tree import SegmentTree, depth_of, first_in, to_box, to_segment
 from .field import SizeField, as_size
 from .source_sizes import sources
+from .space_features import SpaceFeatures
 from .surface import bends_of
 
 __all__ = ["FeatureSize", "from_curvature", "from_features", "local_feature_size"]
@@ -176,22 +177,28 @@ def _feature_sizes(x, tree, features, far, result):
 def _region(domain: Any) -> None:
     if not isinstance(domain, Outline):
         raise InputError(f"domain must be a Domain, not {type(domain).__name__}")
-    if domain.points.shape[1] != 2:
-        raise InputError(
-            "the local feature size is that of a planar domain; for a body take from_facets or from_curvature"
-        )
 
 
 class FeatureSize:
-    """Ruppert's local feature size of a region, as a callable object; see `local_feature_size`.
+    """Ruppert's local feature size of a region or body, as a callable object; see `local_feature_size`.
 
     Parameters
     ----------
     domain : Domain
+
+    Attributes
+    ----------
+    places : ndarray, shape (k, d)
+        The vertices of the features: places where the size may be small.
     """
 
     def __init__(self, domain: Outline):
         _region(domain)
+        self.places: Array = domain.points
+        self._space = SpaceFeatures(domain) if domain.points.shape[1] == 3 else None
+        if self._space is not None:
+            self.places = self._space.places
+            return
         vertices = np.unique(np.concatenate([domain.pieces.ravel(), domain.loose])).astype(np.int64)
         straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
         chains = [_chain(domain, piece) for piece in domain.curves]
@@ -209,15 +216,18 @@ class FeatureSize:
         self._tree = SegmentTree(np.concatenate(blocks))
 
     def __call__(self, x: ArrayLike, far: float = np.inf) -> Array:
-        """The local feature size at points (k, 2).
+        """The local feature size at points (k, d).
 
         Infinite where no disk touches two features that are not adjacent, and where the size would be larger
         than ``far`` (a small value of ``far`` saves time).
         """
         points = as_points(x, "x")
+        d = self.places.shape[1]
+        if points.shape[1] != d:
+            raise InputError(f"x must have shape (k, {d}), not {points.shape}")
+        if self._space is not None:
+            return self._space(points, far)
         tree = self._tree
-        if points.shape[1] != 2:
-            raise InputError(f"x must have shape (k, 2), not {points.shape}")
         result = np.empty(len(points))
         scaled = np.ascontiguousarray(points * tree.factor)
         _feature_sizes(scaled, tree.nodes, self._features, far * tree.factor, result)
@@ -225,18 +235,19 @@ class FeatureSize:
 
 
 def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
-    """How far apart the features of a region are near a point: Ruppert's local feature size.
+    """How far apart the features of a region or a body are near a point: Ruppert's local feature size.
 
     Parameters
     ----------
     domain : Domain
-    x : array_like, shape (k, 2)
+        Planar, or a body.
+    x : array_like, shape (k, d)
 
     Returns
     -------
     ndarray, shape (k,)
-        The smallest radius of a closed disk around the point that touches two features that are not adjacent.
-        Infinite if there is no such pair (a region of one loose point).
+        The smallest radius of a closed disk or ball around the point that touches two features that are not
+        adjacent. Infinite if there is no such pair (a region of one loose point).
 
     Notes
     -----
@@ -253,16 +264,28 @@ def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
     two features. `FeatureSize` keeps the tree for further calls, which are faster if consecutive points are
     close. Source: Ruppert, *A Delaunay refinement algorithm for quality 2-dimensional mesh generation*
     (1995), section 3; the treatment of curves is ours. See the book, chapter 2.3.
+
+    *In space* features are faces, the edges where they end or bend by 40 degrees or more, inner segments, and
+    the corners where edges end. Triangles that meet smoothly, and have the same names, are one face; edges
+    that go on smoothly are one curve. Features with a common vertex are adjacent, all others are not: so two
+    walls, and two parts of a body across a gap, count with the distance between them. Parts of one face or
+    curve count as different features where they face each other, that is where their normals or directions
+    differ by more than 90 to 126 degrees (directions are rounded) and they have no common vertex: so the tube
+    of a torus has about its radius. Where all facets meet at edges of 40 degrees or more, and two opposite
+    parts of none face each other, this is the definition for piecewise linear complexes (J. R. Shewchuk,
+    Symposium on Computational Geometry, 1998). The time per point also grows with the number of triangles
+    that are nearer than the second feature; a cut-off ``far`` bounds it.
     """
     return FeatureSize(domain)(x)
 
 
 def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None = None) -> SizeField:
-    """A size that is a fraction of the local feature size: narrow parts of a region get small cells.
+    """A size that is a fraction of the local feature size: narrow parts and gaps get small cells.
 
     Parameters
     ----------
     domain : Domain
+        Planar, or a body: then thin walls and narrow gaps get them.
     fraction : float
         1 gives about one cell across a gap between two features, 1/2 gives two. It is also the growth of the
         size per unit of distance; use `limited` for a smaller growth.
@@ -285,13 +308,25 @@ def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None =
         if not (as_number(value, name) > 0 and (name == "far" or np.isfinite(value))):
             raise InputError(f"{name} must be positive, not {value!r}")
     feature = FeatureSize(domain)
-    cap = np.inf if far is None else far
-    return SizeField(
-        partial(_part, feature, fraction, cap),
-        landmarks=domain.points,
-        name=f"{fraction:g} of the local feature size",
-        growth=fraction,  # the local feature size changes by at most 1
-    )
+    return _OfFeatures(feature, fraction, np.inf if far is None else far)
+
+
+class _OfFeatures(SizeField):
+    """The result of `from_features`."""
+
+    def __init__(self, feature: FeatureSize, fraction: float, cap: float):
+        super().__init__(
+            partial(_part, feature, fraction, cap),
+            landmarks=feature.places,
+            name=f"{fraction:g} of the local feature size",
+            growth=fraction,  # the local feature size changes by at most 1
+        )
+        self.feature, self.fraction, self.cap = feature, fraction, cap
+
+    def below(self, x: Array, bound: Array) -> Array:
+        """As `SizeField.below`: what is farther than the largest bound is not looked for."""
+        cap = min(self.cap, float(bound.max(initial=0.0)))
+        return np.minimum(_part(self.feature, self.fraction, cap, x), bound)
 
 
 def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:

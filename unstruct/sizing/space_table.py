@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 ALWAYS_DIVIDED = 4  # levels that are always made: 16 x 16 x 16 leaves, with 15 further samples each
 MOST_OCTREE_LEVELS = 20
 MOST_OCTREE_NODES = 1_000_000
+KEY_OF_PLACE = np.array([1 << 2 * MOST_OCTREE_LEVELS, 1 << MOST_OCTREE_LEVELS, 1])
 ALLOWED_ERROR = 0.05  # relative, of the interpolant of a leaf that is divided no more
 FINE_LEAF = 0.5  # a leaf no larger than this many wanted edge lengths is small enough
 CUBE_CORNERS = np.array(list(product((0, 1), repeat=3)))[:, ::-1]  # x changes first
@@ -156,11 +157,12 @@ def _see_landmarks(places: NDArray[np.int64], at: Array, marked: Array, found: t
     if len(marked) == 0 or len(places) == 0:
         return
     cell = np.floor(at).astype(np.int64)
-    order = np.lexsort(places.T)
-    keys = {tuple(row): i for i, row in zip(order.tolist(), places[order].tolist())}
-    for mark, (row, x, size) in enumerate(zip(cell.tolist(), at, marked.tolist())):
-        leaf = keys.get(tuple(row), -1)
-        if leaf >= 0:
-            guess = float(_trilinear(values[leaf], x - cell[mark]))
-            error[leaf] = max(error[leaf], abs(guess - size) / size)
-            least[leaf] = min(least[leaf], size)
+    outside = ((cell < 0) | (cell >= 1 << MOST_OCTREE_LEVELS)).any(axis=1)
+    keys, wanted = ((rows * KEY_OF_PLACE).sum(axis=1) for rows in (places, cell))
+    order = np.argsort(keys, kind="stable")
+    at_leaf = order[np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)]
+    marks = np.flatnonzero((keys[at_leaf] == wanted) & ~outside)
+    leaf, size = at_leaf[marks], marked[marks]
+    guess = _trilinear(values[leaf], at[marks] - cell[marks])
+    np.maximum.at(error, leaf, np.abs(guess - size) / size)
+    np.minimum.at(least, leaf, size)

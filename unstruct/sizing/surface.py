@@ -5,6 +5,7 @@ See the book, chapters 2.3 and 2.8c.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..base.arguments import as_number, finite
 from ..base.arrays import distinct
+from ..base.elementary import cosine, turns
 from ..base.errors import InputError
 from ..geometry.edge_vectors import lengths
 from ..geometry.outline import Outline
@@ -22,7 +24,7 @@ from .source_sizes import sources
 __all__ = ["bends_of", "from_facets"]
 
 Array = NDArray[np.float64]
-SHARP_EDGE = np.radians(40.0)  # where facets turn by more is an edge of the body, which is not curved
+SHARP_EDGE = math.radians(40.0)  # where facets turn by more is an edge of the body, which is not curved
 ENDS = ((0, 1), (1, 2), (2, 0))
 
 
@@ -128,7 +130,7 @@ def _groups(triangles: NDArray[np.int32], normal: Array) -> NDArray[np.int32]:
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order][1:] == key[order][:-1])
     one, two = order[same], order[same + 1]
-    smooth = (normal[one // 3] * normal[two // 3]).sum(axis=1) > np.cos(SHARP_EDGE)
+    smooth = (normal[one // 3] * normal[two // 3]).sum(axis=1) > cosine(SHARP_EDGE)
     one, two = one[smooth], two[smooth]
     rows, columns = [], []
     for k in range(2):  # the two ends of the common edge
@@ -146,7 +148,7 @@ def _corner_normals(x: Array, normal: Array, group: NDArray[np.int32]) -> Array:
     weight = np.empty(x.shape[:2])
     for k in range(3):
         u, v = x[:, (k + 1) % 3] - x[:, k], x[:, (k + 2) % 3] - x[:, k]
-        weight[:, k] = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), (u * v).sum(axis=1))
+        weight[:, k] = turns(np.linalg.norm(np.cross(u, v), axis=1), (u * v).sum(axis=1))
     total = np.stack(
         [np.bincount(group.ravel(), (weight * normal[:, i, None]).ravel()) for i in range(3)], axis=1
     )

@@ -23,7 +23,7 @@ from ...sizing.metric import InverseMetric, Metric
 from ...sizing.metric_table import inverted
 from .sample import Sampled
 
-__all__ = ["PieceSizes", "per_region", "piece_sizes", "size_by_region"]
+__all__ = ["PieceSizes", "no_entry", "per_region", "piece_sizes", "size_by_region"]
 
 
 class PieceSizes(NamedTuple):
@@ -82,6 +82,15 @@ def per_region(value: Any, names: list[str], what: str) -> list[Any]:
         )
     rest = value.get(None)
     return [value.get(name, rest) for name in names]
+
+
+def no_entry(name: str, x: np.ndarray) -> InputError:
+    """The error for a region that has no size, with a place in it."""
+    where = f"region {name!r}" if name else "a region without a name"
+    place = ", ".join(f"{value:.6g}" for value in x.tolist())
+    return InputError(
+        f"size has no entry for {where} (near ({place})): give one, or a default by the key None"
+    )
 
 
 def region_names(regions: Mapping[str, Any], c: PlanarComplex) -> list[str]:
@@ -154,12 +163,7 @@ def size_by_region(c: PlanarComplex, size: Any, names: Mapping[str, Any]) -> Any
     number, xy = number[number >= 0], c.xy[: c.size] / c.factor
     for r, one in enumerate(given):
         if one is None:
-            x, y = xy[cells[int(np.argmax(number == r))]].mean(axis=0)
-            where = f"region {called[r]!r}" if called[r] else "a region without a name"
-            raise InputError(
-                f"size has no entry for {where} (near ({x:.6g}, {y:.6g})): give one, or a default by the key "
-                "None"
-            )
+            raise no_entry(called[r], xy[cells[int(np.argmax(number == r))]].mean(axis=0))
     metrics = [as_metric(one) for one in given] if any(isinstance(one, Metric) for one in given) else []
     fields = [] if metrics else [as_size(one) for one in given]
     constants = {field.constant for field in fields}

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, positive
 from ...base.arrays import as_points
+from ...base.elementary import angle_of, sines
 from ...base.errors import InputError
 from ...geometry.edge_vectors import determinant, lengths
 from ..plane.shapes import Parts
@@ -76,7 +77,7 @@ def _divided(n: int) -> tuple[np.ndarray, NDArray[np.int32]]:
     edge, make the angles along edges equal, and triangles inside more equal than plain weights do.
     """
     corners, faces = _icosahedron()
-    angle = np.arctan(2.0)
+    angle = angle_of(2.0, 1.0)
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
     i, j = i[i + j <= n], j[i + j <= n]
     weights = np.stack([i, j, n - i - j], axis=1)
@@ -86,7 +87,7 @@ def _divided(n: int) -> tuple[np.ndarray, NDArray[np.int32]]:
     key = (code[..., 0] * (13 * n + 13) + code[..., 1]) * (13 * n + 13) + code[..., 2]
     _, first, number = np.unique(key.ravel(), return_index=True, return_inverse=True)
     face, row = np.divmod(first, len(i))
-    share = np.sin(weights[row] / n * angle)
+    share = sines(weights[row] / n * angle)
     every = corners[faces[face]]
     points = sum(share[:, m, None] * every[:, m] for m in range(3))
     at = np.full((n + 1, n + 1), -1)
@@ -174,9 +175,9 @@ def torus(center: Any, radius: Any, tube: Any, size: Any, axis: Any) -> Parts:
 
 def _on_torus(x: np.ndarray, radius: float, tube: float) -> np.ndarray:
     """The nearest points of a torus about the axis of z."""
-    away = np.hypot(x[:, 0], x[:, 1])
+    away = lengths(x[:, :2])
     across, up = away - radius, x[:, 2]
-    length = np.hypot(across, up)
+    length = lengths(np.stack([across, up], axis=1))
     rho = radius + tube * (across / length)
     return np.column_stack([x[:, 0] / away * rho, x[:, 1] / away * rho, tube * (up / length)])
 

@@ -175,7 +175,11 @@ def _of_group(
     else:
         origin, (first_axis, second_axis) = laid.origin[group[0]], laid.frame[group[0]]
         # A product of matrices would be rounded differently from processor to processor.
-        wanted = SizeField(lambda y: field(origin + y[:, :1] * first_axis + y[:, 1:] * second_axis))
+        marks = field.landmarks if field.landmarks.shape[1] == 3 else np.empty((0, 3))
+        wanted = SizeField(
+            lambda y: field(origin + y[:, :1] * first_axis + y[:, 1:] * second_axis),
+            landmarks=((marks - origin)[:, None] * laid.frame[group[0]]).sum(axis=2),
+        )
     flat = laid.flat[at] * scale[owner, None] + shift[owner]
     ends, within = moved[laid.ends[edge]], laid.within[edge]
     planar = Domain(flat, ends[~within], inner=ends[within] if within.any() else None)

@@ -12,8 +12,10 @@ import numpy as np
 
 from ...base.arguments import as_count, as_flag, as_seed
 from ...domain.domain import Domain, as_domain
+from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
-from ...sizing.field import as_size
+from ...sizing.asked import asked_again
+from ...sizing.field import SizeField, as_size
 from ..volume.filling import filled
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
@@ -37,15 +39,18 @@ def tetrahedralize(
     ----------
     domain : Domain
         In space.
-    size : float, callable, or SizeField, optional
-        The wanted length of edges. Without it there are no more points than there must be.
-    optimize : bool
+    size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one of these, optional
+        The wanted length of edges. In a dict the key None stands for all regions that are not named; a facet
+        between two regions takes the smaller size. Without a size there are no more points than there must
+    be. optimize : bool
         Whether to make the tetrahedra rounder by refills and by moving vertices that were added inside.
         Without, there are slivers: flat tetrahedra of four points near a circle.
     split_boundary : bool, optional
         Whether facets, inner facets and inner segments are divided where a size asks for it. By default
-        polygons of more than three corners are, which are shapes, and triangles are not, which somebody has
-        meshed; edges of kept triangles stay. With True all are, with False none.
+        polygons of more than three corners are, and triangles joined to no other by an edge of their
+        own: these are shapes.
+        Other triangles are not, which somebody has meshed, and their edges stay. With True all are, with
+        False none.
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
@@ -60,7 +65,8 @@ def tetrahedralize(
         As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
         numbers of "refills" and "moves". Where facets are divided, new vertices on them are in ``steiner``,
         as all vertices on pieces that the domain does not have. Cells with a face on a piece whose edges are
-        more than twice as long as wanted are in ``unrefined``.
+        more than twice as long as wanted in their middle are in ``unrefined``, and so are those that miss the
+        size when it is asked again (see the notes).
 
     Raises
     ------
@@ -79,6 +85,16 @@ def tetrahedralize(
     recovered. Near a surface that is finer than the size, cells are as small as its triangles; their edges
     grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and
     seed give the same mesh.
+
+    A size is a function, of which only values are known. In the end it is asked again in the mesh: at the
+    barycenter of each cell, which must not have an edge more than 2.5 times as long; at each vertex, where
+    the shortest edge must not be; and at the landmarks of the field (sources, vertices of features). Where it
+    is, the mesh is made again, at most twice, with these places as landmarks; cells that still miss the size
+    are in ``unrefined``. So ``complete`` says that the size is kept at these places of the mesh. A detail of
+    a caller's function that lies between them all, and between the places where lattices are chosen, is not
+    seen: give such a function as a `sizing.SizeField` with ``landmarks``. Fields that know their growth are
+    kept to in all of each cell.
+
     O(n) in practice for n cells. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
     2005-2039; P.-L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998); L. A. Freitag,
     C. Ollivier-Gooch, Int. J. Numer. Methods Eng. 40 (1997) 3979-4002. Book: 2.8c.
@@ -89,25 +105,32 @@ def tetrahedralize(
         split_boundary = as_flag(split_boundary, "split_boundary")
     seed = as_seed(seed)
     budget = None if budget is None else as_count(budget, "budget")
-    parts = None
-    field, lattice = None, None
+    field = None
     if size is not None and len(domain.facets):
-        field = as_size(size)
+        field = as_size(size_by_part(domain, size))
+    options: Any = {"optimize": optimize, "seed": seed, "budget": budget, "progress": progress}
+
+    def made(field: SizeField | None) -> DomainMesh:
+        return _made(domain, field, split_boundary, options)
+
+    return noticed(asked_again(made, field))
+
+
+def _made(
+    domain: Domain, field: SizeField | None, split_boundary: bool | None, options: dict[str, Any]
+) -> DomainMesh:
+    """The mesh, before the size is asked again."""
+    parts, lattice, budget = None, None, options["budget"]
+    if field is not None:
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
         lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
-    options: Any = {
-        "field": field,
-        "optimize": optimize,
-        "seed": seed,
-        "budget": budget,
-        "progress": progress,
-    }
+    more: Any = {"field": field}
     if not split_boundary:
-        options["large"] = "a facet is larger than the size; split_boundary=True divides it"
+        more["large"] = "a facet is larger than the size; split_boundary=True divides it"
     if parts is None:
-        return noticed(filled(domain, lattice, **options))
-    return noticed(_as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **options)))
+        return filled(domain, lattice, **more, **options)
+    return _as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
 
 
 def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:

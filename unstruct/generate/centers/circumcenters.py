@@ -25,6 +25,7 @@ from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing import as_size
+from ...sizing.asked import asked_again
 from ..boundary.constrained import complex_of
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..boundary.pairs import paired
@@ -131,11 +132,15 @@ def circumcenter_insertion(
     if isinstance(domain_or_points, Domain) and domain_or_points.dimension == 3:
         if limit is not None or not isinstance(step, float) or step != STEP:
             raise InputError("limit and step are for the plane; in space give a size and a priority")
-        mesh = centers_in_body(
-            domain_or_points, size, priority=priority, split_boundary=split_boundary, budget=budget,
-            history=history, progress=progress,
-        )  # fmt: skip
-        return noticed(mesh)
+        body = domain_or_points
+
+        def made(size: Any) -> DomainMesh:
+            return centers_in_body(
+                body, size, priority=priority, split_boundary=split_boundary, budget=budget, history=history,
+                progress=progress,
+            )  # fmt: skip
+
+        return noticed(asked_again(made, size))
     if size is None and limit is None and budget is None:
         raise InputError("without a size or a limit every triangle is bad: give a size, a limit or a budget")
     if not isinstance(size, Mapping):

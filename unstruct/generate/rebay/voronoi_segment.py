@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags, positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.asked import MUCH_LONGER, asked_again
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
@@ -22,6 +23,7 @@ from .run import COUNT_NAMES, VoronoiSegmentRun, rule_of
 __all__ = ["CASES", "epsilon_chains", "voronoi_segment"]
 
 CHOICES = ("center", "first")  # of `evaluate` and `order`, in space
+USUALLY_ACCEPTED = 1.35
 # The bits of ``steps["case"]``, by name.
 CASES: dict[str, int] = {name: 1 << bit for bit, name in enumerate(COUNT_NAMES[:8])}
 
@@ -151,11 +153,16 @@ def voronoi_segment(
     if isinstance(domain, Domain) and domain.dimension == 3:
         if not (isinstance(evaluate, str) and isinstance(order, str)) or (evaluate, order) != CHOICES:
             raise InputError("evaluate and order are for the plane")
-        body = segments_in_body(
-            domain, size, priority=priority, accept=accept, finish=finish, split_boundary=split_boundary,
-            budget=budget, history=history, progress=progress,
-        )  # fmt: skip
-        return noticed(body)
+        body = domain
+
+        def made(size: Any) -> DomainMesh:
+            return segments_in_body(
+                body, size, priority=priority, accept=accept, finish=finish, split_boundary=split_boundary,
+                budget=budget, history=history, progress=progress,
+            )  # fmt: skip
+
+        longer = MUCH_LONGER * max(1.0, positive(accept, "accept") / USUALLY_ACCEPTED)
+        return noticed(asked_again(made, size, longer=longer))
     rule = rule_of(accept, evaluate, order, priority, bool(split_boundary))
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)

@@ -23,6 +23,7 @@ from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
+from ...sizing.asked import asked_again
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
@@ -169,7 +170,8 @@ def refine(
     one for the size's or volume's sake of a quarter of the size; so each run ends. Cells that would need
     nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Cells at input angles
     below 60 degrees are left alone where only these angles make their shape ("input angle"). Nothing is
-    refined if a facet could not be recovered (see `constrained_delaunay`). ``counts``: "circumcenters",
+    refined if a facet could not be recovered (see `constrained_delaunay`). In the end the size is asked again
+    as `tetrahedralize` does. ``counts``: "circumcenters",
     "segment points", "facet points", points that were "refused", and cells that miss "size" and "shape".
     O(n log n) in practice. Source: J. R. Shewchuk, Symposium on Computational Geometry (1998) 86-95; H. Si,
     ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8c.
@@ -184,11 +186,15 @@ def refine(
     if isinstance(domain, Domain) and domain.dimension == 3:
         other = not isinstance(method, str) or method != "off-centers"
         _refuse_others(planar | {"method": repr(method) if other else None}, "the plane")
-        mesh = refine_body(
-            domain, size, **spatial, split_boundary=split_boundary, budget=_budget(budget), history=history,
-            progress=progress,
-        )  # fmt: skip
-        return noticed(mesh)
+        body, most = domain, _budget(budget)
+
+        def made(size: Any) -> DomainMesh:
+            return refine_body(
+                body, size, **spatial, split_boundary=split_boundary, budget=most, history=history,
+                progress=progress,
+            )  # fmt: skip
+
+        return noticed(asked_again(made, size))
     _refuse_others(spatial, "space")
     angle, lens, offset = _method(method, min_angle)
     most = _budget(budget)

@@ -44,6 +44,7 @@ FEW_PLACES = 4096  # are always allowed
 PROBES_ALONG = 8  # along each side of the box, to find the least size
 DEEPEST_LATTICE = 18  # levels of nested lattices; their places fit into 64 bits
 LOOKED_UP = 16  # places along the box where sizes are looked up at least, so that small features are met
+LOOKED_UP_AT_ONCE = 1 << 17  # places, to bound the memory
 
 
 class Lattice(NamedTuple):
@@ -186,7 +187,8 @@ def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Arra
     least = float(
         wanted[np.argmin(np.round(off, 6))]
     )  # the last bits of logarithms differ between processors
-    return least * 2.0 ** np.ceil(np.log2(float((high - low).max()) / least))
+    share, exponent = np.frexp(float((high - low).max()) / least)
+    return least * 2.0 ** float(exponent - (share == 0.5))  # a whole number of halvings, up from the least
 
 
 def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -217,13 +219,17 @@ def _least_size(
     side, level = scale
     centers = low + side * (cells + 0.5)
     wanted = field(centers)
-    least = wanted
+    least = wanted.copy()
     if field.growth is not None:
         least = wanted - TOWARDS * side * field.growth
     else:
         k = max(2, LOOKED_UP >> level)
-        for place in np.ndindex(k, k, k):
-            least = np.minimum(least, field(low + side * (cells + (np.array(place) + 0.5) / k)))
+        places = (np.array(list(np.ndindex(k, k, k))) + 0.5) / k
+        at_once = max(1, LOOKED_UP_AT_ONCE // len(places))
+        for i in range(0, len(cells), at_once):
+            x = low + side * (cells[i : i + at_once, None] + places)
+            seen = field(x.reshape(-1, 3)).reshape(len(x), -1).min(axis=1)
+            least[i : i + at_once] = np.minimum(wanted[i : i + at_once], seen)
     near = _limited(surface, centers, wanted + TOWARDS * side * SURFACE_GROWTH)
     least = np.minimum(least, near - TOWARDS * side * SURFACE_GROWTH)
     at_center = np.where(near < wanted, NEARER * near, wanted)

@@ -13,6 +13,7 @@ from ...base.arguments import DEFAULT_BUDGET, as_count, positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
+from ...domain.plane.by_region import no_entry, per_region
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..volume.filling import filled
@@ -103,6 +104,12 @@ def _run(
         return filled(domain, progress=progress), False
     run = BodyRun(domain, cells, found, kept, budget is None)
     names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
+    for r, one in enumerate(per_region(size, names, "size")):
+        if one is None:
+            made = cells.inside()
+            raise no_entry(
+                names[r], made.points[made.simplices[int(np.argmax(run.regions == r))]].mean(axis=0)
+            )
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,
         size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
