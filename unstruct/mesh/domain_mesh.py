@@ -151,8 +151,8 @@ class DomainMesh(Mesh):
         for array in (*cells, *markers.values(), *subsegments):
             array.setflags(write=False)
         mesh.points, mesh.origin, mesh.duplicates = frozen(points), frozen(origin), NO_PAIRS
-        mesh.dimension, mesh.markers, mesh.regions = 2, markers, dict(regions or {})
-        mesh.cells = {"triangle": cells[0]}
+        mesh.dimension, mesh.cells = 2, {"triangle": cells[0]}
+        mesh._take_names(markers, dict(regions or {}))
         mesh.__dict__["neighbors"] = cells[1]
         mesh.segments, mesh.piece, mesh.span = subsegments
         mesh.faces, mesh.face_piece = NO_FACES, NO_CELLS
