@@ -48,9 +48,10 @@ from .node_ele import read_node_ele, write_node_ele
 from .scikit import to_skfem
 from .su2 import read_su2, write_su2
 
-__all__ = ["read", "to_meshio", "to_skfem", "write"]
+__all__ = ["meant", "read", "to_meshio", "to_skfem", "write"]
 
 LINES_BEYOND = 10  # after so many empty answers a reader has not noticed that a file has ended
+OWN_SUFFIXES = (".msh", ".su2", ".mesh", ".node", ".ele")  # formats that are written without meshio
 EXPONENTIAL = rb"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+"
 MESHIO_READS_MSH = ("4.0", "4")  # versions of Gmsh's format that are left to meshio
 
@@ -174,12 +175,7 @@ def _padded(points: np.ndarray) -> np.ndarray:
 
 
 def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | None, fields: Fields) -> None:
-    meshio = optional("meshio", f"writing {suffix or path.name!r}")
-    if suffix not in meshio.extension_to_filetypes:
-        raise InputError(
-            f"cannot write this mesh as {suffix!r}: no format has this suffix; there are polyMesh, .node, "
-            f".msh, .su2, {', '.join(sorted(meshio.extension_to_filetypes))}"
-        )
+    meshio = _meshio_for(path)
     options = meshio_options(suffix, binary)
     other = exchange_of(mesh)
     other.points = as_stored(_padded(other.points), suffix)
@@ -217,6 +213,32 @@ def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | 
             raise InputError(
                 f"meshio cannot write this mesh as {suffix!r} ({why}); .vtu stores all"
             ) from error
+
+
+def _meshio_for(path: Path) -> Any:
+    """meshio, if it has a format of this suffix."""
+    suffix = suffix_of(path)
+    meshio = optional("meshio", f"writing {suffix or path.name!r}")
+    if suffix not in meshio.extension_to_filetypes:
+        raise InputError(
+            f"cannot write this mesh as {suffix!r}: no format has this suffix; there are polyMesh, .node, "
+            f".msh, .su2, {', '.join(sorted(meshio.extension_to_filetypes))}"
+        )
+    return meshio
+
+
+def meant(path: Path) -> None:
+    """An error for a file that no mesh can be written to, before much time is spent on the mesh.
+
+    Raises
+    ------
+    InputError
+        For a suffix that no format has, and a folder that does not exist.
+    """
+    if path.name != "polyMesh" and suffix_of(path) not in OWN_SUFFIXES:
+        _meshio_for(path)
+    if not path.parent.is_dir():
+        raise InputError(f"cannot write {path}: there is no folder {path.parent}; make it first")
 
 
 def _drop_whole(mesh: CellComplex) -> None:
