@@ -28,8 +28,8 @@ def as_path(value: Any) -> Path:
 
 
 def suffix_of(path: Path) -> str:
-    """The suffix in small letters, by which formats are known."""
-    return path.suffix.lower()
+    """The suffix in small letters, by which formats are known; for compressed files the last two."""
+    return "".join(path.suffixes[-2:] if path.suffix.lower() == ".gz" else path.suffixes[-1:]).lower()
 
 
 def bytes_of(path: Path) -> bytes:

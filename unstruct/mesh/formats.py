@@ -45,6 +45,7 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys([".inp", ".mdpa"], ("line", *FLAT, "tetra", "wedge", "hexahedron")),
     **dict.fromkeys([".msh", ".avs", ".mesh", ".meshb", ".bdf", ".fem", ".nas"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".post", ".dato", ".vol", ".exo", ".e", ".ex2"], ("line", *FLAT, *SOLID)),
+    **dict.fromkeys([".post.gz", ".dato.gz", ".vol.gz"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".med", ".xdmf", ".xmf", ".hmf"], ("line", *FLAT, *SOLID)),
 }
 NEED_PACKAGE = {
