@@ -16,7 +16,7 @@ __all__ = ["with_pieces"]
 
 NEARLY_ON = 2.0**-44  # of the largest coordinate: what is looked for; `check_body` judges what is found
 BARYCENTRIC = 1e-9  # by how much barycentric coordinates of a point on a triangle may be negative
-PLACES = np.array([[1, 1, 1], [2.4, 0.3, 0.3], [0.3, 2.4, 0.3], [0.3, 0.3, 2.4]]) / 3  # inside of a face
+IN_A_FACE = np.array([[1, 1, 1], [2.4, 0.3, 0.3], [0.3, 2.4, 0.3], [0.3, 0.3, 2.4]]) / 3  # inside of a face
 
 
 def with_pieces(mesh: Mesh, domain: Domain) -> DomainMesh:
@@ -39,14 +39,14 @@ def with_pieces(mesh: Mesh, domain: Domain) -> DomainMesh:
     scale = float(np.abs(domain.points).max(initial=0.0)) or 1.0
     points, corners = mesh.points / scale, domain.points[shell.triangles] / scale
     border = np.asarray(mesh.boundary)
-    piece = _pieces_of(points[border], corners, shell.piece, PLACES[:1])
+    piece = _pieces_of(points[border], corners, shell.piece, IN_A_FACE[:1])
     on = (piece >= 0) & (piece < len(domain.facets))
     faces, face_piece = border[on], piece[on]
     if len(domain.inner) and (shell.piece >= len(domain.facets)).any():
         every = topology.faces(mesh.simplices, 2)
         group, _ = group_rows(np.sort(np.concatenate([border, every]), axis=1))
         inner = every[~np.isin(group[len(border) :], group[: len(border)])]
-        piece = _pieces_of(points[inner], corners, shell.piece, PLACES)
+        piece = _pieces_of(points[inner], corners, shell.piece, IN_A_FACE)
         on = piece >= len(domain.facets)
         faces, face_piece = np.concatenate([faces, inner[on]]), np.concatenate([face_piece, piece[on]])
     edges, number, span = _on_segments(points, mesh.edges, domain.points[shell.segments] / scale)

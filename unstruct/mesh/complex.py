@@ -29,7 +29,7 @@ from .cells import (
 from .naming import as_marker, as_region_names, as_region_number
 from .periodic import Periodic, as_periodic, pairs_of
 
-__all__ = ["NO_PAIRS", "CellComplex"]
+__all__ = ["NO_PAIRS", "CellComplex", "checked_markers", "checked_regions"]
 
 NO_PAIRS, NO_VERTICES = frozen(np.empty((0, 2), dtype=np.int32)), frozen(np.empty(0, dtype=np.int32))
 
@@ -89,11 +89,12 @@ class CellComplex:
             self.hidden = self._integers(hidden, "hidden", (None,))
             if not within(self.hidden[:, None], n):
                 raise InputError(f"hidden refers to vertices outside 0..{n - 1}")
-        self._take_names({}, {})
+        self.markers: dict[str, np.ndarray] = checked_markers({}, self)
         if markers is not None:
             self.markers.update(as_mapping(markers, "markers"))
+        self.regions: dict[str, int] = checked_regions({})
         if regions is not None and len(as_mapping(regions, "regions")):
-            self._take_names(self.markers, as_region_names(regions, self.markers))
+            self.regions = checked_regions(as_region_names(regions, self.markers))
         if periodic is not None:
             self.periodic = as_periodic(periodic, n, d)
 
@@ -112,12 +113,6 @@ class CellComplex:
         if array.size and not (-(2**31) <= int(array.min()) <= int(array.max()) < 2**31):
             raise InputError(f"{name} has entries beyond 32 bits: there are no such vertices or cells")
         return frozen(np.ascontiguousarray(array, dtype=np.int32))
-
-    def _take_names(self, markers: dict[str, np.ndarray], regions: dict[str, int]) -> None:
-        """Markers and names of regions that are right; others can be added only if they are right, too."""
-        check = partial(as_marker, size=self.size, vertices=len(self.points), padded=not self.is_simplicial)
-        self.markers: dict[str, np.ndarray] = CheckedDict(markers, "markers", check)
-        self.regions: dict[str, int] = CheckedDict(regions, "regions", as_region_number)
 
     @property
     def pairs(self) -> np.ndarray:
@@ -252,3 +247,14 @@ class CellComplex:
         extra = f", {len(self.duplicates)} duplicates" if len(self.duplicates) else ""
         extra += f", {len(self.hidden)} hidden" if len(self.hidden) else ""
         return f"<Mesh: {len(self.points)} points, {kinds} in {self.points.shape[1]}D{extra}>"
+
+
+def checked_markers(markers: dict[str, np.ndarray], mesh: CellComplex) -> CheckedDict[np.ndarray]:
+    """Markers that are right, to which others are added only if they are right, too."""
+    check = partial(as_marker, size=mesh.size, vertices=len(mesh.points), padded=not mesh.is_simplicial)
+    return CheckedDict(markers, "markers", check)
+
+
+def checked_regions(regions: dict[str, int]) -> CheckedDict[int]:
+    """Numbers of regions that are right, as `checked_markers`."""
+    return CheckedDict(regions, "regions", as_region_number)

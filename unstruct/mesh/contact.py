@@ -16,9 +16,9 @@ from .cells import incident_facets
 
 __all__ = ["Contact", "contacts"]
 
-NEAR = 1e-6  # of the length of a face: what is nearer lies on it
-INNER = 0.1  # how far towards the others the points near corners are, in barycentric coordinates
-SLACK = 1e-9  # by which barycentric coordinates may be negative
+IN_CONTACT = 1e-6  # of the length of a face: what is nearer lies on it
+OFF_CORNERS = 0.1  # how far towards the others the points near corners are, in barycentric coordinates
+BARELY_OUTSIDE = 1e-9  # by which barycentric coordinates may be negative
 
 
 class Contact(NamedTuple):
@@ -65,7 +65,7 @@ def contacts(points: np.ndarray, cells: Mapping[str, Any], mesh_of_cell: NDArray
     corners, face = _pieces(points, rows)
     low, high = bounding_boxes(corners)
     length = (high - low).max(axis=1)
-    near = NEAR * length[:, None]
+    near = IN_CONTACT * length[:, None]
     one, two = BoxTree(low - near, high + near).pairs(low - near, high + near)
     apart = owner[face[one]] != owner[face[two]]
     one, two = one[apart], two[apart]
@@ -97,8 +97,8 @@ def _pieces(points: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarra
 def _lies_on(these: np.ndarray, those: np.ndarray) -> NDArray[np.bool_]:
     """Whether a point inside of each of ``these`` pieces lies on its partner among ``those``."""
     k = these.shape[1]
-    weights = np.full((k + 1, k), INNER)
-    weights[:k][np.arange(k), np.arange(k)] = 1 - (k - 1) * INNER
+    weights = np.full((k + 1, k), OFF_CORNERS)
+    weights[:k][np.arange(k), np.arange(k)] = 1 - (k - 1) * OFF_CORNERS
     weights[k] = 1 / k
     scale = np.maximum(np.ptp(these, axis=1).max(axis=1), np.ptp(those, axis=1).max(axis=1))
     scale = np.where(scale > 0, scale, 1.0)
@@ -109,7 +109,7 @@ def _lies_on(these: np.ndarray, those: np.ndarray) -> NDArray[np.bool_]:
     result = np.zeros(len(these), dtype=bool)
     for weight in weights:
         x = sum(w * mine[:, j] for j, w in enumerate(weight.tolist()))
-        result |= (_on_edge if k == 2 else _on_triangle)(x, corners, NEAR * size)
+        result |= (_on_edge if k == 2 else _on_triangle)(x, corners, IN_CONTACT * size)
     return result
 
 
@@ -132,7 +132,7 @@ def _on_triangle(x: np.ndarray, corners: np.ndarray, near: np.ndarray) -> NDArra
         s = (np.cross(x, v) * normal).sum(axis=1) / square
         t = (np.cross(u, x) * normal).sum(axis=1) / square
         height = (x * normal).sum(axis=1) / np.sqrt(square)
-    inside = (s >= -SLACK) & (t >= -SLACK) & (s + t <= 1 + SLACK)
+    inside = (s >= -BARELY_OUTSIDE) & (t >= -BARELY_OUTSIDE) & (s + t <= 1 + BARELY_OUTSIDE)
     return np.asarray(inside & (np.abs(height) <= near))
 
 
@@ -145,7 +145,7 @@ def _gap(points: np.ndarray, rows: np.ndarray, one: np.ndarray, two: np.ndarray)
     away = np.sqrt(((corners[:, :, None] - others[:, None]) ** 2).sum(axis=3))
     away[(rows[one] < 0)[:, :, None] | (rows[two] < 0)[:, None]] = np.inf
     nearest = np.where(rows[one] < 0, 0.0, away.min(axis=2)).max(axis=1)
-    same = ((rows[one] >= 0).sum(axis=1) == (rows[two] >= 0).sum(axis=1)) & (nearest <= 10 * NEAR)
+    same = ((rows[one] >= 0).sum(axis=1) == (rows[two] >= 0).sum(axis=1)) & (nearest <= 10 * IN_CONTACT)
     nearest = nearest * length.ravel()
     partners = np.unique(one[same])
     return float(nearest[same].max()) if len(partners) == len(np.unique(one)) else float("nan")
