@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .checked import CheckedDict
 from .errors import InputError
 from .jit import kernel
 
@@ -60,19 +61,19 @@ def all_positive(values):
 
 
 @kernel
-def _within(rows, limit):
+def _within(rows, low, limit):
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
-            if rows[i, k] < 0 or rows[i, k] >= limit:
+            if rows[i, k] < low or rows[i, k] >= limit:
                 return False
     return True
 
 
-def within(rows: np.ndarray, limit: int) -> bool:
-    """Whether all entries of rows of integers are 0, 1, ..., limit - 1."""
+def within(rows: np.ndarray, limit: int, low: int = 0) -> bool:
+    """Whether all entries of rows of integers are low, low + 1, ..., limit - 1."""
     if rows.dtype is INT32 and rows.flags.c_contiguous:  # the kernel is compiled for no other type
-        return bool(_within(rows, limit))
-    return not rows.size or bool(0 <= rows.min() <= rows.max() < limit)
+        return bool(_within(rows, low, limit))
+    return not rows.size or bool(low <= rows.min() <= rows.max() < limit)
 
 
 def flagged(n: int, *rows: Any) -> np.ndarray:
@@ -206,7 +207,9 @@ _FIRST = frozen(np.arange(COUNTED_ONCE, dtype=np.int32))
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:
     """The attributes of an unpickled object, its arrays read-only again: pickle restores them writable."""
     return {
-        name: refrozen(value)
+        name: value.of(refrozen(value))
+        if isinstance(value, CheckedDict)
+        else refrozen(value)
         if isinstance(value, dict)
         else frozen(value)
         if isinstance(value, np.ndarray)
