@@ -38,7 +38,7 @@ __all__ = [
 
 OPEN_ROOM = 256  # faces that one point may open
 MAY_GO = 2**31 - 1  # entry of ``met`` of a vertex that a star may take away
-FAR_WALK = 100_000  # steps of a walk
+FAR_WALK = 500  # steps of a walk: cells that are Delaunay need few; among flat ones it may go in circles
 # Entries of ``sizes``.
 STAR_CELLS, STAR_WALLS, STAR_SEEDS, FACES_OPEN, RIM_EDGES = 0, 1, 2, 3, 4
 STAR_FIRST = 5  # cells from which the search begins: the seeds, and after them others that may be left out

@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import distinct
 from .arrays import BOX
 from .complex import SpatialComplex
+from .given import Given
+from .recover import Recovery
 
 __all__ = ["rebuilt"]
+
+FEW_MISSING, SHARE_MISSING = 30, 0.1  # edges: beyond this, a recovery would not be quick
 
 FACES = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])  # opposite each vertex, seen from the cell
 
@@ -30,7 +35,7 @@ def rebuilt(
     Returns
     -------
     SpatialComplex or None
-        None if points would be needed to recover the faces.
+        None if much is missing in the Delaunay tetrahedra, or if points would be needed to recover it.
 
     Notes
     -----
@@ -49,12 +54,29 @@ def rebuilt(
     new = SpatialComplex(cells.xyz[used])
     if new.factor != 1.0:  # a point is beyond what was given, up to rounding
         return None
-    found = new.recover(place[faces], place[edges], budget=0, restarts=1)
-    if not found.exact or len(found.inner):
+    given = Given(place[faces], place[edges])
+    if _missing(new, given.segment) > FEW_MISSING + SHARE_MISSING * len(given.segment):
+        return None
+    for quick in (True, False):
+        run = Recovery(new, given, budget=0, seed=0, quick=quick)
+        run.run()
+        left = len(run.lost) + len(run.missing())
+        if left == 0 or left > FEW_MISSING:
+            break
+    if left:
         return None
     vertices = np.concatenate([used, cells.given + np.arange(BOX)]).astype(np.int32)
     _take_over(new, cells, vertices)
     return new if _take_marks(new, cells, (faces, mark, sides)) else None
+
+
+def _missing(new: SpatialComplex, edges: NDArray[np.int32]) -> int:
+    """How many of these edges, lower vertex first, the complex has not."""
+    cells = new.cells().astype(np.int64)
+    pairs = [(cells[:, i], cells[:, j]) for i in range(4) for j in range(i)]
+    there = distinct(np.concatenate([np.minimum(u, v) * new.size + np.maximum(u, v) for u, v in pairs]))
+    keys = edges[:, 0].astype(np.int64) * new.size + edges[:, 1]
+    return len(keys) - int((there[np.minimum(np.searchsorted(there, keys), len(there) - 1)] == keys).sum())
 
 
 def _marked(
@@ -91,8 +113,7 @@ def _take_marks(
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    parts, (faces, mark, sides) = new.given_parts, marked
-    assert parts is not None
+    faces, mark, sides = marked
     slots = np.flatnonzero(new.used())
     own = np.full(new.slots, -1, dtype=np.int64)
     own[slots] = np.arange(len(slots))
@@ -103,7 +124,7 @@ def _take_marks(
     graph = coo_matrix((np.ones(len(row), dtype=bool), pairs), shape=(len(slots), len(slots)))
     count, part = connected_components(graph, directed=False)
     row, k = np.nonzero(marks >= 0)
-    number = parts.root[marks[row, k]]
+    number = marks[row, k]
     seen = new.vertex[: 4 * new.slots].reshape(-1, 4)[slots[row][:, None], FACES[k]]
     first = (seen == faces[number, :1]).argmax(axis=1)
     same = seen[np.arange(len(seen)), (first + 1) % 3] == faces[number, 1]

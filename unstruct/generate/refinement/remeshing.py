@@ -29,7 +29,7 @@ from .encroachment import STRAIGHT
 from .matched import NO_PARTS, Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
 from .run import Planned
 
-__all__ = ["by_name", "carry", "plan_mesh"]
+__all__ = ["OWN_MARKERS", "by_name", "carry", "groups_of_cells", "plan_mesh", "used_vertices"]
 
 STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
@@ -65,8 +65,8 @@ def plan_mesh(
         For other meshes, for cells that are not counterclockwise, and for cells that overlap.
     """
     _judge(mesh)
-    used, place = _used(mesh)
-    values, group = _groups(mesh)
+    used, place = used_vertices(mesh)
+    values, group = groups_of_cells(mesh)
     edges, left, right, (kinds, sets) = _constraints(mesh, group)
     links = matched_edges(mesh, edges)
     labels = np.column_stack([kinds, left < 0, right < 0, links.label])
@@ -190,7 +190,7 @@ def _judge(mesh: Mesh) -> None:
         )
 
 
-def _used(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+def used_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """The vertices that cells use, and the place of each vertex among them."""
     mask = np.zeros(len(mesh.points), dtype=bool)
     mask[mesh.simplices.ravel()] = True
@@ -198,13 +198,17 @@ def _used(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
 
 
 def _names(mesh: Mesh) -> list[str]:
-    return [k for k, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2 and k not in _OWN]
+    return [
+        k
+        for k, rows in mesh.markers.items()
+        if rows.ndim == 2 and rows.shape[1] == 2 and k not in OWN_MARKERS
+    ]
 
 
-_OWN = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
+OWN_MARKERS = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
 
 
-def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
+def groups_of_cells(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
     """The different combinations of values of cell markers, and the number of that of each cell."""
     names = [name for name, rows in mesh.markers.items() if rows.ndim == 1]
     columns = [np.unique(mesh.markers[name], return_inverse=True)[1] for name in names]
@@ -367,7 +371,7 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     corners = mesh.corners * c.factor
     cells = float(content(corners[:, 1:] - corners[:, :1]).sum() / 2)
     if abs(area - cells) > 1e-9 * cells and (
-        _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[_used(mesh)[0]], rows)
+        _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[used_vertices(mesh)[0]], rows)
     ):
         raise MeshError(
             f"cells of the mesh overlap: their area is {cells / c.factor / c.factor}, that of the region "
@@ -384,16 +388,18 @@ def _exact_area(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> 
     return total
 
 
-def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
-    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs."""
+def carry(mesh: Mesh, values: list[dict[str, Any]], pairs: Any, result: DomainMesh) -> None:
+    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs.
+
+    ``values`` has the values of the markers of cells for each number that "region" of the result has now.
+    """
     group = result.markers.pop("region")
-    values = planned.rest["values"]
     for name in values[0]:
         result.markers[name] = frozen(np.array([row[name] for row in values])[group])
     result.regions = dict(mesh.regions)
-    result.periodic = planned.rest["periodic"]
+    result.periodic = pairs
     place = np.full(len(mesh.points), -1, dtype=np.int32)
-    used = _used(mesh)[0]
+    used = used_vertices(mesh)[0]
     place[used] = np.arange(len(used))  # the first vertices of the result, in the same order
     for name, rows in mesh.markers.items():
         if rows.ndim == 2 and rows.shape[1] == 1:

@@ -34,6 +34,7 @@ from .records import (
     FACET_POINTS,
     IN_FACES,
     IN_HEAP,
+    MAY_BY,
     NEAREST,
     SEGMENT_POINTS,
     SUBSEGMENTS_NOW,
@@ -111,20 +112,24 @@ def _nearest(w, p, lenient):
 
 @apart
 def far_enough(w, p, cause, near, lenient):
-    """Whether p may be put so near to its nearest vertex, and farther than ``near``; sets its floor."""
+    """Why p may be put so near to its nearest vertex (farther than ``near``), 0 for not at all; sets its floor.
+
+    The answer is BY_MEASURE if the size alone allows it, and BY_QUALITY if only the shape does.
+    """
     square, v = _nearest(w, p, lenient)
-    xyz, least = w.solid.xyz, FLOOR_SHARE * w.floor[v]
+    xyz, h = w.solid.xyz, np.inf
     w.floor[p] = w.floor[v]
     w.tally[NEAREST] = v
+    if square < max(near, LEAST_DISTANCE) ** 2:
+        return 0
     if cause & BY_MEASURE:
-        h = np.inf
         for i in range(w.star.sizes[STAR_CELLS]):
             r = w.solid.region[w.star.cells[i]]
             if r >= 0:
                 h = min(h, wanted_in_space(w.limits, r, xyz[p, 0], xyz[p, 1], xyz[p, 2]))
-        if h < np.inf:
-            least = min(least, SIZE_SHARE * h) if cause & BY_QUALITY else SIZE_SHARE * h
-    return square >= max(max(least, near), LEAST_DISTANCE) ** 2
+        if square >= ((SIZE_SHARE * h) if h < np.inf else (FLOOR_SHARE * w.floor[v])) ** 2:
+            return BY_MEASURE
+    return BY_QUALITY if cause & BY_QUALITY and square >= (FLOOR_SHARE * w.floor[v]) ** 2 else 0
 
 
 @apart
@@ -244,8 +249,12 @@ def _find_at_edge(w, s, p, cause, out):
             close_faces(w.solid, w.star)
             if not _search_at_edge(w, s, p, False, gone, out):
                 return ROUNDED
-        if far_enough(w, p, cause, 0.0, gone >= 0):
+        may = far_enough(w, p, cause, 0.0, gone >= 0)
+        w.tally[MAY_BY] = may
+        if may == BY_MEASURE or (may == BY_QUALITY and w.left[w.parent[s]] > 0):
             return INSERTED
+        if may == BY_QUALITY:
+            return OFTEN_DIVIDED
         near = w.tally[NEAREST]
         if w.star.met[near] != MAY_GO or near == gone:
             return NEAR_VERTEX
@@ -262,12 +271,12 @@ def divide_segment(w, s, cause, out):
         return OFTEN_DIVIDED
     where = _place_on_edge(w, s, p)
     code = _find_at_edge(w, s, p, cause, out)
+    if code == INSERTED and not has_room(w):
+        code = ROOM
     if code != INSERTED:
         close_faces(solid, star)
         return code
-    if not has_room(w):
-        close_faces(solid, star)
-        return ROOM
+    _count_down(w.left, w.parent[s], w.tally[MAY_BY])
     new, a, b = w.tally[SUBSEGMENTS_NOW], w.ends[s, 0], w.ends[s, 1]
     commit_star(solid, star, p)
     forget_edge(w.edges, a, b)
@@ -282,7 +291,6 @@ def divide_segment(w, s, cause, out):
     look_at_segment(w, s, solid.at[a])  # cells that vertices remember are new, and have p
     look_at_segment(w, new, solid.at[b])
     w.tally[SEGMENT_POINTS] += 1
-    _count_down(w.left, w.parent[s], cause)
     return INSERTED
 
 
@@ -327,7 +335,7 @@ def _find_on_facet(w, face, found, p, cause, gone, out):
 
     Cells at the vertex ``gone`` are looked at, too; -1 for none.
     """
-    solid, star = w.solid, w.star
+    solid, star, m = w.solid, w.star, w.solid.mark[face]
     star.sizes[FACES_OPEN] = 0
     open_face(solid, star, found)
     _open_facets(w, p, out)
@@ -348,8 +356,12 @@ def _find_on_facet(w, face, found, p, cause, gone, out):
             else:
                 stays = why_not_more(w.asked[s])
     code = WAITS if waits else stays
-    if code == INSERTED and not far_enough(w, p, cause, 0.0, gone >= 0):
+    may = far_enough(w, p, cause, 0.0, gone >= 0) if code == INSERTED else 0
+    w.tally[MAY_BY] = may
+    if code == INSERTED and may == 0:
         code = NEAR_VERTEX
+    if code == INSERTED and may == BY_QUALITY and w.left_facet[m] <= 0:
+        code = OFTEN_DIVIDED
     if code == INSERTED and not has_room(w):
         code = ROOM
     return code
@@ -390,5 +402,5 @@ def divide_face(w, face, cause, out):
     w.tally[VERTICES_NOW] = p + 1
     after_star(w, p, out)
     w.tally[FACET_POINTS] += 1
-    _count_down(w.left_facet, m, cause)
+    _count_down(w.left_facet, m, w.tally[MAY_BY])
     return INSERTED

@@ -32,7 +32,7 @@ from .run import BodyRun, recovered
 
 __all__ = ["centers_in_body", "segments_in_body"]
 
-NO_SIZE = 2.0**-40  # of the extent: a size for which each cell is bad
+NO_SIZE = 2.0**-40  # of the extent: every cell is larger than the cube of this
 
 
 def centers_in_body(
@@ -50,7 +50,11 @@ def centers_in_body(
         raise InputError("without a size or a limit every cell is bad: give a size, or a budget")
     choice = _order(priority, size is not None)
     extent = float((domain.bounds[1] - domain.bounds[0]).max())
-    size = NO_SIZE * extent if size is None else size
+    if size is None:  # each cell is bad, but no segment and no facet is too large
+        return _run(
+            domain, None, (choice, CENTER_RULE, 1.0), split_boundary, budget, history, progress, "centers",
+            max_volume=(NO_SIZE * extent) ** 3,
+        )[0]  # fmt: skip
     rule = choice, CENTER_RULE, 1.0
     return _run(domain, size, rule, split_boundary, budget, history, progress, "centers")[0]
 
@@ -105,6 +109,7 @@ def _run(
     history: bool,
     progress: bool,
     what: str,
+    max_volume: float | None = None,
 ) -> tuple[DomainMesh, bool]:
     """The mesh, and whether nothing is left to do."""
     (order, priority), rule, accept = chosen
@@ -118,7 +123,7 @@ def _run(
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,
         size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
-        priority=priority,
+        priority=priority, max_volume=max_volume,
     )  # fmt: skip
     run.begin(limits)
     with progress_bar(progress, " points", desc=what) as bar:

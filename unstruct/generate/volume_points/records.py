@@ -22,6 +22,7 @@ CENTER_POINTS, SEGMENT_POINTS, FACET_POINTS = 5, 6, 7  # how many were put where
 REFUSED_POINTS = 8  # how many were looked at and not put
 VORONOI_POINTS = 9  # how many were put on Voronoi segments
 NEAREST = 10  # the vertex that was nearest to the last point
+MAY_BY = 12  # why that was near enough
 CELLS_WAIT = 11  # 1 while only segments and facets are divided
 # Bits of ``asked`` and ``flag``: BY_MEASURE, BY_QUALITY, and these, shifted, for what is given up, and why.
 NO_MORE, WHY_NO_MORE = 2, 4  # by how many bits to shift

@@ -231,11 +231,12 @@ class BodyRun:
         are Delaunay, or nearly all are, and no point that recovery has added inside is needed any longer.
         """
         self.cells.size = int(self.count[VERTICES_NOW])
-        if flawed_faces(self.cells.solid()) == 0:
+        flaws = flawed_faces(self.cells.solid())
+        if flaws == 0:
             return False
         parts = int(self.count[SUBSEGMENTS_NOW])
         new = rebuilt(self.cells, self.ends[:parts], self.may_go)
-        if new is None:
+        if new is None or flawed_faces(new.solid()) >= flaws:
             return False
         self.cells = new
         waiting = self.asked[:parts]

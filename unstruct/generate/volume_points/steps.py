@@ -125,7 +125,7 @@ def _put(w, t, cause, near, out):
     code = _in_the_way(w, p, cause, out)
     if code == WAITS or (code != INSERTED and w.limits.bold == 0):
         return code
-    if not far_enough(w, p, cause, near, False):
+    if far_enough(w, p, cause, near, False) == 0:
         return NEAR_VERTEX
     if not has_room(w):
         return ROOM
