@@ -200,7 +200,7 @@ def test_segments_and_facets_are_divided_as_often_as_the_size_asks_for() -> None
 
 
 def test_diagonals_of_a_gridded_part() -> None:
-    """Recovery leaves points beside diagonals, and flat cells; both go (1,900 cells of 22,000 missed the size)."""
+    """Recovery leaves points beside diagonals, and flat cells; both go (1,900 of 22,000 cells were left)."""
     n, rng = 6, np.random.default_rng(3)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]  # so that points are in a plane up to rounding only
     points, faces = solids.cube(n)

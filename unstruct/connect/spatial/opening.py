@@ -47,8 +47,8 @@ STAR_FIRST = 5  # cells from which the search begins: the seeds, and after them 
 class Star(NamedTuple):
     """A cavity and its star: cells, walls, new cells on the walls, opened faces and their rim.
 
-    ``met`` is the stamp of the last search in which each vertex was on a wall, or `MAY_GO`. A row of ``rim`` has the two
-    ends of an edge and the mark of the faces that are made there.
+    ``met`` is the stamp of the last search in which each vertex was on a wall, or `MAY_GO`. A row of ``rim``
+    has the two ends of an edge and the mark of the faces that are made there.
     """
 
     cells: NDArray[np.int32]

@@ -13,9 +13,11 @@ from .recover import Recovery
 
 __all__ = ["rebuilt"]
 
-FEW_MISSING, SHARE_MISSING = 30, 0.1  # edges: beyond this, a recovery would not be quick
+FEW_TO_FIND, SHARE_TO_FIND = 30, 0.1  # edges: beyond this, a recovery would not be quick
 
-FACES = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])  # opposite each vertex, seen from the cell
+SEEN_FACES = np.array(
+    [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]]
+)  # opposite each vertex, as the cell sees it
 
 
 def rebuilt(
@@ -55,13 +57,13 @@ def rebuilt(
     if new.factor != 1.0:  # a point is beyond what was given, up to rounding
         return None
     given = Given(place[faces], place[edges])
-    if _missing(new, given.segment) > FEW_MISSING + SHARE_MISSING * len(given.segment):
+    if _missing(new, given.segment) > FEW_TO_FIND + SHARE_TO_FIND * len(given.segment):
         return None
     for quick in (True, False):
         run = Recovery(new, given, budget=0, seed=0, quick=quick)
         run.run()
         left = len(run.lost) + len(run.missing())
-        if left == 0 or left > FEW_MISSING:
+        if left == 0 or left > FEW_TO_FIND:
             break
     if left:
         return None
@@ -82,11 +84,11 @@ def _missing(new: SpatialComplex, edges: NDArray[np.int32]) -> int:
 def _marked(
     cells: SpatialComplex, slots: NDArray[np.int64]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """The marked faces, once each and seen from a cell, their marks, and the regions on this side and beyond."""
+    """The marked faces, once each and seen from a cell, their marks, and the regions on both sides."""
     place = 4 * slots[:, None] + np.arange(4)
     across, marks = cells.across[place], cells.mark[place]
     row, k = np.nonzero((marks >= 0) & (across > place))
-    faces = cells.vertex[: 4 * cells.slots].reshape(-1, 4)[slots[row][:, None], FACES[k]]
+    faces = cells.vertex[: 4 * cells.slots].reshape(-1, 4)[slots[row][:, None], SEEN_FACES[k]]
     sides = np.column_stack([cells.region[slots[row]], cells.region[across[row, k] >> 2]])
     return faces, marks[row, k], sides
 
@@ -125,7 +127,7 @@ def _take_marks(
     count, part = connected_components(graph, directed=False)
     row, k = np.nonzero(marks >= 0)
     number = marks[row, k]
-    seen = new.vertex[: 4 * new.slots].reshape(-1, 4)[slots[row][:, None], FACES[k]]
+    seen = new.vertex[: 4 * new.slots].reshape(-1, 4)[slots[row][:, None], SEEN_FACES[k]]
     first = (seen == faces[number, :1]).argmax(axis=1)
     same = seen[np.arange(len(seen)), (first + 1) % 3] == faces[number, 1]
     region = np.where(same, sides[number, 0], sides[number, 1])

@@ -6,8 +6,8 @@ walls, strictly and by exact signs, the star of p over the walls is a triangulat
 the seeds were and however p was rounded: all walls turn the same side to p, so they go around it once. Cells
 whose walls p does not see are left out again; so are cells without which a numbered edge would be lost, or a
 vertex, except those that may go. Where p does not see a wall of a seed, as flat cells beside coplanar faces
-have them, the cell beyond becomes a seed, too; if that is behind a marked face, or if an edge or a vertex takes
-a seed, there is no star, and nothing has changed.
+have them, the cell beyond becomes a seed, too; if that is behind a marked face, or if an edge or a vertex
+takes a seed, there is no star, and nothing has changed.
 
 A point on a face, or on a numbered edge, splits marked faces. These are *opened* first: searches pass through
 them, and the star has no wall there. Their outline, the *rim*, is joined to p by new marked faces:

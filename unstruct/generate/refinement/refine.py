@@ -28,9 +28,10 @@ from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..volume_points.refining import refine_body
 from .account import account, history_of
+from .given_mesh import by_name
 from .limits import make_limits
 from .predicate import Predicate
-from .remeshing import by_name, carry, plan_mesh
+from .remeshing import carry, plan_mesh
 from .remeshing_body import refine_cells
 from .run import Planned, RefineRun, counts_of
 from .state import BUDGET, EVENTS, REFUSALS
@@ -66,12 +67,13 @@ def refine(
     domain : Domain or Mesh
         A region, a body in space, or a mesh that is to be refined: triangles in the plane or tetrahedra. In a
         mesh, boundary edges, marked edges and edges between cells of different "region" (in space: faces, and
-        marked edges) are kept as edges (faces), divided if necessary; so are vertices, names, and markers. If the mesh is not constrained Delaunay, it is first made so. Its edges are straight,
-        whatever curve they came from; ``piece`` of the result numbers straight chains of the edges that were
-        kept. Edges that match (``mesh.periodic``) are divided before anything else, both in the same way, by
-        the smallest size or area that is wanted on their sides; a new vertex on one is the image, bit for
-        bit, of that on the other. No more vertices are put there: triangles for which the angle asks for one
-        say "kept". In space, sides that match stay as they are.
+        marked edges) are kept as edges (faces), divided if necessary; so are vertices, names, and markers. If
+        the mesh is not constrained Delaunay, it is first made so. Its edges are straight, whatever curve they
+        came from; ``piece`` of the result numbers straight chains of the edges that were kept. Edges that
+        match (``mesh.periodic``) are divided before anything else, both in the same way, by the smallest size
+        or area that is wanted on their sides; a new vertex on one is the image, bit for bit, of that on the
+        other. No more vertices are put there: triangles for which the angle asks for one say "kept". In
+        space, sides that match stay as they are.
     size : number, function (k, d) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length h. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
@@ -119,12 +121,12 @@ def refine(
     DomainMesh
         It is ``complete`` if all limits are met. Otherwise ``unrefined`` lists the cells that miss one, and
         ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "narrow:
-        ...", "precision: ...", "too near: ...", "curve: ...", and in space those below. ``counts`` contains what happened. With
-        ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split", "circumcenter",
-        "rejected", "removed"),
-        "vertex" (-1 for a rejected one), "cause" (the ends of the subsegment and its number, or the
-        triangle), "place". If no vertex was removed (always so for Ruppert's method on straight segments),
-        each state is the constrained Delaunay triangulation of the first points, ``points[:k]``.
+        ...", "precision: ...", "too near: ...", "curve: ...", and in space those below. ``counts`` contains
+        what happened. With ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split",
+        "circumcenter", "rejected", "removed"), "vertex" (-1 for a rejected one), "cause" (the ends of the
+        subsegment and its number, or the triangle), "place". If no vertex was removed (always so for
+        Ruppert's method on straight segments), each state is the constrained Delaunay triangulation of the
+        first points, ``points[:k]``.
 
     Raises
     ------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -26,10 +25,11 @@ from ...mesh.periodic import renumbered
 from ...predicates.batch import orient
 from ..boundary.kept import SplitBoundary
 from .encroachment import STRAIGHT
+from .given_mesh import OWN_MARKERS, groups_of_cells, used_vertices
 from .matched import NO_PARTS, Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
 from .run import Planned
 
-__all__ = ["OWN_MARKERS", "by_name", "carry", "groups_of_cells", "plan_mesh", "used_vertices"]
+__all__ = ["carry", "plan_mesh"]
 
 STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
@@ -163,18 +163,6 @@ def _complex(
     return c
 
 
-def by_name(mesh: Mesh, value: Any) -> Any:
-    """A limit by region with the names of regions instead of their numbers, where they have names."""
-    if not isinstance(value, Mapping):
-        return value
-    called = names_by_number(mesh.regions)
-    found = {called.get(key, key): limit for key, limit in value.items()}
-    if len(found) < len(value):
-        twice = next(key for key in value if called.get(key, key) != key)
-        raise InputError(f"region {called[twice]!r} is named twice: by its name, and by its number {twice}")
-    return found
-
-
 def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
     raise AssertionError("all pieces of a mesh are straight")
 
@@ -190,32 +178,12 @@ def _judge(mesh: Mesh) -> None:
         )
 
 
-def used_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """The vertices that cells use, and the place of each vertex among them."""
-    mask = np.zeros(len(mesh.points), dtype=bool)
-    mask[mesh.simplices.ravel()] = True
-    return np.flatnonzero(mask), np.cumsum(mask, dtype=np.int32) - np.int32(1)
-
-
 def _names(mesh: Mesh) -> list[str]:
     return [
         k
         for k, rows in mesh.markers.items()
         if rows.ndim == 2 and rows.shape[1] == 2 and k not in OWN_MARKERS
     ]
-
-
-OWN_MARKERS = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
-
-
-def groups_of_cells(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
-    """The different combinations of values of cell markers, and the number of that of each cell."""
-    names = [name for name, rows in mesh.markers.items() if rows.ndim == 1]
-    columns = [np.unique(mesh.markers[name], return_inverse=True)[1] for name in names]
-    table = np.stack(columns, axis=1) if columns else np.zeros((mesh.size, 1), dtype=np.int64)
-    _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
-    rows = [{name: mesh.markers[name][t].item() for name in names} for t in first]
-    return rows, group.reshape(-1)
 
 
 def _constraints(

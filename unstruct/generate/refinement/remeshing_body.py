@@ -1,4 +1,4 @@
-"""A mesh of tetrahedra as the start of a refinement: its boundary and interfaces become the facets of a body."""
+"""A mesh of tetrahedra as the start of a refinement: its boundary and interfaces become facets of a body."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from ...mesh.periodic import pairs_of, renumbered
 from ...predicates.batch import orient
 from ..boundary.kept import SplitBoundary
 from ..volume_points.refining import refine_body
-from .remeshing import OWN_MARKERS, by_name, carry, groups_of_cells, used_vertices
+from .given_mesh import OWN_MARKERS, by_name, groups_of_cells, used_vertices
+from .remeshing import carry
 
 __all__ = ["refine_cells"]
 
-SIDES = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])  # opposite each vertex, seen from outside
+SEEN_SIDES = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])  # opposite each vertex, seen from outside
 VOLUME_ERROR = 1e-9  # relative: cells that overlap are far more
 
 
@@ -120,7 +121,7 @@ def _among(rows: NDArray[np.integer], wanted: NDArray[np.integer]) -> NDArray[np
 def _kept_faces(mesh: Mesh, group: NDArray[np.int64]) -> _Faces:
     """Boundary faces, faces between different groups of cells, and marked faces."""
     neighbors = mesh.neighbors
-    sides = mesh.simplices[:, SIDES]
+    sides = mesh.simplices[:, SEEN_SIDES]
     stay = (neighbors < 0) | (group[neighbors] != group[:, None])
     marked = {name: rows for name, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 3}
     if marked:

@@ -11,7 +11,9 @@ from ...connect.spatial.complex import SpatialMesh
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..volume.filling import with_names
-from .dividing import (
+from .limits import BY_QUALITY
+from .measures import judge_cell
+from .reasons import (
     AT_INPUT_ANGLE,
     FLAT_TETRAHEDRON,
     IN_NARROW_GAP,
@@ -19,8 +21,6 @@ from .dividing import (
     NEAR_VERTEX,
     OFTEN_DIVIDED,
 )
-from .limits import BY_QUALITY
-from .measures import judge_cell
 from .run import BodyRun
 
 __all__ = ["result_of"]
@@ -31,7 +31,7 @@ BODY_REASONS = {
     NEAR_VERTEX: "too near: its shape would need edges much shorter than those of the input nearby",
     MUST_STAY: "kept: only a point on a segment or facet that must stay would help",
     OFTEN_DIVIDED: "divided often: only a further point on a segment or facet would help; a budget allows it",
-    IN_NARROW_GAP: "narrow: between parts that are much nearer to each other than they are wide, or than the size",
+    IN_NARROW_GAP: "narrow: between parts much nearer to each other than they are wide, or than the size",
     AT_INPUT_ANGLE: "input angle: pieces that meet at a small angle leave no choice",
     FLAT_TETRAHEDRON: "sliver: a point against it would be very near to its vertices; improve may help",
     0: "budget",

@@ -30,6 +30,7 @@ from ...connect.spatial.star import add_star, commit_star, room_for_star, search
 from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
 from .measures import encroaches_edge, encroaches_face, face_center
 from .queues import after_star, look_at_segment, push_segment
+from .reasons import NEAR_VERTEX, OFTEN_DIVIDED, WAITS, why_not_more
 from .records import (
     FACET_POINTS,
     IN_FACES,
@@ -39,52 +40,16 @@ from .records import (
     SEGMENT_POINTS,
     SUBSEGMENTS_NOW,
     VERTICES_NOW,
-    WHY_NO_MORE,
 )
 
-__all__ = [
-    "AT_INPUT_ANGLE",
-    "FLAT_TETRAHEDRON",
-    "IN_NARROW_GAP",
-    "MUST_STAY",
-    "NEAR_VERTEX",
-    "OFTEN_DIVIDED",
-    "WAITS",
-    "divide_face",
-    "divide_segment",
-    "far_enough",
-    "has_room",
-    "why_not_more",
-]
+__all__ = ["divide_face", "divide_segment", "far_enough", "has_room"]
 
-WAITS = 8  # what is in the way is divided first
-NEAR_VERTEX = 9  # a vertex is too near
-MUST_STAY = 10  # what is in the way must stay as it is
-AT_INPUT_ANGLE = 11  # the shape comes from a small angle of the input
-FLAT_TETRAHEDRON = 12  # the center is nearer to the vertices than these are to each other
-OFTEN_DIVIDED = 13  # what is in the way was divided as often as it may be for the shape's sake
-IN_NARROW_GAP = 14  # the shape comes from a narrow gap between parts of the surface
-LOST_TO_ROUNDING = 7  # below `WAITS`: in the bits of what is given up, in place of codes below
 FLOOR_SHARE = 2.0**-8  # points for the shape's sake keep this share of the lengths nearby in the beginning
 SIZE_SHARE = 0.25  # points for the size's sake keep this share of it
 SHARE_BACK = 16  # points for the shape's sake that each point for the size's sake allows further
 VERY_NEAR = 2.0**-30  # of the largest coordinate: a vertex that may go must go
 MOST_GONE = 4  # searches for one point, each without a further vertex that may go
 LEAST_DISTANCE = 2.0**-44  # of the largest coordinate: halves of shorter subsegments would bend
-
-
-@inline
-def why_not_more(bits):
-    """The code by which a subsegment or face was given up, from its bits."""
-    kind = bits >> WHY_NO_MORE
-    return ROUNDED if kind == LOST_TO_ROUNDING else (MUST_STAY if kind == 0 else WAITS + kind)
-
-
-@inline
-def given_up(bits, cause, shift, code):
-    """The bits of a subsegment or face that is given up for a cause."""
-    kind = code - WAITS if code > WAITS else LOST_TO_ROUNDING
-    return (bits & 15) | cause << shift | kind << WHY_NO_MORE
 
 
 @inline
@@ -112,7 +77,7 @@ def _nearest(w, p, lenient):
 
 @apart
 def far_enough(w, p, cause, near, lenient):
-    """Why p may be put so near to its nearest vertex (farther than ``near``), 0 for not at all; sets its floor.
+    """Why p may be put so near to its nearest vertex (beyond ``near``), 0 for not at all; sets its floor.
 
     The answer is BY_MEASURE if the size alone allows it, and BY_QUALITY if only the shape does.
     """

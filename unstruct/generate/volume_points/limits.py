@@ -52,7 +52,7 @@ class BodyLimits(NamedTuple):
     ratio2: float  # largest radius-edge ratio, squared; inf for none
     sliver: float  # cosine of the least dihedral angle; 1 for none
     reach2: float  # largest circumradius, squared, in sizes
-    order: int  # which cell is next: `BY_QUOTIENT`, `BY_RADIUS`, `BY_FIELD`: by the size of a last, further region
+    order: int  # which cell is next: `BY_QUOTIENT`, `BY_RADIUS`, `BY_FIELD`: by the size of a further region
     rule: int  # which point is put: `CENTER_RULE`, `SEGMENT_RULE`
     bold: int  # whether points are put in the spheres of what must stay
     lens: float  # 0: spheres are encroached upon; 1: only lenses in them, where one is seen under 120 degrees

@@ -120,7 +120,7 @@ def judge_cell(solid, limits, t, out):
 
 @apart
 def across_input(w, t):
-    """Whether the shortest edge of cell t joins parts that meet sharply (1), or is across a narrow gap (2)."""
+    """Whether the shortest edge of cell t joins parts that meet sharply (1), or is across a gap (2)."""
     best, u, v = np.inf, 0, 0
     for i in range(1, 4):
         for j in range(i):

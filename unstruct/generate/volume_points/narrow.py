@@ -1,11 +1,11 @@
 """Narrow gaps: parts of a surface that are much nearer to each other than they are wide, and do not touch.
 
 Cells in a gap of width d have a good shape only if the parts beside it are divided into pieces of about d. A
-gap that is as wide as 1/16 of the parts and of the size is given these. In a narrower one no division is asked
-for because of vertices across it, and cells whose shape it makes are left alone. A part is as wide as the
-area of a facet over its longest edge; a segment and a vertex, as the widest facet there. So surfaces near to
-something that is itself small, a fine hole or a rod, are divided as finely as that asks for: what is small in
-two directions needs few points.
+gap that is as wide as 1/16 of the parts and of the size is given these. In a narrower one no division is
+asked for because of vertices across it, and cells whose shape it makes are left alone. A part is as wide as
+the area of a facet over its longest edge; a segment and a vertex, as the widest facet there. So surfaces near
+to something that is itself small, a fine hole or a rod, are divided as finely as that asks for: what is small
+in two directions needs few points.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .sharp import Sharp, feature_of, meet_sharply
 
 __all__ = ["across_gap", "find_extents", "find_touching", "flat_in_gap", "gap_to_face", "gap_to_segment"]
 
-ALONE = 1.0 / 16.0  # of its length: how wide a segment without facets is
+BARE_SEGMENT = 1.0 / 16.0  # of its length: how wide a segment without facets is
 
 
 @inline
@@ -188,7 +188,7 @@ def find_extents(
     widest = np.zeros(int(group.max(initial=-1)) + 1)
     np.maximum.at(widest, group[len(ends) :], np.tile(facet[mark], 3))
     own = widest[group[: len(ends)]]
-    own = np.where(own > 0, own, ALONE * lengths_of(xyz[ends[:, 1]] - xyz[ends[:, 0]]))
+    own = np.where(own > 0, own, BARE_SEGMENT * lengths_of(xyz[ends[:, 1]] - xyz[ends[:, 0]]))
     np.maximum.at(segment, parent, own)
     np.maximum.at(vertex, ends.ravel(), np.repeat(own, 2))
     return np.concatenate([vertex, segment, facet])

@@ -45,10 +45,10 @@ from .steps import SPARE_QUEUE, divide
 __all__ = ["BodyRun", "recovered"]
 
 BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
-# Where no budget is given: points for the shape's sake alone, on a segment of the input, on a facet, and there for
-# each of its sides. Points for the size's sake allow more: see `dividing`.
+# Where no budget is given: points for the shape's sake alone, on a segment of the input, on a facet, and
+# there for each of its sides. Points for the size's sake allow more: see `dividing`.
 MOST_ON_SEGMENT, MOST_ON_FACET, EACH_SIDE = 256, 1024, 64
-THIN = 1.0 / 16.0  # see `narrow`
+NARROW_GAP = 1.0 / 16.0  # see `narrow`
 FRESH_STARTS = 3  # how often the cells are made anew while only segments and facets are divided
 HIDDEN_PASSES = 4  # how often cells whose centers were hidden are tried again
 NO_LIMIT = 2**30
@@ -177,16 +177,16 @@ class BodyRun:
         """The arrays as they are now, in one record for the kernels."""
         return BodyWork(
             self.cells.solid(), self.star, self.edges, self.limits, self.sharp, self.touch,
-            self.extent, self.sharp_vertex, self.ends, self.parent, self.span, self.asked, self.plane, self.kept, self.feature, self.floor,
-            self.left, self.left_facet, self.flag, self.why, self.heap, self.bad, self.segments, self.faces,
-            self.count,
+            self.extent, self.sharp_vertex, self.ends, self.parent, self.span, self.asked, self.plane,
+            self.kept, self.feature, self.floor, self.left, self.left_facet, self.flag, self.why, self.heap,
+            self.bad, self.segments, self.faces, self.count,
         )  # fmt: skip
 
     # ------------------------------------------------------------------ the run
 
     def begin(self, limits: BodyLimits) -> None:
         """Take limits, and let everything wait that misses one."""
-        self.limits = limits._replace(thin=THIN if self.narrow else 0.0)
+        self.limits = limits._replace(thin=NARROW_GAP if self.narrow else 0.0)
         slots = self.cells.slots
         self.heap = grown(self.heap, slots + 4 * SPARE_QUEUE)
         self.bad = grown(self.bad, len(self.heap))
@@ -225,10 +225,11 @@ class BodyRun:
         return code == DONE
 
     def _make_anew(self) -> bool:
-        """Put Delaunay cells in place of others where the divided surface allows that; False if nothing changed.
+        """Put Delaunay cells in place of others, if the divided surface allows that; False if not.
 
-        Recovery and hidden centers leave cells that are not Delaunay. Once the surface is fine enough, its faces
-        are Delaunay, or nearly all are, and no point that recovery has added inside is needed any longer.
+        Recovery and hidden centers leave cells that are not Delaunay. Once the surface is fine enough, its
+        faces are Delaunay, or nearly all are, and no point that recovery has added inside is needed any
+        longer.
         """
         self.cells.size = int(self.count[VERTICES_NOW])
         flaws = flawed_faces(self.cells.solid())

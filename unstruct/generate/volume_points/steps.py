@@ -14,23 +14,20 @@ from ...connect.spatial.cavity import corner
 from ...connect.spatial.numbered import number_of_edge
 from ...connect.spatial.opening import FACES_OPEN, STAR_FIRST, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
-from .dividing import (
+from .dividing import divide_face, divide_segment, far_enough, has_room
+from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
+from .measures import across_input, encroaches_edge, encroaches_face, face_center, judge_cell
+from .narrow import flat_in_gap
+from .queues import after_star, enter_cell, push_face, push_segment, set_flag
+from .reasons import (
     AT_INPUT_ANGLE,
     FLAT_TETRAHEDRON,
     IN_NARROW_GAP,
     NEAR_VERTEX,
     WAITS,
-    divide_face,
-    divide_segment,
-    far_enough,
     given_up,
-    has_room,
     why_not_more,
 )
-from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
-from .measures import across_input, encroaches_edge, encroaches_face, face_center, judge_cell
-from .narrow import flat_in_gap
-from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .records import (
     CELLS_WAIT,
     CENTER_POINTS,
@@ -145,8 +142,8 @@ def _put(w, t, cause, near, out):
 def _at_flat_segment(w, t, cause):
     """Let a subsegment wait at which two faces of facets are sides of cell t; False if there is none.
 
-    Where facets lie in one plane, such a cell may be flat up to rounding: it has no center, and only a point on
-    the edge between the facets takes it away.
+    Where facets lie in one plane, such a cell may be flat up to rounding: it has no center, and only a point
+    on the edge between the facets takes it away.
     """
     waits = False
     for i in range(1, 4):
