@@ -184,6 +184,6 @@ def _held(mesh: Mesh, faces: _Faces, edges: int) -> NDArray[np.bool_]:
     paired = np.zeros(len(mesh.points), dtype=bool)
     if mesh.periodic:
         paired[pairs_of(mesh.periodic).ravel()] = True
-    held = paired[faces.rows].all(axis=1)
+    held: NDArray[np.bool_] = np.array(paired[faces.rows].all(axis=1))
     held[faces.bounding :] = False
     return np.append(held, np.zeros(edges, dtype=bool))

@@ -157,9 +157,9 @@ def find_touching(
         How many marks there are.
     """
     segments = int(parent.max()) + 1 if len(parent) else 0
-    parts = [np.arange(n), n + np.repeat(parent, 2), n + segments + np.repeat(mark, 3)]
-    items = [np.arange(n), ends.ravel(), faces.ravel()]
-    pairs = np.unique(np.column_stack([np.concatenate(parts), np.concatenate(items)]), axis=0)
+    part = np.concatenate([np.arange(n), n + np.repeat(parent, 2), n + segments + np.repeat(mark, 3)])
+    item = np.concatenate([np.arange(n), ends.ravel(), faces.ravel()])
+    pairs = np.unique(np.column_stack([part, item]), axis=0)
     first = np.searchsorted(pairs[:, 0], np.arange(n + segments + marks + 1))
     base = np.array([n, n + segments, 0], dtype=np.int64)
     return Sharp(first.astype(np.int64), pairs[:, 1].astype(np.int32), base)
