@@ -93,7 +93,7 @@ def refine_cells(
 def _judge(mesh: Mesh) -> None:
     if mesh.points.shape[1] != 3 or not mesh.is_simplicial or mesh.dimension != 3 or mesh.size == 0:
         raise MeshError(
-            f"refine needs a Domain, or a mesh of triangles in the plane or of tetrahedra, not {mesh!r}"
+            f"refine needs a Domain, a triangle mesh of the plane or a mesh of tetrahedra, not {mesh!r}"
         )
     turned = np.asarray(orient(mesh.corners)) <= 0
     if turned.any():
