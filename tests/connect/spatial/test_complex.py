@@ -191,3 +191,14 @@ def test_bad_input() -> None:
     c.across[4 * t + 1] = c.across[4 * t]
     with pytest.raises(MeshError, match=r"other side|different faces|hull"):
         c.validate()
+
+
+def test_what_is_beyond_the_vertices_does_not_matter() -> None:
+    """The arrays are longer than they need be, and what is there was taken for coordinates."""
+    points, triangles = MODELS["cube"]
+    cells = SpatialComplex(points)
+    cells.recover(triangles)
+    cells.reserve(3 * cells.size, cells.slots)
+    cells.xyz[cells.size :] = [np.nan, np.inf, 1e308]
+    with np.errstate(all="raise"):
+        cells.validate()

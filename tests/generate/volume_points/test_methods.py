@@ -56,14 +56,35 @@ def test_priorities_and_budget() -> None:
     assert steps is not None and len(steps["vertex"]) == len(one.points) - 8
 
 
+def test_a_size_as_priority() -> None:
+    """Only the order of the points changes: the first ones go where the size of the priority is small."""
+    box = Domain.box()
+
+    def low(x: np.ndarray) -> np.ndarray:
+        return 0.02 + x[:, 2]
+
+    with pytest.warns(UserWarning, match="budget"):
+        first = circumcenter_insertion(box, budget=100, priority=low)
+    new = first.points[8:]
+    assert check(first, domain=box) and (new[:, 2] < 0.5).sum() > 75
+    done = circumcenter_insertion(box, 0.3, priority=low)
+    assert check(done, domain=box) and done.complete
+    assert circumradius(done.corners).max() <= REGULAR * 0.3 * (1 + 1e-9)
+    segments = voronoi_segment(box, 0.3, priority=0.3, finish=False)
+    other = voronoi_segment(box, 0.3, priority="circumradius", finish=False)
+    assert np.array_equal(segments.points, other.points)
+
+
 def test_refused() -> None:
     box = Domain.box()
     with pytest.raises(InputError, match="give a size"):
         circumcenter_insertion(box)
     with pytest.raises(InputError, match="limit and step"):
         circumcenter_insertion(box, 0.3, limit=2.0)
-    with pytest.raises(InputError, match="alpha"):
+    with pytest.raises(InputError, match="'alpha' or 'circumradius' in space, or a size"):
         voronoi_segment(box, 0.3, priority="area")
+    with pytest.raises(InputError, match="give a size"):
+        circumcenter_insertion(box, priority="alpha", budget=10)
     with pytest.raises(InputError, match="evaluate and order"):
         voronoi_segment(box, 0.3, order="last")
     with pytest.raises(InputError, match=r"directions|metric"):

@@ -220,7 +220,9 @@ class CellArrays:
         """
         slots = np.flatnonzero(self.used())
         cell = self.vertex[: 4 * self.slots].reshape(-1, 4)
-        _report(slots[orient_rows(self.xyz, cell[slots]) <= 0], "is not positive")
+        vertices = np.unique(cell[slots])
+        written = self.xyz[: int(vertices.max()) + 1]  # beyond, the memory may hold anything
+        _report(slots[orient_rows(written, cell[slots]) <= 0], "is not positive")
         place = 4 * slots[:, None] + np.arange(4)
         over = self.across[place]
         inner = over >= 0
@@ -239,7 +241,6 @@ class CellArrays:
             place[~inner][(hull < self.given).any(axis=1) | (hull >= self.given + BOX).any(axis=1)] >> 2,
             "is on the hull",
         )
-        vertices = np.unique(cell[slots])
         _report(
             vertices[(cell[self.at[vertices]] != vertices[:, None]).all(axis=1)],
             "is a vertex not in its cell",

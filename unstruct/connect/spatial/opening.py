@@ -18,6 +18,7 @@ from .signs import side
 
 __all__ = [
     "FACES_OPEN",
+    "MAY_GO",
     "OPEN_ROOM",
     "RIM_EDGES",
     "STAR_CELLS",
@@ -36,7 +37,8 @@ __all__ = [
 ]
 
 OPEN_ROOM = 256  # faces that one point may open
-FAR_WALK = 100_000  # steps of a walk
+MAY_GO = 2**31 - 1  # entry of ``met`` of a vertex that a star may take away
+FAR_WALK = 500  # steps of a walk: cells that are Delaunay need few; among flat ones it may go in circles
 # Entries of ``sizes``.
 STAR_CELLS, STAR_WALLS, STAR_SEEDS, FACES_OPEN, RIM_EDGES = 0, 1, 2, 3, 4
 STAR_FIRST = 5  # cells from which the search begins: the seeds, and after them others that may be left out
@@ -45,8 +47,8 @@ STAR_FIRST = 5  # cells from which the search begins: the seeds, and after them 
 class Star(NamedTuple):
     """A cavity and its star: cells, walls, new cells on the walls, opened faces and their rim.
 
-    ``met`` is the stamp of the last search in which each vertex was on a wall. A row of ``rim`` has the two
-    ends of an edge and the mark of the faces that are made there.
+    ``met`` is the stamp of the last search in which each vertex was on a wall, or `MAY_GO`. A row of ``rim``
+    has the two ends of an edge and the mark of the faces that are made there.
     """
 
     cells: NDArray[np.int32]

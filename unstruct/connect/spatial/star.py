@@ -4,8 +4,10 @@ An insertion of vertex p collects a *cavity* without any change: the cells whose
 that are reached from its seeds across unmarked faces. Its *walls* are the faces where it ends. If p sees all
 walls, strictly and by exact signs, the star of p over the walls is a triangulation of the cavity, whatever
 the seeds were and however p was rounded: all walls turn the same side to p, so they go around it once. Cells
-whose walls p does not see are left out again; so are cells without which a vertex or a numbered edge would
-be lost. If this takes a seed, there is no star, and nothing has changed.
+whose walls p does not see are left out again; so are cells without which a numbered edge would be lost, or a
+vertex, except those that may go. Where p does not see a wall of a seed, as flat cells beside coplanar faces
+have them, the cell beyond becomes a seed, too; if that is behind a marked face, or if an edge or a vertex
+takes a seed, there is no star, and nothing has changed.
 
 A point on a face, or on a numbered edge, splits marked faces. These are *opened* first: searches pass through
 them, and the star has no wall there. Their outline, the *rim*, is joined to p by new marked faces:
@@ -24,18 +26,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.jit import apart, inline, lean
+from ...base.jit import apart, inline, kernel, lean
 from ...predicates.kernels import insphere
 from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import corner, new_slot
 from .numbered import number_of_edge
-from .opening import FACES_OPEN, STAR_CELLS, STAR_FIRST, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third
+from .opening import (
+    FACES_OPEN,
+    MAY_GO,
+    STAR_CELLS,
+    STAR_FIRST,
+    STAR_SEEDS,
+    STAR_WALLS,
+    find_rim,
+    sees_face,
+    third,
+)
 
-__all__ = ["commit_star", "in_star", "room_for_star", "search_star"]
+__all__ = ["add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star"]
 
 LEAST_HEIGHT = (
     2.0**-50
 )  # height of a cell with a point that is rounded to a facet; unit: the largest coordinate
+MOST_GROWN = 16  # seeds that are added in one search
 
 
 @apart
@@ -112,9 +125,14 @@ def search_star(solid, star, edges, p, split):
             else:
                 solid.stamp[u] = inside + 1
     star.sizes[STAR_CELLS] = size
+    grown = 0
     while True:
-        if not _see_walls(solid, star, p):
-            return False
+        face = _see_walls(solid, star, p)
+        if face >= 0:
+            grown += 1
+            if grown > MOST_GROWN or not _pass(solid, star, face):
+                return False
+            continue
         gone = _keep_all(solid, star, edges, p, split)
         if gone < 0:
             return False
@@ -124,7 +142,7 @@ def search_star(solid, star, edges, p, split):
 
 @apart
 def _see_walls(solid, star, p):
-    """Leave cells out until p sees all walls; list these. False if a seed would go."""
+    """Leave cells out until p sees all walls; list these. A wall of a seed that p does not see, or -1."""
     inside, seeds = 2 * solid.state[STAMP], star.sizes[STAR_SEEDS]
     while True:
         walls, changed = 0, False
@@ -141,7 +159,8 @@ def _see_walls(solid, star, p):
                     or not (star.sizes[FACES_OPEN] == 0 or _clear(solid.xyz, solid.vertex, face, p))
                 ):
                     if i < seeds:
-                        return False
+                        _compact(solid, star)
+                        return face
                     solid.stamp[t] = inside + 1
                     changed = True
                     break
@@ -149,8 +168,22 @@ def _see_walls(solid, star, p):
                 walls += 1
         if not changed:
             star.sizes[STAR_WALLS] = walls
-            return True
+            return np.int64(-1)
         _compact(solid, star)
+
+
+@apart
+def _pass(solid, star, face):
+    """Make the cell beyond a wall a seed; False if the wall is marked."""
+    over = np.int64(solid.across[face])
+    if solid.mark[face] >= 0 or over < 0:
+        return False
+    seeds, size = star.sizes[STAR_SEEDS], star.sizes[STAR_CELLS]
+    star.cells[size] = star.cells[seeds]
+    star.cells[seeds] = over >> 2
+    solid.stamp[over >> 2] = 2 * solid.state[STAMP]
+    star.sizes[STAR_SEEDS], star.sizes[STAR_CELLS] = seeds + 1, size + 1
+    return True
 
 
 @inline
@@ -170,13 +203,14 @@ def _keep_all(solid, star, edges, p, split):
     for i in range(star.sizes[STAR_WALLS]):
         face = star.walls[i]
         for k in range(4):
-            if k != face & 3:
-                star.met[solid.vertex[(face & ~3) + k]] = stamp
+            v = solid.vertex[(face & ~3) + k]
+            if k != face & 3 and star.met[v] != MAY_GO:
+                star.met[v] = stamp
     for i in range(star.sizes[STAR_CELLS]):
         t = np.int64(star.cells[i])
         for k in range(4):
             v = solid.vertex[4 * t + k]
-            if star.met[v] != stamp:
+            if star.met[v] != stamp and star.met[v] != MAY_GO:
                 return _leave_out(solid, star, p, v, v)
             if edges.degree[v] == 0:
                 continue
@@ -301,6 +335,43 @@ def commit_star(solid, star, p):
         solid.free[solid.state[FREE]] = t
         solid.state[FREE] += 1
     star.sizes[FACES_OPEN] = 0
+
+
+@apart
+def add_star(solid, star, v):
+    """Let a search begin with the cells at vertex v, too; those behind marked faces excepted."""
+    solid.state[STAMP] += 1
+    inside, head = 2 * solid.state[STAMP], star.sizes[STAR_FIRST]
+    size = head
+    star.cells[size] = solid.at[v]
+    solid.stamp[solid.at[v]] = inside
+    size += 1
+    while head < size:
+        t = np.int64(star.cells[head])
+        head += 1
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if solid.vertex[4 * t + k] == v or solid.mark[4 * t + k] != -1 or over < 0:
+                continue
+            if solid.stamp[over >> 2] != inside:
+                solid.stamp[over >> 2] = inside
+                star.cells[size] = over >> 2
+                size += 1
+    star.sizes[STAR_FIRST] = size
+
+
+@kernel
+def flawed_faces(solid):
+    """How many faces without a mark, between cells inside, are not Delaunay."""
+    count = 0
+    for t in range(solid.state[COUNT]):
+        if solid.vertex[4 * t] < 0 or solid.region[t] < 0:
+            continue
+        for k in range(4):
+            over = solid.across[4 * t + k]
+            if over > 4 * t + k and solid.mark[4 * t + k] < 0:
+                count += _in_ball(solid.xyz, solid.vertex, t, solid.vertex[over])
+    return count
 
 
 @lean

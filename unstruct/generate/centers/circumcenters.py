@@ -121,12 +121,13 @@ def circumcenter_insertion(
     Book: 2.6a, 2.6b.
 
     *In space* the point goes to the center of the maximal tetrahedron: f = sqrt(6) h / 4 is the circumradius
-    of a regular one with edges h. ``priority`` is "alpha" or "circumradius"; there is no ``limit`` and no
-    ``step``. Segments longer than 2 f are halved and triangles of facets with circumradii of more than f
-    divided, as `refine` does; a center that sees one of them under 120 degrees or more divides that instead,
-    unless it must stay or is very short. Four points near a circle make slivers, flat tetrahedra whose
-    circumradius is not large: `statistics` counts them, and `improve` cures them. Only positive cells, by
-    exact signs. Book: 2.8c.
+    of a regular one with edges h. ``priority`` is "alpha" or "circumradius", or a size g: then the worst cell
+    has the largest R / g(Q). There is no ``limit`` and no ``step``. Segments longer than 2 f are halved and
+    triangles of facets with circumradii of more than f divided, as `refine` does; a center that sees one of
+    them under 120 degrees or more divides that instead, unless it must stay or is very short. What is said of
+    narrow gaps and of limits on the number of points in `refine` holds here, too. Four points near a circle
+    make slivers, flat tetrahedra whose circumradius is not large: `statistics` counts them, and `improve`
+    cures them. Only positive cells, by exact signs. Book: 2.8c.
     """
     as_flags(history=history, progress=progress)
     if isinstance(domain_or_points, Domain) and domain_or_points.dimension == 3:

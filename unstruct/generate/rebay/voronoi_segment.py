@@ -144,7 +144,7 @@ def voronoi_segment(
     the one with the least circumradius is taken. A point nearer than 0.7 f to a vertex is not put; the
     circumcenter of the cell is then tried. There are slivers: ``finish`` cures them by `improve` (not with
     ``history``), and ``figures`` has the least dihedral angles and 3r/R before and after. ``priority`` is
-    "alpha" or "circumradius"; the boundary is divided as in `circumcenter_insertion`. ``counts`` has
+    "alpha", "circumradius" or a size; the boundary is divided as in `circumcenter_insertion`. ``counts`` has
     "Voronoi points", "circumcenters", "segment points", "facet points". No bound on angles is known.
     Book: 2.8c.
     """

@@ -29,9 +29,11 @@ from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..volume_points.refining import refine_body
 from .account import account, history_of
+from .given_mesh import by_name
 from .limits import make_limits
 from .predicate import Predicate
-from .remeshing import by_name, carry, plan_mesh
+from .remeshing import carry, plan_mesh
+from .remeshing_body import refine_cells
 from .run import Planned, RefineRun, counts_of
 from .state import BUDGET, EVENTS, REFUSALS
 from .whole import refined_at_once
@@ -64,14 +66,15 @@ def refine(
     Parameters
     ----------
     domain : Domain or Mesh
-        A region, a body in space, or a triangle mesh of the plane that is to be refined. In a mesh, boundary
-        edges, marked edges and edges between cells of different "region" are kept as edges (divided, if
-        necessary). If the mesh is not constrained Delaunay, it is first made so. Its edges are straight,
-        whatever curve they came from; ``piece`` of the result numbers straight chains of the edges that were
-        kept. Edges that match (``mesh.periodic``) are divided before anything else, both in the same way, by
-        the smallest size or area that is wanted on their sides; a new vertex on one is the image, bit for
-        bit, of that on the other. No more vertices are put there: triangles for which the angle asks for one
-        say "kept".
+        A region, a body in space, or a mesh that is to be refined: triangles in the plane or tetrahedra. In a
+        mesh, boundary edges, marked edges and edges between cells of different "region" (in space: faces, and
+        marked edges) are kept as edges (faces), divided if necessary; so are vertices, names, and markers. If
+        the mesh is not constrained Delaunay, it is first made so. Its edges are straight, whatever curve they
+        came from; ``piece`` of the result numbers straight chains of the edges that were kept. Edges that
+        match (``mesh.periodic``) are divided before anything else, both in the same way, by the smallest size
+        or area that is wanted on their sides; a new vertex on one is the image, bit for bit, of that on the
+        other. No more vertices are put there: triangles for which the angle asks for one say "kept". In
+        space, sides that match stay as they are.
     size : number, function (k, d) -> (k,), size field, or dict of region name to one of these, optional
         The wanted edge length h. Away from the boundary all edges are at most sqrt(2) times as long, and new
         vertices keep a distance of at least 1 / sqrt(2) times the wanted length. In a dict the key None
@@ -119,18 +122,21 @@ def refine(
     DomainMesh
         It is ``complete`` if all limits are met. Otherwise ``unrefined`` lists the cells that miss one, and
         ``reasons`` says why: "input angle 3.2°" (the angle that leaves no choice), "budget", "narrow:
-        ...", "precision: ...", "too near: ...", "curve: ...". ``counts`` contains what happened. With
-        ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split", "circumcenter",
-        "rejected", "removed"),
-        "vertex" (-1 for a rejected one), "cause" (the ends of the subsegment and its number, or the
-        triangle), "place". If no vertex was removed (always so for Ruppert's method on straight segments),
-        each state is the constrained Delaunay triangulation of the first points, ``points[:k]``.
+        ...", "precision: ...", "too near: ...", "curve: ...", and in space those below. ``counts`` contains
+        what happened. With ``history`` the arrays of ``steps`` have one row for each event: "kind" ("split",
+        "circumcenter", "rejected", "removed"), "vertex" (-1 for a rejected one), "cause" (the ends of the
+        subsegment and its number, or the triangle), "place". If no vertex was removed (always so for
+        Ruppert's method on straight segments), each state is the constrained Delaunay triangulation of the
+        first points, ``points[:k]``.
 
     Raises
     ------
     InputError
         For limits that are not positive or name an unknown region, and as `unstruct.constrained_delaunay`
         does.
+    MeshError
+        For a mesh of other cells, with cells that are not positively oriented or overlap, with a face of more
+        than two cells, or with a marker of something that it does not have.
 
     Notes
     -----
@@ -167,12 +173,24 @@ def refine(
     as well (dihedral angles included), it ends for a ``radius_edge`` above 2, with edges as long as the
     features allow within a constant. For lower limits, sharper input, and for ``min_dihedral``, nothing is.
     There a point for the shape's sake must keep a distance of 1/256 of the edges nearby in the beginning, and
-    one for the size's or volume's sake of a quarter of the size; so each run ends. Cells that would need
-    nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Cells at input angles
-    below 60 degrees are left alone where only these angles make their shape ("input angle"). Nothing is
-    refined if a facet could not be recovered (see `constrained_delaunay`). In the end the size is asked again
-    as `tetrahedralize` does. ``counts``: "circumcenters",
-    "segment points", "facet points", points that were "refused", and cells that miss "size" and "shape".
+    one for the size's or volume's sake of a quarter of the size. All these distances are at least a fixed
+    share of the shortest edge or size, so only finitely many points have room: each run ends. Cells that
+    would need nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Without a
+    budget, a segment also gets at most 256 points for the shape's sake alone, and a facet 1024 and 64 for
+    each of its sides; each point for the size's sake allows 16 more ("divided often"). Cells at input angles
+    below 60 degrees are left alone where only these angles make their shape ("input angle").
+
+    Without a budget, narrow gaps are left alone, too ("narrow"): where two parts of the surface that do not
+    touch are nearer to each other than 1/16 of the size and of the width of both, none is divided because of
+    vertices of the other, and no cell that is flat between them, or whose shortest edge leads across. The
+    width of a facet is its area over its longest edge; so a wall is divided finely at a fine hole, but not
+    all over a thin plate. With a budget, these divisions are made, up to the budget.
+
+    Recovery may have added points close to the surface (see `constrained_delaunay`); they go when points on
+    segments and facets replace them, and the cells are made Delaunay again, as far as that keeps the surface.
+    Nothing is refined if a facet could not be recovered. In the end the size is asked again as
+    `tetrahedralize` does. ``counts``: "circumcenters", "segment points",
+    "facet points", points that were "refused", and cells that miss "size" and "shape".
     O(n log n) in practice. Source: J. R. Shewchuk, Symposium on Computational Geometry (1998) 86-95; H. Si,
     ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8c.
     """
@@ -183,16 +201,18 @@ def refine(
         raise InputError(f"domain must be a Domain or a Mesh, not {type(domain).__name__}")
     planar = {"min_angle": min_angle, "max_area": max_area, "refine_if": refine_if}
     spatial = {"radius_edge": radius_edge, "max_volume": max_volume, "min_dihedral": min_dihedral}
-    if isinstance(domain, Domain) and domain.dimension == 3:
+    solid = isinstance(domain, Mesh) and domain.points.shape[1] == 3
+    if solid or (isinstance(domain, Domain) and domain.dimension == 3):
         other = not isinstance(method, str) or method != "off-centers"
         _refuse_others(planar | {"method": repr(method) if other else None}, "the plane")
-        body, most = domain, _budget(budget)
+        options: dict[str, Any] = {"budget": _budget(budget), "history": history, "progress": progress}
+        options |= spatial | {"split_boundary": split_boundary}
+        body = domain
 
         def made(size: Any) -> DomainMesh:
-            return refine_body(
-                body, size, **spatial, split_boundary=split_boundary, budget=most, history=history,
-                progress=progress,
-            )  # fmt: skip
+            if isinstance(body, Mesh):
+                return refine_cells(body, size, **options)
+            return refine_body(body, size, **options)
 
         return noticed(asked_again(made, size))
     _refuse_others(spatial, "space")
@@ -233,7 +253,7 @@ def refine(
         **planned.rest["mesh"],
     )  # fmt: skip
     if isinstance(domain, Mesh):
-        carry(domain, planned, result)
+        carry(domain, planned.rest["values"], planned.rest["periodic"], result)
     else:
         paired(domain, result)
     return noticed(result)

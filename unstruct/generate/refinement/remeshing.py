@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -26,10 +25,11 @@ from ...mesh.periodic import renumbered
 from ...predicates.batch import orient
 from ..boundary.kept import SplitBoundary
 from .encroachment import STRAIGHT
+from .given_mesh import OWN_MARKERS, groups_of_cells, used_vertices
 from .matched import NO_PARTS, Cut, Longest, Matched, Parts, cut, longest_edges, matched_edges
 from .run import Planned
 
-__all__ = ["by_name", "carry", "plan_mesh"]
+__all__ = ["carry", "plan_mesh"]
 
 STRAIGHT_TURN = 1e-9  # radians: edges whose directions differ by less are parts of one straight piece
 
@@ -65,8 +65,8 @@ def plan_mesh(
         For other meshes, for cells that are not counterclockwise, and for cells that overlap.
     """
     _judge(mesh)
-    used, place = _used(mesh)
-    values, group = _groups(mesh)
+    used, place = used_vertices(mesh)
+    values, group = groups_of_cells(mesh)
     edges, left, right, (kinds, sets) = _constraints(mesh, group)
     links = matched_edges(mesh, edges)
     labels = np.column_stack([kinds, left < 0, right < 0, links.label])
@@ -163,18 +163,6 @@ def _complex(
     return c
 
 
-def by_name(mesh: Mesh, value: Any) -> Any:
-    """A limit by region with the names of regions instead of their numbers, where they have names."""
-    if not isinstance(value, Mapping):
-        return value
-    called = names_by_number(mesh.regions)
-    found = {called.get(key, key): limit for key, limit in value.items()}
-    if len(found) < len(value):
-        twice = next(key for key in value if called.get(key, key) != key)
-        raise InputError(f"region {called[twice]!r} is named twice: by its name, and by its number {twice}")
-    return found
-
-
 def _never(piece: NDArray[Any], t: NDArray[np.float64]) -> NDArray[np.float64]:
     raise AssertionError("all pieces of a mesh are straight")
 
@@ -190,28 +178,12 @@ def _judge(mesh: Mesh) -> None:
         )
 
 
-def _used(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """The vertices that cells use, and the place of each vertex among them."""
-    mask = np.zeros(len(mesh.points), dtype=bool)
-    mask[mesh.simplices.ravel()] = True
-    return np.flatnonzero(mask), np.cumsum(mask, dtype=np.int32) - np.int32(1)
-
-
 def _names(mesh: Mesh) -> list[str]:
-    return [k for k, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2 and k not in _OWN]
-
-
-_OWN = ("facets", "inner")  # made anew by `PlanarComplex.mesh`
-
-
-def _groups(mesh: Mesh) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
-    """The different combinations of values of cell markers, and the number of that of each cell."""
-    names = [name for name, rows in mesh.markers.items() if rows.ndim == 1]
-    columns = [np.unique(mesh.markers[name], return_inverse=True)[1] for name in names]
-    table = np.stack(columns, axis=1) if columns else np.zeros((mesh.size, 1), dtype=np.int64)
-    _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
-    rows = [{name: mesh.markers[name][t].item() for name in names} for t in first]
-    return rows, group.reshape(-1)
+    return [
+        k
+        for k, rows in mesh.markers.items()
+        if rows.ndim == 2 and rows.shape[1] == 2 and k not in OWN_MARKERS
+    ]
 
 
 def _constraints(
@@ -367,7 +339,7 @@ def _compare(mesh: Mesh, c: PlanarComplex) -> None:
     corners = mesh.corners * c.factor
     cells = float(content(corners[:, 1:] - corners[:, :1]).sum() / 2)
     if abs(area - cells) > 1e-9 * cells and (
-        _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[_used(mesh)[0]], rows)
+        _exact_area(mesh.points, mesh.simplices) != _exact_area(mesh.points[used_vertices(mesh)[0]], rows)
     ):
         raise MeshError(
             f"cells of the mesh overlap: their area is {cells / c.factor / c.factor}, that of the region "
@@ -384,16 +356,18 @@ def _exact_area(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> 
     return total
 
 
-def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
-    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs."""
+def carry(mesh: Mesh, values: list[dict[str, Any]], pairs: Any, result: DomainMesh) -> None:
+    """Give the refined mesh the markers of cells and vertices of the given mesh, and its pairs.
+
+    ``values`` has the values of the markers of cells for each number that "region" of the result has now.
+    """
     group = result.markers.pop("region")
-    values = planned.rest["values"]
     for name in values[0]:
         result.markers[name] = frozen(np.array([row[name] for row in values])[group])
     result.regions = mesh.regions.copy()
-    result.periodic = planned.rest["periodic"]
+    result.periodic = pairs
     place = np.full(len(mesh.points), -1, dtype=np.int32)
-    used = _used(mesh)[0]
+    used = used_vertices(mesh)[0]
     place[used] = np.arange(len(used))  # the first vertices of the result, in the same order
     for name, rows in mesh.markers.items():
         if rows.ndim == 2 and rows.shape[1] == 1:

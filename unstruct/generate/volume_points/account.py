@@ -11,9 +11,16 @@ from ...connect.spatial.complex import SpatialMesh
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..volume.filling import with_names
-from .dividing import AT_INPUT_ANGLE, FLAT_TETRAHEDRON, MUST_STAY, NEAR_VERTEX
 from .limits import BY_QUALITY
 from .measures import judge_cell
+from .reasons import (
+    AT_INPUT_ANGLE,
+    FLAT_TETRAHEDRON,
+    IN_NARROW_GAP,
+    MUST_STAY,
+    NEAR_VERTEX,
+    OFTEN_DIVIDED,
+)
 from .run import BodyRun
 
 __all__ = ["result_of"]
@@ -22,7 +29,9 @@ BODY_REASONS = {
     HIDDEN: "hidden: a segment or facet that cannot be divided lies before its center",
     ROUNDED: "precision: rounding leaves no valid place for its center",
     NEAR_VERTEX: "too near: its shape would need edges much shorter than those of the input nearby",
-    MUST_STAY: "kept: only a point on a segment or facet that must stay, or was divided often, would help",
+    MUST_STAY: "kept: only a point on a segment or facet that must stay would help",
+    OFTEN_DIVIDED: "divided often: only a further point on a segment or facet would help; a budget allows it",
+    IN_NARROW_GAP: "narrow: between parts much nearer to each other than they are wide, or than the size",
     AT_INPUT_ANGLE: "input angle: pieces that meet at a small angle leave no choice",
     FLAT_TETRAHEDRON: "sliver: a point against it would be very near to its vertices; improve may help",
     0: "budget",

@@ -15,6 +15,7 @@ from ...connect.spatial.crossing import ring
 from ...connect.spatial.numbered import forget_edge, number_edge, number_of_edge
 from ...connect.spatial.opening import (
     FACES_OPEN,
+    MAY_GO,
     RIM_EDGES,
     STAR_CELLS,
     STAR_FIRST,
@@ -25,37 +26,38 @@ from ...connect.spatial.opening import (
     open_face,
     third,
 )
-from ...connect.spatial.star import commit_star, room_for_star, search_star
+from ...connect.spatial.star import add_star, commit_star, room_for_star, search_star
 from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
 from .measures import encroaches_edge, encroaches_face, face_center
 from .queues import after_star, look_at_segment, push_segment
-from .records import FACET_POINTS, IN_FACES, IN_HEAP, SEGMENT_POINTS, SUBSEGMENTS_NOW, VERTICES_NOW
+from .reasons import NEAR_VERTEX, OFTEN_DIVIDED, WAITS, why_not_more
+from .records import (
+    FACET_POINTS,
+    IN_FACES,
+    IN_HEAP,
+    MAY_BY,
+    NEAREST,
+    SEGMENT_POINTS,
+    SUBSEGMENTS_NOW,
+    VERTICES_NOW,
+)
 
-__all__ = [
-    "AT_INPUT_ANGLE",
-    "FLAT_TETRAHEDRON",
-    "MUST_STAY",
-    "NEAR_VERTEX",
-    "WAITS",
-    "divide_face",
-    "divide_segment",
-    "far_enough",
-    "has_room",
-]
+__all__ = ["divide_face", "divide_segment", "far_enough", "has_room"]
 
-WAITS = 8  # what is in the way is divided first
-NEAR_VERTEX = 9  # a vertex is too near
-MUST_STAY = 10  # what is in the way must stay as it is
-AT_INPUT_ANGLE = 11  # the shape comes from a small angle of the input
-FLAT_TETRAHEDRON = 12  # the center is nearer to the vertices than these are to each other
 FLOOR_SHARE = 2.0**-8  # points for the shape's sake keep this share of the lengths nearby in the beginning
 SIZE_SHARE = 0.25  # points for the size's sake keep this share of it
+SHARE_BACK = 16  # points for the shape's sake that each point for the size's sake allows further
+VERY_NEAR = 2.0**-30  # of the largest coordinate: a vertex that may go must go
+MOST_GONE = 4  # searches for one point, each without a further vertex that may go
 LEAST_DISTANCE = 2.0**-44  # of the largest coordinate: halves of shorter subsegments would bend
 
 
 @inline
-def _nearest(w, p):
-    """The squared distance of p to the nearest vertex of its walls, and that vertex."""
+def _nearest(w, p, lenient):
+    """The squared distance of p to the nearest vertex of its walls, and that vertex.
+
+    With ``lenient`` those that may go do not count, if they are not very near.
+    """
     best, where = np.inf, np.int64(-1)
     for i in range(w.star.sizes[STAR_WALLS]):
         face = w.star.walls[i]
@@ -66,26 +68,33 @@ def _nearest(w, p):
             square = 0.0
             for j in range(3):
                 square += (w.solid.xyz[v, j] - w.solid.xyz[p, j]) ** 2
+            if lenient and w.star.met[v] == MAY_GO and square > VERY_NEAR**2:
+                continue
             if square < best:
                 best, where = square, np.int64(v)
     return best, where
 
 
 @apart
-def far_enough(w, p, cause, near):
-    """Whether p may be put so near to its nearest vertex, and farther than ``near``; sets its floor."""
-    square, v = _nearest(w, p)
-    xyz, least = w.solid.xyz, FLOOR_SHARE * w.floor[v]
+def far_enough(w, p, cause, near, lenient):
+    """Why p may be put so near to its nearest vertex (beyond ``near``), 0 for not at all; sets its floor.
+
+    The answer is BY_MEASURE if the size alone allows it, and BY_QUALITY if only the shape does.
+    """
+    square, v = _nearest(w, p, lenient)
+    xyz, h = w.solid.xyz, np.inf
     w.floor[p] = w.floor[v]
+    w.tally[NEAREST] = v
+    if square < max(near, LEAST_DISTANCE) ** 2:
+        return 0
     if cause & BY_MEASURE:
-        h = np.inf
         for i in range(w.star.sizes[STAR_CELLS]):
             r = w.solid.region[w.star.cells[i]]
             if r >= 0:
                 h = min(h, wanted_in_space(w.limits, r, xyz[p, 0], xyz[p, 1], xyz[p, 2]))
-        if h < np.inf:
-            least = min(least, SIZE_SHARE * h) if cause & BY_QUALITY else SIZE_SHARE * h
-    return square >= max(max(least, near), LEAST_DISTANCE) ** 2
+        if square >= ((SIZE_SHARE * h) if h < np.inf else (FLOOR_SHARE * w.floor[v])) ** 2:
+            return BY_MEASURE
+    return BY_QUALITY if cause & BY_QUALITY and square >= (FLOOR_SHARE * w.floor[v]) ** 2 else 0
 
 
 @apart
@@ -138,12 +147,24 @@ def has_room(w):
     )
 
 
+@inline
+def _count_down(left, part, cause):
+    """One point less for the shape's sake, or some more for each for the size's sake."""
+    if cause == BY_QUALITY:
+        left[part] -= 1
+    elif left[part] >= 0:
+        left[part] += SHARE_BACK
+
+
 # ---------------------------------------------------------------------- subsegments
 
 
 @apart
-def _search_at_edge(w, s, p, wide, out):
-    """Find the star of p on subsegment s; with ``wide`` further faces of the facets are opened."""
+def _search_at_edge(w, s, p, wide, gone, out):
+    """Find the star of p on subsegment s; with ``wide`` further faces of the facets are opened.
+
+    Cells at the vertex ``gone`` are looked at, too; -1 for none.
+    """
     solid, star, a, b = w.solid, w.star, w.ends[s, 0], w.ends[s, 1]
     star.sizes[FACES_OPEN] = 0
     size = ring(solid, star, a, b)
@@ -156,6 +177,8 @@ def _search_at_edge(w, s, p, wide, out):
     if wide:
         _open_facets(w, p, out)
     _seed(w, size)
+    if gone >= 0:
+        add_star(solid, star, gone)
     return size > 0 and search_star(solid, star, w.edges, p, s)
 
 
@@ -183,23 +206,42 @@ def _place_on_edge(w, s, p):
 
 
 @apart
+def _find_at_edge(w, s, p, cause, out):
+    """Find a star of p on subsegment s in which no vertex is too near; vertices that may go are left out."""
+    gone = np.int64(-1)
+    for _ in range(MOST_GONE):
+        if not _search_at_edge(w, s, p, True, gone, out):
+            close_faces(w.solid, w.star)
+            if not _search_at_edge(w, s, p, False, gone, out):
+                return ROUNDED
+        may = far_enough(w, p, cause, 0.0, gone >= 0)
+        w.tally[MAY_BY] = may
+        if may == BY_MEASURE or (may == BY_QUALITY and w.left[w.parent[s]] > 0):
+            return INSERTED
+        if may == BY_QUALITY:
+            return OFTEN_DIVIDED
+        near = w.tally[NEAREST]
+        if w.star.met[near] != MAY_GO or near == gone:
+            return NEAR_VERTEX
+        gone = near
+        close_faces(w.solid, w.star)
+    return NEAR_VERTEX
+
+
+@apart
 def divide_segment(w, s, cause, out):
     """Put a point on subsegment s."""
     solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     if cause == BY_QUALITY and w.left[w.parent[s]] <= 0:
-        return MUST_STAY
+        return OFTEN_DIVIDED
     where = _place_on_edge(w, s, p)
-    if not _search_at_edge(w, s, p, True, out):
+    code = _find_at_edge(w, s, p, cause, out)
+    if code == INSERTED and not has_room(w):
+        code = ROOM
+    if code != INSERTED:
         close_faces(solid, star)
-        if not _search_at_edge(w, s, p, False, out):
-            close_faces(solid, star)
-            return ROUNDED
-    if not far_enough(w, p, cause, 0.0):
-        close_faces(solid, star)
-        return NEAR_VERTEX
-    if not has_room(w):
-        close_faces(solid, star)
-        return ROOM
+        return code
+    _count_down(w.left, w.parent[s], w.tally[MAY_BY])
     new, a, b = w.tally[SUBSEGMENTS_NOW], w.ends[s, 0], w.ends[s, 1]
     commit_star(solid, star, p)
     forget_edge(w.edges, a, b)
@@ -214,7 +256,6 @@ def divide_segment(w, s, cause, out):
     look_at_segment(w, s, solid.at[a])  # cells that vertices remember are new, and have p
     look_at_segment(w, new, solid.at[b])
     w.tally[SEGMENT_POINTS] += 1
-    w.left[w.parent[s]] -= cause == BY_QUALITY
     return INSERTED
 
 
@@ -254,12 +295,50 @@ def _walk_on_facet(w, face, p):
 
 
 @apart
+def _find_on_facet(w, face, found, p, cause, gone, out):
+    """Find the star of p, which is in face ``found``, so that ``face`` goes; the code says if it may be made.
+
+    Cells at the vertex ``gone`` are looked at, too; -1 for none.
+    """
+    solid, star, m = w.solid, w.star, w.solid.mark[face]
+    star.sizes[FACES_OPEN] = 0
+    open_face(solid, star, found)
+    _open_facets(w, p, out)
+    _seed(w, 0)
+    if gone >= 0:
+        add_star(solid, star, gone)
+    if not search_star(solid, star, w.edges, p, -1):
+        return ROUNDED
+    if solid.mark[face] >= 0:  # it would stay
+        return HIDDEN
+    waits, stays = False, INSERTED
+    for i in range(star.sizes[RIM_EDGES]):
+        u, v = star.rim[i, 0], star.rim[i, 1]
+        s = number_of_edge(w.edges, u, v)
+        if s >= 0 and encroaches_edge(solid.xyz, u, v, p, 0.0):
+            if push_segment(w, s, cause):
+                waits = True
+            else:
+                stays = why_not_more(w.asked[s])
+    code = WAITS if waits else stays
+    may = far_enough(w, p, cause, 0.0, gone >= 0) if code == INSERTED else 0
+    w.tally[MAY_BY] = may
+    if code == INSERTED and may == 0:
+        code = NEAR_VERTEX
+    if code == INSERTED and may == BY_QUALITY and w.left_facet[m] <= 0:
+        code = OFTEN_DIVIDED
+    if code == INSERTED and not has_room(w):
+        code = ROOM
+    return code
+
+
+@apart
 def divide_face(w, face, cause, out):
     """Put a point at the circumcenter of a face of a facet."""
     solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     t, k, m = face & ~3, face & 3, solid.mark[face]
     if cause == BY_QUALITY and w.left_facet[m] <= 0:
-        return MUST_STAY
+        return OFTEN_DIVIDED
     a, b, c = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
     square = face_center(solid.xyz, a, b, c, out)
     if not square < 64.0:
@@ -271,31 +350,15 @@ def divide_face(w, face, cause, out):
         solid.xyz[p, j] = out[j] - off * w.plane[m, 3 + j]
     found = _walk_on_facet(w, face, p)
     if found < 0:
-        return WAITS if push_segment(w, -1 - found, cause) else MUST_STAY
-    star.sizes[FACES_OPEN] = 0
-    open_face(solid, star, found)
-    _open_facets(w, p, out)
-    _seed(w, 0)
-    if not search_star(solid, star, w.edges, p, -1):
+        return WAITS if push_segment(w, -1 - found, cause) else why_not_more(w.asked[-1 - found])
+    gone = np.int64(-1)
+    for _ in range(MOST_GONE):
+        code = _find_on_facet(w, face, found, p, cause, gone, out)
+        near = w.tally[NEAREST]
+        if code != NEAR_VERTEX or w.star.met[near] != MAY_GO or near == gone:
+            break
+        gone = near
         close_faces(solid, star)
-        return ROUNDED
-    if solid.mark[face] >= 0:  # it would stay
-        close_faces(solid, star)
-        return HIDDEN
-    waits = stays = False
-    for i in range(star.sizes[RIM_EDGES]):
-        u, v = star.rim[i, 0], star.rim[i, 1]
-        s = number_of_edge(w.edges, u, v)
-        if s >= 0 and encroaches_edge(solid.xyz, u, v, p, 0.0):
-            if push_segment(w, s, cause):
-                waits = True
-            else:
-                stays = True
-    code = WAITS if waits else (MUST_STAY if stays else INSERTED)
-    if code == INSERTED and not far_enough(w, p, cause, 0.0):
-        code = NEAR_VERTEX
-    if code == INSERTED and not has_room(w):
-        code = ROOM
     if code != INSERTED:
         close_faces(solid, star)
         return code
@@ -304,5 +367,5 @@ def divide_face(w, face, cause, out):
     w.tally[VERTICES_NOW] = p + 1
     after_star(w, p, out)
     w.tally[FACET_POINTS] += 1
-    w.left_facet[m] -= cause == BY_QUALITY
+    _count_down(w.left_facet, m, w.tally[MAY_BY])
     return INSERTED

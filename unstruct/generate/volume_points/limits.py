@@ -23,6 +23,7 @@ from ...sizing.metric import Metric
 from ...sizing.space_table import size_in_space, space_nodes
 
 __all__ = [
+    "BY_FIELD",
     "BY_MEASURE",
     "BY_QUALITY",
     "BY_QUOTIENT",
@@ -37,7 +38,7 @@ __all__ = [
     "wanted_in_space",
 ]
 
-BY_QUOTIENT, BY_RADIUS = 0, 1
+BY_QUOTIENT, BY_RADIUS, BY_FIELD = 0, 1, 2
 CENTER_RULE, SEGMENT_RULE = 0, 1
 REGULAR = math.sqrt(6.0) / 4.0  # circumradius of a regular tetrahedron with edges of length 1
 BY_MEASURE, BY_QUALITY = 1, 2  # why something is divided: size and volume, or shape
@@ -51,10 +52,11 @@ class BodyLimits(NamedTuple):
     ratio2: float  # largest radius-edge ratio, squared; inf for none
     sliver: float  # cosine of the least dihedral angle; 1 for none
     reach2: float  # largest circumradius, squared, in sizes
-    order: int  # which cell is next: `BY_QUOTIENT`, `BY_RADIUS`
+    order: int  # which cell is next: `BY_QUOTIENT`, `BY_RADIUS`, `BY_FIELD`: by the size of a further region
     rule: int  # which point is put: `CENTER_RULE`, `SEGMENT_RULE`
     bold: int  # whether points are put in the spheres of what must stay
     lens: float  # 0: spheres are encroached upon; 1: only lenses in them, where one is seen under 120 degrees
+    thin: float  # gaps narrower than this share of the size and of what is beside them are left; 0 for none
     volume: NDArray[np.float64]  # (regions,) six times the largest volume, inf for none
     size: NDArray[np.float64]  # (regions,) the size, if it is constant; inf for none
     first: NDArray[np.int64]  # (regions,) first row of the size's table, -1 if the size is constant
@@ -98,6 +100,8 @@ def make_body_limits(
     rule: int = 0,
     bold: bool = False,
     lens: float = 0.0,
+    thin: float = 0.0,
+    priority: Any = None,
 ) -> BodyLimits:
     """Limits for the named regions (region k is called ``names[k]``) over a box of unscaled coordinates.
 
@@ -115,18 +119,22 @@ def make_body_limits(
         The least dihedral angle, in degrees.
     reach : float
         The largest circumradius, in sizes.
-    order, rule, bold, lens
+    order, rule, bold, lens, thin
         As for `BodyLimits`.
+    priority : size, optional
+        That of the further region, with ``order=BY_FIELD``.
     """
-    count = len(names)
+    further = [] if priority is None else [priority]
+    count = len(names) + len(further)
     volumes = [
         math.inf if one is None else 6.0 * positive(one, "max_volume") * factor**3
         for one in per_region(max_volume, names, "max_volume")
     ]
+    volumes += [math.inf] * len(further)
     sizes, first, last = np.full(count, np.inf), np.full(count, -1), np.full(count, -1)
     parts, rows = [], 0
     made: dict[int, tuple[int, int]] = {}
-    for r, one in enumerate(per_region(size, names, "size")):
+    for r, one in enumerate([*per_region(size, names, "size"), *further]):
         if one is None:
             continue
         field = field_of(one)
@@ -145,7 +153,7 @@ def make_body_limits(
     return BodyLimits(
         math.inf if radius_edge is None else radius_edge * radius_edge,
         1.0 if min_dihedral is None else cosine(math.radians(min_dihedral)),
-        reach * reach, order, rule, int(bold), lens, np.array(volumes, dtype=np.float64), sizes,
+        reach * reach, order, rule, int(bold), lens, thin, np.array(volumes, dtype=np.float64), sizes,
         first.astype(np.int64), last.astype(np.int64),
         np.concatenate(child) if child else NO_FIELD[0], np.concatenate(values) if values else NO_FIELD[1],
         (box * factor).ravel(),

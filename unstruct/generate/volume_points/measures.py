@@ -9,10 +9,19 @@ import numpy as np
 
 from ...base.jit import apart, inline
 from ...connect.spatial.cavity import corner
-from .limits import BY_MEASURE, BY_QUALITY, BY_RADIUS, wanted_in_space
+from .limits import BY_FIELD, BY_MEASURE, BY_QUALITY, BY_RADIUS, wanted_in_space
+from .narrow import across_gap
 from .sharp import feature_of, meet_sharply
 
-__all__ = ["cell_center", "encroaches_edge", "encroaches_face", "face_center", "face_size", "judge_cell"]
+__all__ = [
+    "across_input",
+    "cell_center",
+    "encroaches_edge",
+    "encroaches_face",
+    "face_center",
+    "face_size",
+    "judge_cell",
+]
 
 TAN_30 = 3.0**-0.5
 CLOSED_BALL = 1.0 - 1e-12  # of a squared radius: points on a sphere, up to rounding, are not in it
@@ -103,12 +112,15 @@ def judge_cell(solid, limits, t, out):
     out[18] = shortest
     if limits.order == BY_RADIUS and cause:
         worst = square
+    elif limits.order == BY_FIELD and cause:
+        wanted = wanted_in_space(limits, limits.size.shape[0] - 1, out[0], out[1], out[2])
+        worst = square / (wanted * wanted)
     return cause, worst, square
 
 
 @apart
-def across_sharp(w, t):
-    """Whether the shortest edge of cell t joins parts of the surface that meet sharply."""
+def across_input(w, t):
+    """Whether the shortest edge of cell t joins parts that meet sharply (1), or is across a gap (2)."""
     best, u, v = np.inf, 0, 0
     for i in range(1, 4):
         for j in range(i):
@@ -117,7 +129,9 @@ def across_sharp(w, t):
                 square += (w.solid.xyz[a, k] - w.solid.xyz[b, k]) ** 2
             if square < best:
                 best, u, v = square, a, b
-    return meet_sharply(w.sharp, feature_of(w.sharp, w.feature, u), feature_of(w.sharp, w.feature, v), 0)
+    if meet_sharply(w.sharp, feature_of(w.sharp, w.feature, u), feature_of(w.sharp, w.feature, v), 0):
+        return 1
+    return 2 if across_gap(w, u, v, t) else 0
 
 
 @apart

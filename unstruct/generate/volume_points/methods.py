@@ -19,12 +19,21 @@ from ..boundary.kept import SplitBoundary, kept_pieces
 from ..volume.filling import filled
 from ..volume.improving import improve
 from .account import result_of
-from .limits import BY_QUOTIENT, BY_RADIUS, CENTER_RULE, REGULAR, SEGMENT_RULE, make_body_limits
+from .limits import (
+    BY_FIELD,
+    BY_QUOTIENT,
+    BY_RADIUS,
+    CENTER_RULE,
+    REGULAR,
+    SEGMENT_RULE,
+    field_of,
+    make_body_limits,
+)
 from .run import BodyRun, recovered
 
 __all__ = ["centers_in_body", "segments_in_body"]
 
-NO_SIZE = 2.0**-40  # of the extent: a size for which each cell is bad
+NO_SIZE = 2.0**-40  # of the extent: every cell is larger than the cube of this
 
 
 def centers_in_body(
@@ -40,12 +49,15 @@ def centers_in_body(
     """`circumcenter_insertion` for a body in space; see there."""
     if size is None and budget is None:
         raise InputError("without a size or a limit every cell is bad: give a size, or a budget")
-    order = _order(priority, size is not None)
+    choice = _order(priority, size is not None)
     extent = float((domain.bounds[1] - domain.bounds[0]).max())
-    size = NO_SIZE * extent if size is None else size
-    return _run(domain, size, order, CENTER_RULE, 1.0, split_boundary, budget, history, progress, "centers")[
-        0
-    ]
+    if size is None:  # each cell is bad, but no segment and no facet is too large
+        return _run(
+            domain, None, (choice, CENTER_RULE, 1.0), split_boundary, budget, history, progress, "centers",
+            max_volume=(NO_SIZE * extent) ** 3,
+        )[0]  # fmt: skip
+    rule = choice, CENTER_RULE, 1.0
+    return _run(domain, size, rule, split_boundary, budget, history, progress, "centers")[0]
 
 
 def segments_in_body(
@@ -62,10 +74,8 @@ def segments_in_body(
 ) -> DomainMesh:
     """`voronoi_segment` for a body in space; see there."""
     accept = positive(accept, "accept")
-    order = _order(priority, True)
-    mesh, done = _run(
-        domain, size, order, SEGMENT_RULE, accept, split_boundary, budget, history, progress, "Voronoi"
-    )
+    rule = _order(priority, True), SEGMENT_RULE, accept
+    mesh, done = _run(domain, size, rule, split_boundary, budget, history, progress, "Voronoi")
     if not finish or history or not done:
         return mesh
     better = improve(mesh, progress=progress)
@@ -75,28 +85,35 @@ def segments_in_body(
     return better
 
 
-def _order(priority: Any, sized: bool) -> int:
-    """How the next cell is chosen."""
+def _order(priority: Any, sized: bool) -> tuple[int, Any]:
+    """How the next cell is chosen, and the size for that, if there is another one."""
     if priority is None:
-        return BY_QUOTIENT if sized else BY_RADIUS
-    if isinstance(priority, str) and priority in ("alpha", "circumradius"):
-        return BY_QUOTIENT if priority == "alpha" else BY_RADIUS
-    raise InputError(f"priority = {priority!r:.60} must be 'alpha' or 'circumradius' in space")
+        return BY_QUOTIENT if sized else BY_RADIUS, None
+    if not isinstance(priority, str):
+        return BY_FIELD, field_of(priority)
+    if priority not in ("alpha", "circumradius"):
+        raise InputError(
+            f"priority = {priority!r:.60} must be 'alpha' or 'circumradius' in space, or a size to compare "
+            "circumradii with"
+        )
+    if priority == "alpha" and not sized:
+        raise InputError("the priority 'alpha' compares circumradii with a size: give a size")
+    return BY_QUOTIENT if priority == "alpha" else BY_RADIUS, None
 
 
 def _run(
     domain: Domain,
     size: Any,
-    order: int,
-    rule: int,
-    accept: float,
+    chosen: tuple[tuple[int, Any], int, float],
     split_boundary: SplitBoundary,
     budget: int | None,
     history: bool,
     progress: bool,
     what: str,
+    max_volume: float | None = None,
 ) -> tuple[DomainMesh, bool]:
     """The mesh, and whether nothing is left to do."""
+    (order, priority), rule, accept = chosen
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
     cells, found = recovered(domain, progress)
@@ -113,6 +130,7 @@ def _run(
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,
         size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
+        priority=priority, max_volume=max_volume,
     )  # fmt: skip
     run.begin(limits)
     with progress_bar(progress, " points", desc=what) as bar:

@@ -15,6 +15,7 @@ from ...connect.spatial.numbered import number_of_edge
 from ...connect.spatial.opening import STAR_WALLS, third
 from .limits import BY_MEASURE, BY_QUALITY, wanted_in_space
 from .measures import encroaches_edge, encroaches_face, face_center, face_size, judge_cell
+from .narrow import gap_to_face, gap_to_segment
 from .records import IN_FACES, IN_HEAP, IN_SEGMENTS, NO_MORE
 from .sharp import feature_of, meet_sharply
 
@@ -84,33 +85,40 @@ def look_at_face(w, face, out):
         push_face(w, face, BY_MEASURE)
         return
     over = solid.across[face]
-    if _in_sphere(w, face, solid.mark[face], square, out) or (
-        over >= 0 and _in_sphere(w, over, solid.mark[face], square, out)
+    if _in_sphere(w, face, solid.mark[face], square, h, out) or (
+        over >= 0 and _in_sphere(w, over, solid.mark[face], square, h, out)
     ):
         push_face(w, face, BY_QUALITY)
 
 
 @inline
-def _in_sphere(w, face, m, square, out):
-    """Whether the cell of a face of facet m is inside and has its vertex in the sphere of the face."""
+def _in_sphere(w, face, m, square, h, out):
+    """Whether the cell of a face of facet m is inside and has its vertex in the sphere of the face.
+
+    Not if only a small angle or a narrow gap is the reason.
+    """
     v = w.solid.vertex[face]
     return (
         w.solid.region[face >> 2] >= 0
         and encroaches_face(w.solid.xyz, out, square, v, 0.0)
         and not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[1] + m, 0)
+        and not gap_to_face(w, v, m, out, h)
     )
 
 
 @inline
-def _near_segment(w, s, v):
-    """Whether vertex v is in the sphere of subsegment s, and not only since their pieces meet sharply.
+def _near_segment(w, s, v, h):
+    """Whether vertex v is in the sphere of subsegment s, and not only for a small angle or a narrow gap.
 
     Two segments that meet sharply at a vertex are not excepted: they are divided in shells about it.
     """
     if not encroaches_edge(w.solid.xyz, w.ends[s, 0], w.ends[s, 1], v, 0.0):
         return False
     least = w.sharp.base[2] if w.feature[v] >= 0 else 0
-    return not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), w.sharp.base[0] + w.parent[s], least)
+    part = w.sharp.base[0] + w.parent[s]
+    return not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, v), part, least) and not gap_to_segment(
+        w, v, s, h
+    )
 
 
 @apart
@@ -136,7 +144,7 @@ def look_at_segment(w, s, t):
         u = third(solid, out, a, b)
         if solid.region[t] >= 0:
             h = min(h, wanted_in_space(w.limits, solid.region[t], x, y, z))
-            seen = seen or _near_segment(w, s, u) or _near_segment(w, s, v)
+            seen = seen or _near_segment(w, s, u, h) or _near_segment(w, s, v, h)
         v = u
         if solid.across[out] < 0:
             break
@@ -177,15 +185,18 @@ def after_star(w, p, out):
         enter_cell(w, new, out)
         a, b = solid.vertex[4 * new + corner(k, 0)], solid.vertex[4 * new + corner(k, 1)]
         c = solid.vertex[4 * new + corner(k, 2)]
+        h = wanted_in_space(w.limits, solid.region[new], solid.xyz[p, 0], solid.xyz[p, 1], solid.xyz[p, 2])
         if solid.mark[4 * new + k] >= 0:
-            square = face_center(solid.xyz, a, b, c, out)
-            if encroaches_face(solid.xyz, out, square, p, 0.0) and not meet_sharply(
-                w.sharp, feature_of(w.sharp, w.feature, p), w.sharp.base[1] + solid.mark[4 * new + k], 0
+            square, m = face_center(solid.xyz, a, b, c, out), solid.mark[4 * new + k]
+            if (
+                encroaches_face(solid.xyz, out, square, p, 0.0)
+                and not meet_sharply(w.sharp, feature_of(w.sharp, w.feature, p), w.sharp.base[1] + m, 0)
+                and not gap_to_face(w, p, m, out, h)
             ):
                 push_face(w, 4 * new + k, BY_QUALITY)
         for u, v in ((a, b), (b, c), (c, a)):
             s = number_of_edge(w.edges, u, v)
-            if s >= 0 and _near_segment(w, s, p):
+            if s >= 0 and _near_segment(w, s, p, h):
                 push_segment(w, s, BY_QUALITY)
 
 

@@ -21,8 +21,11 @@ IN_HEAP, IN_SEGMENTS, IN_FACES = 2, 3, 4  # lengths of the queues
 CENTER_POINTS, SEGMENT_POINTS, FACET_POINTS = 5, 6, 7  # how many were put where
 REFUSED_POINTS = 8  # how many were looked at and not put
 VORONOI_POINTS = 9  # how many were put on Voronoi segments
-# Bits of ``asked``, ``lock`` and ``flag``: BY_MEASURE, BY_QUALITY, and these, shifted, for what is given up.
-NO_MORE = 2  # by how many bits to shift
+NEAREST = 10  # the vertex that was nearest to the last point
+MAY_BY = 12  # why that was near enough
+CELLS_WAIT = 11  # 1 while only segments and facets are divided
+# Bits of ``asked`` and ``flag``: BY_MEASURE, BY_QUALITY, and these, shifted, for what is given up, and why.
+NO_MORE, WHY_NO_MORE = 2, 4  # by how many bits to shift
 # Features of vertices: a subsegment's segment s is s, a facet with mark m is -3 - m.
 OF_DOMAIN, FREE_POINT = -1, -2
 
@@ -35,6 +38,8 @@ class BodyWork(NamedTuple):
     edges: Numbered
     limits: BodyLimits
     sharp: Any  # a `Sharp`
+    touch: Any  # another one: for each part its vertices
+    extent: NDArray[np.float64]  # of the parts: how wide they are
     sharp_vertex: NDArray[np.bool_]  # (vertices of the domain,)
     ends: NDArray[np.int32]  # (subsegments, 2)
     parent: NDArray[np.int32]  # the segment that each is a part of

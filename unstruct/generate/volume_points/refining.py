@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, as_count
 from ...base.progress import progress_bar
@@ -32,18 +33,24 @@ def refine_body(
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
+    held: NDArray[np.bool_] | None = None,
+    names: list[Any] | None = None,
 ) -> DomainMesh:
-    """`refine` for a body in space; see there."""
+    """`refine` for a body in space; see there.
+
+    ``held`` are pieces that stay as they are; by ``names`` limits are given for regions, if not by their own.
+    """
     ratio, angle = shape_limits(RADIUS_EDGE if radius_edge is None else radius_edge, min_dihedral)
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
-    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), held)
     cells, found = recovered(domain, progress)
     if not found.complete:
         return filled(domain, progress=progress)
     run = BodyRun(domain, cells, found, kept, budget is None)
-    names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
+    called = list(domain.regions) if names is None else names
+    called = [*called, *[""] * (int(run.regions.max()) + 1 - len(called))]
     limits = make_body_limits(
-        names, np.asarray(domain.bounds), cells.factor,
+        called, np.asarray(domain.bounds), cells.factor,
         size=size, max_volume=max_volume, radius_edge=ratio, min_dihedral=angle,
     )  # fmt: skip
     run.begin(limits)

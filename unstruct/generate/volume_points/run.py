@@ -12,17 +12,22 @@ from ...base.errors import InputError
 from ...connect.insertion.engine import grown
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...connect.spatial.numbered import new_numbered, number_edges
-from ...connect.spatial.opening import STAR_WALLS, new_star
+from ...connect.spatial.opening import MAY_GO, STAR_WALLS, new_star
+from ...connect.spatial.rebuilt import rebuilt
+from ...connect.spatial.star import flawed_faces
 from ...domain.domain import Domain
 from ..volume.filling import numbered_regions
 from .limits import BodyLimits
+from .narrow import find_extents, find_touching
 from .queues import enter_all, look_at_all
 from .records import (
+    CELLS_WAIT,
     CENTER_POINTS,
     FACET_POINTS,
     FREE_POINT,
     IN_FACES,
     IN_HEAP,
+    IN_SEGMENTS,
     NO_MORE,
     OF_DOMAIN,
     REFUSED_POINTS,
@@ -30,6 +35,7 @@ from .records import (
     SUBSEGMENTS_NOW,
     VERTICES_NOW,
     VORONOI_POINTS,
+    WHY_NO_MORE,
     BodyWork,
 )
 from .sharp import find_sharp
@@ -39,10 +45,13 @@ from .steps import SPARE_QUEUE, divide
 __all__ = ["BodyRun", "recovered"]
 
 BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
-# Where no budget is given: points for the shape's sake alone, on a segment of the input and on a facet.
-MOST_ON_SEGMENT, MOST_ON_FACET = 64, 1024
+# Where no budget is given: points for the shape's sake alone, on a segment of the input, on a facet, and
+# there for each of its sides. Points for the size's sake allow more: see `dividing`.
+MOST_ON_SEGMENT, MOST_ON_FACET, EACH_SIDE = 256, 1024, 64
+NARROW_GAP = 1.0 / 16.0  # see `narrow`
+FRESH_STARTS = 3  # how often the cells are made anew while only segments and facets are divided
 HIDDEN_PASSES = 4  # how often cells whose centers were hidden are tried again
-NO_LIMIT = 2**31 - 1
+NO_LIMIT = 2**30
 MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
 
 
@@ -112,11 +121,19 @@ class BodyRun:
         self.given = cells.size
         self.edges = new_numbered(2 * count + 64, cells.size)
         self.feature = np.full(cells.size, OF_DOMAIN, dtype=np.int32)
+        self.feature[found.inner] = FREE_POINT
+        self.may_go = found.inner
         self.floor = _shortest(cells, made)
+        parts_of = cells.xyz[: cells.size], self.ends, self.parent, surface.faces, surface.mark
+        self.touch = find_touching(cells.size, *parts_of[1:], len(self.kept))
+        self.extent = find_extents(*parts_of, len(self.kept))
         segments = int(self.parent.max()) + 1 if count else 0
+        self.narrow = narrow
         self.left = np.full(segments, MOST_ON_SEGMENT if narrow else NO_LIMIT, dtype=np.int32)
         self.left_facet = np.full(len(self.kept), MOST_ON_FACET if narrow else NO_LIMIT, dtype=np.int32)
-        self.left[soft[0]] = self.left_facet[soft[1]] = 0
+        if narrow:
+            self.left_facet += EACH_SIDE * np.bincount(mark, minlength=len(self.kept)).astype(np.int32)
+        self.left[soft[0]] = self.left_facet[soft[1]] = -1
         self.flag, self.why = np.zeros(0, dtype=np.int8), np.zeros(0, dtype=np.int8)
         self.heap, self.bad = np.empty(0), np.empty(0, dtype=np.int32)
         self.segments, self.faces = np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)
@@ -143,6 +160,7 @@ class BodyRun:
             self.star = new_star(slots, vertices)
         elif len(self.star.met) < vertices:
             self.star = new_star(slots, vertices)
+        self.star.met[self.may_go] = MAY_GO
         self.feature, self.floor = grown(self.feature, vertices), grown(self.floor, vertices)
         parts = int(count[SUBSEGMENTS_NOW]) + vertices - points
         self.ends, self.parent = grown(self.ends, parts), grown(self.parent, parts)
@@ -158,17 +176,17 @@ class BodyRun:
     def work(self) -> BodyWork:
         """The arrays as they are now, in one record for the kernels."""
         return BodyWork(
-            self.cells.solid(), self.star, self.edges, self.limits, self.sharp, self.sharp_vertex,
-            self.ends, self.parent, self.span, self.asked, self.plane, self.kept, self.feature, self.floor,
-            self.left, self.left_facet, self.flag, self.why, self.heap, self.bad, self.segments, self.faces,
-            self.count,
+            self.cells.solid(), self.star, self.edges, self.limits, self.sharp, self.touch,
+            self.extent, self.sharp_vertex, self.ends, self.parent, self.span, self.asked, self.plane,
+            self.kept, self.feature, self.floor, self.left, self.left_facet, self.flag, self.why, self.heap,
+            self.bad, self.segments, self.faces, self.count,
         )  # fmt: skip
 
     # ------------------------------------------------------------------ the run
 
     def begin(self, limits: BodyLimits) -> None:
         """Take limits, and let everything wait that misses one."""
-        self.limits = limits
+        self.limits = limits._replace(thin=NARROW_GAP if self.narrow else 0.0)
         slots = self.cells.slots
         self.heap = grown(self.heap, slots + 4 * SPARE_QUEUE)
         self.bad = grown(self.bad, len(self.heap))
@@ -183,7 +201,11 @@ class BodyRun:
     def advance(self, budget: int, bar: Any) -> bool:
         """Put points until nothing waits, or so many are there; whether nothing waits."""
         last, passes, reached = min(self.given + budget, MOST_SPATIAL), 0, -1
-        code = MORE
+        self.count[CELLS_WAIT] = 1
+        for _ in range(FRESH_STARTS):
+            if self._until(last, bar) != DONE or not self._make_anew():
+                break
+        self.count[CELLS_WAIT] = 0
         while True:
             code = self._until(last, bar)
             hidden = self.why[: self.cells.slots] >> 2 == HIDDEN
@@ -196,10 +218,35 @@ class BodyRun:
             ):
                 break
             reached = int(self.count[VERTICES_NOW])
-            self.why[: self.cells.slots][hidden] = 0
-            enter_all(self.work(), self.out)
+            if not self._make_anew():
+                self.why[: self.cells.slots][hidden] = 0
+                enter_all(self.work(), self.out)
         self.cells.size = int(self.count[VERTICES_NOW])
         return code == DONE
+
+    def _make_anew(self) -> bool:
+        """Put Delaunay cells in place of others, if the divided surface allows that; False if not.
+
+        Recovery and hidden centers leave cells that are not Delaunay. Once the surface is fine enough, its
+        faces are Delaunay, or nearly all are, and no point that recovery has added inside is needed any
+        longer.
+        """
+        self.cells.size = int(self.count[VERTICES_NOW])
+        flaws = flawed_faces(self.cells.solid())
+        if flaws == 0:
+            return False
+        parts = int(self.count[SUBSEGMENTS_NOW])
+        new = rebuilt(self.cells, self.ends[:parts], self.may_go)
+        if new is None or flawed_faces(new.solid()) >= flaws:
+            return False
+        self.cells = new
+        waiting = self.asked[:parts]
+        waiting[:] = np.where(waiting >> WHY_NO_MORE > 0, 0, waiting & ~3)
+        self.count[[IN_HEAP, IN_SEGMENTS, IN_FACES]] = 0
+        self.flag, self.why = np.zeros(0, dtype=np.int8), np.zeros(0, dtype=np.int8)
+        self._reserve()
+        self.begin(self.limits)
+        return True
 
     def _until(self, last: int, bar: Any) -> int:
         code = MORE

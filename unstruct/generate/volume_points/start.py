@@ -33,12 +33,16 @@ class Surface(NamedTuple):
     wings : tuple of arrays
         For each pair of a subsegment and a face at it: the row in ``ends``, the third vertex of the face, and
         its mark.
+    faces, mark : (f, 3) and (f,) int32
+        All marked faces, and their marks.
     """
 
     ends: NDArray[np.int32]
     parent: NDArray[np.int32]
     span: NDArray[np.float64]
     wings: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]
+    faces: NDArray[np.int32]
+    mark: NDArray[np.int32]
 
 
 def planes_of(shell: Shell, factor: float) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
@@ -117,4 +121,6 @@ def find_surface(domain: Domain, found: Recovered, made: SpatialMesh, cells: Spa
         np.concatenate([piece, len(domain.pieces) + np.arange(int(new.sum()))]).astype(np.int32),
         np.concatenate([span, np.tile([0.0, 1.0], (int(new.sum()), 1))]).reshape(-1, 2),
         (beside, far[at_border], mark[at_border]),
+        faces,
+        number,
     )

@@ -14,21 +14,22 @@ from ...connect.spatial.cavity import corner
 from ...connect.spatial.numbered import number_of_edge
 from ...connect.spatial.opening import FACES_OPEN, STAR_FIRST, STAR_SEEDS, STAR_WALLS, walk_within
 from ...connect.spatial.star import commit_star, in_star, search_star
-from .dividing import (
+from .dividing import divide_face, divide_segment, far_enough, has_room
+from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
+from .measures import across_input, encroaches_edge, encroaches_face, face_center, judge_cell
+from .narrow import flat_in_gap
+from .queues import after_star, enter_cell, push_face, push_segment, set_flag
+from .reasons import (
     AT_INPUT_ANGLE,
     FLAT_TETRAHEDRON,
-    MUST_STAY,
+    IN_NARROW_GAP,
     NEAR_VERTEX,
     WAITS,
-    divide_face,
-    divide_segment,
-    far_enough,
-    has_room,
+    given_up,
+    why_not_more,
 )
-from .limits import BY_MEASURE, BY_QUALITY, SEGMENT_RULE
-from .measures import across_sharp, encroaches_edge, encroaches_face, face_center, judge_cell
-from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .records import (
+    CELLS_WAIT,
     CENTER_POINTS,
     FREE_POINT,
     IN_FACES,
@@ -54,7 +55,7 @@ SPARE_QUEUE = 4096  # entries of queues that one step may add; larger stars wait
 def _in_the_way(w, p, cause, out):
     """Let the subsegments, or else the faces, wait in whose spheres p is; INSERTED if there are none."""
     solid, star = w.solid, w.star
-    waits = stays = False
+    waits, stays = False, INSERTED
     for i in range(star.sizes[STAR_WALLS]):
         face = star.walls[i]
         t, k = face & ~3, face & 3
@@ -65,7 +66,7 @@ def _in_the_way(w, p, cause, out):
                 if push_segment(w, s, cause):
                     waits = True
                 else:
-                    stays = True
+                    stays = why_not_more(w.asked[s])
     if waits:
         return WAITS
     for i in range(star.sizes[STAR_WALLS]):
@@ -79,8 +80,8 @@ def _in_the_way(w, p, cause, out):
             if push_face(w, face, cause):
                 waits = True
             else:
-                stays = True
-    return WAITS if waits else (MUST_STAY if stays else INSERTED)
+                stays = why_not_more(w.flag[face])
+    return WAITS if waits else stays
 
 
 @apart
@@ -96,7 +97,7 @@ def _beyond(w, face, p, cause, out):
         cause &= BY_MEASURE
         if cause == 0:
             return HIDDEN
-    return WAITS if push_face(w, face, cause) else MUST_STAY
+    return WAITS if push_face(w, face, cause) else why_not_more(w.flag[face])
 
 
 @apart
@@ -119,9 +120,9 @@ def _put(w, t, cause, near, out):
     if not in_star(solid, t):
         return HIDDEN
     code = _in_the_way(w, p, cause, out)
-    if code == WAITS or (code == MUST_STAY and w.limits.bold == 0):
+    if code == WAITS or (code != INSERTED and w.limits.bold == 0):
         return code
-    if not far_enough(w, p, cause, near):
+    if far_enough(w, p, cause, near, False) == 0:
         return NEAR_VERTEX
     if not has_room(w):
         return ROOM
@@ -135,6 +136,26 @@ def _put(w, t, cause, near, out):
             if over >= 0 and solid.mark[over] < 0:
                 enter_cell(w, over >> 2, out)
     return INSERTED
+
+
+@apart
+def _at_flat_segment(w, t, cause):
+    """Let a subsegment wait at which two faces of facets are sides of cell t; False if there is none.
+
+    Where facets lie in one plane, such a cell may be flat up to rounding: it has no center, and only a point
+    on the edge between the facets takes it away.
+    """
+    waits = False
+    for i in range(1, 4):
+        for j in range(i):
+            if w.solid.mark[4 * t + i] < 0 or w.solid.mark[4 * t + j] < 0:
+                continue
+            k = 0
+            while k == i or k == j:
+                k += 1
+            s = number_of_edge(w.edges, w.solid.vertex[4 * t + k], w.solid.vertex[4 * t + 6 - i - j - k])
+            waits = (s >= 0 and push_segment(w, s, cause)) or waits
+    return waits
 
 
 @apart
@@ -176,7 +197,7 @@ def _next_segment(w, out):
     if code == ROOM:
         push_segment(w, s, cause)
     elif code != INSERTED:
-        w.asked[s] |= cause << NO_MORE
+        w.asked[s] = given_up(w.asked[s], cause, NO_MORE, code)
     return code
 
 
@@ -192,7 +213,7 @@ def _next_face(w, out):
     if code == ROOM or code == WAITS:
         push_face(w, face, cause)
     elif code != INSERTED:
-        set_flag(w, face, w.flag[face] | cause << NO_MORE)
+        set_flag(w, face, given_up(w.flag[face], cause, NO_MORE, code))
     return code
 
 
@@ -206,14 +227,19 @@ def _next_cell(w, out):
     cause &= ~w.why[t] & 3
     if cause == 0 or worst != -key:
         return INSERTED
-    if cause == BY_QUALITY and across_sharp(w, t):
+    meets = across_input(w, t) if cause == BY_QUALITY else 0
+    if meets == 1:
         code = AT_INPUT_ANGLE
+    elif meets == 2 or flat_in_gap(w, t):
+        code = IN_NARROW_GAP
     elif cause == BY_QUALITY and worst == 0.5 and square < out[18]:
         code = FLAT_TETRAHEDRON
     elif w.limits.rule == SEGMENT_RULE:
         code = _on_segment(w, t, cause, out)
     else:
         code = _center(w, t, cause, out)
+    if code == ROUNDED and _at_flat_segment(w, t, cause):
+        code = WAITS
     if code == ROOM or code == WAITS:
         w.tally[IN_HEAP] = push(w.heap, w.bad, w.tally[IN_HEAP], key, t)
     elif code != INSERTED:
@@ -243,7 +269,7 @@ def divide(w, out, stop, steps):
             code = _next_segment(w, out)
         elif w.tally[IN_FACES] > 0:
             code = _next_face(w, out)
-        elif w.tally[IN_HEAP] > 0:
+        elif w.tally[IN_HEAP] > 0 and w.tally[CELLS_WAIT] == 0:
             code = _next_cell(w, out)
         else:
             return DONE
