@@ -19,7 +19,19 @@ from .records import (
     SEED,
     TARGET,
 )
-from .refill import DEGREE, EDGE, FACE, SHAPE, UNFILLED, UNSEEN, face_cost, face_number, tet_cost
+from .refill import (
+    DEGREE,
+    EDGE,
+    FACE,
+    FILLED,
+    SHAPE,
+    UNFILLED,
+    UNSEEN,
+    face_cost,
+    face_number,
+    set_code,
+    tet_cost,
+)
 
 __all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "unwritten", "wall"]
 
@@ -155,9 +167,9 @@ def reset(r):
         r.cost[i] = -1.0
         r.code[i] = 0
         r.beyond[i] = NOWHERE
-        r.number[i] = -1
+        r.number[i] = r.fits[i] = -1
     for i in range(n * n):
-        r.edge[i] = 0
+        r.edge[i] = r.ajar[i] = r.shut[i] = r.judged[i] = r.costly[i] = r.barred[i] = 0
     r.size[GUARD_COUNT] = r.size[HASH] = 0
 
 
@@ -165,10 +177,9 @@ def reset(r):
 def wall(r, length, x, y, z):
     """Open a face of the boundary; return how many faces are in the front."""
     n = r.size[LOCALS]
-    face = face_number(n, x, y, z)
-    r.code[face] = UNFILLED
-    r.code[face_number(n, x, z, y)] = 2 * UNFILLED  # closed: the outside is there
-    r.front[length] = face
+    set_code(r, n, x, y, z, UNFILLED)
+    set_code(r, n, x, z, y, FILLED)  # the outside is there
+    r.front[length] = face_number(n, x, y, z)
     for i, j in ((x, y), (y, z), (z, x)):
         r.edge[min(i, j) * n + max(i, j)] |= 1
     return length + 1
@@ -195,7 +206,7 @@ def load(solid, held, r):
                 length = wall(r, length, x, y, z)
                 r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
             elif solid.mark[4 * t + k] >= 0:
-                r.code[face] = UNFILLED
+                set_code(r, n, x, y, z, UNFILLED)
                 r.front[length] = face
                 length += 1
                 r.number[face] = solid.mark[4 * t + k]

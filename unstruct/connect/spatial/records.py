@@ -117,6 +117,14 @@ class Local(NamedTuple):
     gain: NDArray[np.float64]  # what they cost
     total: NDArray[np.float64]  # cost of what is chosen above each depth
     best: NDArray[np.int32]  # the tetrahedra of the best refill
+    # Sets of vertices, as bits: of faces those on the inner side (negative: unknown); of pairs a n + b those with
+    # which the oriented face is open, or closed, and those with which the cost of the face is known, not 0, NEVER.
+    fits: NDArray[np.int32]
+    ajar: NDArray[np.int32]
+    shut: NDArray[np.int32]
+    judged: NDArray[np.int32]
+    costly: NDArray[np.int32]
+    barred: NDArray[np.int32]
     guard: NDArray[np.int32]  # local ends of edges that must stay
     memo: NDArray[np.int32]  # exact signs of vertices, see `remembered_side`
     goal: NDArray[np.int64]  # local numbers of the target
@@ -132,7 +140,8 @@ def new_local() -> Local:
         np.empty(cube, dtype=np.uint8), np.empty(cube, dtype=np.int64), np.empty(cube, dtype=np.int32),
         np.empty(4 * (CELLS_ROOM + TETS_ROOM), dtype=np.int32), np.empty((TETS_ROOM, 8), dtype=np.int32),
         np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
-        np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty((square, 2), dtype=np.int32),
+        np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty(cube, dtype=np.int32),
+        *(np.zeros(square, dtype=np.int32) for _ in range(5)), np.empty((square, 2), dtype=np.int32),
         np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
     )  # fmt: skip
 

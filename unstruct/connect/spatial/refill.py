@@ -39,11 +39,13 @@ __all__ = [
     "DEGREE",
     "EDGE",
     "FACE",
+    "FILLED",
     "SHAPE",
     "UNFILLED",
     "face_cost",
     "face_number",
     "refill",
+    "set_code",
     "tet_cost",
 ]
 
@@ -54,7 +56,7 @@ FACE = 2  # edges of faces that meet the triangle TARGET
 SHAPE = 3  # the badness of the worst tetrahedron
 DEGREE = 4  # tetrahedra at the vertex TARGET; other faces must not meet the segment of the two next entries
 
-UNFILLED, FILLED = 1, 2
+UNFILLED, FILLED = 1, 2  # a face is neither as long as nothing is at it
 NEVER = 1e300  # more than any cost
 UNSEEN = 2  # a sign that is not known yet
 # Columns of `chosen`.
@@ -148,6 +150,14 @@ def _fill_cost(xyz, r, at):
             cost = NEVER
             break
     r.cost[at] = cost
+    for k in range(3):
+        a, b, c = (x, y, z) if k == 0 else ((y, z, x) if k == 1 else (z, x, y))
+        for pair in (a * n + b, b * n + a):
+            r.judged[pair] |= 1 << c
+            if cost > 0.0:
+                r.costly[pair] |= 1 << c
+            if cost >= NEVER:
+                r.barred[pair] |= 1 << c
 
 
 @inline
@@ -190,17 +200,33 @@ def tet_cost(xyz, r, a, b, c, d):
 
 
 @inline
+def set_code(r, n, x, y, z, code):
+    """Write whether the oriented face x, y, z is open or closed."""
+    r.code[face_number(n, x, y, z)] = code
+    for k in range(3):
+        a, b, c = (x, y, z) if k == 0 else ((y, z, x) if k == 1 else (z, x, y))
+        bit = 1 << c
+        r.ajar[a * n + b] = r.ajar[a * n + b] | bit if code == UNFILLED else r.ajar[a * n + b] & ~bit
+        r.shut[a * n + b] = r.shut[a * n + b] | bit if code == FILLED else r.shut[a * n + b] & ~bit
+
+
+@apart
+def _fill_fits(xyz, r, face):
+    """Write which vertices are on the inner side of this face."""
+    n = r.size[LOCALS]
+    x, y, z = face // (n * n), face // n % n, face % n
+    mask = 0
+    for d in range(n):
+        if d != x and d != y and d != z and _sign(xyz, r, x, y, z, d) > 0:
+            mask |= 1 << d
+    r.fits[face] = mask
+
+
+@inline
 def _gain(xyz, r, x, y, z, d):
-    """What it costs to set the apex d on the open face x, y, z; NEVER if it does not fit."""
+    """What it costs to set the apex d, which fits, on the open face x, y, z."""
     n = r.size[LOCALS]
     cost = 0.0
-    for k in range(3):
-        a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
-        code = r.code[face_number(n, b, a, d)]
-        if code >= FILLED:
-            return NEVER
-    if _sign(xyz, r, x, y, z, d) <= 0:
-        return NEVER
     for k in range(3):
         a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
         if r.code[face_number(n, b, a, d)] == 0:
@@ -208,39 +234,82 @@ def _gain(xyz, r, x, y, z, d):
     return cost + tet_cost(xyz, r, x, y, z, d)
 
 
+@inline
+def _judge(xyz, r, a, b, mask):
+    """Fill the costs of the faces of the edge ab with these vertices, where they are needed."""
+    pair = a * r.size[LOCALS] + b
+    mask &= ~(r.judged[pair] | r.ajar[pair])
+    d = 0
+    while mask >> d:
+        if mask >> d & 1:
+            face_cost(xyz, r, a, b, d)
+        d += 1
+
+
+@inline
+def _fitting(xyz, r, face, total, limit):
+    """The set of vertices that fit an open face: a bit for each that keeps the cost below the limit."""
+    n, kind, slack = r.size[LOCALS], r.size[COST_KIND], limit - total
+    if r.fits[face] < 0:
+        _fill_fits(xyz, r, face)
+    x, y, z = face // (n * n), face // n % n, face % n
+    one, two, three = y * n + x, z * n + y, x * n + z
+    mask = r.fits[face] & ~(r.shut[one] | r.shut[two] | r.shut[three])
+    if mask == 0 or not (slack > 0.0 or kind == SHAPE):
+        return 0
+    if r.size[GUARD_COUNT] > 0 or kind == EDGE or (kind == DEGREE and r.size[TARGET + 1] >= 0):
+        _judge(xyz, r, y, x, mask)
+        mask &= ~(r.barred[one] & ~r.ajar[one])
+        _judge(xyz, r, z, y, mask)
+        mask &= ~(r.barred[two] & ~r.ajar[two])
+        _judge(xyz, r, x, z, mask)
+        mask &= ~(r.barred[three] & ~r.ajar[three])
+    if kind == EDGE and slack <= 3.0:
+        a, b, c = r.costly[one] & ~r.ajar[one], r.costly[two] & ~r.ajar[two], r.costly[three] & ~r.ajar[three]
+        if slack > 2.0:
+            mask &= ~(a & b & c)
+        elif slack > 1.0:
+            mask &= ~(a & b | b & c | c & a)
+        else:
+            mask &= ~(a | b | c)
+    elif kind == FACE or kind == SHAPE or kind == DEGREE:
+        for d in range(n):
+            if mask >> d & 1:
+                gain = _gain(xyz, r, x, y, z, d)
+                if (max(total, gain) if kind == SHAPE else total + gain) >= limit:
+                    mask &= ~(1 << d)
+    return mask
+
+
 @apart
 def _choose(xyz, r, depth, length, limit):
     """Choose the open face that the fewest vertices fit; write them at this depth, and return how many.
 
-    At the next depth is scratch: the candidates of the face that is looked at.
+    Sets of vertices are the bits of numbers, so that most faces are judged by a few operations.
     """
-    n, shape = r.size[LOCALS], r.size[COST_KIND] == SHAPE
-    fewest = n + 1
+    n, total = r.size[LOCALS], r.total[depth]
+    fewest, chosen, best = n + 1, -1, 0
     for i in range(length):
         face = r.front[i]
         if r.code[face] != UNFILLED:
             continue
-        x, y, z = face // (n * n), face // n % n, face % n
-        found = 0
-        for d in range(n):
-            if d == x or d == y or d == z:
-                continue
-            gain = _gain(xyz, r, x, y, z, d)
-            after = max(r.total[depth], gain) if shape else r.total[depth] + gain
-            if after < limit:
-                r.apex[depth + 1, found] = d
-                r.gain[depth + 1, found] = gain
-                found += 1
-                if found == fewest:
-                    break
+        mask = _fitting(xyz, r, face, total, limit)
+        found, rest = 0, mask
+        while rest and found < fewest:
+            rest &= rest - 1
+            found += 1
         if found < fewest:
-            fewest = found
-            r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
-            for j in range(found):
-                r.apex[depth, j], r.gain[depth, j] = r.apex[depth + 1, j], r.gain[depth + 1, j]
+            fewest, chosen, best = found, face, mask
             if fewest <= 1:
                 break
-    return fewest
+    x, y, z = chosen // (n * n), chosen // n % n, chosen % n
+    r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
+    found = 0
+    for d in range(n):
+        if best >> d & 1:
+            r.apex[depth, found], r.gain[depth, found] = d, _gain(xyz, r, x, y, z, d)
+            found += 1
+    return found
 
 
 @lean
@@ -271,17 +340,15 @@ def _set(r, depth, length):
     r.chosen[depth, LENGTH] = length
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
-        face = face_number(n, a, b, c)
-        if r.code[face] == UNFILLED:
+        if r.code[face_number(n, a, b, c)] == UNFILLED:
             more -= 1
         else:
-            reverse = face_number(n, a, c, b)
-            r.code[reverse] = UNFILLED
-            r.front[length] = reverse
+            set_code(r, n, a, c, b, UNFILLED)
+            r.front[length] = face_number(n, a, c, b)
             length += 1
             more += 1
             opened |= 1 << k
-        r.code[face] = FILLED
+        set_code(r, n, a, b, c, FILLED)
     r.chosen[depth, OPENED] = opened
     return length, more
 
@@ -294,13 +361,12 @@ def _unset(r, depth):
     fewer = 0
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
-        face = face_number(n, a, b, c)
         if r.chosen[depth, OPENED] >> k & 1:
-            r.code[face] = 0
-            r.code[face_number(n, a, c, b)] = 0
+            set_code(r, n, a, b, c, 0)
+            set_code(r, n, a, c, b, 0)
             fewer += 1
         else:
-            r.code[face] = UNFILLED
+            set_code(r, n, a, b, c, UNFILLED)
             fewer -= 1
     return fewer
 
