@@ -15,16 +15,15 @@ from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
 from .flood import flood_parts
 from .given import Given
-from .recover import Recovery
+from .recover import LEVELS, Recovery
 from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
 MOST_ADDED = 200_000
-QUICK_BUDGET = 40  # points that the first, quick attempt may add
-FEW_MISSING = 10  # with less missing or in parts, a second quick attempt may do
-RESTARTS = 5  # how many seeds are tried when something is left over
+SHAKEN = 10  # stars of points that are left, at each further level
+RESTARTS = 3  # how many seeds are tried when something is left over
 
 
 class Recovered(NamedTuple):
@@ -156,12 +155,10 @@ class SpatialComplex(CellArrays):
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < FEW_MISSING))
-            most = min(budget, QUICK_BUDGET) if quick else budget
-            found, parts = self._once(corners, ends, most, seed + k, quick, progress)
+            found, parts = self._once(corners, ends, budget, seed + k, progress)
             if score is None or found.rank < score:
                 score, result, best = found.rank, (found, parts), self.saved()
-            if found.exact or (not quick and sum(found.rank[:2]) > WORTH_ANOTHER):
+            if found.exact or sum(found.rank[:2]) > WORTH_ANOTHER:
                 break
             self.restore(before)
         assert result is not None
@@ -175,14 +172,18 @@ class SpatialComplex(CellArrays):
         ends: NDArray[np.int32],
         budget: int,
         seed: int,
-        quick: bool,
         progress: bool,
     ) -> tuple[Recovered, Given]:
         given = Given(corners, ends)
-        run = Recovery(self, given, budget=budget, seed=seed, quick=quick)
+        run = Recovery(self, given, budget=budget, seed=seed)
         run.run(progress=progress)
         release = Release(run)
         release.run()
+        for run.level in range(1, len(LEVELS)):
+            if not (run.lost or run.lost_edges or release.kept):
+                break
+            run.again(progress=progress)
+            release.run(SHAKEN * run.level)
         lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
         return Recovered(
             run.missing(), lost.astype(np.int32),

@@ -20,15 +20,15 @@ from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
 from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
 
-__all__ = ["Recovery"]
+__all__ = ["LEVELS", "Recovery"]
 
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
-# Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
-EFFORTS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals; each of the others
+# for what is left before it is split, and, one after the other, for what is missing or in parts in the end.
+EFFORT = (7, 0, 100, 2000)
+LEVELS = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 PART_ROUNDS = 8  # how often parts of a segment are split
-AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
-QUICK_EFFORTS, QUICK_AGAIN = EFFORTS[:1], EFFORTS[0]  # enough for most bodies, at a third of the time
 
 
 class Recovery:
@@ -41,12 +41,15 @@ class Recovery:
     budget : int
         How many points may be added.
     seed : int
+
+    Attributes
+    ----------
+    level : int
+        How much is tried for what is left; see ``LEVELS``.
     """
 
-    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int, quick: bool = False):
-        self.cells, self.given, self.budget = cells, given, budget
-        self.efforts = QUICK_EFFORTS if quick else EFFORTS
-        self.again = QUICK_AGAIN if quick else AGAIN
+    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
+        self.cells, self.given, self.budget, self.level = cells, given, budget, 0
         self.held = new_held(len(given.segment) + 12 * budget)
         self.local = new_local()
         self.splits: list[Split] = []
@@ -61,16 +64,25 @@ class Recovery:
         goals = np.zeros((len(self.given.segment), 4), dtype=np.int32)
         goals[:, :2] = self.given.segment
         with progress_bar(progress, " segments", total=len(goals)) as bar:
-            left = self._recover(EDGE, goals, bar)
-        waiting = [edge(*row) for row in goals[left != 0, :2].tolist()]
+            left = self._recover(EDGE, goals, (EFFORT,), bar)
+        self._split_segments([edge(*row) for row in goals[left != 0, :2].tolist()])
+        self._triangles(progress)
+
+    def again(self, *, progress: bool = False) -> None:
+        """Try more for what is missing."""
+        waiting = sorted(self.lost_edges & self.given.edges()) if self.lost_edges else []
+        self.lost_edges.clear()
         self._split_segments(waiting)
+        self._triangles(progress)
+
+    def _triangles(self, progress: bool) -> None:
         tried: set[int] = set()
         while True:
             every = np.flatnonzero(self.given.alive[: self.given.count])
             lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
             rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
-                left = self._recover(FACE, self.given.goals(rows), bar)
+                left = self._recover(FACE, self.given.goals(rows), (EFFORT, LEVELS[self.level]), bar)
             waiting = rows[left != 0].tolist()
             self.lost = [*waiting, *every[lacking].tolist()]
             again = [t for t in waiting if t not in tried]
@@ -90,7 +102,7 @@ class Recovery:
         cells.reserve(cells.size, cells.slots + 4 * SPARE_SLOTS)
         cells.reserve_events()
 
-    def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
+    def _recover(self, kind: int, goals: NDArray[np.int32], efforts, bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
         left = np.zeros(len(goals), dtype=np.int64)
         for i in range(0, len(goals), CHUNK):
@@ -99,7 +111,7 @@ class Recovery:
                 self.cells.solid(), self.held, self.cells.found, kind, goals[part], left[part], self.crossed
             )
         bar.update(int((left == 0).sum()))
-        for options in self.efforts:
+        for options in efforts:
             waiting = np.flatnonzero(left != 0)
             for i in range(0, len(waiting), CHUNK):
                 rows = waiting[i : i + CHUNK]
@@ -122,7 +134,7 @@ class Recovery:
 
     def _one(self, a: int, b: int) -> bool:
         goal = np.array([[a, b, 0, 0]], dtype=np.int32)
-        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), self.again)[0] == 0)
+        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), LEVELS[self.level])[0] == 0)
 
     # ------------------------------------------------------------------ points
 
