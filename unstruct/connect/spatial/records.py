@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "CAVITY_KEY",
     "CELLS_ROOM",
     "COST_KIND",
     "EVENT",
@@ -43,6 +44,7 @@ LOCAL_ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches 
 CELLS_ROOM = 128  # its cells
 TETS_ROOM = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
 MEMO = 1 << 15  # exact signs that are remembered
+FAILURES = 1 << 13  # cavities that are remembered, since they could not be refilled at lower cost
 SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
 NOTED = 7  # entry of the state of a `Solid`: how much of its journal is written
 LAST_EVENT = 8  # entry of the state of a `Solid`: where its last event begins
@@ -61,6 +63,7 @@ WAY_COUNT = 12  # how many faces are in the way of the target
 SHAKES_LEFT = 13  # of the present goal
 RESUMED = 14  # 1 if the search for the present goal has been interrupted
 WORK_DONE = 15  # steps since the last look at whether the user wants to stop
+CAVITY_KEY = 16  # of the cavity and of what is sought in it, see `cavity.failed`
 HASH = 9  # of the cells that are there, to recognize a refill that changes nothing
 
 
@@ -105,7 +108,7 @@ class Local(NamedTuple):
     label: NDArray[np.int32]  # the vertex of the complex that each local vertex is
     sign: NDArray[np.int8]  # orientations of four local vertices, filled when they are needed
     cost: NDArray[np.float64]  # of faces, filled when they are needed; negative: unknown
-    edge: NDArray[np.int8]  # of pairs: bit 1 on the boundary; bits above: whether it crosses the target
+    edge: NDArray[np.int8]  # of pairs: 1 on the boundary; 2, 4: it crosses the target or not; 8: of a cell
     code: NDArray[np.uint8]  # of faces: open, closed
     beyond: NDArray[
         np.int64
@@ -129,6 +132,7 @@ class Local(NamedTuple):
     memo: NDArray[np.int32]  # exact signs of vertices, see `remembered_side`
     goal: NDArray[np.int64]  # local numbers of the target
     size: NDArray[np.int64]
+    failures: NDArray[np.int64]  # keys of cavities, each at its remainder
 
 
 def new_local() -> Local:
@@ -142,7 +146,8 @@ def new_local() -> Local:
         np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
         np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty(cube, dtype=np.int32),
         *(np.zeros(square, dtype=np.int32) for _ in range(5)), np.empty((square, 2), dtype=np.int32),
-        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
+        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(24, dtype=np.int64),
+        np.zeros(FAILURES, dtype=np.int64),
     )  # fmt: skip
 
 

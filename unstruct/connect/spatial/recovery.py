@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
-from .cavity import beside, commit, draw, grow, load, unwritten
+from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
 from .crossing import classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
@@ -46,11 +46,17 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
     r.size[WORK_DONE] += WORK_OF_A_STEP
     if not grow(solid, r, count, wanted, noise):
         return False
-    faces, cost = load(solid, held, r)
-    if cost >= NEVER or (cost == 0.0 and not equal):
+    if not equal and failed(solid, r, options[SEARCH_NODES]):
         return False
+    faces, cost = load(solid, held, r)
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
-    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER:
+    if (
+        cost >= NEVER
+        or limit <= 0.0
+        or refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER
+    ):
+        if not equal:
+            remember_failure(r)
         return False
     r.size[EVENT] = EVENT_SHAKE if equal else EVENT_REFILL
     commit(solid, r)

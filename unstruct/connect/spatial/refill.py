@@ -123,7 +123,7 @@ def _in_the_way(xyz, r, a, b, u, v, w):
 def _edge_cost(xyz, r, i, j):
     """1 if the edge between local vertices meets the triangle that is sought, otherwise 0."""
     at = min(i, j) * r.size[LOCALS] + max(i, j)
-    known = r.edge[at] >> 1
+    known = r.edge[at] >> 1 & 3
     if known == 0:
         goal = r.goal
         known = 2 if _in_the_way(xyz, r, i, j, goal[0], goal[1], goal[2]) else 1

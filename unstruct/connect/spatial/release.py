@@ -15,7 +15,19 @@ import numpy as np
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import beside, commit, draw, grow, load, new_slot, reset, unwritten, wall
+from .cavity import (
+    beside,
+    commit,
+    draw,
+    failed,
+    grow,
+    load,
+    new_slot,
+    remember_failure,
+    reset,
+    unwritten,
+    wall,
+)
 from .crossing import star
 from .given import Given, Split, edge
 from .held import holds
@@ -38,6 +50,7 @@ from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, wi
 
 __all__ = ["Release"]
 
+NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
 NODES_WITHOUT = 4000  # of the search for a sector without its point
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
@@ -92,13 +105,14 @@ def lower_degree(solid, held, r, found, goal, enough):
                 face = 4 * found.cells[i >> 2] + (i & 3)
                 if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
                     continue
-                if not grow(solid, r, 2, wanted, 2):
+                if not grow(solid, r, 2, wanted, 2) or failed(solid, r, NODES_FEWER):
                     continue
                 faces, cost = load(solid, held, r)
-                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, 200) < NEVER:
+                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, NODES_FEWER) < NEVER:
                     commit(solid, r)
                     before = -1
                     break
+                remember_failure(r)
             if before < 0:
                 break
         if before >= 0:
