@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
-from .crossing import classify, crossings, mark_face, star
+from .crossing import cells_around, classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
 from .records import (
@@ -25,6 +25,7 @@ from .records import (
     WORK_DONE,
 )
 from .refill import EDGE, FACE, NEVER, refill
+from .signs import ON_EDGE, meets, side
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
 
@@ -78,6 +79,28 @@ def _lower(solid, held, r, found, count, options):
 
 
 @apart
+def _lower_around(solid, held, r, found, count, goal, options):
+    """Try the cells around edges that the segment meets; True at the first success.
+
+    In a plane this is a flip: if the faces at the edge are alike on both sides, four cells replace four.
+    """
+    for i in range(count):
+        face = found.faces[i]
+        t, k = face >> 2, face & 3
+        u, v, w = solid.vertex[4 * t + (k + 1 & 3)], solid.vertex[4 * t + (k + 2 & 3)], solid.vertex[4 * t + (k + 3 & 3)]
+        if meets(solid.xyz, goal[0], goal[1], u, v, w) != ON_EDGE:
+            continue
+        for j in range(1, 4):  # the edge without vertex k + j
+            p, q = (v, w) if j == 1 else ((w, u) if j == 2 else (u, v))
+            if side(solid.xyz, goal[0], goal[1], p, q) != 0:
+                continue
+            size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
+            if size > 0 and _attempt(solid, held, r, size, size + 2, options, 0, False):
+                return True
+    return False
+
+
+@apart
 def _lower_all(solid, held, r, found, options):
     """Try cavities that contain all cells in the way, if these are few; True at the first success."""
     count = found.sizes[0]
@@ -114,6 +137,8 @@ def recover_one(solid, held, r, found, kind, goal, options):
         size[WORK_DONE] += WORK_OF_A_STEP + count
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count
+        if kind == EDGE and _lower_around(solid, held, r, found, count, goal, options):
+            continue
         if _lower(solid, held, r, found, count, options):
             continue
         if _lower_all(solid, held, r, found, options):
