@@ -183,7 +183,7 @@ class SpatialComplex(CellArrays):
             if not (run.lost or run.lost_edges or release.kept):
                 break
             run.again(progress=progress)
-            release.run(SHAKEN * run.level)
+            release.run(SHAKEN if run.level == 1 else 0)
         lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
         return Recovered(
             run.missing(), lost.astype(np.int32),
