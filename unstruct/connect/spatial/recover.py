@@ -27,6 +27,7 @@ CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
 # for what is left before it is split, and, one after the other, for what is missing or in parts in the end.
 EFFORT = (7, 0, 100, 2000)
 LEVELS = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 PART_ROUNDS = 8  # how often parts of a segment are split
 
@@ -132,9 +133,9 @@ class Recovery:
             self._room()
         return left
 
-    def _one(self, a: int, b: int) -> bool:
+    def _one(self, a: int, b: int, effort) -> bool:
         goal = np.array([[a, b, 0, 0]], dtype=np.int32)
-        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), LEVELS[self.level])[0] == 0)
+        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), effort)[0] == 0)
 
     # ------------------------------------------------------------------ points
 
@@ -147,7 +148,7 @@ class Recovery:
         for generation in range(PART_ROUNDS):
             following: list[tuple[int, int]] = []
             for a, b in waiting:
-                if self._one(a, b):
+                if self._one(a, b, LEVELS[self.level] if generation == 0 else PARTS):
                     continue
                 p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
