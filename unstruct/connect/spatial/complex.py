@@ -20,7 +20,7 @@ from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
-WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
+WORTH_ANOTHER = 30  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
 SHAKEN = 10  # stars of points that are left, at each further level
 RESTARTS = 3  # how many seeds are tried when something is left over
@@ -158,7 +158,7 @@ class SpatialComplex(CellArrays):
             found, parts = self._once(corners, ends, budget, seed + k, progress)
             if score is None or found.rank < score:
                 score, result, best = found.rank, (found, parts), self.saved()
-            if found.exact or sum(found.rank[:2]) > WORTH_ANOTHER:
+            if found.exact or (k > 0 and sum(found.rank[:2]) > WORTH_ANOTHER):
                 break
             self.restore(before)
         assert result is not None
@@ -180,7 +180,8 @@ class SpatialComplex(CellArrays):
         release = Release(run)
         release.run()
         for run.level in range(1, len(LEVELS)):
-            if not (run.lost or run.lost_edges or release.kept):
+            left = len(run.lost) + len(run.lost_edges) + len(release.kept)
+            if not 0 < left <= WORTH_ANOTHER:
                 break
             run.again(progress=progress)
             release.run(SHAKEN if run.level == 1 else 0)

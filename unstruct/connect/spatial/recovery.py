@@ -16,6 +16,7 @@ from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, not
 from .records import (
     COST_KIND,
     EVENT,
+    LOCALS,
     LOCAL_ROOM,
     NODES,
     RESUMED,
@@ -24,7 +25,7 @@ from .records import (
     WAY_COUNT,
     WORK_DONE,
 )
-from .refill import EDGE, FACE, NEVER, refill
+from .refill import EDGE, FACE, NEVER, face_cost, refill
 from .signs import ON_EDGE, meets, side
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
@@ -42,6 +43,31 @@ TOTAL = 3  # nodes of all searches for one goal
 
 
 @apart
+def _passes(xyz, r, faces):
+    """Whether the segment passes the cavity through two faces that no tetrahedron has both.
+
+    Then there is a face in its way in every refill.
+    """
+    n, found, first = r.size[LOCALS], 0, 0
+    if r.goal[0] < n or r.goal[1] < n:
+        return False
+    for i in range(faces):
+        face = r.front[i]
+        x, y, z = face // (n * n), face // n % n, face % n
+        if face_cost(xyz, r, x, y, z) == 0.0:
+            continue
+        mask = 1 << x | 1 << y | 1 << z
+        if found == 0:
+            first = mask
+        elif found == 1:
+            common = first & mask
+            if common & (common - 1):
+                return False
+        found += 1
+    return found == 2
+
+
+@apart
 def _attempt(solid, held, r, count, wanted, options, noise, equal):
     """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
     r.size[WORK_DONE] += WORK_OF_A_STEP
@@ -54,6 +80,7 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
     if (
         cost >= NEVER
         or limit <= 0.0
+        or (r.size[COST_KIND] == EDGE and cost == 1.0 and not equal and _passes(solid.xyz, r, faces))
         or refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER
     ):
         if not equal:
