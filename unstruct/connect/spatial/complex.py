@@ -185,9 +185,8 @@ class SpatialComplex(CellArrays):
                 break
             run.again(progress=progress)
             release.run(SHAKEN if run.level == 1 else 0)
-        lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
         return Recovered(
-            run.missing(), lost.astype(np.int32),
+            run.missing(), run.missing_triangles(),
             np.array([split.point for split in release.kept], dtype=np.int32),
             np.array(release.inner, dtype=np.int32), run.crossed, seed, given.chains(),
         ), given  # fmt: skip

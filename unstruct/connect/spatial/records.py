@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..insertion.stars import Cavity
+
 __all__ = [
     "CAVITY_KEY",
     "CELLS_ROOM",
@@ -34,7 +36,6 @@ __all__ = [
     "WORK_DONE",
     "Held",
     "Local",
-    "Search",
     "Solid",
     "new_local",
     "new_search",
@@ -87,14 +88,6 @@ class Held(NamedTuple):
 
     key: NDArray[np.int64]
     value: NDArray[np.int8]
-
-
-class Search(NamedTuple):
-    """Results of searches through cells: room for all cells, and for all their faces."""
-
-    cells: NDArray[np.int32]
-    faces: NDArray[np.int32]
-    sizes: NDArray[np.int64]
 
 
 class Local(NamedTuple):
@@ -151,9 +144,9 @@ def new_local() -> Local:
     )  # fmt: skip
 
 
-def new_search(slots: int) -> Search:
-    """Room for a search through this many cells."""
-    return Search(
+def new_search(slots: int) -> Cavity:
+    """Room for a search through this many cells and all their faces."""
+    return Cavity(
         np.empty(slots + 8, dtype=np.int32),
         np.empty(4 * slots + 32, dtype=np.int32),
         np.zeros(4, dtype=np.int64),

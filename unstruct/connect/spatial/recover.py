@@ -18,7 +18,7 @@ from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
 from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
-from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
+from .steiner import crossed_edges, distance, insert_around, insert_between, off_plane, on_line, on_plane
 
 __all__ = ["LEVELS", "Recovery"]
 
@@ -29,6 +29,7 @@ EFFORT = (7, 0, 100, 2000)
 LEVELS = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
 PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
+MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
 PART_ROUNDS = 8  # how often parts of a segment are split
 
 
@@ -51,9 +52,11 @@ class Recovery:
 
     def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
         self.cells, self.given, self.budget, self.level = cells, given, budget, 0
+        self.rounding = MOST_OFF * float(np.abs(cells.xyz[: cells.given]).max())
         self.held = new_held(len(given.segment) + 12 * budget)
         self.local = new_local()
         self.splits: list[Split] = []
+        self.added = 0  # points, also those that were released since
         self.crossed = np.zeros(4, dtype=np.int64)
         self.lost_edges: set[tuple[int, int]] = set()
         self.lost: list[int] = []
@@ -155,7 +158,7 @@ class Recovery:
                     self.lost_edges.add(edge(a, b))
                     continue
                 split = self.given.split_segment(a, b, p)
-                self.splits.append(split)
+                self._split(split)
                 following += split.edges()
             if not following:
                 return
@@ -171,13 +174,17 @@ class Recovery:
             p = self._insert_on_triangle(t)
             if p >= 0:
                 split = self.given.split_triangle(t, p)
-                self.splits.append(split)
+                self._split(split)
                 self._split_segments(list(split.inner))
         return len(self.splits) > before
 
+    def _split(self, split: Split) -> None:
+        self.splits.append(split)
+        self.added += 1
+
     def _next_vertex(self) -> bool:
         cells = self.cells
-        if len(self.splits) >= self.budget:
+        if self.added >= self.budget:
             return False
         spare = len(cells.found.faces) // 64 + 4 * SPARE_SLOTS + 4 * WIDER
         cells.reserve(cells.size + 1, cells.slots + spare)
@@ -253,7 +260,9 @@ class Recovery:
         for more, (u, v) in product((0, WIDER), sorted(crossing)):
             where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])
             p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
-            if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p, more):
+            if not 0 < where < 1 or off_plane(cells.xyz[p], *cells.xyz[goal[:3]]) > self.rounding:
+                continue  # a point that is off its facet would be no part of it
+            if insert_around(cells.solid(), self.held, cells.found, u, v, p, more):
                 cells.size += 1
                 cells.name_point(tuple(goal[:3].tolist()), count)
                 return p
@@ -271,6 +280,13 @@ class Recovery:
         left, counts = np.zeros(len(goals), dtype=np.int64), np.zeros(4, dtype=np.int64)
         survey(self.cells.solid(), self.held, self.cells.found, EDGE, goals, left, counts)
         return given[np.unique(owner[left != 0])]
+
+    def missing_triangles(self) -> NDArray[np.int32]:
+        """The given triangles that are not there, neither whole nor in parts; others that came by chance stay."""
+        rows = np.array([t for t in self.lost if self.given.alive[t]], dtype=np.int64)
+        left, counts = np.zeros(len(rows), dtype=np.int64), np.zeros(4, dtype=np.int64)
+        survey(self.cells.solid(), self.held, self.cells.found, FACE, self.given.goals(rows), left, counts)
+        return np.unique(self.given.root[rows[left != 0]])
 
     def drop(self, split: Split) -> None:
         """Join what was split, in the tables."""

@@ -114,7 +114,11 @@ def _lower_around(solid, held, r, found, count, goal, options):
     for i in range(count):
         face = found.faces[i]
         t, k = face >> 2, face & 3
-        u, v, w = solid.vertex[4 * t + (k + 1 & 3)], solid.vertex[4 * t + (k + 2 & 3)], solid.vertex[4 * t + (k + 3 & 3)]
+        u, v, w = (
+            solid.vertex[4 * t + (k + 1 & 3)],
+            solid.vertex[4 * t + (k + 2 & 3)],
+            solid.vertex[4 * t + (k + 3 & 3)],
+        )
         if meets(solid.xyz, goal[0], goal[1], u, v, w) != ON_EDGE:
             continue
         for j in range(1, 4):  # the edge without vertex k + j

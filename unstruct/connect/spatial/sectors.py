@@ -25,7 +25,12 @@ Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
 STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
 WIDE_STEPS = 10  # the same, by quarters, where the cavity may grow
-NEAR_WALLS = (0.0, 1e-9, 1e-4, 1e-2)  # heights over walls from which a point moves away; unit: the mean distance
+NEAR_WALLS = (
+    0.0,
+    1e-9,
+    1e-4,
+    1e-2,
+)  # heights over walls from which a point moves away; unit: the mean distance
 MOST_TAKEN = 200  # cells that are taken into a cavity
 
 
