@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
+from .costs import DEGREE, EDGE, FACE, SHAPE, UNSEEN, face_cost, face_number, tet_cost
 from .held import holds
 from .journal import EVENT_ROOM, close_event, note_refill
 from .records import (
@@ -20,19 +21,7 @@ from .records import (
     SEED,
     TARGET,
 )
-from .refill import (
-    DEGREE,
-    EDGE,
-    FACE,
-    FILLED,
-    SHAPE,
-    UNFILLED,
-    UNSEEN,
-    face_cost,
-    face_number,
-    set_code,
-    tet_cost,
-)
+from .refill import FILLED, UNFILLED, set_code
 
 __all__ = [
     "beside",
@@ -168,9 +157,9 @@ def beside(solid, r, face):
 def failed(solid, r, nodes):
     """Whether this cavity is known to have no cheaper refill that a search of so many nodes finds.
 
-    The key is made of the vertices of the cells, the target and the number of nodes. The cavity is forgotten when
-    another one takes its place; if two had the same key, one of them would not be tried. What is held may have
-    become less since: then a refill is missed, too. Neither does harm.
+    The key is made of the vertices of the cells, the target and the number of nodes. The cavity is forgotten
+    when another one takes its place; if two had the same key, one of them would not be tried. What is held
+    may have become less since: then a refill is missed, too. Neither does harm.
     """
     size = r.size
     key = size[COST_KIND] + 8 * nodes

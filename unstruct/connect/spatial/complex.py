@@ -15,7 +15,7 @@ from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
 from .flood import flood_parts
 from .given import Given
-from .recover import LEVELS, Recovery
+from .recover import MORE_EFFORT, Recovery
 from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
@@ -179,7 +179,7 @@ class SpatialComplex(CellArrays):
         run.run(progress=progress)
         release = Release(run)
         release.run()
-        for run.level in range(1, len(LEVELS)):
+        for run.level in range(1, len(MORE_EFFORT)):
             left = len(run.lost) + len(run.lost_edges) + len(release.kept)
             if not 0 < left <= WORTH_ANOTHER:
                 break

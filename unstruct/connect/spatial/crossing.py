@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...base.jit import apart, inline
 from ..insertion.engine import STAMP
-from .refill import EDGE
+from .costs import EDGE
 from .signs import DISJOINT, INSIDE, ON_EDGE, meets
 
 __all__ = ["cells_around", "classify", "crossings", "mark_face", "ring", "star"]

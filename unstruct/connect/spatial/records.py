@@ -113,8 +113,8 @@ class Local(NamedTuple):
     gain: NDArray[np.float64]  # what they cost
     total: NDArray[np.float64]  # cost of what is chosen above each depth
     best: NDArray[np.int32]  # the tetrahedra of the best refill
-    # Sets of vertices, as bits: of faces those on the inner side (negative: unknown); of pairs a n + b those with
-    # which the oriented face is open, or closed, and those with which the cost of the face is known, not 0, NEVER.
+    # Sets of vertices, as bits: of faces those on the inner side (negative: unknown); of pairs a n + b those
+    # with which the oriented face is open, or closed, and the cost of the face is known, not 0, or NEVER.
     fits: NDArray[np.int32]
     ajar: NDArray[np.int32]
     shut: NDArray[np.int32]
@@ -138,7 +138,8 @@ def new_local() -> Local:
         np.empty(4 * (CELLS_ROOM + TETS_ROOM), dtype=np.int32), np.empty((TETS_ROOM, 8), dtype=np.int32),
         np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
         np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty(cube, dtype=np.int32),
-        *(np.zeros(square, dtype=np.int32) for _ in range(5)), np.empty((square, 2), dtype=np.int32),
+        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32),
+        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32), np.empty((square, 2), dtype=np.int32),
         np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(24, dtype=np.int64),
         np.zeros(FAILURES, dtype=np.int64),
     )  # fmt: skip

@@ -10,24 +10,24 @@ from numpy.typing import NDArray
 
 from ...base.progress import progress_bar
 from .arrays import CellArrays
+from .costs import EDGE, FACE
 from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
 from .journal import EVENT_ROOM
 from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
-from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
 from .steiner import crossed_edges, distance, insert_around, insert_between, off_plane, on_line, on_plane
 
-__all__ = ["LEVELS", "Recovery"]
+__all__ = ["MORE_EFFORT", "Recovery"]
 
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
-# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals; each of the others
-# for what is left before it is split, and, one after the other, for what is missing or in parts in the end.
+# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals; then there is
+# more for what is left before it is split, and still more for what is missing or in parts in the end.
 EFFORT = (7, 0, 100, 2000)
-LEVELS = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
-PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
+MORE_EFFORT = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
 PART_ROUNDS = 8  # how often parts of a segment are split
@@ -47,7 +47,7 @@ class Recovery:
     Attributes
     ----------
     level : int
-        How much is tried for what is left; see ``LEVELS``.
+        How much is tried for what is left; see ``MORE_EFFORT``.
     """
 
     def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
@@ -86,7 +86,7 @@ class Recovery:
             lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
             rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
-                left = self._recover(FACE, self.given.goals(rows), (EFFORT, LEVELS[self.level]), bar)
+                left = self._recover(FACE, self.given.goals(rows), (EFFORT, MORE_EFFORT[self.level]), bar)
             waiting = rows[left != 0].tolist()
             self.lost = [*waiting, *every[lacking].tolist()]
             again = [t for t in waiting if t not in tried]
@@ -151,7 +151,7 @@ class Recovery:
         for generation in range(PART_ROUNDS):
             following: list[tuple[int, int]] = []
             for a, b in waiting:
-                if self._one(a, b, LEVELS[self.level] if generation == 0 else PARTS):
+                if self._one(a, b, MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS):
                     continue
                 p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
@@ -282,7 +282,7 @@ class Recovery:
         return given[np.unique(owner[left != 0])]
 
     def missing_triangles(self) -> NDArray[np.int32]:
-        """The given triangles that are not there, neither whole nor in parts; others that came by chance stay."""
+        """The given triangles that are not there, neither whole nor in parts; chance may have made some."""
         rows = np.array([t for t in self.lost if self.given.alive[t]], dtype=np.int64)
         left, counts = np.zeros(len(rows), dtype=np.int64), np.zeros(4, dtype=np.int64)
         survey(self.cells.solid(), self.held, self.cells.found, FACE, self.given.goals(rows), left, counts)

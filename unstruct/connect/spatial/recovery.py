@@ -10,14 +10,15 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
+from .costs import EDGE, FACE, NEVER, face_cost
 from .crossing import cells_around, classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
 from .records import (
     COST_KIND,
     EVENT,
-    LOCALS,
     LOCAL_ROOM,
+    LOCALS,
     NODES,
     RESUMED,
     SHAKES_LEFT,
@@ -25,7 +26,7 @@ from .records import (
     WAY_COUNT,
     WORK_DONE,
 )
-from .refill import EDGE, FACE, NEVER, face_cost, refill
+from .refill import refill
 from .signs import ON_EDGE, meets, side
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]

@@ -28,6 +28,7 @@ from .cavity import (
     unwritten,
     wall,
 )
+from .costs import ANY, DEGREE, EDGE, NEVER
 from .crossing import star
 from .given import Given, Split, edge
 from .held import holds
@@ -45,7 +46,7 @@ from .journal import (
 from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
-from .refill import ANY, DEGREE, EDGE, NEVER, refill
+from .refill import refill
 from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, widened
 
 __all__ = ["Release"]
@@ -121,7 +122,7 @@ def lower_degree(solid, held, r, found, goal, enough):
 
 @kernel
 def shake_star(solid, held, r, found, p, count):
-    """Refill ``count`` cavities at vertex p or near it by chance, whatever they cost; -1 if room is lacking."""
+    """Refill ``count`` cavities at vertex p by chance, whatever they cost; -1 if room is lacking."""
     r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = ANY, EVENT_SHAKE, 0
     r.size[TARGET], r.size[TARGET + 1], r.size[TARGET + 2] = p, -1, -1
     for _ in range(count):
@@ -132,8 +133,8 @@ def shake_star(solid, held, r, found, p, count):
         if solid.mark[face] >= 0 or not beside(solid, r, face):
             continue
         if grow(solid, r, 2, 5 + draw(solid.state, 4), 8):
-            faces, cost = load(solid, held, r)
-            if refill(solid.xyz, r, solid.state, faces, 0.5, 0.0, 200) < NEVER:
+            faces, _ = load(solid, held, r)
+            if refill(solid.xyz, r, solid.state, faces, 0.5, 0.0, NODES_FEWER) < NEVER:
                 commit(solid, r)
     return 0
 

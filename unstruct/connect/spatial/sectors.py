@@ -74,7 +74,7 @@ def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _steps(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> Iterator[NDArray[np.float64]]:
-    """Ways from p into its sector: away from the triangles, and from walls that are nearly at p; to the middle."""
+    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle."""
     corners = cells.xyz[np.array(link + whole, dtype=np.int32)]
     normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(lengths(normals), 1e-300)[:, None]
