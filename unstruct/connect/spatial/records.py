@@ -139,7 +139,8 @@ def new_local() -> Local:
         np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
         np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty(cube, dtype=np.int32),
         np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32),
-        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32), np.empty((square, 2), dtype=np.int32),
+        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32),
+        np.empty((square, 2), dtype=np.int32),
         np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(24, dtype=np.int64),
         np.zeros(FAILURES, dtype=np.int64),
     )  # fmt: skip
