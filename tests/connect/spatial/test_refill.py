@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from unstruct.connect.spatial.arrays import CellArrays
 from unstruct.connect.spatial.cavity import beside, commit, corner, grow, load
+from unstruct.connect.spatial.costs import ANY, DEGREE, EDGE, NEVER
 from unstruct.connect.spatial.held import hold, holds, new_held
 from unstruct.connect.spatial.records import (
     COST_KIND,
@@ -19,7 +20,7 @@ from unstruct.connect.spatial.records import (
     TARGET,
     new_local,
 )
-from unstruct.connect.spatial.refill import ANY, DEGREE, EDGE, NEVER, refill
+from unstruct.connect.spatial.refill import refill
 from unstruct.connect.spatial.signs import DISJOINT, meets
 from unstruct.plain import refilling as plain
 from unstruct.plain.predicates import orient

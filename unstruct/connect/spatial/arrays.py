@@ -14,9 +14,10 @@ from ...base.errors import InputError, MeshError
 from ...base.jit import kernel
 from ...predicates.batch import orient_rows, power_of_two
 from ..insertion.engine import COUNT, FREE, STAMP, grown
+from ..insertion.stars import Cavity
 from ..insertion.triangulation import Triangulation
 from .journal import EVENT_ROOM, new_journal, unpacked
-from .records import LAST_EVENT, NOTED, SEED, Search, Solid, new_search
+from .records import LAST_EVENT, NOTED, SEED, Solid, new_search
 
 __all__ = ["CellArrays"]
 
@@ -117,7 +118,7 @@ class CellArrays:
         self.free: NDArray[np.int32] = np.empty(count, dtype=np.int32)
         self.state: NDArray[np.int64] = np.zeros(16, dtype=np.int64)
         self.state[COUNT], self.state[FREE], self.state[STAMP], self.state[SEED] = count, 0, 1, 1
-        self.found: Search = new_search(count)
+        self.found: Cavity = new_search(count)
 
     @property
     def slots(self) -> int:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
+from .costs import DEGREE, EDGE, FACE, SHAPE, UNSEEN, face_cost, face_number, tet_cost
 from .held import holds
 from .journal import EVENT_ROOM, close_event, note_refill
 from .records import (
+    CAVITY_KEY,
     CELLS_ROOM,
     COST_KIND,
     GUARD_COUNT,
@@ -19,10 +21,24 @@ from .records import (
     SEED,
     TARGET,
 )
-from .refill import DEGREE, EDGE, FACE, SHAPE, UNFILLED, UNSEEN, face_cost, face_number, tet_cost
+from .refill import FILLED, UNFILLED, set_code
 
-__all__ = ["beside", "commit", "corner", "draw", "grow", "load", "new_slot", "reset", "unwritten", "wall"]
+__all__ = [
+    "beside",
+    "commit",
+    "corner",
+    "draw",
+    "failed",
+    "grow",
+    "load",
+    "new_slot",
+    "remember_failure",
+    "reset",
+    "unwritten",
+    "wall",
+]
 
+IN_CELL = 8  # in the table `edge`: it is one of a cell
 NOWHERE = -2  # in the table `beyond`: this face is not on the boundary, and no new cell has it yet
 
 
@@ -138,6 +154,34 @@ def beside(solid, r, face):
 
 
 @lean
+def failed(solid, r, nodes):
+    """Whether this cavity is known to have no cheaper refill that a search of so many nodes finds.
+
+    The key is made of the vertices of the cells, the target and the number of nodes. The cavity is forgotten
+    when another one takes its place; if two had the same key, one of them would not be tried. What is held
+    may have become less since: then a refill is missed, too. Neither does harm.
+    """
+    size = r.size
+    key = size[COST_KIND] + 8 * nodes
+    for k in range(3):
+        key = key * 1000003 + size[TARGET + k]
+    for i in range(size[OLD_CELLS]):
+        t = 4 * r.cells[i]
+        mixed = ((solid.vertex[t] * 40503 + solid.vertex[t + 1]) * 30011 + solid.vertex[t + 2]) * 65599
+        mixed += solid.vertex[t + 3]
+        key += (mixed ^ (mixed >> 15)) * 2654435761
+    key ^= key >> 29
+    size[CAVITY_KEY] = key
+    return r.failures[key & (r.failures.shape[0] - 1)] == key
+
+
+@lean
+def remember_failure(r):
+    """Remember that the cavity whose key was asked for last has no cheaper refill."""
+    r.failures[r.size[CAVITY_KEY] & (r.failures.shape[0] - 1)] = r.size[CAVITY_KEY]
+
+
+@lean
 def reset(r):
     """Empty the tables for ``r.size[LOCALS]`` vertices, and number other vertices of the target."""
     n = r.size[LOCALS]
@@ -151,13 +195,18 @@ def reset(r):
     r.size[NUMBERED] = m
     for i in range(m**4):
         r.sign[i] = UNSEEN
-    for i in range(n**3):
+    for i in range(n**3):  # one array after the other: each loop becomes one operation
         r.cost[i] = -1.0
+    for i in range(n**3):
         r.code[i] = 0
+    for i in range(n**3):
         r.beyond[i] = NOWHERE
+    for i in range(n**3):
         r.number[i] = -1
+    for i in range(n**3):
+        r.fits[i] = -1
     for i in range(n * n):
-        r.edge[i] = 0
+        r.edge[i] = r.ajar[i] = r.shut[i] = r.judged[i] = r.costly[i] = r.barred[i] = 0
     r.size[GUARD_COUNT] = r.size[HASH] = 0
 
 
@@ -165,10 +214,9 @@ def reset(r):
 def wall(r, length, x, y, z):
     """Open a face of the boundary; return how many faces are in the front."""
     n = r.size[LOCALS]
-    face = face_number(n, x, y, z)
-    r.code[face] = UNFILLED
-    r.code[face_number(n, x, z, y)] = 2 * UNFILLED  # closed: the outside is there
-    r.front[length] = face
+    set_code(r, n, x, y, z, UNFILLED)
+    set_code(r, n, x, z, y, FILLED)  # the outside is there
+    r.front[length] = face_number(n, x, y, z)
     for i, j in ((x, y), (y, z), (z, x)):
         r.edge[min(i, j) * n + max(i, j)] |= 1
     return length + 1
@@ -184,22 +232,25 @@ def load(solid, held, r):
     n, stamp, length, cost, mixed = r.size[LOCALS], 2 * solid.state[STAMP], 0, 0.0, 0
     for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
-        mask = 0
-        for k in range(4):
-            x = _local(r, n, solid.vertex[4 * t + corner(k, 0)])
-            y = _local(r, n, solid.vertex[4 * t + corner(k, 1)])
-            z = _local(r, n, solid.vertex[4 * t + corner(k, 2)])
-            mask |= 1 << int(x) | 1 << int(y) | 1 << int(z)
-            over, face = solid.across[4 * t + k], face_number(n, x, y, z)
+        a, b = _local(r, n, solid.vertex[4 * t]), _local(r, n, solid.vertex[4 * t + 1])
+        c, d = _local(r, n, solid.vertex[4 * t + 2]), _local(r, n, solid.vertex[4 * t + 3])
+        mask = 1 << a | 1 << b | 1 << c | 1 << d
+        mixed += mask * mask * 2654435 + mask
+        for k in range(4):  # the faces as `corner` gives them
+            x, y, z = (b, d, c) if k == 0 else ((a, c, d) if k == 1 else ((a, d, b) if k == 2 else (a, b, c)))
+            over = solid.across[4 * t + k]
             if over < 0 or solid.stamp[over >> 2] != stamp:
                 length = wall(r, length, x, y, z)
+                face = face_number(n, x, y, z)
                 r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
             elif solid.mark[4 * t + k] >= 0:
-                r.code[face] = UNFILLED
-                r.front[length] = face
+                set_code(r, n, x, y, z, UNFILLED)
+                r.front[length] = face_number(n, x, y, z)
+                r.number[r.front[length]] = solid.mark[4 * t + k]
                 length += 1
-                r.number[face] = solid.mark[4 * t + k]
-        mixed += mask * mask * 2654435 + mask
+            r.edge[min(x, y) * n + max(x, y)] |= IN_CELL
+            r.edge[min(y, z) * n + max(y, z)] |= IN_CELL
+            r.edge[min(z, x) * n + max(z, x)] |= IN_CELL
     _find_guards(solid, held, r)
     for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
@@ -224,8 +275,7 @@ def _find_guards(solid, held, r):
     n, count = r.size[LOCALS], 0
     for i in range(n):
         for j in range(i + 1, n):
-            if r.edge[i * n + j] & 1 == 0 and holds(held, r.label[i], r.label[j]):
-                # it is somewhere: inside, or outside, where no face of the cavity meets it
+            if r.edge[i * n + j] == IN_CELL and holds(held, r.label[i], r.label[j]):
                 r.guard[count, 0], r.guard[count, 1] = i, j
                 count += 1
     r.size[GUARD_COUNT] = count

@@ -16,16 +16,15 @@ from .arrays import CellArrays
 from .flood import INWARD, flood_parts, number_inside, write_inside
 from .given import Given
 from .lookup import all_faces, edges_there
-from .recover import Recovery
+from .recover import MORE_EFFORT, Recovery
 from .release import Release
 
 __all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
 
-WORTH_ANOTHER = 30  # with more than this missing or in parts, another seed would not help
+WORTH_ANOTHER = 30  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
-QUICK_BUDGET = 40  # points that the first, quick attempt may add
-FEW_MISSING = 10  # with less missing or in parts, a second quick attempt may do
-RESTARTS = 5  # how many seeds are tried when something is left over
+SHAKEN = 10  # stars of points that are left, at each further level
+RESTARTS = 3  # how many seeds are tried when something is left over
 
 
 class Recovered(NamedTuple):
@@ -163,12 +162,10 @@ class SpatialComplex(CellArrays):
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            quick = restarts > 1 and (score is None or (k == 1 and sum(score[:2]) < FEW_MISSING))
-            most = min(budget, QUICK_BUDGET) if quick else budget
-            found, parts = self._once(corners, ends, most, seed + k, quick, progress)
+            found, parts = self._once(corners, ends, budget, seed + k, progress)
             if score is None or found.rank < score:
                 score, result, best = found.rank, (found, parts), self.saved()
-            if found.exact or (not quick and sum(found.rank[:2]) > WORTH_ANOTHER):
+            if found.exact or (k > 0 and sum(found.rank[:2]) > WORTH_ANOTHER):
                 break
             self.restore(before)
         assert result is not None
@@ -189,17 +186,21 @@ class SpatialComplex(CellArrays):
         ends: NDArray[np.int32],
         budget: int,
         seed: int,
-        quick: bool,
         progress: bool,
     ) -> tuple[Recovered, Given]:
         given = Given(corners, ends)
-        run = Recovery(self, given, budget=budget, seed=seed, quick=quick)
+        run = Recovery(self, given, budget=budget, seed=seed)
         run.run(progress=progress)
         release = Release(run)
         release.run()
-        lost = np.unique(given.root[run.lost]) if run.lost else np.empty(0, np.int32)
+        for run.level in range(1, len(MORE_EFFORT)):
+            left = len(run.lost) + len(run.lost_edges) + len(release.kept)
+            if not 0 < left <= WORTH_ANOTHER:
+                break
+            run.again(progress=progress)
+            release.run(SHAKEN if run.level == 1 else 0)
         return Recovered(
-            run.missing(), lost.astype(np.int32),
+            run.missing(), run.missing_triangles(),
             np.array([split.point for split in release.kept], dtype=np.int32),
             np.array(release.inner, dtype=np.int32), run.crossed, seed, given.chains(),
         ), given  # fmt: skip

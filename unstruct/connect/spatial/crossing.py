@@ -9,10 +9,34 @@ from __future__ import annotations
 
 from ...base.jit import apart, inline
 from ..insertion.engine import STAMP
-from .refill import EDGE
+from .costs import EDGE
 from .signs import DISJOINT, INSIDE, ON_EDGE, meets
 
-__all__ = ["classify", "crossings", "mark_face", "ring", "star"]
+__all__ = ["cells_around", "classify", "crossings", "mark_face", "ring", "star"]
+
+
+@apart
+def cells_around(solid, face, j, cells, room):
+    """Write the cells around the edge of a face that lacks vertex j of its cell; -1 if more than ``room``.
+
+    Also -1 if the edge is on the hull.
+    """
+    t, out, count = face >> 2, face & 3, 0
+    first, x = t, solid.vertex[4 * (face >> 2) + j]  # the vertex of the face that is passed, beside the edge
+    while count < room:
+        cells[count] = t
+        count += 1
+        over = solid.across[4 * t + out]
+        if over < 0:
+            return -1
+        t = over >> 2
+        if t == first:
+            return count
+        out = 0
+        while solid.vertex[4 * t + out] != x:
+            out += 1
+        x = solid.vertex[over]
+    return -1
 
 
 @inline

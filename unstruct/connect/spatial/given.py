@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -98,6 +99,12 @@ class Given:
             return {}
         rows = map(tuple, self.segment.tolist())
         return {(a, b): self.parts(a, b) for a, b in rows if (a, b) in self.middle}
+
+    def edges(self) -> set[Edge]:
+        """All edges that must be there now: those of triangles that are not split, and parts of segments."""
+        sides = {key for key, rows in self.beside().items() if rows}
+        chains = [self.parts(*row) for row in self.segment.tolist()]
+        return sides | {edge(u, v) for chain in chains for u, v in pairwise(chain)}
 
     def beside(self) -> dict[Edge, list[int]]:
         """The triangles at each edge that are not split; made at the first split."""

@@ -10,7 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..insertion.stars import Cavity
+
 __all__ = [
+    "CAVITY_KEY",
     "CELLS_ROOM",
     "COST_KIND",
     "EVENT",
@@ -33,7 +36,6 @@ __all__ = [
     "WORK_DONE",
     "Held",
     "Local",
-    "Search",
     "Solid",
     "new_local",
     "new_search",
@@ -43,6 +45,7 @@ LOCAL_ROOM = 12  # vertices of a cavity that is refilled: beyond this, searches 
 CELLS_ROOM = 128  # its cells
 TETS_ROOM = 96  # tetrahedra in a refill; 12 points have no triangulation with more than 55
 MEMO = 1 << 15  # exact signs that are remembered
+FAILURES = 1 << 13  # cavities that are remembered, since they could not be refilled at lower cost
 SEED = 6  # entry of the state of a `Solid`: the generator of random numbers
 NOTED = 7  # entry of the state of a `Solid`: how much of its journal is written
 LAST_EVENT = 8  # entry of the state of a `Solid`: where its last event begins
@@ -61,6 +64,7 @@ WAY_COUNT = 12  # how many faces are in the way of the target
 SHAKES_LEFT = 13  # of the present goal
 RESUMED = 14  # 1 if the search for the present goal has been interrupted
 WORK_DONE = 15  # steps since the last look at whether the user wants to stop
+CAVITY_KEY = 16  # of the cavity and of what is sought in it, see `cavity.failed`
 HASH = 9  # of the cells that are there, to recognize a refill that changes nothing
 
 
@@ -86,14 +90,6 @@ class Held(NamedTuple):
     value: NDArray[np.int8]
 
 
-class Search(NamedTuple):
-    """Results of searches through cells: room for all cells, and for all their faces."""
-
-    cells: NDArray[np.int32]
-    faces: NDArray[np.int32]
-    sizes: NDArray[np.int64]
-
-
 class Local(NamedTuple):
     """A cavity of at most LOCAL_ROOM vertices, with local numbers, and the state of a search for refills.
 
@@ -105,7 +101,7 @@ class Local(NamedTuple):
     label: NDArray[np.int32]  # the vertex of the complex that each local vertex is
     sign: NDArray[np.int8]  # orientations of four local vertices, filled when they are needed
     cost: NDArray[np.float64]  # of faces, filled when they are needed; negative: unknown
-    edge: NDArray[np.int8]  # of pairs: bit 1 on the boundary; bits above: whether it crosses the target
+    edge: NDArray[np.int8]  # of pairs: 1 on the boundary; 2, 4: it crosses the target or not; 8: of a cell
     code: NDArray[np.uint8]  # of faces: open, closed
     beyond: NDArray[
         np.int64
@@ -117,10 +113,19 @@ class Local(NamedTuple):
     gain: NDArray[np.float64]  # what they cost
     total: NDArray[np.float64]  # cost of what is chosen above each depth
     best: NDArray[np.int32]  # the tetrahedra of the best refill
+    # Sets of vertices, as bits: of faces those on the inner side (negative: unknown); of pairs a n + b those
+    # with which the oriented face is open, or closed, and the cost of the face is known, not 0, or NEVER.
+    fits: NDArray[np.int32]
+    ajar: NDArray[np.int32]
+    shut: NDArray[np.int32]
+    judged: NDArray[np.int32]
+    costly: NDArray[np.int32]
+    barred: NDArray[np.int32]
     guard: NDArray[np.int32]  # local ends of edges that must stay
     memo: NDArray[np.int32]  # exact signs of vertices, see `remembered_side`
     goal: NDArray[np.int64]  # local numbers of the target
     size: NDArray[np.int64]
+    failures: NDArray[np.int64]  # keys of cavities, each at its remainder
 
 
 def new_local() -> Local:
@@ -132,14 +137,18 @@ def new_local() -> Local:
         np.empty(cube, dtype=np.uint8), np.empty(cube, dtype=np.int64), np.empty(cube, dtype=np.int32),
         np.empty(4 * (CELLS_ROOM + TETS_ROOM), dtype=np.int32), np.empty((TETS_ROOM, 8), dtype=np.int32),
         np.empty((TETS_ROOM + 1, n), dtype=np.int32), np.empty((TETS_ROOM + 1, n)), np.empty(TETS_ROOM + 1),
-        np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty((square, 2), dtype=np.int32),
-        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(16, dtype=np.int64),
+        np.empty((TETS_ROOM, 4), dtype=np.int32), np.empty(cube, dtype=np.int32),
+        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32),
+        np.zeros(square, dtype=np.int32), np.zeros(square, dtype=np.int32),
+        np.empty((square, 2), dtype=np.int32),
+        np.full((MEMO, 5), -1, dtype=np.int32), np.zeros(3, dtype=np.int64), np.zeros(24, dtype=np.int64),
+        np.zeros(FAILURES, dtype=np.int64),
     )  # fmt: skip
 
 
-def new_search(slots: int) -> Search:
-    """Room for a search through this many cells."""
-    return Search(
+def new_search(slots: int) -> Cavity:
+    """Room for a search through this many cells and all their faces."""
+    return Cavity(
         np.empty(slots + 8, dtype=np.int32),
         np.empty(4 * slots + 32, dtype=np.int32),
         np.zeros(4, dtype=np.int64),

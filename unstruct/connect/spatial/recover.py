@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...base.progress import progress_bar
 from .arrays import CellArrays
+from .costs import EDGE, FACE
 from .crossing import crossings
 from .given import Given, Split, edge
 from .held import hold, new_held
@@ -17,19 +18,20 @@ from .journal import EVENT_ROOM
 from .lookup import look_up
 from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, recover_all, survey
-from .refill import EDGE, FACE
 from .signs import DISJOINT, meets
-from .steiner import crossed_edges, distance, insert_around, insert_between, on_line, on_plane
+from .steiner import crossed_edges, distance, insert_around, insert_between, off_plane, on_line, on_plane
 
-__all__ = ["Recovery"]
+__all__ = ["MORE_EFFORT", "Recovery"]
 
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
-# Largest cavity, shakes, nodes of one search, nodes for one goal: first for all, then for what is left.
-EFFORTS = ((7, 0, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals; then there is
+# more for what is left before it is split, and still more for what is missing or in parts in the end.
+EFFORT = (7, 0, 100, 2000)
+MORE_EFFORT = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
+MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
 PART_ROUNDS = 8  # how often parts of a segment are split
-AGAIN = (8, 5, 200, 5000)  # for the parts of what was split
-QUICK_EFFORTS, QUICK_AGAIN = EFFORTS[:1], EFFORTS[0]  # enough for most bodies, at a third of the time
 
 
 class Recovery:
@@ -42,15 +44,20 @@ class Recovery:
     budget : int
         How many points may be added.
     seed : int
+
+    Attributes
+    ----------
+    level : int
+        How much is tried for what is left; see ``MORE_EFFORT``.
     """
 
-    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int, quick: bool = False):
-        self.cells, self.given, self.budget = cells, given, budget
-        self.efforts = QUICK_EFFORTS if quick else EFFORTS
-        self.again = QUICK_AGAIN if quick else AGAIN
+    def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
+        self.cells, self.given, self.budget, self.level = cells, given, budget, 0
+        self.rounding = MOST_OFF * float(np.abs(cells.xyz[: cells.given]).max())
         self.held = new_held(len(given.segment) + 12 * budget)
         self.local = new_local()
         self.splits: list[Split] = []
+        self.added = 0  # points, also those that were released since
         self.crossed = np.zeros(4, dtype=np.int64)
         self.lost_edges: set[tuple[int, int]] = set()
         self.lost: list[int] = []
@@ -62,16 +69,25 @@ class Recovery:
         goals = np.zeros((len(self.given.segment), 4), dtype=np.int32)
         goals[:, :2] = self.given.segment
         with progress_bar(progress, " segments", total=len(goals)) as bar:
-            left = self._recover(EDGE, goals, bar)
-        waiting = [edge(*row) for row in goals[left != 0, :2].tolist()]
+            left = self._recover(EDGE, goals, (EFFORT,), bar)
+        self._split_segments([edge(*row) for row in goals[left != 0, :2].tolist()])
+        self._triangles(progress)
+
+    def again(self, *, progress: bool = False) -> None:
+        """Try more for what is missing."""
+        waiting = sorted(self.lost_edges & self.given.edges()) if self.lost_edges else []
+        self.lost_edges.clear()
         self._split_segments(waiting)
+        self._triangles(progress)
+
+    def _triangles(self, progress: bool) -> None:
         tried: set[int] = set()
         while True:
             every = np.flatnonzero(self.given.alive[: self.given.count])
             lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
             rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
-                left = self._recover(FACE, self.given.goals(rows), bar)
+                left = self._recover(FACE, self.given.goals(rows), (EFFORT, MORE_EFFORT[self.level]), bar)
             waiting = rows[left != 0].tolist()
             self.lost = [*waiting, *every[lacking].tolist()]
             again = [t for t in waiting if t not in tried]
@@ -91,7 +107,7 @@ class Recovery:
         cells.reserve(cells.size, cells.slots + 4 * SPARE_SLOTS)
         cells.reserve_events()
 
-    def _recover(self, kind: int, goals: NDArray[np.int32], bar: Any) -> NDArray[np.int64]:
+    def _recover(self, kind: int, goals: NDArray[np.int32], efforts, bar: Any) -> NDArray[np.int64]:
         """Recover many goals in rounds; how many faces are in the way of each in the end."""
         left = np.zeros(len(goals), dtype=np.int64)
         rest = np.flatnonzero(~look_up(self.cells.solid(), self.held, kind, goals))
@@ -101,7 +117,7 @@ class Recovery:
             survey(self.cells.solid(), self.held, self.cells.found, kind, goals[rows], ways, self.crossed)
             left[rows] = ways
         bar.update(int((left == 0).sum()))
-        for options in self.efforts:
+        for options in efforts:
             waiting = np.flatnonzero(left != 0)
             for i in range(0, len(waiting), CHUNK):
                 rows = waiting[i : i + CHUNK]
@@ -122,9 +138,9 @@ class Recovery:
             self._room()
         return left
 
-    def _one(self, a: int, b: int) -> bool:
+    def _one(self, a: int, b: int, effort) -> bool:
         goal = np.array([[a, b, 0, 0]], dtype=np.int32)
-        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), self.again)[0] == 0)
+        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), effort)[0] == 0)
 
     # ------------------------------------------------------------------ points
 
@@ -137,14 +153,14 @@ class Recovery:
         for generation in range(PART_ROUNDS):
             following: list[tuple[int, int]] = []
             for a, b in waiting:
-                if self._one(a, b):
+                if self._one(a, b, MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS):
                     continue
                 p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
                     self.lost_edges.add(edge(a, b))
                     continue
                 split = self.given.split_segment(a, b, p)
-                self.splits.append(split)
+                self._split(split)
                 following += split.edges()
             if not following:
                 return
@@ -160,13 +176,17 @@ class Recovery:
             p = self._insert_on_triangle(t)
             if p >= 0:
                 split = self.given.split_triangle(t, p)
-                self.splits.append(split)
+                self._split(split)
                 self._split_segments(list(split.inner))
         return len(self.splits) > before
 
+    def _split(self, split: Split) -> None:
+        self.splits.append(split)
+        self.added += 1
+
     def _next_vertex(self) -> bool:
         cells = self.cells
-        if len(self.splits) >= self.budget:
+        if self.added >= self.budget:
             return False
         spare = len(cells.found.faces) // 64 + 4 * SPARE_SLOTS + 4 * WIDER
         cells.reserve(cells.size + 1, cells.slots + spare)
@@ -242,7 +262,9 @@ class Recovery:
         for more, (u, v) in product((0, WIDER), sorted(crossing)):
             where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])
             p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
-            if 0 < where < 1 and insert_around(cells.solid(), self.held, cells.found, u, v, p, more):
+            if not 0 < where < 1 or off_plane(cells.xyz[p], *cells.xyz[goal[:3]]) > self.rounding:
+                continue  # a point that is off its facet would be no part of it
+            if insert_around(cells.solid(), self.held, cells.found, u, v, p, more):
                 cells.size += 1
                 cells.name_point(tuple(goal[:3].tolist()), count)
                 return p
@@ -260,6 +282,13 @@ class Recovery:
         left, counts = np.zeros(len(goals), dtype=np.int64), np.zeros(4, dtype=np.int64)
         survey(self.cells.solid(), self.held, self.cells.found, EDGE, goals, left, counts)
         return given[np.unique(owner[left != 0])]
+
+    def missing_triangles(self) -> NDArray[np.int32]:
+        """The given triangles that are not there, neither whole nor in parts; chance may have made some."""
+        rows = np.array([t for t in self.lost if self.given.alive[t]], dtype=np.int64)
+        left, counts = np.zeros(len(rows), dtype=np.int64), np.zeros(4, dtype=np.int64)
+        survey(self.cells.solid(), self.held, self.cells.found, FACE, self.given.goals(rows), left, counts)
+        return np.unique(self.given.root[rows[left != 0]])
 
     def drop(self, split: Split) -> None:
         """Join what was split, in the tables."""

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
-from .cavity import beside, commit, draw, grow, load, unwritten
-from .crossing import classify, crossings, mark_face, star
+from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
+from .costs import EDGE, FACE, NEVER, face_cost
+from .crossing import cells_around, classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
 from .records import (
     COST_KIND,
     EVENT,
     LOCAL_ROOM,
+    LOCALS,
     NODES,
     RESUMED,
     SHAKES_LEFT,
@@ -24,7 +26,8 @@ from .records import (
     WAY_COUNT,
     WORK_DONE,
 )
-from .refill import EDGE, FACE, NEVER, refill
+from .refill import refill
+from .signs import ON_EDGE, meets, side
 
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
 
@@ -41,16 +44,48 @@ TOTAL = 3  # nodes of all searches for one goal
 
 
 @apart
+def _passes(xyz, r, faces):
+    """Whether the segment passes the cavity through two faces that no tetrahedron has both.
+
+    Then there is a face in its way in every refill.
+    """
+    n, found, first = r.size[LOCALS], 0, 0
+    if r.goal[0] < n or r.goal[1] < n:
+        return False
+    for i in range(faces):
+        face = r.front[i]
+        x, y, z = face // (n * n), face // n % n, face % n
+        if face_cost(xyz, r, x, y, z) == 0.0:
+            continue
+        mask = 1 << x | 1 << y | 1 << z
+        if found == 0:
+            first = mask
+        elif found == 1:
+            common = first & mask
+            if common & (common - 1):
+                return False
+        found += 1
+    return found == 2
+
+
+@apart
 def _attempt(solid, held, r, count, wanted, options, noise, equal):
     """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
     r.size[WORK_DONE] += WORK_OF_A_STEP
     if not grow(solid, r, count, wanted, noise):
         return False
-    faces, cost = load(solid, held, r)
-    if cost >= NEVER or (cost == 0.0 and not equal):
+    if not equal and failed(solid, r, options[SEARCH_NODES]):
         return False
+    faces, cost = load(solid, held, r)
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
-    if refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER:
+    if (
+        cost >= NEVER
+        or limit <= 0.0
+        or (r.size[COST_KIND] == EDGE and cost == 1.0 and not equal and _passes(solid.xyz, r, faces))
+        or refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER
+    ):
+        if not equal:
+            remember_failure(r)
         return False
     r.size[EVENT] = EVENT_SHAKE if equal else EVENT_REFILL
     commit(solid, r)
@@ -68,6 +103,32 @@ def _lower(solid, held, r, found, count, options):
             if beside(solid, r, found.faces[(start + j) % count]):
                 if _attempt(solid, held, r, 2, wanted, options, 2, False):
                     return True
+    return False
+
+
+@apart
+def _lower_around(solid, held, r, found, count, goal, options):
+    """Try the cells around edges that the segment meets; True at the first success.
+
+    In a plane this is a flip: if the faces at the edge are alike on both sides, four cells replace four.
+    """
+    for i in range(count):
+        face = found.faces[i]
+        t, k = face >> 2, face & 3
+        u, v, w = (
+            solid.vertex[4 * t + (k + 1 & 3)],
+            solid.vertex[4 * t + (k + 2 & 3)],
+            solid.vertex[4 * t + (k + 3 & 3)],
+        )
+        if meets(solid.xyz, goal[0], goal[1], u, v, w) != ON_EDGE:
+            continue
+        for j in range(1, 4):  # the edge without vertex k + j
+            p, q = (v, w) if j == 1 else ((w, u) if j == 2 else (u, v))
+            if side(solid.xyz, goal[0], goal[1], p, q) != 0:
+                continue
+            size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
+            if size > 0 and _attempt(solid, held, r, size, size + 2, options, 0, False):
+                return True
     return False
 
 
@@ -108,6 +169,8 @@ def recover_one(solid, held, r, found, kind, goal, options):
         size[WORK_DONE] += WORK_OF_A_STEP + count
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count
+        if kind == EDGE and _lower_around(solid, held, r, found, count, goal, options):
+            continue
         if _lower(solid, held, r, found, count, options):
             continue
         if _lower_all(solid, held, r, found, options):

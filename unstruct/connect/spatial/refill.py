@@ -16,9 +16,8 @@ the beginning. An edge that must be there forbids all faces that it meets.
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...base.jit import apart, inline, lean
+from .costs import DEGREE, EDGE, FACE, NEVER, SHAPE, face_cost, face_number, local_sign, tet_cost
 from .records import (
     COST_KIND,
     GUARD_COUNT,
@@ -26,181 +25,47 @@ from .records import (
     LOCALS,
     NEW_CELLS,
     NODES,
-    NUMBERED,
     SEED,
     TARGET,
     TETS_ROOM,
     WORK_DONE,
 )
-from .signs import DISJOINT, in_order, meets, remembered_side
 
-__all__ = [
-    "ANY",
-    "DEGREE",
-    "EDGE",
-    "FACE",
-    "SHAPE",
-    "UNFILLED",
-    "face_cost",
-    "face_number",
-    "refill",
-    "tet_cost",
-]
+__all__ = ["FILLED", "UNFILLED", "refill", "set_code"]
 
-# What is summed over a refill (SHAPE: what is the largest in it).
-ANY = 0  # nothing: any refill is as good as another
-EDGE = 1  # faces that the segment TARGET meets
-FACE = 2  # edges of faces that meet the triangle TARGET
-SHAPE = 3  # the badness of the worst tetrahedron
-DEGREE = 4  # tetrahedra at the vertex TARGET; other faces must not meet the segment of the two next entries
-
-UNFILLED, FILLED = 1, 2
-NEVER = 1e300  # more than any cost
-UNSEEN = 2  # a sign that is not known yet
+UNFILLED, FILLED = 1, 2  # a face is neither as long as nothing is at it
 # Columns of `chosen`.
 CHOSEN_APEX, OPENED, LENGTH, FOUND, NEXT_APEX = 3, 4, 5, 6, 7
 
 
 @inline
-def face_number(n, x, y, z):
-    """The number of the oriented face x, y, z: the same for y, z, x."""
-    if x < y and x < z:
-        return (x * n + y) * n + z
-    if y < z:
-        return (y * n + z) * n + x
-    return (z * n + x) * n + y
+def set_code(r, n, x, y, z, code):
+    """Write whether the oriented face x, y, z is open or closed."""
+    r.code[face_number(n, x, y, z)] = code
+    for k in range(3):
+        a, b, c = (x, y, z) if k == 0 else ((y, z, x) if k == 1 else (z, x, y))
+        bit = 1 << c
+        r.ajar[a * n + b] = r.ajar[a * n + b] | bit if code == UNFILLED else r.ajar[a * n + b] & ~bit
+        r.shut[a * n + b] = r.shut[a * n + b] | bit if code == FILLED else r.shut[a * n + b] & ~bit
 
 
 @apart
-def _fill_sign(xyz, label, memo, sign, at, m):
-    """Write the sign with this place in the table."""
-    a, b, c, d = label[at // (m * m * m)], label[at // (m * m) % m], label[at // m % m], label[at % m]
-    sign[at] = remembered_side(xyz, memo, a, b, c, d)
-
-
-@inline
-def _sign(xyz, r, a, b, c, d):
-    """Orientation of four local vertices, from the table if it is there."""
-    m = r.size[NUMBERED]
-    a, b, c, d, sign = in_order(a, b, c, d)
-    at = ((a * m + b) * m + c) * m + d
-    if r.sign[at] == UNSEEN:
-        _fill_sign(xyz, r.label, r.memo, r.sign, at, m)
-    return sign * r.sign[at]
-
-
-@apart
-def _in_the_way(xyz, r, a, b, u, v, w):
-    """Whether the open segment ab meets the closed triangle uvw, all local: `meets` by the table of signs."""
-    label = r.label
-    s = o = y = z = -1
-    if a == u or a == v or a == w:
-        s, o = a, b
-    if b == u or b == v or b == w:
-        if s >= 0:
-            return False
-        s, o = b, a
-    if s >= 0:
-        y, z = (v, w) if s == u else ((w, u) if s == v else (u, v))
-        if _sign(xyz, r, s, y, z, o) != 0:
-            return False
-        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != DISJOINT
-    above, below = _sign(xyz, r, u, v, w, a), _sign(xyz, r, u, v, w, b)
-    if above == 0 and below == 0:
-        return meets(xyz, label[a], label[b], label[u], label[v], label[w]) != DISJOINT
-    if above * below >= 0:
-        return False
-    first, second = _sign(xyz, r, a, b, u, v), _sign(xyz, r, a, b, v, w)
-    if first * second < 0:
-        return False
-    third = _sign(xyz, r, a, b, w, u)
-    return not min(first, second, third) < 0 < max(first, second, third)
-
-
-@lean
-def _edge_cost(xyz, r, i, j):
-    """1 if the edge between local vertices meets the triangle that is sought, otherwise 0."""
-    at = min(i, j) * r.size[LOCALS] + max(i, j)
-    known = r.edge[at] >> 1
-    if known == 0:
-        goal = r.goal
-        known = 2 if _in_the_way(xyz, r, i, j, goal[0], goal[1], goal[2]) else 1
-        r.edge[at] |= known << 1
-    return known - 1
-
-
-@apart
-def _fill_cost(xyz, r, at):
-    """Write what the face with this number costs."""
-    n, kind = r.size[LOCALS], r.size[COST_KIND]
-    x, y, z = at // (n * n), at // n % n, at % n
-    cost = 0.0
-    if kind == EDGE:
-        cost = 1.0 if _in_the_way(xyz, r, r.goal[0], r.goal[1], x, y, z) else 0.0
-    elif kind == FACE:
-        cost = float(_edge_cost(xyz, r, x, y) + _edge_cost(xyz, r, y, z) + _edge_cost(xyz, r, z, x))
-    elif kind == DEGREE and r.size[TARGET + 1] >= 0:
-        p = r.goal[0]  # what is between the segment and the point on it is not in the way
-        if x != p and y != p and z != p and _in_the_way(xyz, r, r.goal[1], r.goal[2], x, y, z):
-            cost = NEVER
-    for i in range(r.size[GUARD_COUNT]):
-        if _in_the_way(xyz, r, r.guard[i, 0], r.guard[i, 1], x, y, z):
-            cost = NEVER
-            break
-    r.cost[at] = cost
-
-
-@inline
-def face_cost(xyz, r, x, y, z):
-    """What the face costs: NEVER if an edge that must stay meets it."""
-    low, high = min(x, y, z), max(x, y, z)
+def _fill_fits(xyz, r, face):
+    """Write which vertices are on the inner side of this face."""
     n = r.size[LOCALS]
-    at = (low * n + x + y + z - low - high) * n + high
-    if r.cost[at] < 0:
-        _fill_cost(xyz, r, at)
-    return r.cost[at]
-
-
-@apart
-def badness(xyz, a, b, c, d):
-    """From 0 for a regular tetrahedron to 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
-    ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
-    vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
-    wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]
-    six = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
-    total = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz
-    total += (ux - vx) ** 2 + (uy - vy) ** 2 + (uz - vz) ** 2
-    total += (vx - wx) ** 2 + (vy - wy) ** 2 + (vz - wz) ** 2
-    total += (wx - ux) ** 2 + (wy - uy) ** 2 + (wz - uz) ** 2
-    mean = total / 6.0
-    cube = mean * np.sqrt(mean)
-    return 1.0 if cube <= 0.0 else 1.0 - np.sqrt(2.0) * six / cube  # it may vanish by underflow
-
-
-@inline
-def tet_cost(xyz, r, a, b, c, d):
-    """What the tetrahedron on local vertices costs beside its faces."""
-    kind, label = r.size[COST_KIND], r.label
-    if kind == SHAPE:
-        return badness(xyz, label[a], label[b], label[c], label[d])
-    if kind == DEGREE:
-        p = r.size[TARGET]
-        return 1.0 if label[a] == p or label[b] == p or label[c] == p or label[d] == p else 0.0
-    return 0.0
+    x, y, z = face // (n * n), face // n % n, face % n
+    mask = 0
+    for d in range(n):
+        if d != x and d != y and d != z and local_sign(xyz, r, x, y, z, d) > 0:
+            mask |= 1 << d
+    r.fits[face] = mask
 
 
 @inline
 def _gain(xyz, r, x, y, z, d):
-    """What it costs to set the apex d on the open face x, y, z; NEVER if it does not fit."""
+    """What it costs to set the apex d, which fits, on the open face x, y, z."""
     n = r.size[LOCALS]
     cost = 0.0
-    for k in range(3):
-        a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
-        code = r.code[face_number(n, b, a, d)]
-        if code >= FILLED:
-            return NEVER
-    if _sign(xyz, r, x, y, z, d) <= 0:
-        return NEVER
     for k in range(3):
         a, b = (y, z) if k == 0 else ((z, x) if k == 1 else (x, y))
         if r.code[face_number(n, b, a, d)] == 0:
@@ -208,39 +73,82 @@ def _gain(xyz, r, x, y, z, d):
     return cost + tet_cost(xyz, r, x, y, z, d)
 
 
+@inline
+def _judge(xyz, r, a, b, mask):
+    """Fill the costs of the faces of the edge ab with these vertices, where they are needed."""
+    pair = a * r.size[LOCALS] + b
+    mask &= ~(r.judged[pair] | r.ajar[pair])
+    d = 0
+    while mask >> d:
+        if mask >> d & 1:
+            face_cost(xyz, r, a, b, d)
+        d += 1
+
+
+@inline
+def _fitting(xyz, r, face, total, limit):
+    """The set of vertices that fit an open face: a bit for each that keeps the cost below the limit."""
+    n, kind, slack = r.size[LOCALS], r.size[COST_KIND], limit - total
+    if r.fits[face] < 0:
+        _fill_fits(xyz, r, face)
+    x, y, z = face // (n * n), face // n % n, face % n
+    one, two, three = y * n + x, z * n + y, x * n + z
+    mask = r.fits[face] & ~(r.shut[one] | r.shut[two] | r.shut[three])
+    if mask == 0 or not (slack > 0.0 or kind == SHAPE):
+        return 0
+    if r.size[GUARD_COUNT] > 0 or kind == EDGE or (kind == DEGREE and r.size[TARGET + 1] >= 0):
+        _judge(xyz, r, y, x, mask)
+        mask &= ~(r.barred[one] & ~r.ajar[one])
+        _judge(xyz, r, z, y, mask)
+        mask &= ~(r.barred[two] & ~r.ajar[two])
+        _judge(xyz, r, x, z, mask)
+        mask &= ~(r.barred[three] & ~r.ajar[three])
+    if kind == EDGE and slack <= 3.0:
+        a, b, c = r.costly[one] & ~r.ajar[one], r.costly[two] & ~r.ajar[two], r.costly[three] & ~r.ajar[three]
+        if slack > 2.0:
+            mask &= ~(a & b & c)
+        elif slack > 1.0:
+            mask &= ~(a & b | b & c | c & a)
+        else:
+            mask &= ~(a | b | c)
+    elif kind == FACE or kind == SHAPE or kind == DEGREE:
+        for d in range(n):
+            if mask >> d & 1:
+                gain = _gain(xyz, r, x, y, z, d)
+                if (max(total, gain) if kind == SHAPE else total + gain) >= limit:
+                    mask &= ~(1 << d)
+    return mask
+
+
 @apart
 def _choose(xyz, r, depth, length, limit):
     """Choose the open face that the fewest vertices fit; write them at this depth, and return how many.
 
-    At the next depth is scratch: the candidates of the face that is looked at.
+    Sets of vertices are the bits of numbers, so that most faces are judged by a few operations.
     """
-    n, shape = r.size[LOCALS], r.size[COST_KIND] == SHAPE
-    fewest = n + 1
+    n, total = r.size[LOCALS], r.total[depth]
+    fewest, chosen, best = n + 1, -1, 0
     for i in range(length):
         face = r.front[i]
         if r.code[face] != UNFILLED:
             continue
-        x, y, z = face // (n * n), face // n % n, face % n
-        found = 0
-        for d in range(n):
-            if d == x or d == y or d == z:
-                continue
-            gain = _gain(xyz, r, x, y, z, d)
-            after = max(r.total[depth], gain) if shape else r.total[depth] + gain
-            if after < limit:
-                r.apex[depth + 1, found] = d
-                r.gain[depth + 1, found] = gain
-                found += 1
-                if found == fewest:
-                    break
+        mask = _fitting(xyz, r, face, total, limit)
+        found, rest = 0, mask
+        while rest and found < fewest:
+            rest &= rest - 1
+            found += 1
         if found < fewest:
-            fewest = found
-            r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
-            for j in range(found):
-                r.apex[depth, j], r.gain[depth, j] = r.apex[depth + 1, j], r.gain[depth + 1, j]
+            fewest, chosen, best = found, face, mask
             if fewest <= 1:
                 break
-    return fewest
+    x, y, z = chosen // (n * n), chosen // n % n, chosen % n
+    r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
+    found = 0
+    for d in range(n):
+        if best >> d & 1:
+            r.apex[depth, found], r.gain[depth, found] = d, _gain(xyz, r, x, y, z, d)
+            found += 1
+    return found
 
 
 @lean
@@ -271,17 +179,15 @@ def _set(r, depth, length):
     r.chosen[depth, LENGTH] = length
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
-        face = face_number(n, a, b, c)
-        if r.code[face] == UNFILLED:
+        if r.code[face_number(n, a, b, c)] == UNFILLED:
             more -= 1
         else:
-            reverse = face_number(n, a, c, b)
-            r.code[reverse] = UNFILLED
-            r.front[length] = reverse
+            set_code(r, n, a, c, b, UNFILLED)
+            r.front[length] = face_number(n, a, c, b)
             length += 1
             more += 1
             opened |= 1 << k
-        r.code[face] = FILLED
+        set_code(r, n, a, b, c, FILLED)
     r.chosen[depth, OPENED] = opened
     return length, more
 
@@ -294,13 +200,12 @@ def _unset(r, depth):
     fewer = 0
     for k in range(4):
         a, b, c = (x, y, z) if k == 0 else ((y, x, d) if k == 1 else ((z, y, d) if k == 2 else (x, z, d)))
-        face = face_number(n, a, b, c)
         if r.chosen[depth, OPENED] >> k & 1:
-            r.code[face] = 0
-            r.code[face_number(n, a, c, b)] = 0
+            set_code(r, n, a, b, c, 0)
+            set_code(r, n, a, c, b, 0)
             fewer += 1
         else:
-            r.code[face] = UNFILLED
+            set_code(r, n, a, b, c, UNFILLED)
             fewer -= 1
     return fewer
 

@@ -15,7 +15,20 @@ import numpy as np
 from ...base.jit import kernel
 from ..insertion.engine import COUNT, FREE
 from .arrays import CellArrays
-from .cavity import beside, commit, grow, load, new_slot, reset, unwritten, wall
+from .cavity import (
+    beside,
+    commit,
+    draw,
+    failed,
+    grow,
+    load,
+    new_slot,
+    remember_failure,
+    reset,
+    unwritten,
+    wall,
+)
+from .costs import ANY, DEGREE, EDGE, NEVER
 from .crossing import star
 from .given import Given, Split, edge
 from .held import holds
@@ -25,6 +38,7 @@ from .journal import (
     EVENT_RELEASED,
     EVENT_REMOVED,
     EVENT_ROOM,
+    EVENT_SHAKE,
     close_event,
     old_cells,
     open_event,
@@ -32,13 +46,15 @@ from .journal import (
 from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
-from .refill import ANY, DEGREE, EDGE, NEVER, refill
+from .refill import refill
 from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, widened
 
 __all__ = ["Release"]
 
+NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
 NODES_WITHOUT = 4000  # of the search for a sector without its point
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
+SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
 WALLS = 400  # faces of the largest star that is looked at
 
 
@@ -90,17 +106,37 @@ def lower_degree(solid, held, r, found, goal, enough):
                 face = 4 * found.cells[i >> 2] + (i & 3)
                 if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
                     continue
-                if not grow(solid, r, 2, wanted, 2):
+                if not grow(solid, r, 2, wanted, 2) or failed(solid, r, NODES_FEWER):
                     continue
                 faces, cost = load(solid, held, r)
-                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, 200) < NEVER:
+                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, NODES_FEWER) < NEVER:
                     commit(solid, r)
                     before = -1
                     break
+                remember_failure(r)
             if before < 0:
                 break
         if before >= 0:
             return size
+
+
+@kernel
+def shake_star(solid, held, r, found, p, count):
+    """Refill ``count`` cavities at vertex p by chance, whatever they cost; -1 if room is lacking."""
+    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = ANY, EVENT_SHAKE, 0
+    r.size[TARGET], r.size[TARGET + 1], r.size[TARGET + 2] = p, -1, -1
+    for _ in range(count):
+        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0] or unwritten(solid):
+            return -1
+        size = star(solid, found, p)
+        face = 4 * found.cells[draw(solid.state, size)] + draw(solid.state, 4)
+        if solid.mark[face] >= 0 or not beside(solid, r, face):
+            continue
+        if grow(solid, r, 2, 5 + draw(solid.state, 4), 8):
+            faces, _ = load(solid, held, r)
+            if refill(solid.xyz, r, solid.state, faces, 0.5, 0.0, NODES_FEWER) < NEVER:
+                commit(solid, r)
+    return 0
 
 
 class Release:
@@ -126,10 +162,14 @@ class Release:
         self.kept: list[Split] = []
         self.inner: list[int] = []
 
-    def run(self) -> None:
-        """Release all points, the last first; then try to do without those that were moved."""
+    def run(self, shakes: int = 0) -> None:
+        """Release all points, the last first; then try to do without those that were moved.
+
+        Where a point cannot be released, its star is changed by chance up to ``shakes`` times.
+        """
+        self.kept = []
         for split in reversed(self.recovery.splits):
-            if not self._release(split):
+            if not self._release(split) and not any(self._shaken(split) for _ in range(shakes)):
                 self.kept.append(split)
         self.kept.reverse()
         self.recovery.splits = self.kept
@@ -147,12 +187,29 @@ class Release:
         size = star(cells.solid(), cells.found, p)
         return cells.found.cells[:size].tolist()
 
-    def _release(self, split: Split) -> bool:
+    def _shaken(self, split: Split) -> bool:
+        """Change what is around a point by chance, and try to release it."""
+        if not self._ready(split):
+            return False
+        cells, held, done = self.cells, self.recovery.held, -1
+        while done < 0:
+            cells.reserve(cells.size + 8, cells.slots + SHAKES_OF_STAR * SPARE_SLOTS)
+            cells.reserve_events()
+            done = shake_star(cells.solid(), held, self.local, cells.found, split.point, SHAKES_OF_STAR)
+        return self._release(split)
+
+    def _ready(self, split: Split) -> bool:
+        """Whether the parts of a split are not split themselves."""
         given, p = self.recovery.given, split.point
         if not all(given.alive[t] for t in split.children):
             return False
-        if split.segment is not None and any(edge(p, v) in given.middle for v in split.segment):
-            return False  # without triangles, only the record tells that a part is split itself
+        # without triangles, only the record tells that a part is split itself
+        return split.segment is None or not any(edge(p, v) in given.middle for v in split.segment)
+
+    def _release(self, split: Split) -> bool:
+        if not self._ready(split):
+            return False
+        given, p = self.recovery.given, split.point
         around = self._star(p, split.segment)
         marks = {
             int(self.cells.mark[4 * t + k])

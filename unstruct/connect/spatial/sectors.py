@@ -24,7 +24,13 @@ __all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "moved", "turned"
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
 STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
-WIDE_STEPS = 30  # the same, where the cavity may grow
+WIDE_STEPS = 10  # the same, by quarters, where the cavity may grow
+NEAR_WALLS = (
+    0.0,
+    1e-9,
+    1e-4,
+    1e-2,
+)  # heights over walls from which a point moves away; unit: the mean distance
 MOST_TAKEN = 200  # cells that are taken into a cavity
 
 
@@ -68,13 +74,20 @@ def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _steps(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> Iterator[NDArray[np.float64]]:
-    """Two ways from p into its sector: away from the triangles, and to the middle."""
+    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle."""
     corners = cells.xyz[np.array(link + whole, dtype=np.int32)]
-    flat = corners[len(link) :]
-    normals = cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])
+    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(lengths(normals), 1e-300)[:, None]
     away = corners.reshape(-1, 3) - cells.xyz[p]
-    yield _inward(normals) * float(lengths(away).mean())
+    scale = float(lengths(away).mean())
+    height = np.abs(((cells.xyz[p] - corners[:, 0]) * normals).sum(axis=1))
+    height[len(link) :] = 0.0
+    counts = []
+    for near in NEAR_WALLS:
+        flat = height <= near * scale
+        if flat.any() and int(flat.sum()) not in counts:
+            counts.append(int(flat.sum()))
+            yield _inward(normals[flat]) * scale
     yield away.mean(axis=0)
 
 
@@ -105,7 +118,7 @@ def widened(
     here, q = cells.xyz[p].copy(), cells.size
     steps = list(_steps(cells, list(link), whole, p))
     for i, step in product(range(1, WIDE_STEPS), steps):
-        cells.xyz[q] = here + step / 2.0**i
+        cells.xyz[q] = here + step / 4.0**i
         found = _cavity(cells, dict(link), whole, claimed)
         if found is not None:
             walls, taken = found

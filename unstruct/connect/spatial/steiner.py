@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from ...base.jit import apart, kernel, lean
 from ...geometry.edge_vectors import cross, lengths
 from ..insertion.engine import STAMP
-from ..insertion.stars import Cavity, Space, star3
+from ..insertion.stars import Space, star3
 from .cavity import corner
 from .crossing import ring
 from .held import holds
 from .journal import EVENT_POINT, close_event, old_cells, open_event
 from .signs import COPLANAR, ON_EDGE, meets, side
 
-__all__ = ["crossed_edges", "insert_around", "insert_between", "on_line", "on_plane", "sees"]
+__all__ = ["crossed_edges", "insert_around", "insert_between", "off_plane", "on_line", "on_plane", "sees"]
 
 Row = NDArray[np.float64]  # a point
 
@@ -118,7 +118,7 @@ def _star(solid, held, found, size, p, more):
         open_event(solid, EVENT_POINT, -1, -1, -1, 0, p)
         old_cells(solid, found.cells, size)
     space = Space(solid.xyz, solid.vertex, solid.across, solid.stamp, solid.free, solid.state)
-    star3(space, Cavity(found.cells, found.faces, found.sizes), p, solid.state[STAMP])
+    star3(space, found, p, solid.state[STAMP])
     for i in range(walls):
         over = solid.across[found.faces[i]]
         new = solid.across[over]
@@ -203,6 +203,13 @@ def on_line(a: Row, b: Row, p: Row, q: Row) -> float:
     normal = cross(b - a, q - p)
     square = _inner(normal, normal)
     return _inner(cross(p - a, q - p), normal) / square if square > 0 else np.nan
+
+
+def off_plane(p: Row, u: Row, v: Row, w: Row) -> float:
+    """From p to the plane uvw; 0 if there is no such plane."""
+    normal = cross(v - u, w - u)
+    length = float(lengths(normal))
+    return abs(_inner(normal, p - u)) / length if length > 0 else 0.0
 
 
 def distance(p: Row, a: Row, b: Row) -> float:

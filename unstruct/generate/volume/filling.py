@@ -24,8 +24,6 @@ from .rounder import faces_of_cells, rounded
 
 __all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
 
-SEEDS_OUTSIDE = 3  # that are tried with points outside
-OTHER_SEEDS = 4  # that are tried in the end where points are left on the surface
 HELPERS = 4  # points outside that may help to recover a surface, for each of its points
 MOST_HELPERS_OF_FEW = 1000  # however few points it has
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
@@ -112,15 +110,11 @@ def _recovered(
 
 
 def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
-    """The best of one attempt, some with points outside, and some with other seeds, until all is exact."""
-    shell, points = domain.triangulated, domain.points
-    best = _recovered(points, shell, options | {"restarts": 1})
+    """The best of some seeds, then of some with points outside, until all is exact."""
+    best = _recovered(domain.points, domain.triangulated, options)
     if not best[1].exact:
-        more = np.concatenate([points, _outside(domain)])
-        best = min(best, _recovered(more, shell, options | {"restarts": SEEDS_OUTSIDE}), key=_rank)
-    if not best[1].exact:
-        others = options | {"seed": options["seed"] + 1, "restarts": OTHER_SEEDS}
-        best = min(best, _recovered(points, shell, others), key=_rank)
+        more = np.concatenate([domain.points, _outside(domain)])
+        best = min(best, _recovered(more, domain.triangulated, options), key=_rank)
     return best
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from ...base.jit import apart, kernel
 from ...connect.insertion.engine import COUNT, FREE
 from ...connect.spatial.cavity import beside, commit, corner, grow, load
+from ...connect.spatial.costs import NEVER, SHAPE, badness
 from ...connect.spatial.crossing import star
 from ...connect.spatial.records import COST_KIND, LOCALS
 from ...connect.spatial.recovery import SPARE_SLOTS
-from ...connect.spatial.refill import NEVER, SHAPE, badness, refill
+from ...connect.spatial.refill import refill
 from ...connect.spatial.signs import side
 
 __all__ = ["REFILLED", "SMOOTHED", "cell_badness", "refill_bad", "smooth_bad"]
