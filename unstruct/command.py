@@ -1,4 +1,4 @@
-"""The command ``unstruct``: mesh a region, check, describe and convert files, from a shell.
+"""The command ``unstruct``: mesh a region or a body, check, describe and convert files, from a shell.
 
 Exit codes: 0, all is well; 1, the mesh is not all that was asked for, or the check found faults; 2, wrong
 options, or a file that cannot be read or written.
@@ -20,6 +20,7 @@ from .base.errors import DomainError, IncompleteWarning, UnstructError
 from .base.files import suffix_of
 from .domain.domain import Domain
 from .domain.plane.sources import REGION_SUFFIXES
+from .domain.space.formats.writing import BODY_FORMATS
 from .domain.space.sources import BODY_SUFFIXES
 from .generate.bodies.tetrahedralize import tetrahedralize
 from .generate.boundary.conforming import conforming_delaunay
@@ -29,10 +30,12 @@ from .generate.front.advancing_front import advancing_front
 from .generate.front.delaunay_front import front_delaunay
 from .generate.rebay.voronoi_segment import voronoi_segment
 from .generate.refinement.refine import refine
+from .mesh.files import meant
 from .mesh.mesh import Mesh
 
 __all__ = ["main"]
 
+ONLY_REGIONS = tuple(suffix for suffix in REGION_SUFFIXES if suffix != ".node")
 MESHERS: dict[str, Any] = {
     "refine": refine,
     "voronoi-segment": voronoi_segment,
@@ -44,15 +47,24 @@ MESHERS: dict[str, Any] = {
     "tetrahedralize": tetrahedralize,
 }
 TAKES = {  # which options a method has
-    "refine": {"size", "min_angle", "max_area"},
+    "refine": {
+        "size",
+        "min_angle",
+        "max_area",
+        "radius_edge",
+        "max_volume",
+        "min_dihedral",
+        "split_boundary",
+    },
     "voronoi-segment": {"size"},
     "advancing-front": {"size"},
     "front-delaunay": {"size"},
     "circumcenter-insertion": {"size"},
     "conforming-delaunay": {"size"},
     "constrained-delaunay": {"hull"},
-    "tetrahedralize": {"size"},
+    "tetrahedralize": {"size", "split_boundary"},
 }
+GIVEN = ("size", "min_angle", "max_area", "radius_edge", "max_volume", "min_dihedral", "split_boundary")
 NEEDS_SIZE = ("voronoi-segment", "advancing-front", "front-delaunay", "circumcenter-insertion")
 NOT_WELL, WRONG_USE = 1, 2
 
@@ -73,7 +85,12 @@ class _Commands(click.Group):
             try:
                 return super().invoke(context)
             except UnstructError as error:
-                raise _WrongInput(str(error)) from error
+                raise _WrongInput(_as_options(str(error))) from error
+
+
+def _as_options(text: str) -> str:
+    """A text that names arguments of functions, with the options of the command."""
+    return text.replace("resolve=True", "--resolve").replace("split_boundary=True", "--split-boundary")
 
 
 def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -83,7 +100,7 @@ def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="unstruct", prog_name="unstruct")
 def main() -> None:
-    """Mesh planar regions; check, describe and convert meshes.
+    """Mesh planar regions and bodies in space; check, describe and convert meshes.
 
     Exit codes: 0, all is well; 1, the mesh is not all that was asked for, or the check found faults; 2, wrong
     options, or a file that cannot be read or written.
@@ -130,8 +147,16 @@ def _with(options: list[Any]) -> Any:
     type=click.Choice(list(MESHERS)),
     help="How to mesh: by default refine, and tetrahedralize for bodies.",
 )
-@click.option("--min-angle", type=float, help="The wanted least angle in degrees; for refine.")
+@click.option("--min-angle", type=float, help="The least angle of triangles in degrees; for refine.")
 @click.option("--max-area", type=float, help="The largest area of a triangle; for refine.")
+@click.option("--min-dihedral", type=float, help="The least angle between faces of a body; for refine.")
+@click.option("--max-volume", type=float, help="The largest volume of a tetrahedron; for refine.")
+@click.option("--radius-edge", type=float, help="The largest radius over shortest edge; for refine.")
+@click.option(
+    "--split-boundary/--keep-boundary",
+    default=None,
+    help="Divide given segments and facets, or keep them; for refine and tetrahedralize.",
+)
 @click.option("--hull", is_flag=True, help="Mesh the convex hull; for constrained-delaunay.")
 @_with(_region_options)
 @_with(_file_options)
@@ -142,12 +167,15 @@ def mesh(
 ) -> None:
     """Mesh the region in SOURCE: .poly, .geojson, .wkt, .shp, or an airfoil's .dat.
 
-    SOURCE may also be a mesh of triangles, which is refined, or the surface of a body (.stl, .off, .ply,
-    .obj, .smesh), which is filled with tetrahedra.
+    SOURCE may also be a planar mesh of triangles, which is refined, or the surface of a body (.stl, .off,
+    .ply, .obj, .smesh, .poly), which is filled with tetrahedra.
     """
-    if method is None:
-        method = "tetrahedralize" if suffix_of(source) in BODY_SUFFIXES else "refine"
-    given = {name: options[name] for name in ("size", "min_angle", "max_area") if options[name] is not None}
+    meant(output)
+    found = _read(source, options)
+    solid = isinstance(found, Domain) and found.dimension == 3
+    given = {name: options[name] for name in GIVEN if options[name] is not None}
+    if method is None:  # limits of shape are those of refine
+        method = "tetrahedralize" if solid and not given.keys() - TAKES["tetrahedralize"] else "refine"
     given |= {"hull": True} if options["hull"] else {}
     for name in given:
         if name not in TAKES[method]:
@@ -155,7 +183,6 @@ def mesh(
             raise click.UsageError(f"{method} has no option --{name.replace('_', '-')}; it is for {takers}")
     if method in NEEDS_SIZE and "size" not in given:
         raise click.UsageError(f"{method} needs --size")
-    found = _read(source, options)
     if isinstance(found, Mesh) and method != "refine":
         raise click.UsageError(f"{source.name} is a mesh; only refine takes one, {method} takes a region")
     show = sys.stderr.isatty() and not quiet if progress is None else progress
@@ -171,7 +198,7 @@ def mesh(
         reasons = Counter(str(reason) or "not reached" for reason in result.reasons)
         click.echo(f"Not complete: {len(result.unrefined)} cells are not as asked for", err=True)
         for reason, count in reasons.most_common(5):
-            click.echo(f"  {count}: {reason}", err=True)
+            click.echo(f"  {count}: {_as_options(reason)}", err=True)
         sys.exit(NOT_WELL)
 
 
@@ -184,18 +211,18 @@ def mesh(
 def check(source: Path, domain: Path | None, delaunay: bool, quiet: bool, **options: Any) -> None:
     """Check the mesh in SOURCE exactly: orientation, neighbors, overlaps, and what else a mesh must be.
 
-    A surface (.stl, .off, .ply, .obj, .smesh) is checked as a body in space: is it closed, does it
-    cross itself?
+    A surface (.stl, .off, .ply, .obj, .smesh) is checked as a body in space, and what else is no mesh as a
+    region: is it closed, does it cross itself?
     """
-    if suffix_of(source) in BODY_SUFFIXES and domain is None and not delaunay:
+    if suffix_of(source) in (*BODY_SUFFIXES, *ONLY_REGIONS) and domain is None and not delaunay:
         body, faults = _body(source, options)
         if not quiet or faults:
             click.echo(f"sound: {_closed(body)}" if not faults else _told(source, faults))
         if faults:
             sys.exit(NOT_WELL)
         return
-    found = _read(source, options, region=False)
-    region = None if domain is None else _read(domain, options, region=True)
+    found = Mesh.read(source)
+    region = None if domain is None else _domain(domain, options)
     report = check_mesh(found, domain=region, delaunay=delaunay)
     if not quiet or not report:
         click.echo(str(report))
@@ -248,9 +275,15 @@ def info(source: Path, **options: Any) -> None:
 def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
     """Write the mesh or the region in SOURCE to TARGET, in the format of its suffix.
 
-    Regions are written as .poly, bodies in .smesh and .poly as .stl, .off, .ply, .obj, .smesh or .poly.
+    Regions are written as .poly, bodies as .stl, .off, .ply, .obj, .smesh or .poly. A surface that is no
+    body (it is open, or crosses itself) is converted as a mesh, and so is each to another format.
     """
-    found = _read(source, options, region=suffix_of(target) == ".smesh" or None)
+    try:
+        found = _read(source, options, solid=suffix_of(target) in BODY_FORMATS)
+    except DomainError:
+        if suffix_of(source) not in BODY_SUFFIXES or suffix_of(target) in (".smesh", ".poly"):
+            raise
+        found = Mesh.read(source)
     if isinstance(found, Domain) and found.dimension == 2 and suffix_of(target) != ".poly":
         raise click.UsageError(
             f"{source.name} is a region, which is written as .poly; 'unstruct mesh' meshes it"
@@ -260,24 +293,39 @@ def convert(source: Path, target: Path, quiet: bool, **options: Any) -> None:
         click.echo(f"{target}: {found!r}".replace("<", "").replace(">", ""))
 
 
-def _read(path: Path, options: dict[str, Any], *, region: bool | None = None) -> Any:
-    """A domain or a mesh, by the suffix; .node is a mesh unless a region is wanted."""
+def _read(path: Path, options: dict[str, Any], *, region: bool | None = None, solid: bool = True) -> Any:
+    """A domain or a mesh, by the suffix; .node is a mesh unless a region is wanted.
+
+    A surface is a body if ``solid``; one that is flat, or that has faults where a mesh will do, is a mesh.
+    """
     suffix = suffix_of(path)
-    if region or (region is None and suffix in (*REGION_SUFFIXES, ".smesh") and suffix != ".node"):
-        return Domain.read(path, resolve=options["resolve"], name=options["names"], shape=options["shape"])
+    surface = suffix in BODY_SUFFIXES and suffix != ".smesh"
+    if region or (suffix in ONLY_REGIONS or suffix == ".smesh") or (surface and solid):
+        try:
+            return _domain(path, options)
+        except DomainError as error:
+            points = np.asarray(error.outline.points)
+            if region or not surface or not (points.shape[1] == 3 and np.ptp(points[:, 2]) == 0):
+                raise
     return Mesh.read(path)
 
 
+def _domain(path: Path, options: dict[str, Any]) -> Domain:
+    return Domain.read(path, resolve=options["resolve"], name=options["names"], shape=options["shape"])
+
+
 def _body(path: Path, options: dict[str, Any]) -> tuple[Any, list[Any]]:
-    """A body in space and its faults; of one with faults only what bounds it."""
+    """A region or body and its faults; of one with faults only what bounds it."""
     try:
-        return Domain.read(path, resolve=options["resolve"]), []
+        return _domain(path, options), []
     except DomainError as error:
         return error.outline, list(error.faults)
 
 
 def _closed(body: Any) -> str:
-    return f"closed, volume {body.volume:.6g}" if len(body.facets) else "no facets"
+    if not len(body.facets):
+        return "no facets"
+    return f"closed, area {body.area:.6g}" if body.dimension == 2 else f"closed, volume {body.volume:.6g}"
 
 
 def _told(path: Path, faults: list[Any]) -> str:

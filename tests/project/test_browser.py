@@ -20,6 +20,8 @@ import nbformat
 import pytest
 from book_files import BOOK, chapters, code_cells
 
+from unstruct import Domain, constrained_delaunay, view
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
@@ -171,6 +173,30 @@ def test_a_panel_moves_on_a_page(skeleton_site: Path, page: Any) -> None:
     panel.locator("[data-do=reset]").click()
     assert seen == ["sides 3.00, 3.00", "sides 3.35, 3.35", "sides 3.20, 3.20"]
     assert number.inner_text() == seen[0]
+
+
+@pytest.mark.parametrize("width", [320, 390, 1200])
+def test_a_view_in_space_fits_its_page(tmp_path: Path, page: Any, width: int) -> None:
+    """The slider of the section was cut on narrow pages, and stood beside the picture on wide ones."""
+    shown = view.view3d(constrained_delaunay(Domain.box()), alt="A box.", section=("-y", 0.5))
+    state = {name: getattr(shown, name) for name in shown.trait_names(sync=True) if not name.startswith("_")}
+    state = {name: value for name, value in state.items() if name not in ("layout", "tabbable", "tooltip")}
+    draw = Path(view.__file__).parent / "draw"
+    script = (draw / "space.js").read_text(encoding="utf-8").replace("export default {", "const shown = {")
+    model = "{get: (name) => state[name], set() {}, save_changes() {}, on() {}, off() {}}"
+    call = f"shown.render({{model: {model}, el: document.querySelector('main')}})"
+    (tmp_path / "page.html").write_text(
+        f"<style>{(draw / 'player.css').read_text(encoding='utf-8')}</style><main></main>"
+        f"<script type='module'>{script}\nconst state = {json.dumps(state)};\n{call}</script>",
+        encoding="utf-8",
+    )
+    page.set_viewport_size({"width": width, "height": 700})
+    page.goto((tmp_path / "page.html").as_uri())
+    root = page.locator(".unstruct-space").bounding_box()
+    for name in ("explode", "section"):
+        box = page.locator(f"[aria-label={name}]").bounding_box()
+        assert box["width"] >= 60 and box["x"] + box["width"] <= root["x"] + root["width"] <= width
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.fixture

@@ -86,7 +86,8 @@ def test_what_is_not_reached_is_told(tmp_path: Path) -> None:
         (["mesh", "SQUARE", "--hull", "-o", "a.msh"], "--hull; it is for constrained-delaunay"),
         (["mesh", "SQUARE", "--thickness", "1", "-o", "a.msh"], "has no option 'thickness'"),
         (["convert", "SQUARE", "a.msh"], "is a region, which is written as .poly"),
-        (["check", "SQUARE"], "is no mesh"),
+        (["check", "SQUARE", "--delaunay"], "is no mesh"),
+        (["mesh", "SQUARE", "--max-volume", "1", "-o", "a.msh"], "max_volume is for space"),
         (["hello"], "No such command"),
     ],
 )
@@ -153,3 +154,41 @@ def test_bodies_in_space(tmp_path: Path) -> None:
     assert Mesh.read(tmp_path / "c.msh").volume == pytest.approx(1)
     result = run("mesh", other, "--size", 1, "--method", "advancing-front", "-o", tmp_path / "c.msh")
     assert result.exit_code == 2 and "planar" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["a.stl", "a.off", "a.ply", "a.obj", "a.smesh", "a.poly"])
+def test_every_surface_is_a_body(tmp_path: Path, name: str) -> None:
+    source, target = tmp_path / name, tmp_path / "out.msh"
+    Domain.box().write(source)
+    words = ["mesh", source, "-o", target, "--size", 0.6]
+    result = run(*words, "--split-boundary")
+    assert result.exit_code == 0 and "tetrahedra, minimum dihedral angle" in result.output, result.output
+    assert Mesh.read(target).volume == pytest.approx(1) and Mesh.read(target).dimension == 3
+    result = run("check", target, "--domain", source)
+    assert result.exit_code == 0, result.output
+    assert run("mesh", source, "-o", target, "--max-volume", 0.1).exit_code == 0, "refine has this option"
+    assert Mesh.read(target).volumes.max() <= 0.1
+    other = tmp_path / "other.obj"
+    assert run("convert", source, other).exit_code == 0 and Domain.read(other).volume == pytest.approx(1)
+
+
+def test_surfaces_that_are_no_bodies(tmp_path: Path) -> None:
+    flat, opened = tmp_path / "flat.stl", tmp_path / "open.off"
+    Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]]).write(flat)
+    assert run("mesh", flat, "--size", 0.4, "-o", tmp_path / "a.msh").exit_code == 0
+    assert Mesh.read(tmp_path / "a.msh").volume == pytest.approx(1)
+    opened.write_text("OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n3 1 2 3\n")
+    assert run("convert", opened, tmp_path / "open.ply").exit_code == 0
+    result = run("mesh", opened, "-o", tmp_path / "a.msh")
+    assert result.exit_code == 2 and "the boundary is open" in result.stderr
+
+
+def test_options_have_the_names_of_the_command(tmp_path: Path, square: Path) -> None:
+    box, bow = tmp_path / "box.stl", tmp_path / "bow.wkt"
+    Domain.box().write(box)
+    result = run("mesh", box, "--size", 0.3, "-o", tmp_path / "a.msh")
+    assert result.exit_code == 1 and "larger than the size; --split-boundary divides it" in result.stderr
+    bow.write_text("POLYGON ((0 0, 1 1, 1 0, 0 1, 0 0))")
+    assert "or let --resolve split" in run("info", bow).stderr
+    assert run("check", square).output == "sound: closed, area 1\n"
+    assert run("check", bow).exit_code == 1

@@ -18,6 +18,7 @@ from ..mesh.domain_mesh import DomainMesh
 from ..mesh.grouping import group_rows
 from ..mesh.mesh import Mesh
 from ..predicates.batch import power_of_two
+from .held import with_pieces
 from .places import numbered, places_of
 
 __all__ = ["check_body"]
@@ -34,7 +35,8 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     ----------
     mesh : Mesh
         Tetrahedra whose adjacency, orientation and freedom from overlap are tested already. `origin` refers
-        to the points of the domain; ``faces`` and ``face_piece`` say which face lies on which piece.
+        to the points of the domain; ``faces`` and ``face_piece`` say which face lies on which piece. Without
+        that record, as of a mesh from a file, they are found by their places.
     domain : Domain
         In space.
     report : Report
@@ -46,12 +48,14 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     together this says that they cover it once; inner pieces outside of the body have none. The volume of the
     cells must be that enclosed by the faces.
     """
-    if mesh.points.shape[1] != 3 or mesh.dimension != 3 or not isinstance(mesh, DomainMesh):
+    if mesh.points.shape[1] != 3 or mesh.dimension != 3 or not mesh.is_simplicial:
         report.note(
             "tetrahedra for a body in space",
-            Problem("domain", "the mesh does not say which of its faces lie on which piece of a body"),
+            Problem("domain", f"the domain is a body in space, but the mesh is {mesh!r}, not tetrahedra"),
         )
         return
+    if not isinstance(mesh, DomainMesh) or not len(mesh.faces):
+        mesh = with_pieces(mesh, domain)
     place = places_of(mesh, domain, report)
     if place is None or not _faces_held(mesh, domain, report):
         report.skipped.append("the pieces of the domain, which need valid origins and faces")

@@ -41,7 +41,8 @@ def check(
     mesh : Mesh
     domain : Domain, optional
         What the mesh claims to fill: every piece must be a chain of edges marked "facets" or "inner" on the
-        true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree.
+        true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree. In
+        space each face of the boundary must lie on a facet; for a mesh from a file its place says on which.
     delaunay : bool or "constrained", optional
         True: the mesh claims to be a Delaunay triangulation of (the hull of) its points; with weights, their
         regular triangulation. "constrained": of a constrained one; facets named by the mesh's markers are

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .checked import CheckedDict
 from .errors import InputError
 from .jit import kernel
 
@@ -169,7 +170,9 @@ _FIRST = frozen(np.arange(COUNTED_ONCE, dtype=np.int32))
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:
     """The attributes of an unpickled object, its arrays read-only again: pickle restores them writable."""
     return {
-        name: refrozen(value)
+        name: value.of(refrozen(value))
+        if isinstance(value, CheckedDict)
+        else refrozen(value)
         if isinstance(value, dict)
         else frozen(value)
         if isinstance(value, np.ndarray)

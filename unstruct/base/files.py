@@ -28,8 +28,8 @@ def as_path(value: Any) -> Path:
 
 
 def suffix_of(path: Path) -> str:
-    """The suffix in small letters, by which formats are known."""
-    return path.suffix.lower()
+    """The suffix in small letters, by which formats are known; for compressed files the last two."""
+    return "".join(path.suffixes[-2:] if path.suffix.lower() == ".gz" else path.suffixes[-1:]).lower()
 
 
 def bytes_of(path: Path) -> bytes:
@@ -48,7 +48,7 @@ def bytes_of(path: Path) -> bytes:
         hint = f"there is {', '.join(like[:5])}" if like else f"looked in {path.parent.resolve()}"
         raise InputError(f"there is no file {path.name}; {hint}") from None
     except IsADirectoryError:
-        raise InputError(f"{path.name} is a folder, not a file: name a file in it") from None
+        raise InputError(f"{path.name or path} is a folder, not a file: name a file in it") from None
     except OSError as error:
         raise InputError(f"{path.name} cannot be read: {error.strerror or error}") from None
 

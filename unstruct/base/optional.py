@@ -9,13 +9,14 @@ from .errors import MissingPackageError
 
 __all__ = ["optional"]
 
-EXTRAS = {  # module -> (the package that has it, the extra of this library that installs it)
+EXTRAS = {  # module -> (the package that has it, the extra of this library that installs it, if any)
     "anywidget": ("anywidget", "plot"),
     "contourpy": ("matplotlib", "plot"),
     "h5py": ("h5py", "hdf"),
     "ipywidgets": ("ipywidgets", "plot"),
     "matplotlib": ("matplotlib", "plot"),
     "meshio": ("meshio", "io"),
+    "netCDF4": ("netCDF4", ""),
     "shapefile": ("pyshp", "io"),
     "skfem": ("scikit-fem", "fem"),
 }
@@ -40,7 +41,8 @@ def optional(module: str, purpose: str) -> Any:
         return import_module(module)
     except ModuleNotFoundError as error:
         package, extra = EXTRAS[module.partition(".")[0]]
+        ways = [f"pip install 'unstruct[{extra}]'"] if extra else []
         raise MissingPackageError(
-            f"{purpose} needs {package}, and {error.name} is not installed: pip install 'unstruct[{extra}]', "
-            f"or pip install {package}"
+            f"{purpose} needs {package}, and {error.name} is not installed: "
+            + ", or ".join([*ways, f"pip install {package}"])
         ) from None

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.arguments import as_mapping
 from ..base.arrays import INT32, as_points, frozen
+from ..base.checked import CheckedDict
 from ..base.errors import InputError
 from ..geometry.curves import Arc, Bezier, Curve, CurveLike
 from ..geometry.outline import Outline
@@ -18,11 +21,10 @@ __all__ = [
     "DomainOptions",
     "around",
     "as_curves",
-    "as_markers",
     "as_ring",
-    "as_seeds",
     "as_segments",
     "joined",
+    "named_parts",
     "refuse_tiny",
 ]
 
@@ -89,39 +91,49 @@ def as_curves(curves: Mapping[int, CurveLike], many: int) -> dict[int, CurveLike
     return result
 
 
-def as_markers(markers: Mapping[str, Any], many: int) -> dict[str, np.ndarray]:
-    """Unique piece numbers by name."""
-    as_mapping(markers, "markers")
-    result = {}
-    for name, pieces in markers.items():
-        if str(name) in RESERVED:
-            raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another name")
-        try:
-            array = np.asarray(pieces)
-        except ValueError:  # ragged
-            raise InputError(f"markers[{name!r}] must be a list of piece numbers") from None
-        if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
-            raise InputError(f"markers[{name!r}] must be a list of piece numbers")
-        if array.size and not 0 <= array.min() <= array.max() < many:
-            raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}")
-        result[str(name)] = frozen(np.unique(array).astype(np.int32))
-    return result
+def as_marker_of_pieces(name: str, pieces: Any, _: Mapping[str, np.ndarray], many: int) -> np.ndarray:
+    """Unique piece numbers of one name, checked."""
+    if name in RESERVED:
+        raise InputError(f"markers[{name!r}]: meshes use this name themselves; take another name")
+    try:
+        array = np.asarray(pieces)
+    except ValueError:  # ragged
+        raise InputError(f"markers[{name!r}] must be a list of piece numbers") from None
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise InputError(f"markers[{name!r}] must be a list of piece numbers")
+    if array.size and not 0 <= array.min() <= array.max() < many:
+        wrong = int(array[(array < 0) | (array >= many)][0])
+        raise InputError(f"markers[{name!r}] names pieces outside 0..{many - 1}, such as {wrong}")
+    return frozen(np.unique(array).astype(np.int32))
 
 
-def as_seeds(regions: Mapping[str, Any], dimension: int = 2) -> dict[str, np.ndarray]:
-    """Seeds (r, d) by name; a single point is one seed."""
-    as_mapping(regions, "regions")
-    result = {}
-    for name, seeds in regions.items():
-        try:
-            single = np.ndim(seeds) == 1
-        except ValueError:  # ragged: the rows are judged below
-            single = False
-        rows = as_points([seeds] if single else seeds, f"regions[{name!r}]")
-        if rows.shape[1] != dimension:
-            raise InputError(f"regions[{name!r}] must have shape (r, {dimension}), not {rows.shape}")
-        result[str(name)] = frozen(rows)
-    return result
+def as_seeds_of_region(
+    name: str, seeds: Any, _: Mapping[str, np.ndarray], dimension: int
+) -> NDArray[np.float64]:
+    """Seeds (r, d) of one name; a single point is one seed."""
+    try:
+        single = np.ndim(seeds) == 1
+    except ValueError:  # ragged: the rows are judged below
+        single = False
+    rows = as_points([seeds] if single else seeds, f"regions[{name!r}]")
+    if rows.shape[1] != dimension:
+        raise InputError(f"regions[{name!r}] must have shape (r, {dimension}), not {rows.shape}")
+    return frozen(rows)
+
+
+def named_parts(
+    markers: Any, regions: Any, many: int, dimension: int
+) -> tuple[CheckedDict[np.ndarray], CheckedDict[np.ndarray]]:
+    """Pieces by name, and seeds by name, checked; what is put in later is checked, too."""
+    pieces: CheckedDict[np.ndarray] = CheckedDict({}, "markers", partial(as_marker_of_pieces, many=many))
+    seeds: CheckedDict[np.ndarray] = CheckedDict(
+        {}, "regions", partial(as_seeds_of_region, dimension=dimension)
+    )
+    if markers is not None:
+        pieces.update(as_mapping(markers, "markers"))
+    if regions is not None:
+        seeds.update(as_mapping(regions, "regions"))
+    return pieces, seeds
 
 
 def as_ring(ring: Any, name: str, least: int = 3) -> np.ndarray:

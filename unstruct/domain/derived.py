@@ -282,8 +282,9 @@ def write(domain: Any, path: str | Path, *, binary: bool | None = None) -> None:
     -----
     In .poly, curves are written by their coarse chords, holes by seeds. Markers and regions are numbers in
     it, and in .smesh; a name that is not a number is replaced by a free number, and a comment at the head of
-    the file says so. A piece has one marker there, and in .stl, the last that names it. Facets of bodies are
-    written so that they point outward. What a format does not store is named in a warning.
+    the file says so. A piece has one marker there, and in .stl, the last that names it. Blanks in names are
+    single in .stl, and become _ in .obj. Facets of bodies are written so that they point outward. Warnings
+    list what a format does not store, and names that it changes.
     """
     target = as_path(path)
     if domain.dimension == 3:

@@ -16,7 +16,7 @@ from ..base.arrays import as_numbers, as_points, counted_off, frozen, refrozen
 from ..base.errors import InputError
 from ..geometry.curves import CurveLike
 from . import card, derived, making
-from .arguments import as_curves, as_markers, as_seeds, joined, refuse_tiny
+from .arguments import as_curves, joined, named_parts, refuse_tiny
 from .plane.faults import refuse
 from .plane.polygons import subtracted
 from .plane.prescribed import carried
@@ -117,8 +117,7 @@ class Domain(Shaped):
             rows,
             others,
             {} if curves is None else as_curves(curves, many),
-            {} if markers is None else as_markers(markers, many),
-            {} if regions is None else as_seeds(regions, coordinates.shape[1]),
+            *named_parts(markers, regions, many, coordinates.shape[1]),
         )
         self.repairs: list[Repair] = []
         self.max_areas: dict[str, float] = {}
@@ -265,7 +264,9 @@ class Domain(Shaped):
         mended = self._side.repaired(self)
         self.points, self.origin, self.repairs = mended.points, mended.origin, mended.repairs
         self.facets, self.inner, self.piece_origin = mended.facets, mended.inner, mended.piece_origin
-        self.curves, self.markers = mended.curves, mended.markers
+        self.curves = mended.curves
+        many = len(self.facets) + len(self.inner)
+        self.markers, _ = named_parts(mended.markers, None, many, self.dimension)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(refrozen(state))

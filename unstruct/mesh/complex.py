@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ..base.arguments import as_mapping
 from ..base.arrays import INT32, as_points, as_weights, counted_off, distinct, frozen, refrozen, within
+from ..base.checked import CheckedDict
 from ..base.errors import InputError, MeshError
 from . import topology
 from .adjacency import facet_pairs, stars_of_cells, two_cells
@@ -25,10 +26,10 @@ from .cells import (
     simplex_dimension,
     simplex_type,
 )
-from .naming import as_region_names
+from .naming import as_marker, as_region_names, as_region_number
 from .periodic import Periodic, as_periodic, pairs_of
 
-__all__ = ["NO_PAIRS", "CellComplex"]
+__all__ = ["NO_PAIRS", "CellComplex", "checked_markers", "checked_regions"]
 
 NO_PAIRS, NO_VERTICES = frozen(np.empty((0, 2), dtype=np.int32)), frozen(np.empty(0, dtype=np.int32))
 
@@ -69,7 +70,13 @@ class CellComplex:
         if self.dimension > d:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
         if neighbors is not None:
-            self.__dict__["neighbors"] = self._integers(neighbors, "neighbors", self.simplices.shape)
+            given = self._integers(neighbors, "neighbors", self.simplices.shape)
+            if given.size and not -1 <= given.min() <= given.max() < self.size:
+                row = int(np.argmax(((given < -1) | (given >= self.size)).any(axis=1)))
+                raise InputError(
+                    f"neighbors[{row}] = {given[row].tolist()}: cells are 0..{self.size - 1}, or -1"
+                )
+            self.__dict__["neighbors"] = given
         self.origin: np.ndarray = counted_off(n) if origin is None else self._integers(origin, "origin", (n,))
         self.duplicates: np.ndarray = NO_PAIRS
         if duplicates is not None:
@@ -82,47 +89,30 @@ class CellComplex:
             self.hidden = self._integers(hidden, "hidden", (None,))
             if not within(self.hidden[:, None], n):
                 raise InputError(f"hidden refers to vertices outside 0..{n - 1}")
-        self.markers: dict[str, np.ndarray] = {}
+        self.markers: dict[str, np.ndarray] = checked_markers({}, self)
         if markers is not None:
-            size = self.size
-            named = as_mapping(markers, "markers")
-            self.markers = {name: self._marker(name, values, size) for name, values in named.items()}
-        self.regions: dict[str, int] = {}
+            self.markers.update(as_mapping(markers, "markers"))
+        self.regions: dict[str, int] = checked_regions({})
         if regions is not None and len(as_mapping(regions, "regions")):
-            self.regions = as_region_names(regions, self.markers)
+            self.regions = checked_regions(as_region_names(regions, self.markers))
         if periodic is not None:
             self.periodic = as_periodic(periodic, n, d)
 
     @staticmethod
     def _integers(values: Any, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
-        array = np.asarray(values)
+        try:
+            array = np.asarray(values)
+        except ValueError:  # ragged lists
+            raise InputError(f"{name} must be an array of integers of shape {shape}") from None
         if array.dtype is INT32 and array.shape == shape and array.flags.c_contiguous:
             return frozen(array)
         if array.ndim != len(shape) or any(s is not None and s != a for s, a in zip(shape, array.shape)):
             raise InputError(f"{name} must have shape {shape}, not {array.shape}")
         if array.size and array.dtype.kind not in "iu":
             raise InputError(f"{name} must be integers, not {array.dtype}")
+        if array.size and not (-(2**31) <= int(array.min()) <= int(array.max()) < 2**31):
+            raise InputError(f"{name} has entries beyond 32 bits: there are no such vertices or cells")
         return frozen(np.ascontiguousarray(array, dtype=np.int32))
-
-    def _marker(self, name: str, values: Any, size: int) -> np.ndarray:
-        array = np.asarray(values)
-        if array.ndim == 1 and len(array) == size:
-            return frozen(array)
-        if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
-            raise InputError(
-                f"markers[{name!r}] must be one value per cell, shape ({size},), or faces as rows of "
-                f"vertices, not {array.dtype} of shape {array.shape}"
-            )
-        if within(array, len(self.points)):
-            return frozen(array.astype(np.int32))
-        wrong = (array < 0) | (array >= len(self.points))
-        if not self.is_simplicial and array.shape[1]:  # rows of fewer vertices end in -1, as in `boundary`
-            padding = np.cumprod(array[:, :0:-1] == -1, axis=1)[:, ::-1].astype(bool)
-            wrong[:, 1:] &= ~padding
-        if wrong.any():
-            row = int(np.argmax(wrong.any(axis=1)))
-            raise InputError(f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices")
-        return frozen(array.astype(np.int32))
 
     @property
     def pairs(self) -> np.ndarray:
@@ -257,3 +247,14 @@ class CellComplex:
         extra = f", {len(self.duplicates)} duplicates" if len(self.duplicates) else ""
         extra += f", {len(self.hidden)} hidden" if len(self.hidden) else ""
         return f"<Mesh: {len(self.points)} points, {kinds} in {self.points.shape[1]}D{extra}>"
+
+
+def checked_markers(markers: dict[str, np.ndarray], mesh: CellComplex) -> CheckedDict[np.ndarray]:
+    """Markers that are right, to which others are added only if they are right, too."""
+    check = partial(as_marker, size=mesh.size, vertices=len(mesh.points), padded=not mesh.is_simplicial)
+    return CheckedDict(markers, "markers", check)
+
+
+def checked_regions(regions: dict[str, int]) -> CheckedDict[int]:
+    """Numbers of regions that are right, as `checked_markers`."""
+    return CheckedDict(regions, "regions", as_region_number)

@@ -5,7 +5,6 @@ Named faces are blocks of cells of lower dimension, with the data "faces:<name>"
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from ..base.arrays import frozen
 from ..base.errors import InputError, MeshError
 from ..base.files import suffix_of
+from ..base.telling import tell
 from .cells import CELL_TYPES, cell_dimension
 from .complex import CellComplex
 from .exchange import Block, Exchange
@@ -22,16 +22,16 @@ from .msh_periodic import periodic_of
 from .naming import WITH_NAMES, found_names
 from .second_order import FIRST_ORDER, without_middles
 
-__all__ = ["FACES_HEADER", "arguments_of", "exchange_of", "named_faces"]
+__all__ = ["FACES_HEADER", "arguments_of", "blocks_of", "exchange_of", "named_faces"]
 
 FACES_HEADER = "faces:"
 ORDER = "polygon:number"  # cell data: the numbers of polygons before a file grouped them by size
 
 
-def exchange_of(mesh: CellComplex, *, flags: bool = True) -> Exchange:
-    """The blocks and data of a mesh; see `to_meshio`. Without ``flags`` named faces have no data of cells."""
+def blocks_of(mesh: CellComplex) -> tuple[list[tuple[str, np.ndarray]], list[np.ndarray]]:
+    """The cells in blocks of equal rows, and the numbers of the cells of each block."""
     blocks: list[tuple[str, np.ndarray]] = []
-    rows: list[np.ndarray] = []  # the cells of each block
+    rows: list[np.ndarray] = []
     start = 0
     some = {name: block for name, block in mesh.cells.items() if len(block)}  # formats have no empty kinds
     for name, block in (some or mesh.cells).items():
@@ -49,6 +49,12 @@ def exchange_of(mesh: CellComplex, *, flags: bool = True) -> Exchange:
             blocks.append((name, np.asarray(block)))
             rows.append(start + np.arange(len(block)))
         start += len(block)
+    return blocks, rows
+
+
+def exchange_of(mesh: CellComplex, *, flags: bool = True) -> Exchange:
+    """The blocks and data of a mesh; see `to_meshio`. Without ``flags`` named faces have no data of cells."""
+    blocks, rows = blocks_of(mesh)
     named = named_faces(mesh)
     faces = face_blocks(named)
     for _, array in faces:
@@ -199,10 +205,7 @@ def _markers(
             chosen = [c for c in chosen if len(c)] or [np.empty((0, width), dtype=np.int32)]
             markers[name.removeprefix(FACES_HEADER)] = stacked(chosen)
         elif column.ndim > 1 and name != "facet_normals":  # STL: they follow from the points
-            warnings.warn(
-                f"cell data {name!r} of shape {column.shape} is not read: markers have one value per cell",
-                stacklevel=4,
-            )
+            tell(f"cell data {name!r} of shape {column.shape} is not read: markers have one value per cell")
         elif column.ndim == 1 and (not name.startswith("gmsh:") or column.any()):
             whole = not typed and column.dtype.kind == "f"
             whole = whole and bool(np.isfinite(column).all() and (column == np.round(column)).all())

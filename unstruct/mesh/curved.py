@@ -10,7 +10,6 @@ Sources: P. L. George, H. Borouchaki, International Journal for Numerical Method
 
 from __future__ import annotations
 
-import warnings
 from fractions import Fraction
 from typing import Any
 
@@ -18,9 +17,12 @@ import numpy as np
 
 from ..base.arrays import frozen
 from ..base.errors import InputError
+from ..base.files import as_path, suffix_of
 from ..base.optional import optional
+from ..base.telling import tell, tell_renamed
 from ..geometry.outline import Outline
 from .domain_mesh import DomainMesh
+from .gmsh import coded
 from .mesh import Mesh, is_planar
 from .periodic import facet_images
 
@@ -134,14 +136,27 @@ class CurvedMesh:
         ----------
         path : str or Path
         file_format : str, optional
-            meshio's name of the format, for example "gmsh22"; by default the suffix decides.
+            meshio's name of the format, for example "gmsh"; by default the suffix decides (.msh: "gmsh22").
         binary : bool, optional
             Binary instead of text, in formats that have both.
         """
         if self.mesh.periodic:
-            warnings.warn("not written: 'periodic'; files of curved cells do not store it", stacklevel=2)
+            tell("not written: 'periodic'; files of curved cells do not store it")
         options = {} if binary is None else {"binary": binary}
-        self.to_meshio().write(path, file_format=file_format, **options)
+        target, theirs = as_path(path), self.to_meshio()
+        if file_format is None and suffix_of(target) == ".msh":
+            file_format = "gmsh22"  # meshio would write another format of this suffix
+        names = {name: coded(name) for name in theirs.field_data}
+        theirs.field_data = {names[name]: row for name, row in theirs.field_data.items()}
+        try:
+            theirs.write(target, file_format=file_format, **options)
+        except OSError as error:
+            raise InputError(f"cannot write {target}: {error.strerror or error}") from error
+        except (Exception, SystemExit) as error:  # meshio raises many kinds
+            why = f"{type(error).__name__}: {error}".removesuffix(": ")
+            raise InputError(f"meshio cannot write cells of six nodes as {target.name} ({why})") from error
+        if suffix_of(target) == ".msh":
+            tell_renamed(names, "names in .msh have codes for quotes, brackets and percent signs")
 
     def __repr__(self) -> str:
         lost = f", {len(self.straightened)} straightened" if len(self.straightened) else ""

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import frozen
 from ..base.errors import IncompleteWarning, InputError
 from ..base.options import named
-from .complex import NO_PAIRS
+from .complex import NO_PAIRS, checked_markers, checked_regions
 from .mesh import Mesh
 
 __all__ = ["DomainMesh", "noticed"]
@@ -151,8 +151,9 @@ class DomainMesh(Mesh):
         for array in (*cells, *markers.values(), *subsegments):
             array.setflags(write=False)
         mesh.points, mesh.origin, mesh.duplicates = frozen(points), frozen(origin), NO_PAIRS
-        mesh.dimension, mesh.markers, mesh.regions = 2, markers, dict(regions or {})
-        mesh.cells = {"triangle": cells[0]}
+        mesh.dimension, mesh.cells = 2, {"triangle": cells[0]}
+        mesh.markers = checked_markers(markers, mesh)
+        mesh.regions = checked_regions(dict(regions or {}))
         mesh.__dict__["neighbors"] = cells[1]
         mesh.segments, mesh.piece, mesh.span = subsegments
         mesh.faces, mesh.face_piece = NO_FACES, NO_CELLS

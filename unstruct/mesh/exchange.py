@@ -107,20 +107,39 @@ def rows_in_runs(
         raise InputError(f"{count} {what} are announced, but more numbers follow")
 
 
-def plain_names(names: Iterable[str]) -> dict[str, str]:
+def plain_names(
+    names: Iterable[str], *, taken: Iterable[str] = (), words: bool = False, most: int | None = None
+) -> dict[str, str]:
     """Names as configuration files of solvers can use them: letters, digits, _ - . + only; all different.
 
     Those that are of this kind stay, so that others which become like one of them get a number.
+
+    Parameters
+    ----------
+    names : iterable of str
+    taken : iterable of str
+        Names that are used already.
+    words : bool
+        Whether they must begin with a letter or _; otherwise "_" is put before them.
+    most : int, optional
+        The largest number of characters.
     """
-    plain = {name: re.sub(r"[^\w.+-]+", "_", name) or "_" for name in names}
-    taken = {name for name, word in plain.items() if name == word}
+    plain = {name: re.sub(r"[^\w.+-]+", "_", name)[:most] or "_" for name in names}
+    if words:
+        plain = {
+            name: word if re.match(r"[^\W\d]", word) else f"_{word}"[:most] for name, word in plain.items()
+        }
+    used = set(taken)
+    kept = {name for name, word in plain.items() if name == word and name not in used}
+    used |= kept
     found: dict[str, str] = {}
     for name, first in plain.items():
         word, count = first, 2
-        while word != name and word in taken:
-            word, count = f"{first}_{count}", count + 1
+        while name not in kept and word in used:
+            end = f"_{count}"
+            word, count = (first if most is None else first[: most - len(end)]) + end, count + 1
         found[name] = word
-        taken.add(word)
+        used.add(word)
     return found
 
 

@@ -9,6 +9,7 @@ description".
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,8 @@ from .orientation import cell_signs, turned_cells
 
 __all__ = ["write_foam"]
 
+FRONT_AND_BACK = "frontAndBack"
+MOST_LETTERS = 200  # of a name; OpenFOAM reads words of up to 1,000
 HEADER = """FoamFile
 {{
     version 2.0;
@@ -36,8 +39,10 @@ HEADER = """FoamFile
 """
 
 
-def write_foam(mesh: CellComplex, folder: Path, thickness: float | None) -> list[str]:
-    """Write points, faces, owner, neighbour, boundary and zones; return the names of markers that are lost.
+def write_foam(mesh: CellComplex, folder: Path, thickness: float | None) -> tuple[list[str], dict[str, str]]:
+    """Write points, faces, owner, neighbour, boundary and zones.
+
+    Returns the names of markers that are lost, and those that the others have in the files.
 
     Parameters
     ----------
@@ -76,13 +81,14 @@ def write_foam(mesh: CellComplex, folder: Path, thickness: float | None) -> list
     place = np.full(len(mesh.points) + 1, -1)
     place[used] = np.arange(len(used))
     owners, kinds, sizes = cells[faces], ["patch"] * len(patches), [len(part) for part in patches]
-    names = list(groups)
+    patch_names = _words(groups, taken=[FRONT_AND_BACK] if flat else [])
+    names = list(patch_names.values())
     if flat:
         points = _layer(mesh.points[used], thickness)
         text = _prisms(mesh, place, rows[faces], len(used))
         beneath = [which for kind in _turned(mesh) for which, _ in kind] * 2
         owners = np.concatenate([owners, *beneath])
-        names, kinds, sizes = [*names, "frontAndBack"], [*kinds, "empty"], [*sizes, 2 * mesh.size]
+        names, kinds, sizes = [*names, FRONT_AND_BACK], [*kinds, "empty"], [*sizes, 2 * mesh.size]
     else:
         points, text = mesh.points[used], _listed(place[rows[faces]])
     _put(folder, "points", "vectorField", len(points), _bracketed(rows_as_text(None, points), b""))
@@ -90,9 +96,17 @@ def write_foam(mesh: CellComplex, folder: Path, thickness: float | None) -> list
     _put(folder, "owner", "labelList", len(owners), rows_as_text(owners[:, None]))
     _put(folder, "neighbour", "labelList", len(other), rows_as_text(other[:, None]))
     _put_patches(folder, names, kinds, sizes, len(inside))
-    _put_zones(folder, "faceZone", zones)
-    _put_zones(folder, "cellZone", _cell_zones(mesh))
-    return _lost(mesh, groups, zones)
+    cell_zones = _cell_zones(mesh)
+    zone_names, cell_names = _words(zones), _words(cell_zones)
+    _put_zones(folder, "faceZone", zones, zone_names)
+    _put_zones(folder, "cellZone", cell_zones, cell_names)
+    named = {name: cell_names[name] for name in mesh.regions if name in cell_names}
+    return _lost(mesh, groups, zones), {**named, **zone_names, **patch_names}
+
+
+def _words(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+    """Names that OpenFOAM reads as words: one that begins with a digit, - or . it reads as a number."""
+    return plain_names(names, taken=taken, words=True, most=MOST_LETTERS)
 
 
 def _matched(rows: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -205,18 +219,18 @@ def _put(folder: Path, name: str, kind: str, many: int, text: bytes) -> None:
 def _put_patches(folder: Path, names: list[str], kinds: list[str], sizes: list[int], at: int) -> None:
     """The patches; ``at`` is the first face of the first one."""
     text = ""
-    for name, kind, size in zip(plain_names(names).values(), kinds, sizes):
+    for name, kind, size in zip(names, kinds, sizes):
         text += f"    {name}\n    {{\n        type {kind};\n        nFaces {size};\n"
         text += f"        startFace {at};\n    }}\n"
         at += size
     _put(folder, "boundary", "polyBoundaryMesh", len(names), text.encode())
 
 
-def _put_zones(folder: Path, kind: str, zones: dict[str, np.ndarray]) -> None:
+def _put_zones(folder: Path, kind: str, zones: dict[str, np.ndarray], names: dict[str, str]) -> None:
     """Zones of cells or faces; a file without any replaces one of an earlier mesh."""
     text = b""
-    for name, rows in zip(plain_names(zones).values(), zones.values()):
-        text += f"{name}\n{{\n    type {kind};\n    {kind[:4]}Labels List<label>\n".encode()
+    for name, rows in zones.items():
+        text += f"{names[name]}\n{{\n    type {kind};\n    {kind[:4]}Labels List<label>\n".encode()
         text += f"{len(rows)}\n(\n".encode() + rows_as_text(rows[:, None]) + b")\n;\n"
         if kind == "faceZone":  # the faces have the direction in which they are stored
             text += f"    flipMap List<bool> {len(rows)}{{0}};\n".encode()

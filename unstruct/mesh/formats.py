@@ -10,10 +10,22 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..base.errors import InputError
 from ..base.files import suffix_of
+from .fields import WITH_FIELDS
 
-__all__ = ["MAY_BE_DOMAINS", "NEED_H5PY", "NOT_MESHES", "fits", "meshio_options", "refuse_options"]
+__all__ = [
+    "MAY_BE_DOMAINS",
+    "NEED_PACKAGE",
+    "NOT_MESHES",
+    "as_stored",
+    "fits",
+    "meshio_options",
+    "positional",
+    "refuse_options",
+]
 
 FLAT = ("triangle", "quad")
 SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
@@ -33,9 +45,15 @@ WRITABLE_KINDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys([".inp", ".mdpa"], ("line", *FLAT, "tetra", "wedge", "hexahedron")),
     **dict.fromkeys([".msh", ".avs", ".mesh", ".meshb", ".bdf", ".fem", ".nas"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".post", ".dato", ".vol", ".exo", ".e", ".ex2"], ("line", *FLAT, *SOLID)),
+    **dict.fromkeys([".post.gz", ".dato.gz", ".vol.gz"], ("line", *FLAT, *SOLID)),
     **dict.fromkeys([".med", ".xdmf", ".xmf", ".hmf"], ("line", *FLAT, *SOLID)),
 }
-NEED_H5PY = (".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf")
+NEED_PACKAGE = {
+    **dict.fromkeys([".xdmf", ".xmf", ".h5m", ".med", ".cgns", ".hmf"], "h5py"),
+    **dict.fromkeys([".exo", ".e", ".ex2"], "netCDF4"),
+}
+NASTRAN = (".bdf", ".fem", ".nas")
+NASTRAN_WIDTH = 16  # characters of a number there
 DOMAIN = "read it with Domain.read, and mesh the domain"
 NOT_MESHES = {
     **dict.fromkeys([".poly", ".smesh", ".geojson", ".json", ".shp", ".shx", ".dbf"], DOMAIN),
@@ -80,6 +98,25 @@ def fits(kinds: Sequence[str], path: Path) -> None:
         raise InputError(f"cannot write this mesh as {suffix!r}: {why}; .vtu stores all")
 
 
+def as_stored(points: np.ndarray, suffix: str) -> np.ndarray:
+    """Coordinates as a format can hold them: in Nastran's they have 16 characters, 9 to 12 digits of them."""
+    if suffix not in NASTRAN:
+        return points
+    flat = [_shortened(x) for x in points.ravel().tolist()]
+    return np.array(flat, dtype=np.float64).reshape(points.shape)
+
+
+def _shortened(x: float) -> float:
+    digits = NASTRAN_WIDTH - 5 - (x < 0)  # all but a sign, a digit, the point, and an exponent of one digit
+    text = f"{x:.{digits}e}"
+    return float(f"{x:.{digits - len(str(abs(int(text.partition('e')[2])))) + 1}e}")
+
+
+def positional(number: bytes) -> bytes:
+    """A number of a text file without an exponent, as the same double."""
+    return np.format_float_positional(float(number), trim="0").encode()
+
+
 def meshio_options(suffix: str, binary: bool | None) -> dict[str, Any]:
     """The keywords of meshio for a format; by default those that meshio has."""
     if binary is None:
@@ -95,6 +132,7 @@ def refuse_options(suffix: str, **options: Any) -> None:
         "version": ".msh",
         "thickness": "a folder named polyMesh",
         "binary": ", ".join([".msh", *BINARY_OPTIONS]),
+        **dict.fromkeys(["point_data", "cell_data"], ", ".join(WITH_FIELDS)),
     }
     for name, value in options.items():
         if value is not None:

@@ -12,6 +12,7 @@ file contains nothing but cells of one kind.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import Any
 from urllib.parse import quote, unquote
 
@@ -22,9 +23,10 @@ from .grouping import group_rows
 from .marked import marked_facets
 from .naming import names_by_number
 
-__all__ = ["coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
+__all__ = ["brief", "coded", "decoded", "face_blocks", "from_groups", "is_ours", "stacked", "to_groups"]
 
 OWN_NAMES = ("facets", "inner")
+MOST_BYTES = 127  # of a name, by the manual; Gmsh does not open files with names of more than some 250
 MOST_GROUPS = 2**31 - 1  # numbers of groups are of 32 bits
 REGION = r"region (-?\d+)"  # the name of a group of cells whose region has none
 FACE_NAMES = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
@@ -39,6 +41,39 @@ def coded(name: str, *, spaces: bool = False) -> str:
 def decoded(name: str) -> str:
     """The name that `coded` was given."""
     return unquote(name)
+
+
+def quote_first(name: str) -> str:
+    """Another code of a name: its first character is one, too."""
+    return "".join(f"%{byte:02X}" for byte in name[:1].encode()) + coded(name[1:])
+
+
+def brief(names: Iterable[str]) -> dict[str, str]:
+    """Names that Gmsh can read, by names: with codes they have at most 127 bytes. All are different."""
+    every = list(dict.fromkeys(names))
+    used = {name for name in every if _is_brief(name)}
+    found = {name: name for name in every}
+    for name in every:
+        if name not in used:
+            word, count = _cut(name, ""), 1
+            while word in used:
+                count += 1
+                word = _cut(name, f"_{count}")
+            used.add(word)
+            found[name] = word
+    return found
+
+
+def _is_brief(name: str) -> bool:
+    return len(coded(name).encode()) <= MOST_BYTES
+
+
+def _cut(name: str, end: str) -> str:
+    """The longest beginning of a name that is brief together with an end."""
+    start = name[:MOST_BYTES]
+    while not _is_brief(start + end):
+        start = start[:-1]
+    return start + end
 
 
 def is_ours(other: Any) -> bool:
@@ -155,7 +190,7 @@ def _cell_groups(
     """
     region = mesh.markers.get("region")
     if region is not None and region.ndim == 1 and region.dtype.kind in "iu":
-        values = np.union1d(region, list(mesh.regions.values())).astype(np.int64)
+        values = np.union1d(region.astype(np.int64), np.array([*mesh.regions.values()], dtype=np.int64))
         usual = len(values) and 0 <= values[0] and values[-1] < MOST_GROUPS
         number = values + 1 if usual else np.arange(len(values)) + 1
         tags = [number[np.searchsorted(values, rows)] for rows in other.cell_data["region"][:top]]
@@ -164,7 +199,7 @@ def _cell_groups(
         for value, tag in zip(values.tolist(), number.tolist()):
             name = coded(called[value]) if value in called else f"region {value}"
             if value in called and (name in taken or re.fullmatch(REGION, name)):
-                name = "".join(f"%{byte:02X}" for byte in called[value].encode())
+                name = quote_first(called[value])
             names[name] = tag
         return tags, names, ["region"]
     tags = [np.zeros(len(block.data), dtype=np.int64) for block in other.cells[:top]]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, MeshError
+from ..base.telling import tell
 from .adjacency import two_cells
 from .cells import cell_rows
 from .complex import CellComplex
+from .contact import contacts
 from .gmsh import stacked
 from .grouping import group_rows
 from .mesh import Mesh
@@ -17,6 +20,8 @@ from .naming import names_by_number
 from .periodic import renumbered
 
 __all__ = ["join"]
+
+MOST_CONTACTS = 5  # pairs of meshes, and names, that a warning lists
 
 
 def join(*meshes: Mesh) -> Mesh:
@@ -47,9 +52,10 @@ def join(*meshes: Mesh) -> Mesh:
 
     Notes
     -----
-    Vertices are compared bit for bit, and those that no cell uses stay as they are. Nothing is said of facets
-    that lie on each other without having the same corners, such as two triangles on a quadrilateral:
-    `unstruct.check` names them. O(n log n). Weights and hidden vertices are not kept.
+    Vertices are compared bit for bit, and those that no cell uses stay as they are. A warning says where
+    meshes touch without common facets: whose corners are not quite at the same places, or which are divided
+    differently, such as two triangles on a quadrilateral (up to a millionth of their length; `unstruct.check`
+    is exact). O(n log n). Weights and hidden vertices are not kept.
     """
     for i, mesh in enumerate(meshes):
         if not isinstance(mesh, CellComplex):
@@ -70,7 +76,7 @@ def join(*meshes: Mesh) -> Mesh:
     duplicates = [n[mesh.duplicates] for mesh, n in zip(meshes, numbers)]
     markers, regions = _cell_markers(meshes, places)
     bare = CellComplex(np.concatenate([mesh.points for mesh in meshes])[first], cells=cells)
-    return Mesh(
+    joined = Mesh(
         bare.points,
         cells=bare.cells,
         origin=first,
@@ -79,6 +85,40 @@ def join(*meshes: Mesh) -> Mesh:
         regions=regions,
         periodic=[each for mesh, n in zip(meshes, numbers) for each in renumbered(mesh.periodic, n)],
     )
+    _tell_contacts(joined, places)
+    return joined
+
+
+def _tell_contacts(mesh: Mesh, places: list[np.ndarray]) -> None:
+    """Warn where meshes touch and have no common faces there."""
+    if len(places) < 2 or mesh.dimension not in (2, 3) or mesh.points.shape[1] > 3:
+        return
+    owner = np.empty(mesh.size, dtype=np.int64)
+    for i, place in enumerate(places):
+        owner[place] = i
+    what = "edges" if mesh.dimension == 2 else "faces"
+    for found in islice(contacts(mesh.points, mesh.cells, owner), MOST_CONTACTS):
+        parts = []
+        for which, rows in ((found.first, found.faces), (found.second, found.others)):
+            names = [name for name, faces in mesh.markers.items() if faces.ndim == 2 and _any_in(rows, faces)]
+            names = [repr(name) for name in names if name not in ("facets", "inner")] or ["no name"]
+            parts.append(f"{len(rows)} {what} of meshes[{which}] ({', '.join(names[:MOST_CONTACTS])})")
+        row = found.faces[0]
+        place = mesh.points[row[row >= 0]].mean(axis=0)
+        remedy = (
+            f"their corners are up to {found.gap:.2g} apart: give them the same coordinates"
+            if np.isfinite(found.gap)
+            else "they are divided differently: mesh one with the faces of the other"
+        )
+        tell(
+            f"not joined: {' lie on '.join(parts)}, first at {np.round(place, 6).tolist()} (vertices "
+            f"{row[row >= 0].tolist()}); {remedy}"
+        )
+
+
+def _any_in(rows: np.ndarray, faces: np.ndarray) -> bool:
+    """Whether some of the rows are among the faces of a marker."""
+    return faces.shape[1] <= rows.shape[1] and len(faces) > 0 and bool(_among(rows, faces).any())
 
 
 def _numbered(meshes: tuple[Mesh, ...]) -> tuple[np.ndarray, np.ndarray]:

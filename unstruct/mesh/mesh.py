@@ -5,6 +5,7 @@ See the book, chapter 1.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -287,6 +288,8 @@ class Mesh(CellComplex):
         version: str | None = None,
         binary: bool | None = None,
         thickness: float | None = None,
+        point_data: Mapping[str, Any] | None = None,
+        cell_data: Mapping[str, Any] | None = None,
     ) -> None:
         """Write a file; its suffix, in letters of any size, chooses the format.
 
@@ -296,24 +299,30 @@ class Mesh(CellComplex):
             A folder named "polyMesh" becomes OpenFOAM's mesh: of solid cells, or of one layer of prisms over
             a planar mesh.
         version : str, optional
-            Of Gmsh's format: "2.2", the default, or "4.1".
+            Of Gmsh's format: "2.2", the default without ``cell_data``, or "4.1".
         binary : bool, optional
             Binary instead of text: .msh (text by default), .vtu, .vtk, .stl, .ply, .xdmf.
         thickness : float, optional
             Of the layer over a planar mesh in polyMesh; by default a tenth of the longer side of its box.
+        point_data, cell_data : dict of str to array_like, optional
+            Fields by name, (n,) or (n, k) at the points, (m,) or (m, k) in the cells, in their order, for
+            .vtu, .vtk, .xdmf, .msh (real there, in rows padded to 1, 3, 9). ``meshio.read`` has them all,
+            `Mesh.read` takes one number per cell for a marker.
 
         Raises
         ------
         InputError
-            If the format has no cells of some kind in the mesh or no such option, or if the file cannot be
-            written: the old file is then untouched, because the new one replaces it when it is complete.
+            If the format has no cells of some kind in the mesh, no such option or no fields, for fields of
+            wrong shapes or names, and if the file cannot be written: the old file is then untouched.
         MissingPackageError
             For meshio's formats without meshio, and for .xdmf and others without h5py.
 
         Notes
         -----
         The table shows what `Mesh.read` finds again; a warning names the rest, such as weights. Only .msh
-        stores `periodic`, with its motions, as Gmsh does (which itself reads them in version 4.1 alone):
+        stores `periodic`, with its motions, as Gmsh does (which itself reads them in version 4.1 alone).
+        Another warning lists names that a format must change; .su2 and polyMesh have only these, while codes
+        of quotes, brackets and percent signs in .msh, .vtu and .xdmf are turned back by `Mesh.read`:
 
         ============ ============== ================= ==================== ===================
         format       points, cells  origin, copies    markers of faces     markers of cells
@@ -338,9 +347,11 @@ class Mesh(CellComplex):
         and .vtk store all kinds, and polygons in their order.
 
         Kinds without cells are left out, as in `select`; .node and .ele alone store a mesh without any cell.
-        Formats of meshio may group the kinds in another order, and store as many digits as they have.
+        Formats of meshio may group the kinds in another order, and store as many digits as they have (.bdf
+        9 to 12). .svg is a picture.
         """
-        files.write(self, path, version=version, binary=binary, thickness=thickness)
+        given = {"version": version, "binary": binary, "thickness": thickness}
+        files.write(self, path, **given, point_data=point_data, cell_data=cell_data)  # type: ignore[arg-type]
 
     @classmethod
     def read(cls, path: str | Path) -> Self:

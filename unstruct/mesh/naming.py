@@ -10,13 +10,88 @@ from urllib.parse import quote, unquote
 
 import numpy as np
 
+from ..base.arrays import frozen, within
+from ..base.checked import by_name
 from ..base.errors import InputError
 from ..base.files import suffix_of
 
-__all__ = ["WITH_NAMES", "add_names", "as_region_names", "found_names", "names_by_number"]
+__all__ = [
+    "WITH_NAMES",
+    "add_names",
+    "as_marker",
+    "as_region_names",
+    "as_region_number",
+    "found_names",
+    "names_by_number",
+]
 
 WITH_NAMES = (".vtu", ".vtk", ".xdmf", ".xmf")  # formats whose names have no place in meshio's files
+MOST_REGION = 2**63 - 1
 FIELD = "region:"  # before the name of a region among field data
+
+
+def as_marker(
+    name: str, values: Any, _: Mapping[str, np.ndarray], size: int, vertices: int, padded: bool
+) -> np.ndarray:
+    """A marker, checked: one number per cell, or rows of vertices; read-only.
+
+    Parameters
+    ----------
+    name : str
+    values : array_like
+    size, vertices : int
+        The numbers of cells and of vertices.
+    padded : bool
+        Whether rows may end in -1.
+
+    Raises
+    ------
+    InputError
+        The message names the first entry that is wrong.
+    """
+    try:
+        array = np.asanyarray(values)
+    except ValueError:  # ragged lists
+        array = np.empty(0, dtype=object)
+    if np.ma.isMaskedArray(array) and np.ma.getmaskarray(array).any():
+        row = int(np.argwhere(np.ma.getmaskarray(array))[0][0])
+        raise InputError(f"markers[{name!r}][{row}] is masked; give it a value first, such as 0 or nan")
+    array = np.asarray(array)
+    if array.ndim == 1 and len(array) == size and (array.dtype.kind in "biuf" or size == 0):
+        return frozen(_native(name, array))
+    if array.ndim != 2 or (array.size and array.dtype.kind not in "iu"):
+        what = "lists of different lengths" if array.dtype == object and not array.size else array.dtype
+        raise InputError(
+            f"markers[{name!r}] must be one number per cell, shape ({size},), or faces as rows of vertices, "
+            f"integers (c, j), not {what} of shape {array.shape}; names of cells go into regions"
+        )
+    if len(array) and array.shape[1] == 0:
+        raise InputError(f"markers[{name!r}] has {len(array)} faces without vertices: drop them")
+    if within(array, vertices):
+        return frozen(array.astype(np.int32))
+    wrong = (array < 0) | (array >= vertices)
+    if padded and array.shape[1]:  # rows of fewer vertices end in -1, as in `boundary`
+        padding = np.cumprod(array[:, :0:-1] == -1, axis=1)[:, ::-1].astype(bool)
+        wrong[:, 1:] &= ~padding
+    if wrong.any():
+        row = int(np.argmax(wrong.any(axis=1)))
+        raise InputError(
+            f"markers[{name!r}][{row}] = {array[row].tolist()} refers to missing vertices; there are 0 to "
+            f"{vertices - 1}"
+        )
+    return frozen(array.astype(np.int32))
+
+
+def _native(name: str, values: np.ndarray) -> np.ndarray:
+    """Numbers of cells in a type that files have: this machine's bytes, and reals of 32 or 64 bits."""
+    if name == "region" and values.dtype == np.uint64 and len(values) and values.max() > MOST_REGION:
+        row = int(np.argmax(values > MOST_REGION))
+        raise InputError(f"markers['region'][{row}] = {values[row]} is beyond 64 bits with a sign: renumber")
+    if values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8):
+        return values.astype(np.float64)
+    if values.dtype.kind not in "biuf":  # of no cells
+        return values.astype(np.float64)
+    return values.astype(values.dtype.newbyteorder("="), copy=False)
 
 
 def as_region_names(regions: Any, markers: Mapping[str, np.ndarray]) -> dict[str, int]:
@@ -27,21 +102,33 @@ def as_region_names(regions: Any, markers: Mapping[str, np.ndarray]) -> dict[str
     InputError
         The message names the first name that is wrong.
     """
-    if not isinstance(regions, Mapping):
-        raise InputError(f"regions must be a dict of numbers by name, not {type(regions).__name__}")
     number = markers.get("region")
     if number is None or number.ndim != 1:
         raise InputError("regions names values of the marker 'region', which this mesh does not have")
-    found: dict[str, int] = {}
-    owner: dict[int, str] = {}
-    for name, value in regions.items():
-        if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            raise InputError(f"regions[{name!r}] must be a whole number, not {value!r}")
-        other = owner.setdefault(int(value), str(name))
-        if other != str(name):
-            raise InputError(f"regions {other!r} and {str(name)!r} have the same number {value}: join them")
-        found[str(name)] = int(value)
+    found = by_name(regions, "regions", _whole)
+    if len(set(found.values())) < len(found):
+        owner: dict[int, str] = {}
+        for name, value in found.items():
+            _refuse_equal(owner.setdefault(value, name), name, value)
     return found
+
+
+def as_region_number(name: str, value: Any, others: Mapping[str, int]) -> int:
+    """The number of one more region, checked: a whole number that no other name has. O(r)."""
+    number = _whole(name, value, others)
+    _refuse_equal(next((other for other, old in others.items() if old == number), name), name, number)
+    return number
+
+
+def _whole(name: str, value: Any, _: Mapping[str, int]) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or abs(int(value)) > MOST_REGION:
+        raise InputError(f"regions[{name!r}] must be a whole number, not {value!r}; it may have 64 bits")
+    return int(value)
+
+
+def _refuse_equal(one: str, two: str, number: int) -> None:
+    if one != two:
+        raise InputError(f"regions {one!r} and {two!r} have the same number {number}: join them")
 
 
 def names_by_number(regions: Mapping[str, int]) -> dict[int, str]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
 
+from ..base.telling import tell
 from .periodic import renumbered
 
 __all__ = ["FIRST_ORDER", "without_middles"]
@@ -50,10 +50,9 @@ def without_middles(name: str, arguments: dict[str, Any], middles: np.ndarray) -
     number = np.cumsum(~gone) - 1
     number[gone] = -1
     number = np.append(number, -1)  # the last entry belongs to -1, no vertex
-    warnings.warn(
+    tell(
         f"{name} has cells of second or higher order: they are read by their corners, and {int(gone.sum())} "
         "nodes between corners are left out",
-        stacklevel=5,
     )
 
     def renamed(block: Any) -> Any:

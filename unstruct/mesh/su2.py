@@ -34,8 +34,8 @@ SU2_NUMBERS = {kind: number for number, (kind, _) in SU2_TYPES.items()}
 WIDTH_NUMBERS = {2: 3, 3: 5, 4: 9}  # facets with so many corners
 
 
-def write_su2(mesh: CellComplex, path: Path) -> list[str]:
-    """Write a file; return the names of markers that it does not hold, or not completely."""
+def write_su2(mesh: CellComplex, path: Path) -> tuple[list[str], dict[str, str]]:
+    """Write a file; return the markers that it does not hold completely, and the names in it by names."""
     n, d = mesh.points.shape
     if mesh.dimension != d or d not in (2, 3):
         raise InputError(
@@ -61,7 +61,7 @@ def write_su2(mesh: CellComplex, path: Path) -> list[str]:
         parts += lines[at : at + len(rows)]
         at += len(rows)
     path.write_bytes(b"".join(parts))
-    return lost
+    return lost, tags
 
 
 def _lines_of(border: np.ndarray, groups: list[np.ndarray]) -> list[bytes]:

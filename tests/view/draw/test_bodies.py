@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from unstruct import Domain, DomainError, InputError, view
+from unstruct import Domain, DomainError, InputError, Mesh, view
 
 HALVES = Domain(
     [(0, 0), (2, 0), (2, 1), (0, 1), (1, 0), (1, 1)],
@@ -70,5 +70,10 @@ def test_refusals() -> None:
         view.view3d(Domain.rectangle(), alt="flat")
     with pytest.raises(InputError, match="options of meshes"):
         view.plot(Domain.box(), values=np.zeros(6))
-    with pytest.raises(InputError, match="too many to turn smoothly"):
+    with pytest.raises(
+        InputError, match=r"faces are too many .* \(at most 20000\): draw them with view\.plot"
+    ):
         view.view3d(Domain.ball(size=0.03), alt="A fine ball.")
+    mesh = Mesh(np.eye(4)[:, :3], np.tile([[0, 1, 2, 3]], (10_001, 1)))
+    with pytest.raises(InputError, match=r"the 40004 faces of 10001 cells .* \(at most 40000\)"):
+        view.view3d(mesh, alt="Many cells.", section=("-y", 0.5))

@@ -19,6 +19,7 @@ from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.files import replacing, suffix_of, text_of
 from ...base.tables import Rows
+from ...base.telling import tell, tell_renamed
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import mark_regions
 from ...connect.planar.inserting import insert_all
@@ -39,6 +40,7 @@ __all__ = [
     "numbers_for",
     "read_poly",
     "region_name",
+    "tell_numbers",
     "write_poly",
 ]
 
@@ -222,6 +224,21 @@ def write_poly(
         lines.append(f"{row} {x!r} {y!r} {values[name]} {areas.get(name, -1.0)!r}")
     with replacing(path) as beside:
         beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    tell_numbers(domain.markers, marks, values, ".poly")
+
+
+def tell_numbers(
+    markers: Mapping[str, np.ndarray], marks: Mapping[str, str], values: Mapping[str, str], suffix: str
+) -> None:
+    """Warn of names that are numbers in a file, and of markers that are not the last of all their pieces."""
+    tell_renamed(marks, f"markers are numbers in {suffix}")
+    tell_renamed(values, f"regions are numbers in {suffix}")
+    owner: dict[int, str] = {}
+    for name, pieces in markers.items():
+        owner |= dict.fromkeys(pieces.tolist(), name)
+    lost = [repr(name) for name, pieces in markers.items() if any(owner[i] != name for i in pieces.tolist())]
+    if lost:
+        tell(f"not written completely: {', '.join(lost)}; {suffix} stores for each piece its last marker")
 
 
 def numbers_for(names: Iterable[str], is_one: Callable[[str], bool]) -> dict[str, str]:

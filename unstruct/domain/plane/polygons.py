@@ -16,7 +16,7 @@ from ...base.errors import InputError
 from ...geometry.boxes import BoxTree
 from ...geometry.outline import Outline
 from ...geometry.parity import on_the_right, right_parity
-from ..arguments import as_curves, as_markers, as_segments, composed
+from ..arguments import as_curves, as_segments, composed, named_parts
 from .account import Repair
 from .covering import Rings, covered
 from .faults import find_faults, first_copies
@@ -188,7 +188,7 @@ def _united(
     if len(result.facets) == 0:
         raise InputError(f"the holes leave nothing of {names[0]}: correct them")
     as_curves(options.get("curves") or {}, many)
-    marked = as_markers(options.get("markers") or {}, many)
+    marked = named_parts(options.get("markers") or {}, None, many, 2)[0]
     given, piece = result.parts.T
     markers = {name: np.unique(piece[np.isin(given, pieces)]) for name, pieces in marked.items()}
     made = {"points": result.points, "facets": result.facets, "markers": markers}

@@ -390,7 +390,7 @@ def carry(mesh: Mesh, planned: Planned, result: DomainMesh) -> None:
     values = planned.rest["values"]
     for name in values[0]:
         result.markers[name] = frozen(np.array([row[name] for row in values])[group])
-    result.regions = dict(mesh.regions)
+    result.regions = mesh.regions.copy()
     result.periodic = planned.rest["periodic"]
     place = np.full(len(mesh.points), -1, dtype=np.int32)
     used = _used(mesh)[0]

@@ -1,8 +1,10 @@
 """Points inside a body for cells of a wanted size: body-centered lattices, nested where the size varies.
 
 The Delaunay tetrahedra of a body-centered lattice are all alike, with dihedral angles of 60 and 90 degrees.
-Exact lattices are cospherical, which makes insertion slow; so each point is moved by about a thousandth of
-its cell, by a hash of its place in the lattice. See the book, 2.8c.
+There is no fifth point on their spheres, since four Voronoi cells (truncated octahedra) meet at each corner.
+But parts of the lattice, which are there while points are inserted, are full of cospherical points, such as
+the corners of cubes; their ties make insertion slow. So each point is moved by about a thousandth of its
+cell, by a hash of its place in the lattice. See the book, 2.8c.
 
 Points of the same lattice are kept outside, too, next to the surface. Their cells are thrown away in the end,
 but they make the facets easier to recover: without them the void of a round hole is a triangulation of rings

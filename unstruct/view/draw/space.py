@@ -27,6 +27,7 @@ from .stills import STILL_DPI, picture_of, with_still
 __all__ = ["Space", "view3d"]
 
 DRAW_FOLDER = Path(__file__).parent
+FACES_OF = {4: 4, 5: 5, 6: 5, 8: 6}  # by the number of corners of a cell
 MOST_FACES = 20000  # the largest number of faces in the widget; with more, turning is not smooth
 
 
@@ -108,16 +109,23 @@ def view3d(
     Raises
     ------
     InputError
-        If ``alt`` is empty, if there is a section but no solid cell, or if there are more than 20,000 faces,
-        of which those between two cells count once under a section; `unstruct.view.plot` can draw these.
+        If ``alt`` is empty, if there is a section but no solid cell, or if there are too many faces to turn
+        smoothly: more than 20,000, or under a section, for which all cells are there, 40,000, counted for
+        each cell (10,000 tetrahedra or 6,666 hexahedra). Without a section larger meshes of solid cells are
+        shown by their boundary, and only its faces count. `unstruct.view.plot` has no such limit.
     """
     if not alt.strip():
         raise InputError("alt must describe the picture for readers who cannot see it")
     whole = section is not None
     items = mesh if isinstance(mesh, list) else mesh_items3(mesh, role, values, whole=whole)
-    faces = sum(len(i["data"]) * (4 if i["kind"] == "cells" else 1) for i in items)
-    if faces > MOST_FACES * (1 + whole):
-        raise InputError(f"{faces} faces are too many to turn smoothly (at most {MOST_FACES}); use plot")
+    faces, most = sum(map(_faces, items)), MOST_FACES * (1 + whole)
+    if faces > most:
+        cells = sum(len(i["data"]) for i in items if i["kind"] == "cells")
+        what = f"the {faces} faces of {cells} cells" if cells else f"{faces} faces"
+        raise InputError(
+            f"{what} are too many to turn smoothly (at most {most}): draw them with view.plot, which has "
+            "section=, too, or show a part, mesh.select(...)"
+        )
     ball = ball_around(items)
     digits = 5 - int(np.floor(np.log10(ball[3])))
     scene = {"ball": ball, "items": [{**i, "points": np.round(i["points"], digits).tolist()} for i in items]}
@@ -136,6 +144,13 @@ def view3d(
         explode=explode,
         size=size,
     )
+
+
+def _faces(item: Item) -> int:
+    """How many faces, or other things, of an item are drawn."""
+    if item["kind"] != "cells":
+        return len(item["data"])
+    return sum(FACES_OF.get(len(row), 4) for row in item["data"])
 
 
 def _range(items: list[Item], plane: Plane) -> tuple[dict[str, Any], float]:

@@ -5,7 +5,6 @@ Facets are written so that they point outward. Doubles have as many digits as re
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -17,10 +16,11 @@ from numpy.typing import NDArray
 from ....base.decimals import rows_as_text
 from ....base.errors import InputError
 from ....base.files import replacing, suffix_of
+from ....base.telling import tell, tell_renamed
 from ....geometry.inside_shell import even_odd_in_space, front_inside
 from ....geometry.outline import Outline
 from ....geometry.polygons import Polygons
-from ...plane.poly import is_marker, is_value, numbers_for
+from ...plane.poly import is_marker, is_value, numbers_for, tell_numbers
 from ..cutting import Shell, cut
 from ..faults import first_copies
 from ..parts import Parts, parts_in_space
@@ -74,7 +74,7 @@ def _say_lost(domain: Outline, suffix: str, binary: bool) -> None:
     if suffix == ".stl" and len(domain.loose):
         lost.append("loose points")
     if lost:
-        warnings.warn(f"not written: {', '.join(lost)}; {suffix} does not store them", stacklevel=4)
+        tell(f"not written: {', '.join(lost)}; {suffix} does not store them")
 
 
 def _outward(shell: Shell) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]:
@@ -104,11 +104,29 @@ def _faces(domain: Outline, shell: Shell) -> tuple[Polygons, NDArray[np.int32]]:
 
 
 def _last_names(domain: Outline) -> list[str]:
-    """For each facet the last marker that names it, or nothing."""
+    """For each facet the last marker that names it, or nothing; a warning lists markers that lose facets."""
     names = np.full(len(domain.facets), "", dtype=object)
     for name, pieces in domain.markers.items():
         names[pieces[pieces < len(domain.facets)]] = name
+    parts = ((name, pieces[pieces < len(domain.facets)]) for name, pieces in domain.markers.items())
+    lost = [repr(name) for name, pieces in parts if (names[pieces] != name).any()]
+    if lost:
+        tell(f"not written completely: {', '.join(lost)}; .stl stores for each facet its last marker")
     return names.tolist()
+
+
+def _labels(names: Iterable[str], between: str) -> dict[str, str]:
+    """Names with ``between`` in the place of all blanks, made different by numbers."""
+    first = {name: between.join(name.split()) or "unnamed" for name in names}
+    taken = {name for name, label in first.items() if name == label}
+    labels: dict[str, str] = {}
+    for name, label in first.items():
+        word, count = label, 2
+        while word != name and word in taken:
+            word, count = f"{label}_{count}", count + 1
+        labels[name] = word
+        taken.add(word)
+    return labels
 
 
 # ---------------------------------------------------------------------- formats of surfaces
@@ -125,6 +143,8 @@ def _stl(domain: Outline, shell: Shell, binary: bool) -> bytes:
     if binary:
         return _binary_stl(corners, normal)
     names = _last_names(domain)
+    labels = _labels(domain.markers, " ")
+    tell_renamed(labels, "names of solids in .stl are words with single spaces, and are all different")
     found = []
     place = np.searchsorted(piece, np.arange(len(names) + 1))
     runs: dict[str, list[NDArray[np.int64]]] = {}
@@ -132,7 +152,7 @@ def _stl(domain: Outline, shell: Shell, binary: bool) -> bytes:
         runs.setdefault(names[i], []).append(np.arange(place[i], place[i + 1]))
     for name, parts in runs.items():
         some = np.concatenate(parts)
-        label = " ".join(name.split())
+        label = labels.get(name, "")
         values = np.concatenate([normal[some], corners[some].reshape(-1, 9)], axis=1)
         found.append(f"solid {label}".rstrip() + "\n")
         found += [
@@ -209,10 +229,8 @@ def _ply(domain: Outline, shell: Shell, binary: bool) -> bytes:
 def _obj(domain: Outline, shell: Shell, binary: bool) -> bytes:
     faces, piece = _faces(domain, shell)
     lines = [f"v {x!r} {y!r} {z!r}\n" for x, y, z in domain.points.tolist()]
-    labels = {name: "_".join(name.split()) for name in domain.markers}
-    renamed = {name: label for name, label in labels.items() if name != label}
-    if renamed:
-        warnings.warn(f"renamed: {renamed}; names of groups in .obj have no spaces", stacklevel=4)
+    labels = _labels(domain.markers, "_")
+    tell_renamed(labels, "names of groups in .obj have no spaces, and are all different")
     groups: list[list[str]] = [[] for _ in range(len(domain.facets))]
     for name, pieces in domain.markers.items():
         for i in pieces[pieces < len(domain.facets)].tolist():
@@ -255,6 +273,7 @@ def _tetgen(
     lines += [f"{len(seeds)}\n"]
     for row, (name, (x, y, z)) in enumerate(seeds):
         lines.append(f"{row} {x!r} {y!r} {z!r} {values[name]} {volumes.get(name, -1.0)!r}\n")
+    tell_numbers(domain.markers, marks, values, ".smesh" if simple else ".poly")
     return "".join(lines).encode()
 
 
