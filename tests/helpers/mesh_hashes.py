@@ -242,7 +242,8 @@ def round_bodies() -> Arrays:
     arc = Domain.disc((2.0, 0.3), 0.5)
     bowl = Domain.polygon([(0, 0), (1, 0), (1.3, 0.7), (1.1, 0.8), (0.9, 0.2), (0, 0.2)])
     made = [
-        Domain.ball((0.1, 0.2, 0.3), 1.3, size=0.3), Domain.torus((0, 0, 0.1), 1.1, 0.3, size=0.2, axis=(1, 2, 3)),
+        Domain.ball((0.1, 0.2, 0.3), 1.3, size=0.3),
+        Domain.torus((0, 0, 0.1), 1.1, 0.3, size=0.2, axis=(1, 2, 3)),
         Domain.cylinder((0, 0, 0), (1, 0.3, 2), 0.6, size=0.2), Domain.revolved(arc, size=0.25),
         Domain.revolved(bowl, 250.0, size=0.25), Domain.extruded(arc, (0.2, 0.1, 1.0), size=0.3),
     ]  # fmt: skip

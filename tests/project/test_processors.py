@@ -30,7 +30,10 @@ DECIDE = [
     *(f"domain/space/{name}.py" for name in "bodies cutting flat repair rings splitting swept".split()),
 ]
 BODIES = [
-    *(f"domain/space/{name}.py" for name in "bodies by_part cutting flat parts repair rings splitting swept".split()),
+    *(
+        f"domain/space/{name}.py"
+        for name in "bodies by_part cutting flat parts repair rings splitting swept".split()
+    ),
     *(f"sizing/{name}.py" for name in "apart space_features space_table surface".split()),
     *("generate/bodies", "generate/volume/rounder.py", "generate/volume/filling.py"),
 ]

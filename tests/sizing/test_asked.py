@@ -72,7 +72,9 @@ def test_cells_are_those_of_the_definition(dimension: int) -> None:
         missed += len(wanted)
         assert set(too_large(mesh, plane, 2.0).cells.tolist()) == wanted
         known = SizeField(plane, growth=growth)
-        assert set(too_large(mesh, known, 2.0).cells.tolist()) == wanted, "the proof by growth leaves none out"
+        assert set(too_large(mesh, known, 2.0).cells.tolist()) == wanted, (
+            "the proof by growth leaves none out"
+        )
     assert missed > 0
     assert len(too_large(mesh, 0.01).cells) == 0, "a number is judged by the methods themselves"
 

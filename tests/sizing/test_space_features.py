@@ -74,8 +74,8 @@ BOX = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6
 BODIES = {
     "box": Domain.box((0, 0, 0), (1, 2, 0.1)),
     "two boxes": two_boxes(0.05),
-    "ball": Domain.ball(size=0.6),
-    "torus": Domain.torus(size=0.45, tube=0.3),
+    "ball": Domain.ball(size=0.7),
+    "torus": Domain.torus(size=0.6, tube=0.4),
     "cylinder": Domain.cylinder(size=0.3),
     "prism": Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 2), (1, 0.3), (0, 2)]), 0.4),
     "inner": Domain(
@@ -101,7 +101,9 @@ def test_it_is_that_of_all_pairs(name: str) -> None:
     assert found == pytest.approx(one_by_one, rel=1e-12)
     far = float(np.median(wanted))
     cut = feature(x, far)
-    assert np.array_equal(np.isinf(cut), found > far) and np.array_equal(cut[found <= far], found[found <= far])
+    assert np.array_equal(np.isinf(cut), found > far) and np.array_equal(
+        cut[found <= far], found[found <= far]
+    )
 
 
 @pytest.mark.parametrize("name", ["box", "two boxes", "prism", "inner"])
@@ -137,7 +139,9 @@ def test_known_sizes() -> None:
     assert tube == pytest.approx(0.2, rel=0.05)
     hollow = Domain(
         np.concatenate([ball.points, 0.9 * ball.points]),
-        np.concatenate([ball.triangulated.triangles, ball.triangulated.triangles[:, ::-1] + len(ball.points)]),
+        np.concatenate(
+            [ball.triangulated.triangles, ball.triangulated.triangles[:, ::-1] + len(ball.points)]
+        ),
     )
     assert local_feature_size(hollow, [[0, 0, 0.95]])[0] == pytest.approx(0.05, rel=0.05)
     named = Domain(plate.points, BOX, markers={"one": [0], "other": [1]})

@@ -67,9 +67,5 @@ def test_wrong_arguments() -> None:
     for name, value in (("factor", 0.0), ("far", -1.0), ("growth", np.nan), ("growth", -1.0)):
         with pytest.raises(InputError, match=name):
             sizing.from_facets(ball, **{name: value})
-    with pytest.raises(InputError, match="from_facets or from_curvature"):
-        sizing.from_features(ball)
-    with pytest.raises(InputError, match="from_facets or from_curvature"):
-        sizing.local_feature_size(ball, [[0.0, 0.0, 0.0]])
     with pytest.raises(InputError, match="facets"):
         sizing.from_curvature(Domain(np.eye(3), np.empty((0, 3), dtype=int)), far=1.0)

@@ -185,8 +185,8 @@ def extruded(
     Returns
     -------
     Domain
-        Markers of planar pieces name their walls. Ends are polygons with holes, or triangles where inner
-        pieces or loose points lie in them.
+        Markers of planar pieces name their walls. Ends are polygons with holes, cut along inner pieces; where
+        these end inside, or at loose points, they are cut further, so that each such point is a corner.
 
     Raises
     ------
@@ -233,7 +233,8 @@ def revolved(
     Returns
     -------
     Domain
-        All points lie on their true circles; walls are trapezoids, which are flat up to rounding. Markers of
+        All points lie on their true circles; walls are trapezoids, which are flat up to rounding, and those
+        of pieces at right angles to the axis are one disc, annulus, or part of one. Markers of
         planar pieces name their walls; regions are carried over.
 
     Raises

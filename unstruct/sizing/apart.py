@@ -22,9 +22,11 @@ __all__ = ["OPPOSED_BITS", "Parts", "SurfaceTree", "parts_of", "tree_of_parts"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MIXED = -1  # the part of a node of the tree that has elements of several
-GRID = 9  # directions are rounded to squares of a grid on each side of a cube, by at most 9 degrees
-OPPOSED = -0.31  # the cosine of 108 degrees, beyond which rounded directions are opposed: never below 90
+MIXED_PARTS = -1  # the part of a node of the tree that has elements of several
+SQUARES_A_SIDE = 9  # directions are rounded to squares of a grid on each side of a cube, by at most 9 degrees
+OPPOSED_COSINE = (
+    -0.31
+)  # the cosine of 108 degrees, beyond which rounded directions are opposed: never below 90
 AROUND_TRIANGLE = ((0, 1), (1, 2), (2, 0))
 
 
@@ -61,7 +63,7 @@ class SurfaceTree(NamedTuple):
     low, high : (2 l, 3) float64
     order : (m,) int64
     part : (2 l,) int64
-        The part of all elements below the node, or `MIXED`.
+        The part of all elements below the node, or `MIXED_PARTS`.
     facing : (2 l, w) int64
         Which rounded directions they have, as bits.
     against : (2 l, w) int64
@@ -125,27 +127,34 @@ def tree_of_parts(parts: Parts) -> SurfaceTree:
     own = _bits(np.eye(NO_DIRECTION + 1, dtype=bool))
     facing, against = (bits[parts.direction[tree.order]] for bits in (own, OPPOSED_BITS))
     owner, node = parts.part[tree.order], nodes // 2 + np.arange(len(tree.order)) // BOXES_IN_LEAF
-    part, every = np.full(nodes, MIXED, dtype=np.int64), np.zeros((2, nodes, own.shape[1]), dtype=np.int64)
+    part, every = (
+        np.full(nodes, MIXED_PARTS, dtype=np.int64),
+        np.zeros((2, nodes, own.shape[1]), dtype=np.int64),
+    )
     low, high = owner, owner
     while node[0] > 0:  # level by level
         start = np.flatnonzero(np.append(True, np.diff(node) != 0))
         node = node[start]
         low, high = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
         facing, against = np.bitwise_or.reduceat(facing, start), np.bitwise_or.reduceat(against, start)
-        part[node] = np.where(low == high, low, MIXED)
+        part[node] = np.where(low == high, low, MIXED_PARTS)
         every[0, node], every[1, node] = facing, against
         node = node // 2
     empty = tree.low[:, 0] > tree.high[:, 0]
     extent = np.where(empty, 0.0, np.where(empty[:, None], 0.0, tree.high - tree.low).sum(axis=1))
-    return SurfaceTree(tree.low, tree.high, tree.order, part, *every, extent)
+    return SurfaceTree(tree.low, tree.high, tree.order, part, every[0], every[1], extent)
 
 
 def _all_directions() -> Array:
     """The middles of the squares of a grid on the sides of a cube, as unit vectors."""
-    line = (2 * np.arange(GRID) + 1) / GRID - 1.0
+    line = (2 * np.arange(SQUARES_A_SIDE) + 1) / SQUARES_A_SIDE - 1.0
     u, v = (a.ravel() for a in np.meshgrid(line, line))
     one = np.ones_like(u)
-    rows = [np.stack([sign * one, u, v], axis=1)[:, np.roll(np.arange(3), k)] for k in range(3) for sign in (1, -1)]
+    rows = [
+        np.stack([sign * one, u, v], axis=1)[:, np.roll(np.arange(3), k)]
+        for k in range(3)
+        for sign in (1, -1)
+    ]
     return _unit(np.concatenate(rows))
 
 
@@ -158,8 +167,11 @@ def _rounded(rows: Array) -> Integers:
     # np.roll by k moves the first column to place k, and the others behind it
     u, v = rows[place, (axis + 1) % 3], rows[place, (axis + 2) % 3]
     scale = np.where(most == 0.0, 1.0, np.abs(most))
-    i, j = (np.clip(np.floor((a / scale + 1.0) * (GRID / 2)), 0, GRID - 1).astype(np.int64) for a in (u, v))
-    return (side * GRID + j) * GRID + i
+    i, j = (
+        np.clip(np.floor((a / scale + 1.0) * (SQUARES_A_SIDE / 2)), 0, SQUARES_A_SIDE - 1).astype(np.int64)
+        for a in (u, v)
+    )
+    return (side * SQUARES_A_SIDE + j) * SQUARES_A_SIDE + i
 
 
 def _bits(rows: NDArray[np.bool_]) -> Integers:
@@ -182,7 +194,7 @@ def _count(number: Integers) -> int:
 def _opposed() -> Integers:
     """For each direction, and for none, which ones are opposed to it."""
     rows = np.concatenate([DIRECTIONS, np.zeros((1, 3))])
-    return _bits((rows[:, None] * rows).sum(axis=2) < OPPOSED)
+    return _bits((rows[:, None] * rows).sum(axis=2) < OPPOSED_COSINE)
 
 
 def _components(pairs: Integers, many: int) -> Integers:

@@ -207,7 +207,9 @@ def _at_landmarks(
 
 def _with_places(size: Any, places: Array) -> Any:
     if isinstance(size, Mapping):
-        return {name: one if isinstance(one, Metric) else _with_places(one, places) for name, one in size.items()}
+        return {
+            name: one if isinstance(one, Metric) else _with_places(one, places) for name, one in size.items()
+        }
     field = as_size(size)
     return field if field.constant is not None else _Seen(field, places)
 
@@ -253,7 +255,9 @@ def asked_again(
 
 
 def _listed(mesh: DomainMesh, cells: Integers) -> DomainMesh:
-    why = dict.fromkeys(cells.tolist(), MISSED_SIZE) | dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist()))
+    why = dict.fromkeys(cells.tolist(), MISSED_SIZE) | dict(
+        zip(mesh.unrefined.tolist(), mesh.reasons.tolist())
+    )
     rows = sorted(why)
     mesh.unrefined = np.array(rows, dtype=np.int32)
     mesh.reasons = np.array([why[cell] for cell in rows], dtype=str)

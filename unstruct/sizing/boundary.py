@@ -266,15 +266,15 @@ def local_feature_size(domain: Outline, x: ArrayLike) -> Array:
     (1995), section 3; the treatment of curves is ours. See the book, chapter 2.3.
 
     *In space* features are faces, the edges where they end or bend by 40 degrees or more, inner segments, and
-    the corners where edges end. Triangles that meet smoothly, and have the same names, are one face; edges that
-    go on smoothly are one curve. Features with a common vertex are adjacent, all others are not: so two walls,
-    and two parts of a body across a gap, count with the distance between them. Parts of one face or curve count
-    as different features where they face each other, that is where their normals or directions differ by more
-    than 90 to 126 degrees (directions are rounded) and they have no common vertex: so the tube of a torus has
-    about its radius. Where all facets meet at edges of 40 degrees or more, and two opposite parts of none face
-    each other, this is the definition for piecewise linear complexes (J. R. Shewchuk, Symposium on
-    Computational Geometry, 1998). The time per point also grows with the number of triangles that are nearer
-    than the second feature; a cut-off ``far`` bounds it.
+    the corners where edges end. Triangles that meet smoothly, and have the same names, are one face; edges
+    that go on smoothly are one curve. Features with a common vertex are adjacent, all others are not: so two
+    walls, and two parts of a body across a gap, count with the distance between them. Parts of one face or
+    curve count as different features where they face each other, that is where their normals or directions
+    differ by more than 90 to 126 degrees (directions are rounded) and they have no common vertex: so the tube
+    of a torus has about its radius. Where all facets meet at edges of 40 degrees or more, and two opposite
+    parts of none face each other, this is the definition for piecewise linear complexes (J. R. Shewchuk,
+    Symposium on Computational Geometry, 1998). The time per point also grows with the number of triangles
+    that are nearer than the second feature; a cut-off ``far`` bounds it.
     """
     return FeatureSize(domain)(x)
 
@@ -308,13 +308,25 @@ def from_features(domain: Outline, fraction: float = 0.5, *, far: float | None =
         if not (as_number(value, name) > 0 and (name == "far" or np.isfinite(value))):
             raise InputError(f"{name} must be positive, not {value!r}")
     feature = FeatureSize(domain)
-    cap = np.inf if far is None else far
-    return SizeField(
-        partial(_part, feature, fraction, cap),
-        landmarks=feature.places,
-        name=f"{fraction:g} of the local feature size",
-        growth=fraction,  # the local feature size changes by at most 1
-    )
+    return _OfFeatures(feature, fraction, np.inf if far is None else far)
+
+
+class _OfFeatures(SizeField):
+    """The result of `from_features`."""
+
+    def __init__(self, feature: FeatureSize, fraction: float, cap: float):
+        super().__init__(
+            partial(_part, feature, fraction, cap),
+            landmarks=feature.places,
+            name=f"{fraction:g} of the local feature size",
+            growth=fraction,  # the local feature size changes by at most 1
+        )
+        self.feature, self.fraction, self.cap = feature, fraction, cap
+
+    def below(self, x: Array, bound: Array) -> Array:
+        """As `SizeField.below`: what is farther than the largest bound is not looked for."""
+        cap = min(self.cap, float(bound.max(initial=0.0)))
+        return np.minimum(_part(self.feature, self.fraction, cap, x), bound)
 
 
 def _part(feature: FeatureSize, fraction: float, cap: float, x: Array) -> Array:

@@ -51,7 +51,13 @@ class SizeField:
     thorough : bool
         Whether finishing may take most of the time, for the sake of the least angle: True but for sizes that
         grow fast nearly everywhere.
-    """
+
+    Notes
+    -----
+    Methods in the plane read a table of it (see `table`): a detail of the function that lies between all of
+    its places is not seen, and ``complete`` then means that the table is kept to. Give such details as
+    ``landmarks``; `too_large` asks the size itself again in a finished mesh. Methods in space do so
+    themselves."""
 
     thorough = True
 

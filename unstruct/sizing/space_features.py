@@ -77,7 +77,7 @@ class Search(NamedTuple):
         The nodes that wait.
     opened : (k,) int64
         Nodes to be opened.
-    count : (4,) int64
+    numbers : (4,) int64
         How many parts, elements, waiting nodes and nodes to be opened there are.
     """
 
@@ -87,25 +87,25 @@ class Search(NamedTuple):
     slot: Integers
     node: Integers
     opened: Integers
-    count: Integers
+    numbers: Integers
 
 
-PARTS, FOUND, WAITING, OPENED = range(4)  # places in ``count``
+PARTS_SEEN, ELEMENTS_SEEN, NODES_WAITING, NODES_OPENED = range(4)  # places in ``numbers``
 
 
 @lean
 def _slot_of(search, part):
     """The place of a part among those found; their number if it is new."""
-    for k in range(search.count[PARTS]):
+    for k in range(search.numbers[PARTS_SEEN]):
         if search.part[k] == part:
             return k
-    return search.count[PARTS]
+    return search.numbers[PARTS_SEEN]
 
 
 @lean
 def _meets_found(parts, search, part, against, row):
     """Whether elements of a part, with directions against row ``row``, may be apart from one found."""
-    for k in range(search.count[PARTS]):
+    for k in range(search.numbers[PARTS_SEEN]):
         if search.part[k] == part:
             if _common(against, row, search.bits, k):
                 return True
@@ -119,11 +119,11 @@ def _is_apart(parts, search, i, opposed):
     """Whether element i is apart from one that was found."""
     if not _meets_found(parts, search, parts.part[i], opposed, parts.direction[i]):
         return False
-    for k in range(search.count[PARTS]):
+    for k in range(search.numbers[PARTS_SEEN]):
         if search.part[k] != parts.part[i] and not _touch(parts, parts.part[i], search.part[k]):
             return True
     own = _slot_of(search, parts.part[i])
-    for k in range(search.count[FOUND]):
+    for k in range(search.numbers[ELEMENTS_SEEN]):
         if search.slot[k] == own:
             j = search.element[k]
             bit = parts.direction[j]
@@ -138,8 +138,8 @@ def _choose(tree, parts, search, w, part, against, row):
 
     Of two nodes only the larger one is opened; returns whether that is w. Those listed wait no longer.
     """
-    count, k, smaller = search.count, 0, False
-    while k < count[WAITING]:
+    count, k, smaller = search.numbers, 0, False
+    while k < count[NODES_WAITING]:
         v = search.node[k]
         if tree.part[v] == part:
             meet = _common(against, row, tree.facing, v)
@@ -148,10 +148,10 @@ def _choose(tree, parts, search, w, part, against, row):
         if meet and w > 0 and tree.extent[v] < tree.extent[w]:
             smaller = True
         elif meet:
-            search.opened[count[OPENED]] = v
-            count[OPENED] += 1
-            count[WAITING] -= 1
-            search.node[k] = search.node[count[WAITING]]
+            search.opened[count[NODES_OPENED]] = v
+            count[NODES_OPENED] += 1
+            count[NODES_WAITING] -= 1
+            search.node[k] = search.node[count[NODES_WAITING]]
             continue
         k += 1
     return smaller
@@ -163,8 +163,8 @@ def _look_at(tree, parts, search, w, opposed):
 
     Else it waits, was found, or is listed as to be opened.
     """
-    count = search.count
-    count[OPENED] = 0
+    count = search.numbers
+    count[NODES_OPENED] = 0
     if w > 0:
         part = tree.part[w]
         if (
@@ -173,30 +173,30 @@ def _look_at(tree, parts, search, w, opposed):
             or _meets_found(parts, search, part, tree.against, w)
             or _choose(tree, parts, search, w, part, tree.against, w)
         ):
-            search.opened[count[OPENED]] = w
-            count[OPENED] += 1
+            search.opened[count[NODES_OPENED]] = w
+            count[NODES_OPENED] += 1
             return 0
-        if count[OPENED] > 0:
+        if count[NODES_OPENED] > 0:
             return 2
-        search.node[count[WAITING]] = w
-        count[WAITING] += 1
+        search.node[count[NODES_WAITING]] = w
+        count[NODES_WAITING] += 1
         return 0
     i = -1 - w
     if _is_apart(parts, search, i, opposed):
         return 1
     part, direction = parts.part[i], parts.direction[i]
     _choose(tree, parts, search, 0, part, opposed, direction)
-    if count[OPENED] > 0:
+    if count[NODES_OPENED] > 0:
         return 2
     own = _slot_of(search, part)
-    if own == count[PARTS]:
+    if own == count[PARTS_SEEN]:
         search.part[own] = part
         for k in range(search.bits.shape[1]):
             search.bits[own, k] = 0
-        count[PARTS] += 1
+        count[PARTS_SEEN] += 1
     search.bits[own, direction >> 6] |= np.int64(1) << (direction & 63)
-    search.element[count[FOUND]], search.slot[count[FOUND]] = i, own
-    count[FOUND] += 1
+    search.element[count[ELEMENTS_SEEN]], search.slot[count[ELEMENTS_SEEN]] = i, own
+    count[ELEMENTS_SEEN] += 1
     return 0
 
 
@@ -220,7 +220,7 @@ def _space_feature_sizes(x, tree, parts, search, opposed, far, result):
             bound = min(far, (result[q - 1] + np.sqrt(way)) * UP_TO_ROUNDING)
         result[q] = np.inf
         size = push(heap, what, 0, to_box(x, q, tree.low, tree.high, 1), np.int64(1))
-        search.count[:] = 0
+        search.numbers[:] = 0
         while size > 0:
             d, w = heap[0], what[0]
             size = pop(heap, what, size)
@@ -232,7 +232,7 @@ def _space_feature_sizes(x, tree, parts, search, opposed, far, result):
                 break
             if code == 2:  # when what is nearer has come
                 size = push(heap, what, size, d, w)
-            for k in range(search.count[OPENED]):
+            for k in range(search.numbers[NODES_OPENED]):
                 node = search.opened[k]
                 if node < leaves:
                     for child in (2 * node, 2 * node + 1):

@@ -1,4 +1,4 @@
-"""Sizes by region in bodies: each point has that of its part, on facets the smaller one, outside the nearest."""
+"""Sizes by region in bodies: each point has that of its part, on facets the smaller one."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def test_inner_parts_within_inner_facets() -> None:
     mesh = tetrahedralize(body, {"core": 0.05, None: 0.25})
     assert check(mesh, domain=body)
     volume, region = mesh.volumes, mesh.markers["region"]
-    assert volume[region == mesh.regions["core"]].mean() < 1e-4 < volume[region != mesh.regions["core"]].mean()
+    assert (
+        volume[region == mesh.regions["core"]].mean() < 1e-4 < volume[region != mesh.regions["core"]].mean()
+    )
 
 
 def test_errors_are_those_of_the_plane() -> None:
@@ -93,7 +95,9 @@ def test_errors_are_those_of_the_plane() -> None:
         with pytest.raises(InputError, match=r"names region 'top'.*\['left', 'right'\].*key None"):
             method(body, {"top": 0.1, None: 0.2})
     for method in (tetrahedralize, voronoi_segment, circumcenter_insertion):
-        with pytest.raises(InputError, match=r"no entry for region 'right' \(near \(.*, .*, .*\)\).*key None"):
+        with pytest.raises(
+            InputError, match=r"no entry for region 'right' \(near \(.*, .*, .*\)\).*key None"
+        ):
             method(body, {"left": 0.2})
     with pytest.raises(InputError, match="positive and finite"):
         tetrahedralize(body, {"left": -0.2, None: 0.3})

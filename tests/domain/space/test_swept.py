@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Domain, InputError
+from unstruct import Domain, IncompleteWarning, InputError, check, tetrahedralize
 from unstruct.geometry.parity import left_parity
 
 FRAME = Domain.polygon(
@@ -92,6 +92,65 @@ def test_curves_are_cut_on_their_true_circles() -> None:
     assert len(body.points) % 6 == 0  # five layers
 
 
+def cracked(shift: float) -> Domain:
+    """A region with a wall, a crack of two pieces that ends inside, and two loose points."""
+    square = [(0, 0), (2, 0), (2, 1), (0, 1), (1, 0), (1, 1)]
+    points = np.array([*square, (0.5, 0.5), (0.3, 0.5), (0.2, 0.8), (1.5, 0.4), (1.7, 0.8)])
+    facets = [(0, 4), (4, 1), (1, 2), (2, 5), (5, 3), (3, 0)]
+    return Domain(points + np.array([shift, 0.0]), facets, inner=[(4, 5), (6, 7), (7, 8)])
+
+
+@pytest.mark.parametrize("turn", [0.0, 90.0])
+def test_ends_are_polygons_cut_along_what_is_inside(turn: float) -> None:
+    """Each inner point is a corner of polygons; there are few of them, and all is divided by a size."""
+    body = Domain.revolved(cracked(1.0), turn) if turn else Domain.extruded(cracked(0.0), 1)
+    names = ("start", "end") if turn else ("bottom", "top")
+    ends = np.concatenate([body.markers[name] for name in names])
+    assert len(ends) <= 12 and body.facets.corners[ends].max() >= 4
+    assert body.volume == pytest.approx(signed_volume(body), rel=1e-12)
+    at = {v for i in ends.tolist() for ring in body.facets.rings(i) for v in ring.tolist()}
+    assert len(at) == 2 * len(cracked(0.0).points)
+    mesh = tetrahedralize(body, 0.25)
+    assert mesh.complete and check(mesh, domain=body)
+
+
+def test_a_prism_is_divided() -> None:
+    """Its ends are triangles, but joined to no other triangle: shapes."""
+    prism = Domain.extruded(Domain.polygon([(0, 0), (1, 0), (0, 1)]), 1.0)
+    assert tetrahedralize(prism, 0.2).complete
+    with pytest.warns(IncompleteWarning, match="split_boundary=True"):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        tetrahedralize(Domain(corners, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]), 0.2)
+
+
+@pytest.mark.parametrize("angle", [360.0, 180.0, 270.0])
+@pytest.mark.parametrize("low", [0.0, 0.5])
+def test_flat_walls_around_an_axis_are_polygons(angle: float, low: float) -> None:
+    body = Domain.revolved(Domain.rectangle((low, 0), (1, 1)), angle)
+    walls = np.concatenate([body.markers[name] for name in ("bottom", "top")])
+    assert len(walls) == 2 and body.volume == pytest.approx(signed_volume(body), rel=1e-12)
+    rings = 2 if angle == 360.0 and low > 0 else 1
+    assert [len(body.facets.rings(i)) for i in walls.tolist()] == [rings, rings]
+    mesh = tetrahedralize(body, 0.2)
+    assert mesh.complete and check(mesh, domain=body)
+
+
+def test_discs_whose_middle_is_needed_are_fans() -> None:
+    """An inner piece, or a cone, ends in the middle of a disc: it stays a corner."""
+    rod = Domain([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1), (1, 2), (2, 3), (3, 0)])
+    needle = Domain(
+        [*rod.points, (0, 0.5)], [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)], inner=[(1, 4)],
+    )  # fmt: skip
+    body = Domain.revolved(needle, count=8)
+    assert body.volume == pytest.approx(signed_volume(body), rel=1e-12) and len(body.points) == 2 * 8 + 1
+    funnel = Domain([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2), (2, 0)], inner=None)
+    body = Domain.revolved(funnel, count=8)
+    assert len(body.points) == 17 and (body.facets.corners == 3).sum() == 16, (
+        "the cone and the disc share a tip"
+    )
+    assert len(Domain.revolved(rod, count=8).points) == 16
+
+
 @given(st.sampled_from(sorted(KINDS)), st.integers(0, 10_000), st.sampled_from([1.0, -0.5, (0.25, 0.5, 1.0)]))
 @settings(max_examples=12, deadline=None)
 def test_random_regions_are_extruded(kind: str, seed: int, height: object) -> None:
@@ -110,7 +169,7 @@ def test_random_regions_are_extruded(kind: str, seed: int, height: object) -> No
 
 def test_revolved_rectangle_is_a_prism() -> None:
     body = Domain.revolved(Domain.rectangle((0, 0), (1, 2)), count=6)
-    assert len(body.points) == 14 and len(body.facets) == 18
+    assert len(body.points) == 12 and body.facets.corners.tolist() == [6, *[4] * 6, 6], "ends are one polygon"
     assert body.volume == pytest.approx(3 * sqrt(3), rel=1e-14) == signed_volume(body)
     assert list(body.markers) == ["bottom", "right", "top"]  # the piece on the axis has no wall
     ring = Domain.revolved(Domain.rectangle((1, 0), (2, 2)), count=8)

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.inside_shell import front_inside
@@ -23,7 +22,9 @@ from .parts import UNBOUNDED, Parts, parts_in_space
 __all__ = ["size_by_part"]
 
 Array = NDArray[np.float64]
-ON_TRIANGLE = 2.0**-40  # of the largest coordinate: points so near to a facet are on it, and on both its sides
+ON_TRIANGLE = (
+    2.0**-40
+)  # of the largest coordinate: points so near to a facet are on it, and on both its sides
 
 
 class PartMap(NamedTuple):
@@ -56,7 +57,7 @@ class PartMap(NamedTuple):
     beside: NDArray[np.int64]
 
     def at(self, x: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Pairs of a point and a part of the body that contains it; for points outside the one beside them."""
+        """Pairs of a point and a part of the body that contains it; outside, the part beside it."""
         scaled = np.ascontiguousarray(x * self.factor)
         off = ON_TRIANGLE * max(float(np.abs(self.corners).max()), 2.0**-900)
         query, hit = self.tree.pairs(scaled - off, scaled + off)
@@ -67,7 +68,10 @@ class PartMap(NamedTuple):
         free[query] = False
         rows = np.flatnonzero(free)
         found = self.parts.locate(x[rows])
-        pairs = [np.column_stack([np.repeat(query, 2), self.sides[hit].ravel()]), np.column_stack([rows, found])]
+        pairs = [
+            np.column_stack([np.repeat(query, 2), self.sides[hit].ravel()]),
+            np.column_stack([rows, found]),
+        ]
         every = np.concatenate(pairs)
         every = every[(every[:, 1] != UNBOUNDED) & self.inside[every[:, 1]]]
         outside = np.setdiff1d(np.arange(len(x)), every[:, 0])

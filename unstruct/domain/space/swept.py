@@ -1,8 +1,8 @@
 """Bodies that a planar domain sweeps over: along a vector, or around an axis.
 
 Straight pieces, and the chords of curves, become walls; inner pieces become inner walls; loose points become
-inner segments. The ends of the body are polygons with holes. Where inner pieces or loose points lie in them,
-or rings touch, they are the triangles of a constrained Delaunay triangulation.
+inner segments. The ends of the body are polygons with holes, cut along inner pieces (see `caps`). What a
+straight piece at right angles to the axis sweeps around it is flat, and one polygon.
 """
 
 from __future__ import annotations
@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, as_count, finite, positive
 from ...base.errors import InputError
-from ...connect.insertion.engine import COUNT
-from ...connect.planar.complex import PlanarComplex
-from ...connect.planar.flood import mark_regions
-from ...connect.planar.inserting import insert_all
 from ...geometry.edge_vectors import lengths
-from ...geometry.parity import even_odd, left_parity
+from ...geometry.parity import left_parity
 from ...geometry.polygons import Polygons
 from ..plane.sample import Sampled
 from ..plane.shapes import Parts
 from .bodies import as_vector
+from .caps import capped
 from .rings import circle
 
 __all__ = ["extruded", "revolved"]
@@ -43,62 +40,6 @@ def _turned(chords: Sampled) -> NDArray[np.int32]:
     return ends
 
 
-def _capped(chords: Sampled, ends: NDArray[np.int32]) -> Polygons:
-    """The inside of a planar domain as polygons of its points, counterclockwise."""
-    facets = ends[chords.piece < len(chords.outline.facets)]
-    if len(facets) == 0:
-        return Polygons.of_rows(np.empty((0, 3), dtype=np.int32))
-    leaving = np.bincount(facets[:, 0], minlength=len(chords.points))
-    if len(facets) == len(ends) and (leaving == 1).all():
-        return _polygons(chords.points, facets)
-    many = int(np.count_nonzero(chords.piece < len(chords.outline.facets)))
-    complex_ = PlanarComplex(chords.points)
-    span = np.tile([0.0, 1.0], (len(ends), 1))
-    insert_all(complex_, ends, np.arange(len(ends), dtype=np.int32), span, facets=many, progress=False)
-    mark_regions(complex_, many, {}, False)
-    count = int(complex_.state[COUNT])
-    inside = complex_.region[:count] >= 0
-    return Polygons.of_rows(complex_.vertex[: 3 * count].reshape(-1, 3)[inside].astype(np.int32))
-
-
-def _polygons(points: np.ndarray, facets: np.ndarray) -> Polygons:
-    """Rings that do not touch as polygons with holes; the inside is on the left of the facets."""
-    after = np.empty(len(points), dtype=np.int32)
-    after[facets[:, 0]] = facets[:, 1]
-    seen = np.zeros(len(points), dtype=bool)
-    rings: list[NDArray[np.int32]] = []
-    following = after.tolist()
-    for start in facets[:, 0].tolist():
-        if seen[start]:
-            continue
-        ring: list[int] = [start]
-        here = following[start]
-        while here != start:
-            ring.append(here)
-            here = following[here]
-        seen[ring] = True
-        rings.append(np.array(ring, dtype=np.int32))
-    # the lowest vertex of a ring has a corner that is convex if and only if the ring is an outline
-    area = [_twice_area(points[ring]) for ring in rings]
-    outlines = [i for i in range(len(rings)) if area[i] > 0]
-    holes = [i for i in range(len(rings)) if area[i] <= 0]
-    found: dict[int, list[NDArray[np.int32]]] = {i: [rings[i]] for i in outlines}
-    tips = points[[rings[i][0] for i in holes]]
-    owner = np.full(len(holes), outlines[0])
-    if len(outlines) > 1:
-        for i in sorted(outlines, key=lambda i: -area[i]):  # of those that hold a hole the smallest is last
-            sides = np.column_stack([rings[i], np.roll(rings[i], -1)])
-            owner[even_odd(points, sides, tips)[0]] = i
-    for hole, i in zip(holes, owner.tolist()):
-        found[i].append(rings[hole])
-    return Polygons.of_rings(found.values())
-
-
-def _twice_area(ring: np.ndarray) -> float:
-    x, y = (ring - ring[0]).T
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
-
-
 def _names(given: Any, taken: Iterable[str], default: tuple[str, str]) -> tuple[str, str]:
     """The names of the two ends."""
     if given is None:
@@ -112,7 +53,7 @@ def _names(given: Any, taken: Iterable[str], default: tuple[str, str]) -> tuple[
 
 def _parts(
     points: np.ndarray,
-    walls: list[list[tuple[int, ...]]],
+    walls: list[list[list[tuple[int, ...]]]],
     chords: Sampled,
     ends: tuple[Polygons, Polygons, tuple[str, str]],
     lines: list[tuple[int, int]],
@@ -126,8 +67,8 @@ def _parts(
     of_facets = [wall for wall, bounds in zip(walls, bounding) if bounds]
     of_inner = [wall for wall, bounds in zip(walls, bounding) if not bounds]
     start, end, names = ends
-    facets = Polygons.joined(Polygons.of_rings([[row] for wall in of_facets for row in wall]), start, end)
-    inner = Polygons.of_rings([[row] for wall in of_inner for row in wall] + [[row] for row in lines])
+    facets = Polygons.joined(Polygons.of_rings([rings for wall in of_facets for rings in wall]), start, end)
+    inner = Polygons.of_rings([rings for wall in of_inner for rings in wall] + [[row] for row in lines])
     sizes = np.array([len(wall) for wall in [*of_facets, *of_inner]], dtype=np.int64)
     piece = np.repeat(np.concatenate([chords.piece[bounding], chords.piece[~bounding]]), sizes)
     many = int(sizes[: len(of_facets)].sum())
@@ -163,10 +104,10 @@ def extruded(planar: Any, height: Any, size: Any, layers: Any, ends: Any) -> Par
     turned = _turned(chords)
     up = 1 if along[2] > 0 else -1  # quadrilaterals run the other way round below the plane
     walls = [
-        [(a + k * n, b + k * n, b + (k + 1) * n, a + (k + 1) * n)[::up] for k in range(many)]
+        [[(a + k * n, b + k * n, b + (k + 1) * n, a + (k + 1) * n)[::up]] for k in range(many)]
         for a, b in turned.tolist()
     ]
-    cap = _capped(chords, turned)
+    cap = capped(chords, turned)
     under, over = _reversed(cap), cap.renumbered(np.arange(n, dtype=np.int32) + np.int32(many * n))
     if up < 0:
         under, over = cap, _reversed(over)
@@ -217,23 +158,33 @@ def revolved(planar: Any, angle: Any, size: Any, count: Any, ends: Any) -> Parts
     copies = many if closed else many + 1
     _within_budget(len(x), copies)
     turn = circle(np.arange(copies) / many * (whole / FULL_TURN))
-    on_axis = x == 0.0
+    on_axis, turned = x == 0.0, _turned(chords)
+    flat = _flat_ones(chords, turned, on_axis, closed)
+    left_out = np.zeros(len(x), dtype=bool)  # middles of discs
+    left_out[turned[flat]] = closed
+    left_out &= on_axis
     number = np.empty((copies, len(x)), dtype=np.int64)  # of each copy of each point
-    number[:, on_axis] = np.arange(np.count_nonzero(on_axis))
-    many_on_axis, off = np.count_nonzero(on_axis), np.count_nonzero(~on_axis)
+    kept = on_axis & ~left_out
+    many_on_axis, off = np.count_nonzero(kept), np.count_nonzero(~on_axis)
+    number[:, kept] = np.arange(many_on_axis)
+    number[:, left_out] = -1
     number[:, ~on_axis] = many_on_axis + np.arange(copies * off).reshape(copies, off)
     points = np.empty((many_on_axis + copies * off, 3))
     for k in range(copies):
-        points[number[k]] = np.column_stack([x * turn[k, 0], x * turn[k, 1], chords.points[:, 1]])
-    turned = _turned(chords)
+        at = np.column_stack([x * turn[k, 0], x * turn[k, 1], chords.points[:, 1]])
+        points[number[k][~left_out]] = at[~left_out]
     rows = number.tolist()
     pairs = [(rows[k], rows[(k + 1) % copies]) for k in range(many)]
-    walls = [[] if on_axis[a] and on_axis[b] else [_sector(one, two, a, b) for one, two in pairs]
-             for a, b in turned.tolist()]  # fmt: skip
+    walls = [
+        [] if on_axis[a] and on_axis[b]
+        else [_flat(number, a, b, closed, bool(x[b] > x[a]))] if flat[i]
+        else [[_sector(one, two, a, b)] for one, two in pairs]
+        for i, (a, b) in enumerate(turned.tolist())
+    ]  # fmt: skip
     if closed:
         start = end = Polygons.of_rows(np.empty((0, 3), dtype=np.int32))
     else:
-        cap = _capped(chords, turned)
+        cap = capped(chords, turned)
         start = cap.renumbered(number[0].astype(np.int32))
         end = _reversed(cap.renumbered(number[-1].astype(np.int32)))
     names = _names(ends, planar.markers, ("start", "end"))
@@ -273,6 +224,36 @@ def _sectors(angle: float, far: float, size: Any, count: Any) -> int:
     if size is None or callable(size):
         return max(least, round(STEPS_A_TURN * angle / FULL_TURN))
     return max(least, _steps(2 * np.pi * far * angle / FULL_TURN, size))
+
+
+def _flat_ones(
+    chords: Sampled, ends: NDArray[np.int32], on_axis: NDArray[np.bool_], closed: bool
+) -> NDArray[np.bool_]:
+    """Which chords sweep a flat wall that is one polygon: at right angles to the axis.
+
+    A whole disc has no corner at the axis. So nothing else may end there but what has no wall either.
+    """
+    height = chords.points[:, 1]
+    flat = height[ends[:, 0]] == height[ends[:, 1]]
+    if not closed:
+        return flat
+    at_axis = on_axis[ends]
+    other = ~flat & ~at_axis.all(axis=1)  # walls that are fans about a point of the axis, or cones
+    other |= at_axis.all(axis=1) & (chords.piece >= len(chords.outline.facets))
+    taken = np.zeros(len(on_axis), dtype=bool)
+    taken[ends[other][at_axis[other]]] = True
+    count = np.bincount(ends[flat & ~at_axis.all(axis=1)].ravel(), minlength=len(on_axis))
+    taken |= on_axis & (count > 1)
+    return flat & ~(at_axis & taken[ends]).any(axis=1)
+
+
+def _flat(number: NDArray[np.int64], a: int, b: int, closed: bool, outer: bool) -> list[tuple[int, ...]]:
+    """The rings of the flat wall of a chord, seen as `_sector`: an annulus or disc, or a part of one."""
+    one, two = number[:, a].tolist(), number[:, b].tolist()[::-1]
+    if not closed:
+        return [tuple(dict.fromkeys([*one, *two]))]
+    rings = [tuple(ring) for ring in (one, two) if ring[0] != ring[-1]]  # at the axis there is but one point
+    return rings[::-1] if outer else rings
 
 
 def _sector(one: list[int], two: list[int], a: int, b: int) -> tuple[int, ...]:

@@ -1,7 +1,8 @@
 """The facets of a body cut into triangles of a wanted size, before the inside is filled.
 
-A polygon with more than three corners is a shape, and a triangle a part of a surface that somebody has
-meshed: so polygons are divided, and triangles kept, unless all are asked to be divided. Each edge is cut
+A polygon with more than three corners is a shape, and so is a triangle joined to no other one; other
+triangles are parts of a surface that somebody has meshed. So shapes are divided, and these triangles kept,
+unless all are asked to be divided. Each edge is cut
 once, for all pieces that end at it; each polygon is then meshed in its plane with exactly these edges. The
 corners are those of the body, so that facets still meet edge on edge, bit for bit. New points are rounded;
 that what results is a body is proved by the checks of `Domain`. See the book, 2.8c.
@@ -18,20 +19,17 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.plane.by_size import evenly
-from ...domain.space.cutting import views
 from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
 from ..volume.lattice import MOST_INNER
 from .laying import lay, meshed, too_many
+from .patches import Patches, patches_of, shapes_of
 
 __all__ = ["Divided", "divided"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
-FLAT_POLYGON = (
-    16 * 2.0**-53
-)  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
 COARSE_PATCH = (
     1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
 )
@@ -113,33 +111,6 @@ class _Sizes:
         return np.full(len(self._edges.pieces), self.fields[0].constant is not None)
 
 
-class _Patches(NamedTuple):
-    """What is divided or kept as a whole: polygons that are flat, and triangles.
-
-    Attributes
-    ----------
-    piece : (k,)
-        The piece of each.
-    flat : (k,) bool
-        Whether it is a polygon with more than three corners; the others are triangles.
-    sides : (s, 2)
-        The sides of all, and edges that there must be inside.
-    patch : (s,)
-        The patch of each side.
-    within : (s,) bool
-        Whether the side is inside of the patch.
-    normal : (k, 3)
-        Of each patch, of any length.
-    """
-
-    piece: Numbers
-    flat: NDArray[np.bool_]
-    sides: Numbers
-    patch: Numbers
-    within: NDArray[np.bool_]
-    normal: Array
-
-
 def divided(
     domain: Domain, field: SizeField, everything: bool = False, most: int = MOST_INNER
 ) -> Divided | None:
@@ -172,15 +143,15 @@ def divided(
     -----
     O(n log n) for n vertices.
     """
-    patches = _patches(domain)
+    patches = patches_of(domain)
     segments = domain.triangulated.segments.astype(np.int64)
     every = np.sort(np.concatenate([patches.sides, segments]), axis=1)
     number, first = group_rows(every)
     edges = every[first]
     kept = np.zeros(len(edges), dtype=bool)
     if not everything:
-        corners = domain.pieces.corners[patches.piece]
-        kept[number[: len(patches.sides)][corners[patches.patch] == 3]] = True
+        shape = shapes_of(domain)[patches.piece]
+        kept[number[: len(patches.sides)][~shape[patches.patch]]] = True
     _refuse_too_many(domain, field, edges[~kept], most)
     chain = _Chains.of(domain.points, edges, kept, field)
     coarse = _too_coarse(domain, field, patches, everything)
@@ -236,61 +207,7 @@ class _Chains(NamedTuple):
         return pairs, owner, spans
 
 
-def _patches(domain: Domain) -> _Patches:
-    """Polygons in a plane, and the triangles of all others."""
-    shell, pieces = domain.triangulated, domain.pieces
-    x = domain.points * power_of_two(domain.points)  # products of very small coordinates are no doubles
-    ends, owner = pieces.sides
-    normal, _ = views(x, pieces)
-    length = np.linalg.norm(normal, axis=1)
-    unit = normal / np.where(length > 0, length, 1.0)[:, None]
-    first = np.full(len(pieces), -1)
-    first[owner[::-1]] = ends[::-1, 0]
-    away = np.abs(((x[ends[:, 0]] - x[first[owner]]) * unit[owner]).sum(axis=1))
-    off = np.zeros(len(pieces))
-    np.maximum.at(off, owner, away)
-    whole = (pieces.corners > 3) & (off <= FLAT_POLYGON * np.abs(x).max())
-    polygons, rows = np.flatnonzero(whole), np.flatnonzero(~whole[shell.piece])
-    rank = np.full(len(pieces), -1)
-    rank[polygons] = np.arange(len(polygons))
-    of = whole[owner]
-    parts = [(ends[of].astype(np.int64), rank[owner[of]], np.zeros(of.sum(), dtype=bool))]
-    parts.append(_chords(domain, shell, ends[of], owner[of], whole, rank))
-    corners = shell.triangles[rows].astype(np.int64)
-    three = np.repeat(len(polygons) + np.arange(len(rows)), 3)
-    parts.append((corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), three, np.zeros(len(three), dtype=bool)))
-    sides, patch, within = (np.concatenate(column) for column in zip(*parts))
-    a, b, c = x[corners].transpose(1, 0, 2)
-    return _Patches(
-        np.concatenate([polygons, shell.piece[rows]]),
-        np.arange(len(polygons) + len(rows)) < len(polygons),
-        sides,
-        patch,
-        within,
-        np.concatenate([normal[polygons], np.cross(b - a, c - a)]),
-    )
-
-
-def _chords(
-    domain: Domain, shell: Any, ends: Numbers, owner: Numbers, whole: NDArray[np.bool_], rank: Numbers
-) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
-    """Edges inside of polygons at which another piece ends, or which are inner segments."""
-    corners = shell.triangles
-    rows = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    piece = np.repeat(shell.piece, 3)
-    use = whole[piece] & (rows[:, 0] < rows[:, 1])
-    rows, piece = rows[use].astype(np.int64), piece[use].astype(np.int64)
-    known, known_piece = domain.pieces.sides
-    group, _ = group_rows(np.sort(np.concatenate([rows, known]), axis=1))
-    mine, theirs = group[: len(rows)], group[len(rows) :]
-    # A side of its own polygon is one of ``known`` too: an edge within is a side of others only.
-    width = len(domain.pieces)
-    own = np.isin(mine * width + piece, theirs * width + known_piece)
-    use = np.isin(mine, theirs) & ~own
-    return rows[use], rank[piece[use]], np.ones(use.sum(), dtype=bool)
-
-
-def _too_coarse(domain: Domain, field: SizeField, patches: _Patches, everything: bool) -> NDArray[np.bool_]:
+def _too_coarse(domain: Domain, field: SizeField, patches: Patches, everything: bool) -> NDArray[np.bool_]:
     """Which patches have triangles that are much larger than wanted, by their edges."""
     shell = domain.triangulated
     x = domain.points[shell.triangles]
@@ -299,13 +216,13 @@ def _too_coarse(domain: Domain, field: SizeField, patches: _Patches, everything:
         length = np.linalg.norm(x[:, i] - x[:, j], axis=1)
         large[shell.piece[length > COARSE_PATCH * field((x[:, i] + x[:, j]) / 2)]] = True
     may = large[patches.piece]
-    return may if everything else may & (domain.pieces.corners[patches.piece] > 3)
+    return may if everything else may & shapes_of(domain)[patches.piece]
 
 
 def _put_together(
     domain: Domain,
     field: SizeField,
-    patches: _Patches,
+    patches: Patches,
     number: Numbers,
     chain: _Chains,
     coarse: NDArray[np.bool_],

@@ -41,14 +41,16 @@ def tetrahedralize(
         In space.
     size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one of these, optional
         The wanted length of edges. In a dict the key None stands for all regions that are not named; a facet
-        between two regions takes the smaller size. Without a size there are no more points than there must be.
-    optimize : bool
+        between two regions takes the smaller size. Without a size there are no more points than there must
+    be. optimize : bool
         Whether to make the tetrahedra rounder by refills and by moving vertices that were added inside.
         Without, there are slivers: flat tetrahedra of four points near a circle.
     split_boundary : bool, optional
         Whether facets, inner facets and inner segments are divided where a size asks for it. By default
-        polygons of more than three corners are, which are shapes, and triangles are not, which somebody has
-        meshed; edges of kept triangles stay. With True all are, with False none.
+        polygons of more than three corners are, and triangles joined to no other by an edge of their
+        own: these are shapes.
+        Other triangles are not, which somebody has meshed, and their edges stay. With True all are, with
+        False none.
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
@@ -63,7 +65,8 @@ def tetrahedralize(
         As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
         numbers of "refills" and "moves". Where facets are divided, new vertices on them are in ``steiner``,
         as all vertices on pieces that the domain does not have. Cells with a face on a piece whose edges are
-        more than twice as long as wanted are in ``unrefined``.
+        more than twice as long as wanted in their middle are in ``unrefined``, and so are those that miss the
+        size when it is asked again (see the notes).
 
     Raises
     ------
@@ -82,6 +85,16 @@ def tetrahedralize(
     recovered. Near a surface that is finer than the size, cells are as small as its triangles; their edges
     grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and
     seed give the same mesh.
+
+    A size is a function, of which only values are known. In the end it is asked again in the mesh: at the
+    barycenter of each cell, which must not have an edge more than 2.5 times as long; at each vertex, where
+    the shortest edge must not be; and at the landmarks of the field (sources, vertices of features). Where it
+    is, the mesh is made again, at most twice, with these places as landmarks; cells that still miss the size
+    are in ``unrefined``. So ``complete`` says that the size is kept at these places of the mesh. A detail of
+    a caller's function that lies between them all, and between the places where lattices are chosen, is not
+    seen: give such a function as a `sizing.SizeField` with ``landmarks``. Fields that know their growth are
+    kept to in all of each cell.
+
     O(n) in practice for n cells. Sources: N. P. Weatherill, O. Hassan, Int. J. Numer. Methods Eng. 37 (1994)
     2005-2039; P.-L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998); L. A. Freitag,
     C. Ollivier-Gooch, Int. J. Numer. Methods Eng. 40 (1997) 3979-4002. Book: 2.8c.

@@ -170,7 +170,8 @@ def refine(
     one for the size's or volume's sake of a quarter of the size; so each run ends. Cells that would need
     nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Cells at input angles
     below 60 degrees are left alone where only these angles make their shape ("input angle"). Nothing is
-    refined if a facet could not be recovered (see `constrained_delaunay`). ``counts``: "circumcenters",
+    refined if a facet could not be recovered (see `constrained_delaunay`). In the end the size is asked again
+    as `tetrahedralize` does. ``counts``: "circumcenters",
     "segment points", "facet points", points that were "refused", and cells that miss "size" and "shape".
     O(n log n) in practice. Source: J. R. Shewchuk, Symposium on Computational Geometry (1998) 86-95; H. Si,
     ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8c.

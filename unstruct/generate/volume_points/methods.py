@@ -107,7 +107,9 @@ def _run(
     for r, one in enumerate(per_region(size, names, "size")):
         if one is None:
             made = cells.inside()
-            raise no_entry(names[r], made.points[made.simplices[int(np.argmax(run.regions == r))]].mean(axis=0))
+            raise no_entry(
+                names[r], made.points[made.simplices[int(np.argmax(run.regions == r))]].mean(axis=0)
+            )
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,
         size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
