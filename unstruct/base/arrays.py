@@ -49,19 +49,19 @@ def _all_finite(rows):
 
 
 @kernel
-def _within(rows, limit):
+def _within(rows, low, limit):
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
-            if rows[i, k] < 0 or rows[i, k] >= limit:
+            if rows[i, k] < low or rows[i, k] >= limit:
                 return False
     return True
 
 
-def within(rows: np.ndarray, limit: int) -> bool:
-    """Whether all entries of rows of integers are 0, 1, ..., limit - 1."""
+def within(rows: np.ndarray, limit: int, low: int = 0) -> bool:
+    """Whether all entries of rows of integers are low, low + 1, ..., limit - 1."""
     if rows.dtype is INT32 and rows.flags.c_contiguous:  # the kernel is compiled for no other type
-        return bool(_within(rows, limit))
-    return not rows.size or bool(0 <= rows.min() <= rows.max() < limit)
+        return bool(_within(rows, low, limit))
+    return not rows.size or bool(low <= rows.min() <= rows.max() < limit)
 
 
 def flagged(n: int, *rows: Any) -> np.ndarray:

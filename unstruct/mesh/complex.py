@@ -71,7 +71,7 @@ class CellComplex:
             raise InputError(f"cells of dimension {self.dimension} cannot lie in {d} dimensions")
         if neighbors is not None:
             given = self._integers(neighbors, "neighbors", self.simplices.shape)
-            if given.size and not -1 <= given.min() <= given.max() < self.size:
+            if not within(given, self.size, -1):
                 row = int(np.argmax(((given < -1) | (given >= self.size)).any(axis=1)))
                 raise InputError(
                     f"neighbors[{row}] = {given[row].tolist()}: cells are 0..{self.size - 1}, or -1"
