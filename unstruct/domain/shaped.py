@@ -173,8 +173,8 @@ class Shaped(Outline):
 
     @classmethod
     @like(bodies.surface)
-    def surface(cls, mesh: Any, **options: Unpack[DomainOptions]) -> Self:
-        return bodies.surface(cls, mesh, **options)
+    def surface(cls, mesh: Any, *, merge: float | None = None, **options: Unpack[DomainOptions]) -> Self:
+        return bodies.surface(cls, mesh, merge=merge, **options)
 
     # ------------------------------------------------------------------ files
 

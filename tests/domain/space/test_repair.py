@@ -75,7 +75,10 @@ def test_copies_of_points() -> None:
     assert "16 points equal others (point 8, for example, point 0)" in domain.repairs[0].text
     assert domain.repairs[0].vertices == tuple(range(24))
     few = mended(np.vstack([CORNERS, CORNERS[:2]]), [*SIDES[:-1], [9, 5, 7, 3]])
-    assert [repair.vertices for repair in few.repairs if repair.kind == "duplicate points"] == [(0, 8), (1, 9)]
+    assert [repair.vertices for repair in few.repairs if repair.kind == "duplicate points"] == [
+        (0, 8),
+        (1, 9),
+    ]
 
 
 def test_rings() -> None:

@@ -106,7 +106,12 @@ def ball(center: Any, radius: Any, size: Any) -> Parts:
     middle, r = as_vector(center, "center"), positive(radius, "radius")
     h = r / EDGES_A_RADIUS if size is None else positive(size, "size")
     # 20 n^2 equilateral triangles of side h have the area of the sphere
-    n = max(1, _whole(r / h * np.sqrt(4 * np.pi / (5 * np.sqrt(3))), h, lambda n: 10 * n * n + 2, given=size is not None))
+    n = max(
+        1,
+        _whole(
+            r / h * np.sqrt(4 * np.pi / (5 * np.sqrt(3))), h, lambda n: 10 * n * n + 2, given=size is not None
+        ),
+    )
     points, triangles = _divided(n)
     return {"points": _sphere(points) * r + middle, "facets": triangles}
 
@@ -157,7 +162,10 @@ def torus(center: Any, radius: Any, tube: Any, size: Any, axis: Any) -> Parts:
             f"tube = {r:g} must be less than radius = {far:g}: the torus would pass through itself"
         )
     h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
-    rows = max(FEWEST, _whole(2 * np.pi * r / (h * ROW), h, lambda n: n * 2 * np.pi * far / h, given=size is not None))
+    rows = max(
+        FEWEST,
+        _whole(2 * np.pi * r / (h * ROW), h, lambda n: n * 2 * np.pi * far / h, given=size is not None),
+    )
     turn = circle(np.arange(rows) / rows)
     counts = np.maximum(FEWEST, np.round(2 * np.pi * (far + r * turn[:, 0]) / h).astype(int))
     first = np.concatenate([[0], np.cumsum(counts)])
