@@ -165,7 +165,7 @@ def test_inner_pieces_outside_of_the_body_need_no_faces() -> None:
 def two_cubes() -> Domain:
     """Two cubes that touch along an edge, as triangles."""
     rows = np.array([t for a, b, c, d in SIDES for t in ((a, b, c), (a, c, d))])
-    points = np.vstack([CORNERS, CORNERS + [1, 1, 0]])
+    points = np.vstack([CORNERS, CORNERS + np.array([1, 1, 0])])
     points, number = np.unique(points, axis=0, return_inverse=True)
     return Domain(points, number.ravel()[np.vstack([rows, rows + 8])])
 

@@ -223,7 +223,7 @@ class Domain(Shaped):
 
     @cached_property
     def area(self) -> float:
-        """The area inside of a planar domain: correctly rounded for straight facets; for curves with some rounding errors."""
+        """The area inside of a planar domain: correctly rounded for straight facets, nearly so for curves."""
         derived.must_be_planar(self, "measured by an area, but by its volume")
         return self._side.measure(self, self._coarse)
 

@@ -49,7 +49,7 @@ def test_a_point_apart_at_an_open_edge() -> None:
     rows = np.array(TRIANGLES)
     rows[1][rows[1] == 7] = 8
     surface = Mesh(points, rows)
-    with pytest.raises(DomainError, match="boundary is open.*Points 7 and 8 are only 1.4e-06 apart"):
+    with pytest.raises(DomainError, match=r"boundary is open.*Points 7 and 8 are only 1.4e-06 apart"):
         Domain.surface(surface)
     body = Domain.surface(surface, merge=1e-5)
     assert body.volume == 1.0 and len(body.points) == 8
@@ -81,10 +81,10 @@ def test_what_cannot_be_merged(tmp_path: Path) -> None:
     path = as_stl(tmp_path / "noisy.stl", noisy(1e-7))
     with pytest.raises(InputError, match="more than a hundredth of the extent"):
         Domain.read(path, merge=0.5)
-    with pytest.raises(InputError, match="merge = -1.0 must be positive"):
+    with pytest.raises(InputError, match=r"merge = -1.0 must be positive"):
         Domain.read(path, merge=-1)
     chain = np.array([[0.0, 0, 0.001 * k] for k in range(5)] + [[1, 0, 0], [0, 1, 0]])
-    with pytest.raises(InputError, match="points 0 and 4, which are .* between them"):
+    with pytest.raises(InputError, match=r"points 0 and 4, which are .* between them"):
         Domain.surface(Mesh(chain, [[k, 5, 6] for k in range(5)]), merge=0.0011)
     for source in ("POINT (0 0)", tmp_path / "a.smesh"):
         with pytest.raises(InputError, match="merge is for files of surfaces"):

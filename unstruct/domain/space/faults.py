@@ -187,7 +187,7 @@ def _repeated(outline: Outline, shell: Shell) -> list[Fault]:
             text = (
                 f"{outline.name(i)} and {outline.name(j)} have the same points {sorted(rows[one].tolist())}, "
                 f"{at(shell.points[rows[one].min()])}; drop one, or let resolve=True do so (it keeps one "
-                "of two equal facets if the surface is closed only with it, and else, by the even-odd rule, none)"
+                "of two equal facets if the surface is closed only with it, else, by the even-odd rule, none)"
             )
             result.append(Fault("repeated facet", text, place(shell.points[rows[one].min()]), (i, j)))
     return result

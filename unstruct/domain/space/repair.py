@@ -213,8 +213,8 @@ class SpaceRepairer:
         copies = np.flatnonzero(self.gone)
         if len(copies) > NAMES_SHOWN:  # as where each facet has its own corners
             text = (
-                f"{len(copies)} points equal others (point {copies[0]}, for example, point {first[copies[0]]}); "
-                f"they were merged, which leaves {len(first) - len(copies)} points"
+                f"{len(copies)} points equal others (point {copies[0]}, for example, point "
+                f"{first[copies[0]]}); they were merged, which leaves {len(first) - len(copies)} points"
             )
             at = np.flatnonzero(np.isin(np.arange(len(first)), first[copies]) | self.gone)
             self.account("duplicate points", text, self._at(int(copies[0])), at=at)

@@ -199,7 +199,7 @@ def revolved(planar: Any, angle: Any, size: Any, count: Any, ends: Any) -> Parts
 
 
 def _without_vanished(parts: Parts, on_axis: np.ndarray, asked: np.ndarray) -> None:
-    """Drop points on the axis that only pieces which have vanished had; loose points that are asked for stay."""
+    """Drop points on the axis that only vanished pieces had; loose points that are asked for stay."""
     keep = np.ones(len(parts["points"]), dtype=bool)
     keep[on_axis] = False
     for name in ("facets", "inner"):

@@ -97,10 +97,10 @@ def welded(found: Found, tolerance: float | None) -> Found:
     extent = _extent(points)
     if tolerance > MOST_MERGED * extent:
         raise InputError(
-            f"merge = {tolerance:g} is more than a hundredth of the extent of the points, {extent:g}: it would "
-            "merge parts of the shape; give a smaller one"
+            f"merge = {tolerance:g} is more than a hundredth of the extent of the points, {extent:g}: it "
+            "would merge parts of the shape; give a smaller one"
         )
-    one, two, apart = _close(points, np.arange(len(points)), tolerance)
+    one, two, _ = _close(points, np.arange(len(points)), tolerance)
     if len(one) == 0:
         return found
     first = _first_of_chains(len(points), one, two)
@@ -162,7 +162,7 @@ def _first_of_chains(n: int, one: np.ndarray, two: np.ndarray) -> NDArray[np.int
 
 
 def _without_lost(polygons: Polygons) -> tuple[Polygons, NDArray[np.int64]]:
-    """Polygons without vertices that follow themselves and without spikes; the numbers of those that are left."""
+    """Polygons without vertices that follow themselves, without spikes; the numbers of those left."""
     owner = np.repeat(np.arange(len(polygons)), polygons.corners)
     key = np.sort((owner << 32) | polygons.vertices)
     twice = np.unique(key[1:][key[1:] == key[:-1]] >> 32)

@@ -51,7 +51,7 @@ class _Head(NamedTuple):
 
 
 def read_ply(path: Path) -> Found:
-    """Read a file: vertices and faces; colors and normals are left out, and other elements with an account."""
+    """Read a file: vertices and faces; colors, normals and other elements are left out."""
     head = _head(path, bytes_of(path))
     by_name = {element.name: element for element in head.elements}
     if "tristrips" in by_name:

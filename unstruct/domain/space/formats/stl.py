@@ -71,9 +71,8 @@ def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
         many = _count(data, start)
         if many == 0 and rest > STL_HEAD and start == 0:
             raise InputError(
-                f"{path.name} announces 0 triangles, but has {rest - STL_HEAD} bytes after its head of "
-                f"{STL_HEAD}, as of {(rest - STL_HEAD) // STL_TRIANGLE.itemsize} triangles: write it anew, with "
-                "their number"
+                f"{path.name} announces 0 triangles, but has {rest - STL_HEAD} bytes after its head, as of "
+                f"{(rest - STL_HEAD) // STL_TRIANGLE.itemsize} triangles: write it anew, with their number"
             )
         needed = STL_HEAD + STL_TRIANGLE.itemsize * many
         if rest < needed:
