@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from unstruct import Domain, DomainMesh, check, constrained_delaunay, delaunay
+from unstruct import Domain, DomainMesh, Mesh, check, constrained_delaunay, delaunay, tetrahedralize
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -157,3 +157,96 @@ def test_inner_pieces_outside_of_the_body_need_no_faces() -> None:
         assert check(mesh, domain=domain)
         lying = Domain(points, SIDES, inner=[[0, 11, 12][: len(inner[0])]])
         assert "6" in str(check(mesh, domain=lying)) and not check(mesh, domain=lying)
+
+
+# ---------------------------------------------------------------------- what rounding may change, and no more
+
+
+def two_cubes() -> Domain:
+    """Two cubes that touch along an edge, as triangles."""
+    rows = np.array([t for a, b, c, d in SIDES for t in ((a, b, c), (a, c, d))])
+    points = np.vstack([CORNERS, CORNERS + np.array([1, 1, 0])])
+    points, number = np.unique(points, axis=0, return_inverse=True)
+    return Domain(points, number.ravel()[np.vstack([rows, rows + 8])])
+
+
+def changed(mesh: DomainMesh, **changes: object) -> DomainMesh:
+    same = ("origin", "faces", "face_piece", "markers", "segments", "piece", "span")
+    arguments = {name: getattr(mesh, name) for name in same} | {
+        "points": mesh.points,
+        "simplices": mesh.simplices,
+    }
+    arguments |= changes
+    return DomainMesh(arguments.pop("points"), arguments.pop("simplices"), **arguments)
+
+
+def test_the_common_edge_of_two_cubes_may_be_divided() -> None:
+    domain = two_cubes()
+    mesh = tetrahedralize(domain, 0.5, split_boundary=True)
+    on_edge = (mesh.points[:, :2] == 1).all(axis=1) & (np.asarray(mesh.origin) < 0)
+    assert on_edge.any()
+    report = check(mesh, domain=domain)
+    assert report, report
+    assert check(Mesh(mesh.points, mesh.simplices), domain=domain)  # as from a file
+    # the same cells are pinched where a body does not say so
+    assert {"pinched edge", "pinched vertex"} <= {p.kind for p in check(mesh).problems}
+    moved = np.array(mesh.points)
+    moved[np.flatnonzero(on_edge)[0], 0] += 1e-12
+    assert not check(changed(mesh, points=moved), domain=domain)
+    one = np.ones(mesh.size, dtype=bool)
+    one[np.flatnonzero((mesh.simplices == np.flatnonzero(on_edge)[0]).any(axis=1))[0]] = False
+    assert not check(Mesh(mesh.points, mesh.simplices[one]), domain=domain)
+
+
+def test_a_small_cube_far_away() -> None:
+    """Its side has 7e6 units of rounding of its coordinates, so areas are right to some 1e-6 only."""
+    domain = Domain.box((1e6,) * 3, (1e6 + 1e-3,) * 3)
+    mesh = tetrahedralize(domain, 3e-4)
+    report = check(mesh, domain=domain)
+    assert report, report
+    corner = int(np.flatnonzero(np.asarray(mesh.origin) == 0)[0])
+    cut = changed(mesh, origin=np.where(np.asarray(mesh.origin) == 0, -1, mesh.origin))
+    assert check(cut, domain=domain)  # a corner that is where it should be, whatever its origin says
+    for step in (1e-7, -1e-7):
+        points = np.array(mesh.points)
+        points[corner] += step
+        assert not check(changed(cut, points=points), domain=domain)
+    bounding = np.asarray(mesh.face_piece) < len(domain.facets)
+    for drop in (0, len(mesh.faces) // 2):
+        some = np.flatnonzero(np.arange(len(mesh.faces)) != drop)
+        assert bounding[drop]
+        less = changed(mesh, faces=mesh.faces[some], face_piece=mesh.face_piece[some])
+        assert not check(less, domain=domain)
+    assert not check(Mesh(mesh.points, mesh.simplices[1:]), domain=domain)
+
+
+def test_a_thin_shell() -> None:
+    """Its volume is a small difference; what the cells fill is known to the rounding of their edges."""
+    inner = Domain.ball(radius=1 - 1e-9, size=0.4)
+    domain = Domain.ball(size=0.4).with_holes(inner)
+    mesh = tetrahedralize(domain, optimize=False)
+    report = check(mesh, domain=domain)
+    assert report, report
+    assert not check(Mesh(mesh.points, mesh.simplices[1:]), domain=domain)
+    other = Domain.ball(size=0.4).with_holes(Domain.ball(radius=1 - 1.0001e-9, size=0.4))
+    assert not check(mesh, domain=other)
+    full = tetrahedralize(Domain.ball(size=0.4), optimize=False)
+    assert not check(Mesh(full.points, full.simplices), domain=domain)
+
+
+def test_a_piece_without_faces_is_missing_however_small() -> None:
+    """A chip of the corner of a cube, 1e-7 wide, is no rounding."""
+    points = np.vstack([CORNERS[:7], [(1 - 1e-7, 1, 1), (1, 1 - 1e-7, 1), (1, 1, 1 - 1e-7)]])
+    chipped = Domain(
+        points,
+        [
+            (0, 1, 3, 2), (4, 6, 9, 8, 5), (0, 4, 5, 1), (2, 3, 7, 9, 6), (0, 2, 6, 4), (1, 5, 8, 7, 3),
+            (7, 8, 9),
+        ],
+    )  # fmt: skip
+    mesh = tetrahedralize(chipped, 0.5)
+    assert check(mesh, domain=chipped), check(mesh, domain=chipped)
+    whole = Domain(CORNERS, SIDES)
+    assert not check(mesh, domain=whole)
+    assert not check(Mesh(mesh.points, mesh.simplices), domain=whole)
+    assert not check(tetrahedralize(whole, 0.5), domain=chipped)

@@ -24,7 +24,8 @@ from ..predicates.power import power_signs
 from .body import check_body
 from .brute import check_brute
 from .mixed import array_faults, check_mixed
-from .region import check_domain, pinch_points
+from .pinches import pinch_points
+from .region import check_domain
 
 __all__ = ["Problem", "Report", "check"]
 

@@ -12,7 +12,7 @@ from ..mesh.domain_mesh import DomainMesh
 from ..mesh.grouping import group_rows
 from ..mesh.mesh import Mesh
 
-__all__ = ["with_pieces"]
+__all__ = ["same_places", "with_pieces"]
 
 NEARLY_ON = 2.0**-44  # of the largest coordinate: what is looked for; `check_body` judges what is found
 BARYCENTRIC = 1e-9  # by how much barycentric coordinates of a point on a triangle may be negative
@@ -54,7 +54,7 @@ def with_pieces(mesh: Mesh, domain: Domain) -> DomainMesh:
         mesh.points,
         mesh.simplices,
         neighbors=mesh.neighbors,
-        origin=_same_places(mesh.points, domain.points),
+        origin=same_places(mesh.points, domain.points),
         duplicates=mesh.duplicates,
         markers=mesh.markers,
         regions=mesh.regions,
@@ -66,7 +66,7 @@ def with_pieces(mesh: Mesh, domain: Domain) -> DomainMesh:
     )
 
 
-def _same_places(points: np.ndarray, others: np.ndarray) -> NDArray[np.int32]:
+def same_places(points: np.ndarray, others: np.ndarray) -> NDArray[np.int32]:
     """For each point the number of the other one that is equal to it, or -1."""
     every = np.concatenate([others, points]) + 0.0  # zero has one sign
     order = np.lexsort((np.arange(len(every)), *every.T[::-1]))

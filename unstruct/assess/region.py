@@ -12,56 +12,17 @@ import numpy as np
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain
 from ..geometry.curves import Arc
-from ..geometry.inside_shell import side_mates
 from ..geometry.outline_distance import distance_to_line, distance_to_piece
 from ..geometry.parity import cells_area, enclosed_area, even_odd, left_parity
-from ..mesh import topology
-from ..mesh.grouping import group_rows
 from ..mesh.marked import marked_sides, parts
 from ..mesh.mesh import Mesh
 from .chains import Chains, among, assigned, chains_of, keys_of
 from .places import numbered, places_of
 
-__all__ = ["check_domain", "pinch_points", "scatter_of"]
+__all__ = ["check_domain", "scatter_of"]
 
 ULPS = 64  # the most that a new vertex may be off its true curve, in 2^-53 of the largest coordinate
 SCATTER_STEPS = np.arange(-8, 9) * 2.0**-52  # steps of a parameter over which a function for a curve scatters
-
-
-def pinch_points(mesh: Mesh, domain: Domain) -> np.ndarray:
-    """Mesh vertices where four or more facets of the domain meet, so that the cells may form several fans.
-
-    In space: where four or more facets meet at an edge, or the facets at a vertex form several fans.
-    """
-    many = _crowded(domain) if domain.dimension == 2 else _pinched(domain)
-    origin = np.asarray(mesh.origin)
-    known = (origin >= 0) & (origin < len(domain.points))
-    return np.nonzero(known & many[np.where(known, origin, 0)])[0]
-
-
-def _crowded(domain: Domain) -> np.ndarray:
-    return np.bincount(domain.facets.ravel(), minlength=len(domain.points)) >= 4
-
-
-def _pinched(domain: Domain) -> np.ndarray:
-    rows = domain.triangulated.bounding
-    many = np.zeros(len(domain.points), dtype=bool)
-    ends = np.sort(np.concatenate([rows[:, [0, 1]], rows[:, [1, 2]], rows[:, [2, 0]]]), axis=1)
-    group, _ = group_rows(ends)
-    many[ends[np.bincount(group, minlength=1)[group] > 2].ravel()] = True
-    # the corners at a vertex that follow each other over edges are a fan
-    mates = side_mates(rows).reshape(-1, 3)
-    ahead = np.full((len(rows), 3, 2), -1, dtype=np.int64)
-    for k in range(3):
-        for side in range(2):
-            mate = mates[:, (k + 1 + side) % 3]
-            there = np.flatnonzero(mate >= 0)
-            other = mate[there] // 3
-            ahead[there, k, side] = 3 * other + (rows[other] == rows[there, k][:, None]).argmax(axis=1)
-    label = topology.components(ahead.reshape(-1, 2))[1]
-    first = np.unique(label, return_index=True)[1]
-    many |= np.bincount(rows.ravel()[first], minlength=len(domain.points)) > 1
-    return many
 
 
 def check_domain(mesh: Mesh, domain: Domain, report: Report) -> None:

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, Unpack
 from ..base.options import named
 from .arguments import DomainOptions
 from .making import of
-from .space import bodies, surfaces, swept
+from .space import bodies, surfaces, swept, welding
 
 __all__ = ["ball", "box", "cylinder", "extruded", "revolved", "surface", "torus"]
 
@@ -112,7 +112,7 @@ def torus(
     Raises
     ------
     InputError
-        For a tube that is not thinner than the radius.
+        For a tube that is not thinner than the radius; without a size, for one that is very thin.
     """
     return of(cls, bodies.torus(center, radius, tube, size, axis), options)
 
@@ -147,7 +147,7 @@ def cylinder(
     Raises
     ------
     InputError
-        If start and end are equal.
+        If start and end are equal; without a size, if it is very thin.
     """
     return of(cls, bodies.cylinder(start, end, radius, size), options)
 
@@ -216,8 +216,9 @@ def revolved(
     Parameters
     ----------
     planar : Domain
-        x is the distance from the axis, so nowhere negative, and y becomes z. Pieces on the axis vanish,
-        others become walls, inner pieces inner facets, and loose points inner segments.
+        x is the distance from the axis, so nowhere negative, and y becomes z. Pieces on the axis vanish
+        with the points that no other piece has; others become walls, inner pieces inner facets (on the axis
+        inner segments), and loose points inner segments (on the axis loose points).
     angle : float
         In degrees, from the half plane of positive x towards y; more than 0, at most 360.
     size : optional
@@ -245,13 +246,17 @@ def revolved(
 
 
 @named(DomainOptions, resolve=False)
-def surface(cls: type[Body], mesh: Any, **options: Unpack[DomainOptions]) -> Body:
+def surface(
+    cls: type[Body], mesh: Any, *, merge: float | None = None, **options: Unpack[DomainOptions]
+) -> Body:
     """The body that a mesh of triangles, quadrilaterals or polygons in space encloses.
 
     Parameters
     ----------
     mesh : Mesh
         Its cells are the facets, in their order. Points that no cell has are left out.
+    merge : float, optional
+        Points that are not farther apart become one; facets that lose their area are dropped.
     inner, curves, markers, regions, resolve : optional
         As for `Domain`; numbers of points are those of the mesh without the points that are left out.
 
@@ -266,7 +271,7 @@ def surface(cls: type[Body], mesh: Any, **options: Unpack[DomainOptions]) -> Bod
     InputError
         If the mesh is not a surface in space; `DomainError` if it encloses nothing.
     """
-    found = surfaces.parts_of(mesh)
+    found = welding.welded(surfaces.parts_of(mesh), welding.merging(merge))
     return surfaces.account(of(cls, found.parts, options), found)
 
 

@@ -45,7 +45,7 @@ SAME_SPACING = 1e-9  # parameters of matched pieces that differ by less are equa
 
 
 def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -> D:
-    """The region with fewer vertices on its straight pieces; it stays valid, and there is an account.
+    """The planar region with fewer vertices on its straight pieces, valid again, and an account.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -
 
 
 def spaced(domain: D, spacing: Mapping[Any, Any]) -> D:
-    """The domain with given points along some pieces: a number of edges, or a grading.
+    """The planar domain with given points along some pieces: a number of edges, or a grading.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def matched(
     center: Any = (0.0, 0.0),
     tolerance: float | None = None,
 ) -> D:
-    """The domain with two sides that match, for periodic problems: one is the other, moved or turned.
+    """The planar domain with two sides that match, for periodic problems: one is the other, moved or turned.
 
     Parameters
     ----------

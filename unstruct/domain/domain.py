@@ -158,7 +158,7 @@ class Domain(Shaped):
     # ------------------------------------------------------------------ subsegments
 
     def sampled(self, size: Any = None, *, step: float = 1.0) -> Sampled:
-        """The pieces cut into straight subsegments.
+        """The pieces of a planar domain cut into straight subsegments.
 
         Parameters
         ----------
@@ -208,6 +208,11 @@ class Domain(Shaped):
         ndarray of bool, shape (...)
             Exact for straight facets; points on them count as inside. A point that is on a curve, up to
             rounding, may be taken for inside or outside.
+
+        Raises
+        ------
+        InputError
+            For coordinates that are not finite, or as many as the domain does not have.
         """
         queries = as_numbers(x, "x")
         d = self.dimension
@@ -218,7 +223,7 @@ class Domain(Shaped):
 
     @cached_property
     def area(self) -> float:
-        """The area inside: correctly rounded for straight facets; for curves with some rounding errors."""
+        """The area inside of a planar domain: correctly rounded for straight facets, nearly so for curves."""
         derived.must_be_planar(self, "measured by an area, but by its volume")
         return self._side.measure(self, self._coarse)
 

@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import InputError
+from ..base.files import suffix_of
 from .plane.sources import read_domain
 from .space.sources import body_path, read_body
 from .space.surfaces import account
+from .space.welding import merging, welded
 
 __all__ = ["read"]
+
+TETGEN = (".smesh", ".poly", ".node")  # whose facets are checked while they are read
 
 
 def read(
@@ -21,13 +25,17 @@ def read(
     *,
     shape: str,
     name: str | None,
+    merge: float | None,
     options: Mapping[str, Any],
 ) -> Any:
     """The domain of a source; see `Domain.read`. ``make`` joins parts and options."""
     path = body_path(source)
+    tolerance = merging(merge)
+    if tolerance is not None and (path is None or suffix_of(path) in TETGEN):
+        raise InputError("merge is for files of surfaces in space, such as .stl, .obj, .off, .ply and meshes")
     if path is None:
         return read_domain(cls, make, source, shape=shape, name=name, options=options)
-    found = read_body(path, make=cls, resolve=bool(options.get("resolve")))
+    found = welded(read_body(path, make=cls, resolve=bool(options.get("resolve"))), tolerance)
     try:
         made = make(found.parts, options)
     except InputError:

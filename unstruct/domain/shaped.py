@@ -173,8 +173,8 @@ class Shaped(Outline):
 
     @classmethod
     @like(bodies.surface)
-    def surface(cls, mesh: Any, **options: Unpack[DomainOptions]) -> Self:
-        return bodies.surface(cls, mesh, **options)
+    def surface(cls, mesh: Any, *, merge: float | None = None, **options: Unpack[DomainOptions]) -> Self:
+        return bodies.surface(cls, mesh, merge=merge, **options)
 
     # ------------------------------------------------------------------ files
 
@@ -186,6 +186,7 @@ class Shaped(Outline):
         *,
         shape: str = "spline",
         name: str | None = None,
+        merge: float | None = None,
         **options: Unpack[DomainOptions],
     ) -> Self:
         """Read .poly, .node, GeoJSON, WKT, a Shapefile (.shp, with pyshp), an airfoil's .dat, or a body.
@@ -199,6 +200,9 @@ class Shaped(Outline):
             For .dat, in Selig's or Lednicer's order: "spline" or "polygon". Markers are as in `naca`.
         name : str, optional
             The property that names features; see `from_geojson`.
+        merge : float, optional
+            Of surfaces in space, points that are not farther apart become one, as where the triangles of an
+            .stl do not quite fit; facets that lose their area are dropped.
         inner, curves, markers, regions, resolve : optional
             As for `Domain`; what is given is added to what the file has.
 
@@ -213,4 +217,6 @@ class Shaped(Outline):
             refer to the file, counted from 0. .node, and other files without facets, are sets of loose
             points.
         """
-        return read(cls, partial(making.of, cls), source, shape=shape, name=name, options=options)
+        return read(
+            cls, partial(making.of, cls), source, shape=shape, name=name, merge=merge, options=options
+        )

@@ -19,6 +19,7 @@ from .space import faults as space_faults
 from .space import inside as space_inside
 from .space.repaired import repaired_in_space
 from .space.rows import as_polygons
+from .space.welding import with_hint
 
 __all__ = ["SIDES", "Side"]
 
@@ -59,6 +60,10 @@ def _planar_only(*_: Any) -> NoReturn:
     raise InputError("this is for planar domains; the domain has three coordinates")
 
 
+def _space_faults(outline: Outline) -> list[faults.Fault]:
+    return with_hint(outline, space_faults.find_faults(outline))
+
+
 def _check_curves(outline: Outline) -> None:
     """Raise if a curve misses its ends, or if a loose vertex lies on it."""
     faults.check_ends(outline)
@@ -82,7 +87,7 @@ IN_PLANE = Side(
 IN_SPACE = Side(
     _polygons,
     repaired_in_space,
-    space_faults.find_faults,
+    _space_faults,
     _planar_only,
     space_inside.check_seeds_off_pieces,
     space_inside.check_seeds,

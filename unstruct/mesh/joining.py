@@ -55,7 +55,9 @@ def join(*meshes: Mesh) -> Mesh:
     Vertices are compared bit for bit, and those that no cell uses stay as they are. A warning says where
     meshes touch without common facets: whose corners are not quite at the same places, or which are divided
     differently, such as two triangles on a quadrilateral (up to a millionth of their length; `unstruct.check`
-    is exact). O(n log n). Weights and hidden vertices are not kept.
+    is exact). Bodies that touch are meshed alike where they do if they are one domain: give common facets
+    once, as ``inner``, and name the parts by ``regions``. O(n log n). Weights and hidden vertices are not
+    kept.
     """
     for i, mesh in enumerate(meshes):
         if not isinstance(mesh, CellComplex):

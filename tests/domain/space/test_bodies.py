@@ -152,6 +152,12 @@ def test_a_flat_cylinder_and_one_around_an_axis_are_exact() -> None:
         (lambda: Domain.torus(size="a"), "size must be a number"),
         (lambda: Domain.cylinder((1, 1, 1), (1, 1, 1)), "the axis from start to end has no direction"),
         (lambda: Domain.cylinder(size=1e-7), "give a larger size"),
+        (
+            lambda: Domain.torus(tube=1e-3),
+            "the default size, 0.0002, would make 1.14e.06 points.* give a size",
+        ),
+        (lambda: Domain.torus(tube=1e-30), "the default size"),
+        (lambda: Domain.cylinder(radius=1e-4), "the default size, 2e-05, would make"),
     ],
 )
 def test_bad_arguments(make: object, told: str) -> None:

@@ -70,9 +70,15 @@ def test_copies_of_points() -> None:
     points = CORNERS[np.concatenate(SIDES)]
     points[3] = -points[3] * 0.0 + points[3]  # -0.0 equals 0.0
     domain = mended(points, np.arange(24).reshape(6, 4))
-    assert domain.volume == 1.0 and len(domain.points) == 8 and len(domain.repairs) == 16
+    assert domain.volume == 1.0 and len(domain.points) == 8 and len(domain.repairs) == 1
     assert (np.diff(domain.origin) > 0).all()
-    assert "point 4 equals" not in domain.repairs[0].text and domain.repairs[0].vertices == (0, 8)
+    assert "16 points equal others (point 8, for example, point 0)" in domain.repairs[0].text
+    assert domain.repairs[0].vertices == tuple(range(24))
+    few = mended(np.vstack([CORNERS, CORNERS[:2]]), [*SIDES[:-1], [9, 5, 7, 3]])
+    assert [repair.vertices for repair in few.repairs if repair.kind == "duplicate points"] == [
+        (0, 8),
+        (1, 9),
+    ]
 
 
 def test_rings() -> None:

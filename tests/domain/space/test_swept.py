@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Domain, IncompleteWarning, InputError, check, tetrahedralize
+from unstruct import Domain, IncompleteWarning, InputError, check, simplex, tetrahedralize
 from unstruct.geometry.parity import left_parity
+from unstruct.predicates import orient
 
 FRAME = Domain.polygon(
     [(0, 0), (4, 0), (4, 4), (0, 4)],
@@ -197,6 +198,39 @@ def test_revolved_with_inner_pieces_at_the_axis(angle: float) -> None:
     axis = Domain([(0, 0), (1, 0), (0, 1), (0, 3)], [(0, 1), (1, 2), (2, 0)], inner=[(2, 3)])
     whole = Domain.revolved(axis, angle, count=5)
     assert whole.inner.corners.tolist() == [2] and whole.points[whole.inner[0]][:, :2].max() == 0
+
+
+@pytest.mark.parametrize("angle", [200.0, 360.0])
+def test_points_of_pieces_on_the_axis_vanish(angle: float) -> None:
+    planar = Domain.rectangle((0, 0), (1, 2), markers={"wall": [1]})
+    body = Domain.revolved(planar, angle, size=0.2)
+    assert len(body.loose) == 0
+    assert signed_volume(body) == pytest.approx(body.volume, rel=1e-12)
+    at = body.points[:, 0] ** 2 + body.points[:, 1] ** 2 == 0
+    assert at.sum() == (0 if angle == 360 else 11)  # the ends of the body have them, whole discs have none
+    wall = np.unique(np.concatenate([body.facets[i] for i in body.markers["wall"]]))
+    assert np.hypot(*body.points[wall, :2].T) == pytest.approx(1.0)
+    corner = Domain([(0, 0), (1, 0), (1, 2), (0, 2), (0, 1)], [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)])
+    assert len(Domain.revolved(corner, count=6).points) == 12
+    asked = Domain([*corner.points, (0.5, 1.5)], corner.facets)
+    assert len(Domain.revolved(asked, count=6).inner) == 6
+    held = Domain([(0, 0), (1, 0), (1, 2), (0.5, 2), (0, 3), (0, 1)], [(0, 1), (1, 2), (2, 3), (3, 0)])
+    kept = Domain.revolved(held, count=6)
+    assert kept.points[kept.loose].tolist() == [[0, 0, 3], [0, 0, 1]]  # loose points that are given stay
+
+
+@pytest.mark.parametrize("angle", [200.0, 360.0])
+def test_trapezoids_that_are_flat_up_to_rounding_make_no_flat_cells(angle: float) -> None:
+    """Both diagonals are as long; along the outer one the four corners would be a cell of volume 1e-19."""
+    for planar in (Domain.disc((2, 0), 0.5), Domain.disc((2, 0), 1).with_holes(Domain.disc((2, 0), 0.5))):
+        body = Domain.revolved(planar, angle, size=0.3)
+        mesh = tetrahedralize(body)
+        assert mesh.complete and check(mesh, domain=body)
+        assert simplex.volume(mesh.corners).min() > 1e-6
+    rows = body.triangulated.bounding.reshape(-1, 2, 3)[:100]  # two triangles of each trapezoid
+    for one, two in rows:
+        tip = np.setdiff1d(two, one)
+        assert len(tip) == 1 and orient(body.points[[*one, *tip]]) >= 0
 
 
 def test_disc_becomes_a_torus() -> None:

@@ -89,3 +89,13 @@ def test_far_from_the_surface(seed: int, h: float) -> None:
     for p in found[:5]:
         least = min(distance(p, domain.points[list(row)]) for row in domain.facets.tolist())
         assert least >= FROM_SURFACE * h - 1e-9
+
+
+@pytest.mark.parametrize("exponent", [-330, -270, 330])
+def test_scale_does_not_matter(exponent: int) -> None:
+    """Distances from triangles have fourth powers of lengths in them."""
+    rows = [t for a, b, c, d in SIDES for t in ((a, b, c), (a, c, d))]
+    scale = 2.0**exponent
+    one = lattice_points(Domain(CORNERS, rows), sizing.as_size(0.3))
+    two = lattice_points(Domain(CORNERS * scale, rows), sizing.as_size(0.3 * scale))
+    assert (two.inside == one.inside * scale).all() and (two.outside == one.outside * scale).all()

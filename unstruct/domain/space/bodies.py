@@ -22,6 +22,7 @@ from .rings import between, circle, disc, smoothed
 __all__ = ["as_vector", "ball", "box", "cylinder", "torus"]
 
 EDGES_A_RADIUS = 5.0  # without a size, so many edges have the length of the (smallest) radius
+MOST_WITHOUT_SIZE = 500_000  # points of a surface; more are hardly wanted by who gives no size
 FEWEST = 6  # points of a ring at least
 ROW = np.sqrt(3) / 2  # the height of an equilateral triangle; unit: its side
 BOX_SIDES = {  # corners are numbered so that z changes first
@@ -105,7 +106,12 @@ def ball(center: Any, radius: Any, size: Any) -> Parts:
     middle, r = as_vector(center, "center"), positive(radius, "radius")
     h = r / EDGES_A_RADIUS if size is None else positive(size, "size")
     # 20 n^2 equilateral triangles of side h have the area of the sphere
-    n = max(1, _whole(r / h * np.sqrt(4 * np.pi / (5 * np.sqrt(3))), h, lambda n: 10 * n * n + 2))
+    n = max(
+        1,
+        _whole(
+            r / h * np.sqrt(4 * np.pi / (5 * np.sqrt(3))), h, lambda n: 10 * n * n + 2, given=size is not None
+        ),
+    )
     points, triangles = _divided(n)
     return {"points": _sphere(points) * r + middle, "facets": triangles}
 
@@ -116,8 +122,13 @@ def _sphere(points: np.ndarray) -> np.ndarray:
     return once / np.linalg.norm(once, axis=1)[:, None] + 0.0
 
 
-def _whole(count: float, size: float, total: Any) -> int:
-    """A number rounded, or an error if there would be more points than any memory holds."""
+def _whole(count: float, size: float, total: Any, *, given: bool) -> int:
+    """A number rounded, or an error if there would be more points than memory holds, or a default is for."""
+    if not given and not total(count) < MOST_WITHOUT_SIZE:
+        raise InputError(
+            f"the default size, {size:.3g}, would make {total(count):.3g} points, because the shape is thin: "
+            "give a size"
+        )
     if not total(count) < DEFAULT_BUDGET:
         raise InputError(f"size = {size:g} would make {total(count):.3g} points; give a larger size")
     return round(count)
@@ -151,7 +162,10 @@ def torus(center: Any, radius: Any, tube: Any, size: Any, axis: Any) -> Parts:
             f"tube = {r:g} must be less than radius = {far:g}: the torus would pass through itself"
         )
     h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
-    rows = max(FEWEST, _whole(2 * np.pi * r / (h * ROW), h, lambda n: n * 2 * np.pi * far / h))
+    rows = max(
+        FEWEST,
+        _whole(2 * np.pi * r / (h * ROW), h, lambda n: n * 2 * np.pi * far / h, given=size is not None),
+    )
     turn = circle(np.arange(rows) / rows)
     counts = np.maximum(FEWEST, np.round(2 * np.pi * (far + r * turn[:, 0]) / h).astype(int))
     first = np.concatenate([[0], np.cumsum(counts)])
@@ -188,7 +202,7 @@ def cylinder(start: Any, end: Any, radius: Any, size: Any) -> Parts:
     frame = _frame(high - low, "the axis from start to end")
     length = float(lengths(high - low))
     h = r / EDGES_A_RADIUS if size is None else min(positive(size, "size"), r)
-    n = max(FEWEST, _whole(2 * np.pi * r / h, h, lambda n: n * (n / 5 + length / h)))
+    n = max(FEWEST, _whole(2 * np.pi * r / h, h, lambda n: n * (n / 5 + length / h), given=size is not None))
     layers = max(1, round(length / (h * ROW)))
     bottom, below = disc(n, 0.0)
     top, above = disc(n, layers % 2 / (2 * n))

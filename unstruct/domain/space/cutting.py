@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from ...base.arrays import frozen
 from ...base.jit import kernel
 from ...geometry.polygons import Polygons
-from ...geometry.triangle_pairs import turn, unit_points
+from ...geometry.triangle_pairs import side, turn, unit_points
 from ..plane.faults import Fault
 from .flat import NO_ENDS, chords_of, sides_of, triangulated
 
 __all__ = ["PLANAR", "Shell", "at", "cut", "place", "views"]
 
+TIE = 2.0**-40  # squares of diagonals differ by less, in parts of their sum, if both are as long
 PLANAR = 1e-3  # a vertex may be so far from the plane of its polygon; unit: the extent of the polygon
 
 
@@ -71,7 +72,9 @@ class Shell(NamedTuple):
 def _quads(xyz, rows, view, cells):
     """Cut convex quadrilaterals along the diagonal that is shorter; of others the first entry is -1.
 
-    Returns how many were cut.
+    If they are as long as each other, up to rounding, the corners lie on a circle, and seldom in a plane
+    exactly. The diagonal on the inner side is taken then: the flat tetrahedron of the corners lies outside,
+    and is no cell of any mesh. Returns how many were cut.
     """
     done = 0
     for i in range(rows.shape[0]):
@@ -90,7 +93,11 @@ def _quads(xyz, rows, view, cells):
         for m in range(3):
             one += (xyz[a, m] - xyz[c, m]) ** 2
             two += (xyz[b, m] - xyz[d, m]) ** 2
-        if one < two or (one == two and min(a, c) < min(b, d)):
+        first = one < two or (one == two and min(a, c) < min(b, d))
+        if abs(one - two) <= TIE * (one + two):
+            above = side(xyz, a, b, c, d)
+            first = above > 0 or (above == 0 and first)
+        if first:
             cells[i, 0], cells[i, 1], cells[i, 2] = a, b, c
             cells[i, 3], cells[i, 4], cells[i, 5] = a, c, d
         else:

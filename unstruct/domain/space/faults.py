@@ -188,8 +188,8 @@ def _repeated(outline: Outline, shell: Shell) -> list[Fault]:
             i, j = int(piece[one]), int(piece[two])
             text = (
                 f"{outline.name(i)} and {outline.name(j)} have the same points {sorted(rows[one].tolist())}, "
-                f"{at(shell.points[rows[one].min()])}; drop one, or let resolve=True do so (by the even-odd "
-                "rule it drops both of two equal facets)"
+                f"{at(shell.points[rows[one].min()])}; drop one, or let resolve=True do so (it keeps one "
+                "of two equal facets if the surface is closed only with it, else, by the even-odd rule, none)"
             )
             result.append(Fault("repeated facet", text, place(shell.points[rows[one].min()]), (i, j)))
     return result

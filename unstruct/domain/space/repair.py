@@ -30,8 +30,9 @@ from .faults import NO_PLACE, crossing_faults, first_copies, meeting_faults
 from .same_facets import same_facets
 from .splitting import Splitting
 from .tangled import cleaned, untangled, without_area
+from .welding import with_hint
 
-__all__ = ["SpaceRepairer"]
+__all__ = ["NAMES_SHOWN", "SpaceRepairer"]
 
 REPAIR_ROUNDS_IN_SPACE = 30
 
@@ -148,7 +149,7 @@ class SpaceRepairer:
             )
             for fault in found
         ]
-        refuse(self.outline, here)
+        refuse(self.outline, with_hint(self.outline, here))
         raise AssertionError("nothing to refuse")
 
     # ------------------------------------------------------------------ rows
@@ -210,7 +211,16 @@ class SpaceRepairer:
     def _merge_points(self) -> None:
         first = first_copies(self.points)
         self.gone = first != np.arange(len(first))
-        for copy in np.flatnonzero(self.gone).tolist():
+        copies = np.flatnonzero(self.gone)
+        if len(copies) > NAMES_SHOWN:  # as where each facet has its own corners
+            text = (
+                f"{len(copies)} points equal others (point {copies[0]}, for example, point "
+                f"{first[copies[0]]}); they were merged, which leaves {len(first) - len(copies)} points"
+            )
+            at = np.flatnonzero(np.isin(np.arange(len(first)), first[copies]) | self.gone)
+            self.account("duplicate points", text, self._at(int(copies[0])), at=at)
+            copies = copies[:0]
+        for copy in copies.tolist():
             kept = int(first[copy])
             text = f"point {copy} equals point {kept}; they were merged"
             self.account("duplicate points", text, self._at(kept), at=(kept, copy))

@@ -11,8 +11,8 @@ from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ..plane.repaired import PARTS, Repaired
 from .closing import turn_outward
-from .faults import find_faults
-from .repair import SpaceRepairer
+from .faults import find_faults, first_copies
+from .repair import NAMES_SHOWN, SpaceRepairer
 
 __all__ = ["repaired_in_space"]
 
@@ -22,7 +22,8 @@ def repaired_in_space(outline: Outline) -> Repaired:
     # A copy, because an outline keeps what it has computed of its pieces, and these are going to change.
     outline = Outline(*(getattr(outline, name) for name in PARTS))
     mended = SpaceRepairer(outline)
-    if find_faults(outline):
+    # equal points are a fault; those of each corner of each facet would take long to describe
+    if (first_copies(outline.points) < np.arange(len(outline.points))).any() or find_faults(outline):
         mended.run()
     else:
         turn_outward(mended)
@@ -56,7 +57,13 @@ def _compressed(mended: SpaceRepairer) -> tuple[np.ndarray, np.ndarray, Polygons
     """Without copies of points, and without vertices whose pieces have all gone; these are accounted for."""
     bare = mended.used & ~mended.gone
     bare[mended.polygons.vertices] = False
-    for vertex in np.flatnonzero(bare[: mended.given]).tolist():
+    alone = np.flatnonzero(bare[: mended.given])
+    if len(alone) > NAMES_SHOWN:
+        text = f"{len(alone)} points, such as point {alone[0]}, are not on any piece that is left; dropped"
+        where = tuple(map(float, mended.points[alone[0]]))
+        mended.account("vertex without pieces", text, where, at=alone)
+        alone = alone[:0]
+    for vertex in alone.tolist():
         text = f"point {vertex} is not on any piece that is left; it was dropped"
         where = tuple(map(float, mended.points[vertex]))
         mended.account("vertex without pieces", text, where, at=[vertex])

@@ -193,8 +193,24 @@ def revolved(planar: Any, angle: Any, size: Any, count: Any, ends: Any) -> Parts
     axis = inner & on_axis[turned].all(axis=1)
     lines += [(rows[0][a], rows[0][b]) for a, b in turned[axis].tolist()]
     parts = _parts(points, walls, chords, (start, end, names), lines)
+    _without_vanished(parts, number[0][on_axis], number[0][planar.loose])
     parts["regions"] = {name: _middle_of_sector(seeds, turn) for name, seeds in planar.regions.items()}
     return parts
+
+
+def _without_vanished(parts: Parts, on_axis: np.ndarray, asked: np.ndarray) -> None:
+    """Drop points on the axis that only vanished pieces had; loose points that are asked for stay."""
+    keep = np.ones(len(parts["points"]), dtype=bool)
+    keep[on_axis] = False
+    for name in ("facets", "inner"):
+        keep[parts[name].vertices] = True
+    keep[asked] = True
+    if keep.all():
+        return
+    moved = (np.cumsum(keep) - 1).astype(np.int32)
+    parts["points"] = parts["points"][keep]
+    for name in ("facets", "inner"):
+        parts[name] = parts[name].renumbered(moved)
 
 
 def _sectors(angle: float, far: float, size: Any, count: Any) -> int:

@@ -25,6 +25,7 @@ from ...domain.space.cutting import Shell
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
+from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
 
 __all__ = ["FROM_SURFACE", "MOST_INNER", "REACH_OUTSIDE", "Lattice", "lattice_points"]
@@ -283,7 +284,8 @@ def _near(shell: Shell, domain: Domain, rows: Array, reach: Array) -> NDArray[np
     if len(rows) and len(corners):
         tree = BoxTree(*bounding_boxes(corners))
         query, hit = tree.pairs(rows - reach[:, None], rows + reach[:, None])
-        _measure(rows, reach, corners, query, hit, near)
+        factor = power_of_two(corners)  # fourth powers of very small or large lengths are no doubles
+        _measure(rows * factor, reach * factor, corners * factor, query, hit, near)
     return near
 
 

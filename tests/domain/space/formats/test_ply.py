@@ -52,6 +52,14 @@ def binary(order: str, sizes: tuple[int, ...] = (3, 3, 3, 3)) -> bytes:
     return head.encode() + body
 
 
+def test_other_elements_are_accounted_for(tmp_path: Path) -> None:
+    (tmp_path / "a.ply").write_text(TEXT)
+    body = Domain.read(tmp_path / "a.ply")
+    assert [repair.text for repair in body.repairs] == ["the file also has 1 of 'edge', which were left out"]
+    (tmp_path / "b.ply").write_bytes(binary("<"))
+    assert Domain.read(tmp_path / "b.ply").repairs == []
+
+
 @pytest.mark.parametrize("as_binary", [False, True])
 def test_round_trip(tmp_path: Path, as_binary: bool) -> None:
     """Points, polygons and their order, bit for bit; triangles alone are read all at once."""

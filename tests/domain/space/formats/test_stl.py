@@ -127,7 +127,8 @@ def test_wrong_binary_files_are_refused(tmp_path: Path) -> None:
     wrong[84 + 50 + 12 : 84 + 50 + 16] = 255
     for changed, told in (
         (data[:-1], "announces 4 triangles, which take 284 bytes, but has 283"),
-        (data[:50], "neither a text"),
+        (data[:50], "its 50 bytes are neither a text"),
+        (data[:80] + bytes(4) + data[84:], "announces 0 triangles, but has 200 bytes .* as of 4 triangles"),
         (data + b"abc", "3 bytes after the last triangle"),
         (wrong.tobytes(), "triangle 1 has coordinates .*nan"),
         (data[:80] + bytes(4), "has no triangles"),

@@ -10,6 +10,7 @@ import numpy as np
 from ....base.errors import InputError
 from ....base.files import bytes_of
 from ....geometry.polygons import Polygons
+from ...plane.account import Repair
 from ..surfaces import Found
 from .words import coordinates, finite_rows, polygons_of, triangles_at_once, word_rows
 
@@ -67,7 +68,11 @@ def read_ply(path: Path) -> Found:
     if by_name["vertex"].many == 0:
         raise InputError(f"{path.name} has no vertices")
     points, facets = _of_text(path, head) if head.order == "" else _of_bytes(path, head)
-    return Found({"points": points, "facets": facets})
+    others = [e for e in head.elements if e.name not in ("vertex", "face") and e.many]
+    what = ", ".join(f"{e.many} of {e.name!r}" for e in others)
+    text = f"the file also has {what}, which were left out"
+    repairs = (Repair("left out", text, (float("nan"),) * 3),) if others else ()
+    return Found({"points": points, "facets": facets}, repairs=repairs)
 
 
 def _head(path: Path, data: bytes) -> _Head:

@@ -63,11 +63,17 @@ def _binary(path: Path, data: bytes) -> list[tuple[str, np.ndarray]]:
     while start < len(data):
         rest = len(data) - start
         if rest < STL_HEAD:
+            those = f"the {rest} bytes after the last triangle" if start else f"its {rest} bytes"
             raise InputError(
-                f"{path.name}: {rest} bytes {'after the last triangle' if start else ''} are neither a text "
-                "that begins with 'solid', nor the head of a binary STL file, which has 84; is it whole?"
+                f"{path.name}: {those} are neither a text that begins with 'solid', nor the head of a binary "
+                "STL file, which has 84 bytes; is it whole?"
             )
         many = _count(data, start)
+        if many == 0 and rest > STL_HEAD and start == 0:
+            raise InputError(
+                f"{path.name} announces 0 triangles, but has {rest - STL_HEAD} bytes after its head, as of "
+                f"{(rest - STL_HEAD) // STL_TRIANGLE.itemsize} triangles: write it anew, with their number"
+            )
         needed = STL_HEAD + STL_TRIANGLE.itemsize * many
         if rest < needed:
             raise InputError(
