@@ -192,16 +192,28 @@ def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:
 
 M = TypeVar("M", bound=DomainMesh)
 MOST_REASONS = 3  # in a warning
+MISSING = " is missing"  # ends reasons by which a mesh is not one of its domain
 
 
-def noticed(mesh: M) -> M:
-    """The mesh itself, with a warning for the caller of a method if it is not complete."""
-    if not mesh.complete:
-        why = Counter(mesh.reasons.tolist()).most_common(MOST_REASONS + 1)
-        reasons = [f"{reason or 'no reason'} ({count})" for reason, count in why[:MOST_REASONS]]
-        more = ", ..." if len(why) > MOST_REASONS else ""
+def noticed(mesh: M, lacking: str = "") -> M:
+    """The mesh itself, with a warning for the caller of a method if it is not complete.
+
+    Parameters
+    ----------
+    mesh : DomainMesh
+    lacking : str
+        What is said first, in a warning of its own, of a mesh that is not one of the domain; reasons that end
+        with "is missing" are not told again.
+    """
+    if lacking:
+        warnings.warn(lacking, IncompleteWarning, stacklevel=3)
+    reasons = [why for why in mesh.reasons.tolist() if not (lacking and why.endswith(MISSING))]
+    if reasons:
+        often = Counter(reasons).most_common(MOST_REASONS + 1)
+        texts = [f"{reason or 'no reason'} ({count})" for reason, count in often[:MOST_REASONS]]
+        more = ", ..." if len(often) > MOST_REASONS else ""
         warnings.warn(
-            f"{len(mesh.unrefined)} of {mesh.size} cells are not as asked for: {', '.join(reasons)}{more}; "
+            f"{len(reasons)} of {mesh.size} cells are not as asked for: {', '.join(texts)}{more}; "
             "see mesh.unrefined and mesh.reasons",
             IncompleteWarning,
             stacklevel=3,

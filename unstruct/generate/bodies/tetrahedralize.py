@@ -17,10 +17,17 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.asked import asked_again
 from ...sizing.field import SizeField, as_size
 from ..volume.filling import filled
+from ..volume.lacking import what_is_missing
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
 __all__ = ["tetrahedralize"]
+
+UNEVEN = (
+    "a facet is larger than the size although it is divided; a size that changes less from edge to edge helps"
+)
+ANOTHER_WAY = "try another seed"
+DIVIDE = "try split_boundary=True, or another seed"
 
 
 def tetrahedralize(
@@ -65,8 +72,10 @@ def tetrahedralize(
         As `constrained_delaunay` describes it for bodies. ``counts`` also has the "lattice points", and the
         numbers of "refills" and "moves". Where facets are divided, new vertices on them are in ``steiner``,
         as all vertices on pieces that the domain does not have. Cells with a face on a piece whose edges are
-        more than twice as long as wanted in their middle are in ``unrefined``, and so are those that miss the
-        size when it is asked again (see the notes).
+        more than twice as long as wanted in their middle are in ``unrefined``, and so are cells near coarse
+        facets (see the notes) with such edges, and those that miss the size when it is asked again. If facets
+        are missing, a warning of its own says which, where, and by how much the volume is off; then the mesh
+        is not one of the body, ``complete`` is False, and `check` fails.
 
     Raises
     ------
@@ -83,8 +92,12 @@ def tetrahedralize(
     rounded, at most 64 times 2^-53 of the largest coordinate off their facet. Inside, points of
     body-centered cubic lattices, nested by the size where it varies, are inserted before the facets are
     recovered. Near a surface that is finer than the size, cells are as small as its triangles; their edges
-    grow by 0.4 of the distance from there. Where a facet is missing, nothing is optimized. The same input and
-    seed give the same mesh.
+    grow by 0.4 of the distance from there. A kept triangle with an edge of more than 4 times the size is
+    coarse: at the small distance that is wanted, its cells would be flat. So the size near it is at least a
+    quarter of the root of twice its area, less the distance from it; and points nearer than its longest edge
+    are inserted only after the facets are recovered, where they cannot be in their way. If facets are missing
+    all the same, they are recovered without any points inside, which then follow. Where a facet is missing in
+    the end, nothing is optimized. The same input and seed give the same mesh.
 
     A size is a function, of which only values are known. In the end it is asked again in the mesh: at the
     barycenter of each cell, which must not have an edge more than 2.5 times as long; at each vertex, where
@@ -113,7 +126,8 @@ def tetrahedralize(
     def made(field: SizeField | None) -> DomainMesh:
         return _made(domain, field, split_boundary, options)
 
-    return noticed(asked_again(made, field))
+    mesh = asked_again(made, field)
+    return noticed(mesh, what_is_missing(domain, mesh, ANOTHER_WAY if split_boundary else DIVIDE))
 
 
 def _made(
@@ -125,8 +139,8 @@ def _made(
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
         lattice = lattice_points(domain if parts is None else parts.domain, field, budget)
-    more: Any = {"field": field}
-    if not split_boundary:
+    more: Any = {"field": field, "large": UNEVEN}
+    if split_boundary is False or (split_boundary is None and (domain.pieces.corners == 3).any()):
         more["large"] = "a facet is larger than the size; split_boundary=True divides it"
     if parts is None:
         return filled(domain, lattice, **more, **options)

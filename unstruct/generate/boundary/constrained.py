@@ -23,6 +23,7 @@ from ...domain.arguments import refuse_tiny
 from ...domain.domain import Domain, Sampled, as_domain
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..volume.filling import filled
+from ..volume.lacking import what_is_missing
 from .pairs import paired
 
 __all__ = ["complex_of", "constrained_delaunay", "planar_complex"]
@@ -103,7 +104,8 @@ def constrained_delaunay(
     if domain.dimension == 3:
         if hull is not False:
             raise InputError("hull is for planar domains; delaunay(points) fills the convex hull in space")
-        return noticed(filled(domain, history=history, progress=progress))
+        mesh = filled(domain, history=history, progress=progress)
+        return noticed(mesh, what_is_missing(domain, mesh))
     if history:
         raise InputError("history is for domains in space; for the plane see studies.recover_edges")
     sampled = domain.sampled()

@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...connect.spatial.adding import add_points
 from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...sizing.field import SizeField, as_size
+from .coarse import CoarseFacets
 from .lattice import Lattice, lattice_points
 from .rounder import faces_of_cells, rounded
 
@@ -79,27 +81,51 @@ def filled(
             "fills the convex hull of points"
         )
     options: dict[str, Any] = {"seed": seed, "budget": budget, "history": history, "progress": progress}
-    if lattice is None:
-        complex_, found = _bare(domain, options)
-    else:
-        complex_, found = _recovered(np.concatenate([domain.points, *lattice]), shell, options)
-    complex_.flood(len(shell.bounding))
+    complex_, found, added = _with_lattice(domain, lattice, options)
     made = complex_.inside()
     if len(made.simplices) == 0:
         raise InputError("the facets enclose no volume")
     chains = chains_of_segments(domain, found, made)
-    counts = {} if lattice is None else {"lattice points": len(lattice.inside)}
+    counts = {} if lattice is None else {"lattice points": added}
     if optimize and found.complete:
         made, changes = _rounder(domain, made, chains[0], seed, progress)
         counts |= changes
     unrefined = _incomplete(domain, found, made, names or domain.name)
     if field is not None:
-        for cell in _large(made, field).tolist():
+        for cell in _large(made, field, None if lattice is None else lattice.coarse).tolist():
             unrefined.setdefault(cell, large)
     steps = None
     if history:
         steps = complex_.history() | {"inside": complex_.inside_slots(), "vertex": made.vertex}
     return with_names(domain, found, made, chains, unrefined, counts, steps)
+
+
+def _with_lattice(
+    domain: Domain, lattice: Lattice | None, options: dict[str, Any]
+) -> tuple[SpatialComplex, Recovered, int]:
+    """The cells with the parts inside numbered, and how many points of the lattice they have.
+
+    Points that might be in the way of a facet are added afterwards; where facets are missing all the same,
+    all are.
+    """
+    shell = domain.triangulated
+    if lattice is None:
+        complex_, found = _bare(domain, options)
+        complex_.flood(len(shell.bounding))
+        return complex_, found, 0
+    first = np.concatenate([lattice.inside, lattice.outside])
+    many, later = len(lattice.inside), lattice.beside
+    if len(first):
+        complex_, found = _recovered(np.concatenate([domain.points, first]), shell, options)
+    if len(first) == 0 or not found.complete:
+        other = _bare(domain, options)
+        if len(first) == 0 or other[1].rank < found.rank:
+            complex_, found = other
+            many, later = 0, np.concatenate([lattice.inside, later])
+    complex_.flood(len(shell.bounding))
+    if len(later) and found.complete:
+        many += add_points(complex_, later, found, shell.segments, progress=options["progress"])
+    return complex_, found, many
 
 
 def _recovered(
@@ -296,12 +322,27 @@ def _incomplete(
     return reason
 
 
-def _large(made: SpatialMesh, field: SizeField) -> NDArray[np.int64]:
-    """The cells at faces of pieces with an edge that is much longer than wanted."""
+def _large(made: SpatialMesh, field: SizeField, coarse: CoarseFacets | None) -> NDArray[np.int64]:
+    """The cells at faces of pieces, or near coarse facets, with an edge that is much longer than wanted."""
     corners = made.points[made.faces]
     large = np.zeros(len(corners), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         length = np.linalg.norm(corners[:, i] - corners[:, j], axis=1)
         large |= length > MUCH_LARGER * field((corners[:, i] + corners[:, j]) / 2)
-    at = faces_of_cells(made.simplices, made.faces[large], len(made.points))
-    return np.flatnonzero(at.any(axis=1))
+    at = faces_of_cells(made.simplices, made.faces[large], len(made.points)).any(axis=1)
+    if coarse is not None:
+        at |= _larger_beside(made, field, coarse)
+    return np.flatnonzero(at)
+
+
+def _larger_beside(made: SpatialMesh, field: SizeField, coarse: CoarseFacets) -> NDArray[np.bool_]:
+    """Which cells have an edge that is much longer than wanted, and the size there is that of a coarse facet."""
+    corners = made.points[made.simplices]
+    center = corners.mean(axis=1)
+    size, square = field(center), np.zeros(len(corners))
+    for i in range(4):
+        for j in range(i):
+            along = corners[:, i] - corners[:, j]
+            np.maximum(square, along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2, out=square)
+    beside = coarse.least(center, np.zeros(len(center))) > size
+    return beside & (square > (MUCH_LARGER * size) ** 2)

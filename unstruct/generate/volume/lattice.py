@@ -27,6 +27,7 @@ from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
+from .coarse import COARSE_FALL, CoarseFacets, coarse_facets, square_from_triangle
 
 __all__ = ["FROM_SURFACE", "MOST_INNER", "REACH_OUTSIDE", "Lattice", "lattice_points"]
 
@@ -51,10 +52,33 @@ LOOKED_UP_AT_ONCE = 1 << 17  # places, to bound the memory
 
 
 class Lattice(NamedTuple):
-    """Points inside, for the mesh, and points outside, which only help to recover the surface."""
+    """Points inside, for the mesh, and points outside, which only help to recover the surface.
+
+    ``beside`` are further points inside, which are so near to a coarse facet that they would be in the way of
+    its recovery; ``coarse`` are these facets, if there are any.
+    """
 
     inside: Array
     outside: Array
+    beside: Array
+    coarse: CoarseFacets | None
+
+
+class _Wanted(NamedTuple):
+    """The size, smaller near parts of the surface that are finer, and larger near facets that are coarser."""
+
+    field: SizeField
+    finer: SegmentTree | None
+    coarse: CoarseFacets | None
+
+    @property
+    def even(self) -> bool:
+        """Whether it is the same everywhere."""
+        return self.field.constant is not None and self.finer is None and self.coarse is None
+
+    def __call__(self, x: Array) -> Array:
+        size = _limited(self.finer, x, self.field(x))
+        return size if self.coarse is None else self.coarse.least(x, size)
 
 
 def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Lattice:
@@ -72,7 +96,7 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     Returns
     -------
     Lattice
-        Those inside the body, and those outside that are nearer than 1.7 of the wanted length; both in the
+        Those inside the body, and those outside that are nearer than 1.7 of the wanted length; all in the
         order of the lattice.
 
     Raises
@@ -82,22 +106,27 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     """
     shell = domain.triangulated
     low, high = domain.bounds
-    surface = _finer(shell, field)
+    wanted = _Wanted(field, _finer(shell, field), coarse_facets(shell, field))
     most = MOST_INNER if budget is None else budget
-    if surface is not None or field.constant is None:
-        places, side, unit, origin = _nested(field, surface, shell, low, high, most)
+    if not wanted.even:
+        places, side, unit, origin = _nested(wanted, shell, low, high, most)
     else:
         places, side, unit, origin = _uniform(field.constant, low, high, most)
     rows = origin + unit * places + JITTER * side[:, None] * _hashed(places)
-    size = _limited(surface, rows, field(rows)) if len(rows) else np.empty(0)
+    size = wanted(rows) if len(rows) else np.empty(0)
     far = ~_near(shell, domain, rows, FROM_SURFACE * size)
     rows, size = rows[far], size[far]
     within = even_odd_in_space(shell.points, shell.bounding, rows)[0]
     count = int(np.count_nonzero(within))
     if count > most:
         raise InputError(_too_many(count, most))
-    outside = rows[~within]
-    return Lattice(rows[within], outside[_near(shell, domain, outside, REACH_OUTSIDE * size[~within])])
+    inside, outside = rows[within], rows[~within]
+    outside = outside[_near(shell, domain, outside, REACH_OUTSIDE * size[~within])]
+    coarse = wanted.coarse
+    if coarse is None:
+        return Lattice(inside, outside, np.empty((0, 3)), None)
+    beside = coarse.beside(inside)
+    return Lattice(inside[~beside], outside[~coarse.beside(outside)], inside[beside], coarse)
 
 
 def _too_many(count: float, most: int) -> str:
@@ -122,11 +151,10 @@ def _uniform(h: float, low: Array, high: Array, most: int) -> tuple[NDArray[np.i
     return places, np.full(len(places), side), side / 2, low / 2 + high / 2
 
 
-def _nested(
-    field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array, most: int
-) -> tuple:
+def _nested(wanted_size: _Wanted, shell: Shell, low: Array, high: Array, most: int) -> tuple:
     """Corners and centers of leaves of an octree, as in `_uniform`; the unit is half the least side."""
-    root = _root(field, surface, shell, low, high)
+    field = wanted_size.field
+    root = _root(wanted_size, shell, low, high)
     spans = (high - low) / root
     cells, side, level = np.zeros((1, 3), dtype=np.int64), root, 0
     leaves: list[tuple[NDArray[np.int64], int]] = []
@@ -136,7 +164,7 @@ def _nested(
     while len(cells):
         inside = (cells * 0.5**level < spans).all(axis=1)
         cells = cells[inside]
-        wanted = _least_size(field, surface, low, cells, (side, level))
+        wanted = _least_size(wanted_size, low, cells, (side, level))
         at, here = _cell_of(cells, np.floor((marks - low) / side).astype(np.int64))
         np.minimum.at(wanted, at, marked[here])
         split = side > np.sqrt(2.0) * CELL * wanted
@@ -172,7 +200,7 @@ def _limited(surface: SegmentTree | None, x: Array, size: Array) -> Array:
     return size if surface is None or len(x) == 0 else surface.least(x, SURFACE_GROWTH, size)[0]
 
 
-def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Array, high: Array) -> float:
+def _root(size: _Wanted, shell: Shell, low: Array, high: Array) -> float:
     """The side of the first cell: the extent at least, and such that halves of it fit most cells.
 
     The sides of leaves are those of the root, halved, so they miss sizes by up to the square root of 2 either
@@ -184,7 +212,7 @@ def _root(field: SizeField, surface: SegmentTree | None, shell: Shell, low: Arra
     probes = low + share * (high - low)
     within = probes[even_odd_in_space(shell.points, shell.bounding, probes)[0]]
     probes = within if len(within) else probes
-    wanted = CELL * _limited(surface, probes, field(probes))
+    wanted = CELL * size(probes)
     turn = np.exp(2j * np.pi * np.log2(wanted))
     off = np.abs(turn - np.exp(1j * np.angle(((wanted.min() / wanted) ** 3 * turn).sum())))
     least = float(
@@ -209,16 +237,11 @@ def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[n
     return order[place[same]], inside[same]
 
 
-def _least_size(
-    field: SizeField,
-    surface: SegmentTree | None,
-    low: Array,
-    cells: NDArray[np.int64],
-    scale: tuple[float, int],
-) -> Array:
+def _least_size(size: _Wanted, low: Array, cells: NDArray[np.int64], scale: tuple[float, int]) -> Array:
     """The wanted length in each cell: that at the center, or twice the least one if this is less."""
     if len(cells) == 0:
         return np.empty(0)
+    field, surface = size.field, size.finer
     side, level = scale
     centers = low + side * (cells + 0.5)
     wanted = field(centers)
@@ -236,7 +259,13 @@ def _least_size(
     near = _limited(surface, centers, wanted + TOWARDS * side * SURFACE_GROWTH)
     least = np.minimum(least, near - TOWARDS * side * SURFACE_GROWTH)
     at_center = np.where(near < wanted, NEARER * near, wanted)
-    return np.minimum(at_center, np.maximum(2 * least, at_center / 4))
+    found = np.minimum(at_center, np.maximum(2 * least, at_center / 4))
+    if size.coarse is None:
+        return found
+    beside = size.coarse.least(centers, np.zeros(len(centers)))
+    return np.maximum(
+        found, np.minimum(beside, np.maximum(2 * (beside - TOWARDS * side * COARSE_FALL), beside / 4))
+    )
 
 
 def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: Array) -> tuple:
@@ -293,32 +322,5 @@ def _near(shell: Shell, domain: Domain, rows: Array, reach: Array) -> NDArray[np
 def _measure(rows, reach, corners, query, hit, near):
     for i in range(query.shape[0]):
         q = query[i]
-        if not near[q] and _square(rows[q], corners[hit[i]]) < reach[q] * reach[q]:
+        if not near[q] and square_from_triangle(rows[q], corners[hit[i]]) < reach[q] * reach[q]:
             near[q] = True
-
-
-@kernel
-def _square(p, corner):
-    """The squared distance of a point from a triangle, which may be a segment or a point."""
-    least = np.inf
-    nx = ny = nz = 0.0
-    within = True
-    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
-    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    for k in range(3):
-        a, b = corner[k], corner[(k + 1) % 3]
-        ex, ey, ez = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        px, py, pz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
-        length = ex * ex + ey * ey + ez * ez
-        t = 0.0 if length <= 0.0 else min(max((px * ex + py * ey + pz * ez) / length, 0.0), 1.0)
-        qx, qy, qz = px - t * ex, py - t * ey, pz - t * ez
-        least = min(least, qx * qx + qy * qy + qz * qz)
-        within = (
-            within and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) > 0.0
-        )
-    square = nx * nx + ny * ny + nz * nz
-    if within and square > 0.0:
-        height = nx * (p[0] - corner[0, 0]) + ny * (p[1] - corner[0, 1]) + nz * (p[2] - corner[0, 2])
-        least = min(least, height * height / square)
-    return least
