@@ -22,7 +22,6 @@ from .cavity import (
     failed,
     grow,
     load,
-    new_slot,
     remember_failure,
     reset,
     unwritten,
@@ -30,6 +29,7 @@ from .cavity import (
 )
 from .costs import ANY, DEGREE, EDGE, NEVER
 from .crossing import star
+from .exchange import exchange
 from .given import Given, Split, edge
 from .held import holds
 from .journal import (
@@ -39,9 +39,6 @@ from .journal import (
     EVENT_REMOVED,
     EVENT_ROOM,
     EVENT_SHAKE,
-    close_event,
-    old_cells,
-    open_event,
 )
 from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
 from .recover import Recovery
@@ -340,55 +337,19 @@ class Release:
         event: tuple[int, int, int, int, int, int],
     ) -> bool:
         """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
-        cells, inside, p, kept = self.cells, set(old), event[5], {}
-        border: dict[frozenset, tuple[int, int]] = {}
-        for t in old:
-            v = cells.vertex[4 * t : 4 * t + 4].tolist()
-            for k in range(4):
-                over = int(cells.across[4 * t + k])
-                face = frozenset(v[:k] + v[k + 1 :])
-                if over >> 2 not in inside:
-                    border[face] = over, int(cells.mark[4 * t + k])
-                elif p not in face and cells.mark[4 * t + k] >= 0:
-                    kept[face] = int(cells.mark[4 * t + k])
-        faces: dict[frozenset, list[tuple[int, int]]] = {}
-        for i, v4 in enumerate(tets):
-            for k in range(4):
-                faces.setdefault(frozenset(v4[:k] + v4[k + 1 :]), []).append((i, k))
-        if not all(len(places) == (1 if face in border else 2) for face, places in faces.items()):
-            return False
-        if not set(border) <= set(faces) or not set(kept) <= set(faces):
-            return False
-        self._write(old, tets, (border, faces, kept | restored), event)
-        return True
-
-    def _write(self, old: list[int], tets: list[Cell], tables, event: tuple[int, ...]) -> None:
-        border, faces, restored = tables
-        cells, noting = self.cells, len(self.cells.journal) > 0
+        cells = self.cells
         cells.reserve(cells.size, cells.slots + len(tets))
         cells.reserve_events(5 * (len(old) + len(tets)) + EVENT_ROOM)
-        if noting:
-            open_event(cells.solid(), *event)
-            old_cells(cells.solid(), np.array(old, dtype=np.int32), len(old))
-        region = int(cells.region[old[0]])
-        for t in old:
-            cells.vertex[4 * t] = -2
-            cells.free[cells.state[FREE]] = t
-            cells.state[FREE] += 1
-        solid = cells.solid()
-        slots = [int(new_slot(solid)) for _ in tets]
-        for t, v in zip(slots, tets, strict=True):
-            cells.vertex[4 * t : 4 * t + 4] = v
-            cells.at[list(v)], cells.region[t] = t, region
-        if noting:
-            close_event(solid, np.array(slots, dtype=np.int32), len(slots))
-        for face, places in faces.items():
-            ends = [4 * slots[i] + k for i, k in places]
-            mark = restored.get(face, border[face][1] if face in border else -1)
-            over = border[face][0] if face in border else ends[1]
-            cells.across[ends[0]], cells.mark[ends[0]] = over, mark
-            if over >= 0:
-                cells.across[over], cells.mark[over] = ends[0], mark
+        marks = [(*face, number) for face, number in restored.items()]
+        return bool(
+            exchange(
+                cells.solid(),
+                np.array(old, dtype=np.int32),
+                np.array(tets, dtype=np.int32).reshape(-1, 4),
+                np.array(marks, dtype=np.int32).reshape(-1, 4),
+                np.array(event, dtype=np.int32),
+            )
+        )
 
 
 def _goal(split: Split, given: Given) -> tuple[int, int, int]:
