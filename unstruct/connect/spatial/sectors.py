@@ -58,8 +58,7 @@ def cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Fac
 def link_of(cells: CellArrays, sector: list[int], p: int) -> dict[Face, int]:
     """The faces of a sector opposite p, seen from within, and where they are in the complex."""
     walls = {}
-    for t in sector:
-        v = cells.vertex[4 * t : 4 * t + 4].tolist()
+    for t, v in zip(sector, cells.rows(cells.vertex, sector).tolist(), strict=True):
         k = v.index(p)
         walls[turned([v[i] for i in POSITIVE[k]])] = 4 * t + k
     return walls
