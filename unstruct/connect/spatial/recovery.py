@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
-from .costs import EDGE, FACE, NEVER, face_cost
+from .costs import EDGE, FACE, NEVER, face_cost, unpacked_face
 from .crossing import cells_around, classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
@@ -54,8 +54,7 @@ def _passes(xyz, r, faces):
     if r.goal[0] < n or r.goal[1] < n:
         return False
     for i in range(faces):
-        face = r.front[i]
-        x, y, z = face // (n * n), face // n % n, face % n
+        _, x, y, z = unpacked_face(r.front[i])
         if face_cost(xyz, r, x, y, z) == 0.0:
             continue
         mask = 1 << x | 1 << y | 1 << z
