@@ -214,7 +214,11 @@ class Recovery:
         return p
 
     def _insert_on_segment(self, a: int, b: int) -> int:
-        """Insert the first possible point where the segment crosses a face or an edge; -1 for none."""
+        """Insert a point where the segment crosses a face or an edge; -1 for none.
+
+        Points in the middle of all crossings are tried first: of two parts with half of the crossings each,
+        both are found more easily than what is left behind the first crossing.
+        """
         if not self._next_vertex():
             return -1
         cells, goal = self.cells, np.array([a, b, 0, 0], dtype=np.int32)
@@ -222,12 +226,13 @@ class Recovery:
         while count < 0:
             self.rows, self.where = np.empty((2 * len(self.rows), 6), np.int32), np.empty(2 * len(self.rows))
             count = places(cells.solid(), goal, cells.found, self.rows, self.where)
-        found = sorted(zip(self.where[:count].tolist(), self.rows[:count].tolist(), strict=True))
+        rows = zip(self.where[:count].tolist(), self.rows[:count].tolist(), strict=True)
+        found = sorted(row for row in rows if 0.0 < row[0] < 1.0)
+        middle = found[len(found) // 2][0] if found else 0.0
+        found.sort(key=lambda row: abs(row[0] - middle))
         start, end = cells.xyz[a], cells.xyz[b]
         for more in (0, WIDER):
             for where, (face, *corners) in found:
-                if not 0.0 < where < 1.0:
-                    continue
                 p = self._place(start + where * (end - start))
                 if self._insert_at(face, corners[:3], corners[3:], p, more):
                     cells.size += 1
