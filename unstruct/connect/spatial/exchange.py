@@ -66,7 +66,11 @@ def _keep(solid, old, faces, table, p):
         t = 4 * old[i]
         for k in range(4):
             over = solid.across[t + k]
-            u, v, w = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
+            u, v, w = (
+                solid.vertex[t + (k + 1 & 3)],
+                solid.vertex[t + (k + 2 & 3)],
+                solid.vertex[t + (k + 3 & 3)],
+            )
             border = over < 0 or solid.stamp[over >> 2] != inside
             if not border and (solid.mark[t + k] < 0 or u == p or v == p or w == p):
                 continue

@@ -109,8 +109,9 @@ class Given:
         """The triangles at each edge that are not split; made at the first split."""
         if self._beside is None:
             self._beside = {}
-            for t in np.flatnonzero(self.alive[: self.count]).tolist():
-                for key in self._sides(t):
+            rows = np.flatnonzero(self.alive[: self.count])
+            for t, (a, b, c) in zip(rows.tolist(), self.corner[rows].tolist(), strict=True):
+                for key in (edge(a, b), edge(b, c), edge(c, a)):
                     self._beside.setdefault(key, []).append(t)
         return self._beside
 

@@ -136,7 +136,7 @@ class Recovery:
     def _refill_until(
         self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options: NDArray[np.int64]
     ) -> int:
-        """Recover goals in their order; the first that is left if that is to stop it, or how many there are."""
+        """Recover goals in order; the first that is left if that is to stop it, or how many there are."""
         self.local.size[RESUMED] = first = 0
         while first < len(goals):
             cells, rest = self.cells, slice(first, None)

@@ -257,8 +257,8 @@ def recover_all(solid, held, r, found, kind, goals, left, options):
     """Recover the goals, rows of three vertices and a number, whose entry of ``left`` is not 0.
 
     Writes how many faces are in the way of each. What is recovered is held or marked with its number.
-    Returns the first goal that has to be tried again, see `recover_one`; or the first that is left, if asked to
-    stop there; or the number of goals.
+    Returns the first goal that has to be tried again, see `recover_one`; or the first that is left, if the
+    options say so; or the number of goals.
     """
     for i in range(goals.shape[0]):
         if left[i] == 0:

@@ -17,7 +17,20 @@ the beginning. An edge that must be there forbids all faces that it meets.
 from __future__ import annotations
 
 from ...base.jit import apart, inline, lean
-from .costs import DEGREE, EDGE, FACE, NEVER, SHAPE, Signs, face_cost, face_number, local_sign, packed_face, tet_cost, unpacked_face
+from .costs import (
+    DEGREE,
+    EDGE,
+    FACE,
+    NEVER,
+    SHAPE,
+    Signs,
+    face_cost,
+    face_number,
+    local_sign,
+    packed_face,
+    tet_cost,
+    unpacked_face,
+)
 from .records import (
     COST_KIND,
     GUARD_COUNT,

@@ -198,7 +198,7 @@ def _add_wall(solid, walls, count, x, y, z, place):
 
 @kernel
 def _cavity(solid, start, link, claimed, q, walls, taken):
-    """List the walls that vertex q sees, and the cells taken for that; -1 walls if what must stay is in the way.
+    """List the walls that vertex q sees, and the cells taken for that; -1 walls if something must stay.
 
     ``start`` has the walls to begin with and the place of each in the complex; after the first ``link``, -1
     for whole triangles, which are not there yet. Cells that are claimed are not taken.
