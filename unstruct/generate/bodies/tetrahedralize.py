@@ -49,15 +49,17 @@ def tetrahedralize(
     size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one of these, optional
         The wanted length of edges. In a dict the key None stands for all regions that are not named; a facet
         between two regions takes the smaller size. Without a size there are no more points than there must
-    be. optimize : bool
+        be.
+    optimize : bool
         Whether to make the tetrahedra rounder by refills and by moving vertices that were added inside.
-        Without, there are slivers: flat tetrahedra of four points near a circle.
+        Without, there are slivers: flat tetrahedra of four points near a circle. Without a size, nearly all
+        tetrahedra reach across the body and are long or flat. Then this takes most of the time, about a
+        third of a millisecond for each of them, and removes only the worst.
     split_boundary : bool, optional
         Whether facets, inner facets and inner segments are divided where a size asks for it. By default
-        polygons of more than three corners are, and triangles joined to no other by an edge of their
-        own: these are shapes.
-        Other triangles are not, which somebody has meshed, and their edges stay. With True all are, with
-        False none.
+        polygons of more than three corners are, and triangles joined to no other by an edge of their own:
+        these are shapes. Other triangles are not, which somebody has meshed, and their edges stay. With True
+        all are, with False none.
     seed : int
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
