@@ -46,7 +46,7 @@ REGULAR = math.sqrt(6.0) / 4.0  # circumradius of a regular tetrahedron with edg
 BY_MEASURE, BY_QUALITY = 1, 2  # why something is divided: size and volume, or shape
 NO_FIELD = np.full(1, -1, dtype=np.int32), np.zeros((1, 8)), np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 LARGEST_DIHEDRAL = 60.0  # degrees: more cannot be asked for
-FEWEST = 0.5  # vertices in a cube of the wanted size; most meshes have about one
+FEWEST_IN_A_CUBE = 0.5  # vertices in a cube of the wanted size; most meshes have about one
 
 
 def points_allowed(domain: Domain, size: Any, budget: int | None) -> int:
@@ -64,7 +64,7 @@ def points_allowed(domain: Domain, size: Any, budget: int | None) -> int:
         return DEFAULT_BUDGET
     h = as_size(size).constant
     if h is not None:
-        count = FEWEST * (domain.volume ** (1.0 / 3.0) / h) ** 3
+        count = FEWEST_IN_A_CUBE * (domain.volume ** (1.0 / 3.0) / h) ** 3
         if not count <= DEFAULT_BUDGET:
             raise InputError(
                 f"the size asks for {count:.3g} vertices or more, and without a budget at most "
