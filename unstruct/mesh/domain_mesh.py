@@ -192,7 +192,7 @@ def _pairs(values: ArrayLike, kind: Any) -> np.ndarray:
 
 M = TypeVar("M", bound=DomainMesh)
 MOST_REASONS = 3  # in a warning
-MISSING = " is missing"  # ends reasons by which a mesh is not one of its domain
+IS_MISSING = " is missing"  # ends reasons by which a mesh is not one of its domain
 
 
 def noticed(mesh: M, lacking: str = "") -> M:
@@ -207,7 +207,7 @@ def noticed(mesh: M, lacking: str = "") -> M:
     """
     if lacking:
         warnings.warn(lacking, IncompleteWarning, stacklevel=3)
-    reasons = [why for why in mesh.reasons.tolist() if not (lacking and why.endswith(MISSING))]
+    reasons = [why for why in mesh.reasons.tolist() if not (lacking and why.endswith(IS_MISSING))]
     if reasons:
         often = Counter(reasons).most_common(MOST_REASONS + 1)
         texts = [f"{reason or 'no reason'} ({count})" for reason, count in often[:MOST_REASONS]]

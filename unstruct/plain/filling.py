@@ -90,9 +90,9 @@ def flood(cells: Iterable[Cell], facets: Iterable[Face]) -> dict[Cell, int]:
 
 
 def shape(points: Points, cell: Cell) -> Fraction:
-    """The square of 6 sqrt(2) V / l^3: 1 for a regular cell, 0 for a flat one.
+    """The square of 6 sqrt(2) V / L^3: 1 for a regular cell, 0 for a flat one.
 
-    Here l^2 is the mean square of the edges.
+    Here L^2 is the mean square of the edges.
     """
     rows = [[Fraction(x) for x in points[v]] for v in cell]
     pairs = combinations(rows, 2)

@@ -227,6 +227,9 @@ def test_trapezoids_that_are_flat_up_to_rounding_make_no_flat_cells(angle: float
         mesh = tetrahedralize(body)
         assert mesh.complete and check(mesh, domain=body)
         assert simplex.volume(mesh.corners).min() > 1e-6
+        if angle == 360:  # no holes in the facets
+            again = tetrahedralize(Domain(body.points, [list(row)[::-1] for row in body.facets]))
+            assert again.complete and simplex.volume(again.corners).min() > 1e-6
     rows = body.triangulated.bounding.reshape(-1, 2, 3)[:100]  # two triangles of each trapezoid
     for one, two in rows:
         tip = np.setdiff1d(two, one)

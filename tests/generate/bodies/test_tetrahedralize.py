@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from solids import cube, torus
 
-from unstruct import Domain, DomainMesh, IncompleteWarning, InputError, check, delaunay, tetrahedralize
+from unstruct import (
+    Domain,
+    DomainMesh,
+    IncompleteWarning,
+    InputError,
+    check,
+    delaunay,
+    sizing,
+    tetrahedralize,
+)
+from unstruct.connect.spatial.complex import SpatialComplex
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -146,6 +157,87 @@ def test_no_size_is_optimized_without_new_points() -> None:
     raw, mesh = filled(domain, optimize=False), filled(domain)
     assert len(mesh.points) == len(raw.points)
     assert mesh.quality("min_dihedral").min() >= raw.quality("min_dihedral").min()
+
+
+def twelve(low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    points, triangles = cube(1)
+    return points * (high - low) + low, triangles
+
+
+def together(*bodies: tuple[np.ndarray, np.ndarray]) -> Domain:
+    first = np.cumsum([0] + [len(points) for points, _ in bodies])
+    rows = [triangles + k for (_, triangles), k in zip(bodies, first)]
+    return Domain(np.concatenate([points for points, _ in bodies]), np.concatenate(rows))
+
+
+def schonhardt() -> tuple[np.ndarray, np.ndarray]:
+    turn = np.array([0, 2, 4, 0.5, 2.5, 4.5]) * np.pi / 3
+    points = np.column_stack([np.cos(turn), np.sin(turn), np.repeat([0.0, 1.0], 3)])
+    sides = [((i, j, 3 + j), (i, 3 + j, 3 + i)) for i, j in ((0, 1), (1, 2), (2, 0))]
+    return points, np.array([(0, 2, 1), (3, 4, 5), *(row for pair in sides for row in pair)])
+
+
+COARSE_BODIES = {
+    "a cube of twelve triangles": (lambda: together(twelve(0, 1)), (0.2, 0.07, 0.05)),
+    "a thin gap": (lambda: together(twelve(0, 1), twelve(0.01, 0.99)), (0.3, 0.1, 0.05)),
+    "three in each other": (lambda: together(*(twelve(i, 20 - i) for i in range(3))), (2, 1)),
+    "nine in each other": (lambda: together(*(twelve(i, 20 - i) for i in range(9))), (2, 1)),
+    "a prism that cannot be filled": (lambda: Domain(*schonhardt()), (0.5, 0.1)),
+}
+
+
+@pytest.mark.parametrize("name", COARSE_BODIES)
+def test_facets_much_larger_than_the_size(name: str) -> None:
+    """Kept triangles, however large, are faces, and the mesh fills the body; away from them sizes are met."""
+    make, sizes = COARSE_BODIES[name]
+    domain = make()
+    for size in sizes:
+        mesh = filled(domain, size, seed=2)
+        assert mesh.counts["missing triangles"] == 0 and mesh.volume == pytest.approx(domain.volume, 1e-14)
+        assert set(mesh.reasons) == {"a facet is larger than the size; split_boundary=True divides it"}
+    if name.startswith("a cube"):
+        corners = mesh.points[mesh.simplices]
+        middle = np.abs(corners.mean(axis=1) - 0.5).max(axis=1) < 0.2
+        sides = np.linalg.norm(corners[middle][:, 0] - corners[middle][:, 1], axis=1)
+        assert middle.sum() > 2000 and sides.mean() < 0.07 and mesh.quality("min_dihedral").min() > 1
+
+
+def test_where_lattice_points_are_in_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If a facet is missing with the points inside, it is recovered without; they come afterwards."""
+    domain, recover = Domain(*cube(4)), SpatialComplex.recover
+
+    def failing(cells: SpatialComplex, *given: Any, **options: Any) -> Any:
+        found = recover(cells, *given, **options)
+        many = cells.given > len(domain.points)
+        return found._replace(triangles=np.zeros(1, np.int32)) if many else found
+
+    usual = filled(domain, 0.8)
+    monkeypatch.setattr(SpatialComplex, "recover", failing)
+    mesh = filled(domain, 0.8)
+    assert mesh.complete and mesh.counts["lattice points"] == usual.counts["lattice points"]
+
+
+def test_a_facet_that_is_missing_is_told_first() -> None:
+    with pytest.warns(IncompleteWarning) as told:
+        mesh = tetrahedralize(Domain(*schonhardt()), 0.8, budget=0)
+    first = str(told[0].message)
+    assert first.startswith("the mesh is not one of the body: facet ") and "missing near [" in first
+    assert "its volume is 1.11603 instead of 0.866025; try split_boundary=True" in first
+    assert all("missing" not in str(one.message) for one in told[1:])
+    assert not mesh.complete and not check(mesh, domain=Domain(*schonhardt()))
+
+
+def test_advice_that_is_in_effect_is_not_given() -> None:
+    """Rectangles are divided; a size that oscillates makes some of the parts too large all the same."""
+    with pytest.warns(IncompleteWarning, match="although it is divided; a size that changes less"):
+        tetrahedralize(Domain.box(), lambda p: 0.2 + 0.15 * np.sign(np.sin(1e4 * p[:, 0])), optimize=False)
+
+
+def test_sizes_of_very_different_lengths() -> None:
+    """A ball of radius 1e-4 in a box of 2e3: the cells differ by 2^24."""
+    body = Domain.box((-1e3,) * 3, (1e3,) * 3).with_holes(Domain.ball((0, 0, 0), 1e-4, 5e-5))
+    mesh = filled(body, sizing.sources([[0, 0, 0]], 5e-5, growth=1.0), optimize=False)
+    assert mesh.complete and mesh.volume == pytest.approx(body.volume, 1e-14)
 
 
 def test_refused() -> None:

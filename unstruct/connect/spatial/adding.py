@@ -1,8 +1,8 @@
 """Further points into a complex whose facets are faces already: each goes into its cell and those beside it.
 
-A point is inserted by a star that ends at marked faces and keeps numbered edges, see `connect.spatial.star`: so
-what is there stays, and cells stay positive, wherever the points are. A point that sees too little of its own
-cell for a star is left out. See the book, 2.8c.
+A point is inserted by a star that ends at marked faces and keeps numbered edges, see `connect.spatial.star`.
+So what is there stays, and cells stay positive, wherever the points are. A point that sees too little of its
+own cell for a star is left out. See the book, 2.8c.
 """
 
 from __future__ import annotations

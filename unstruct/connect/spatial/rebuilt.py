@@ -9,7 +9,7 @@ from ...base.arrays import distinct
 from .arrays import BOX
 from .complex import SpatialComplex
 from .given import Given
-from .recover import Recovery
+from .recover import MORE_EFFORT, Recovery
 
 __all__ = ["rebuilt"]
 
@@ -59,13 +59,14 @@ def rebuilt(
     given = Given(place[faces], place[edges])
     if _missing(new, given.segment) > FEW_TO_FIND + SHARE_TO_FIND * len(given.segment):
         return None
-    for quick in (True, False):
-        run = Recovery(new, given, budget=0, seed=0, quick=quick)
-        run.run()
+    run = Recovery(new, given, budget=0, seed=0)
+    run.run()
+    for run.level in range(1, len(MORE_EFFORT)):
         left = len(run.lost) + len(run.missing())
-        if left == 0 or left > FEW_TO_FIND:
+        if not 0 < left <= FEW_TO_FIND:
             break
-    if left:
+        run.again()
+    if len(run.lost) + len(run.missing()):
         return None
     vertices = np.concatenate([used, cells.given + np.arange(BOX)]).astype(np.int32)
     _take_over(new, cells, vertices)

@@ -9,6 +9,7 @@ else depend on the choice of the view.
 
 from __future__ import annotations
 
+from math import fsum
 from typing import NamedTuple
 
 import numpy as np
@@ -69,12 +70,12 @@ class Shell(NamedTuple):
 
 
 @kernel
-def _quads(xyz, rows, view, cells):
+def _quads(xyz, rows, view, outward, cells):
     """Cut convex quadrilaterals along the diagonal that is shorter; of others the first entry is -1.
 
     If they are as long as each other, up to rounding, the corners lie on a circle, and seldom in a plane
     exactly. The diagonal on the inner side is taken then: the flat tetrahedron of the corners lies outside,
-    and is no cell of any mesh. Returns how many were cut.
+    and is no cell of any mesh. ``outward`` is 1 if facets face outward, else -1. Returns how many were cut.
     """
     done = 0
     for i in range(rows.shape[0]):
@@ -95,7 +96,7 @@ def _quads(xyz, rows, view, cells):
             two += (xyz[b, m] - xyz[d, m]) ** 2
         first = one < two or (one == two and min(a, c) < min(b, d))
         if abs(one - two) <= TIE * (one + two):
-            above = side(xyz, a, b, c, d)
+            above = outward * side(xyz, a, b, c, d)
             first = above > 0 or (above == 0 and first)
         if first:
             cells[i, 0], cells[i, 1], cells[i, 2] = a, b, c
@@ -157,7 +158,7 @@ def cut(points: np.ndarray, polygons: Polygons, facets: int) -> tuple[Shell, lis
     owner = [triangles]
     four = polygons.vertices[starts[quads][:, None] + np.arange(4)]
     cells = np.empty((len(quads), 6), dtype=np.int32)
-    _quads(xyz, four, view[quads], cells)
+    _quads(xyz, four, view[quads], _facing(xyz, polygons, normal, facets), cells)
     chords = chords_of(polygons)
     whole_quad = np.ones(len(polygons), dtype=bool)
     whole_quad[list(chords)] = False
@@ -186,6 +187,13 @@ def cut(points: np.ndarray, polygons: Polygons, facets: int) -> tuple[Shell, lis
         facets,
     )
     return shell, sorted(faults, key=lambda fault: fault.pieces)
+
+
+def _facing(xyz: np.ndarray, polygons: Polygons, normal: np.ndarray, facets: int) -> int:
+    """1 if facets face outward, -1 if inward, by the sign of the volume; of no meaning where they do both."""
+    tip = xyz[polygons.vertices[polygons.ring_start[polygons.first_ring[:facets]]]]
+    away = tip - tip[:1]
+    return 1 if fsum((away * normal[:facets]).ravel().tolist()) >= 0.0 else -1
 
 
 def _axis(view: int) -> int:

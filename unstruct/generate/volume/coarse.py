@@ -17,11 +17,13 @@ from ...sizing.field import SizeField
 __all__ = ["COARSE_FALL", "CoarseFacets", "coarse_facets", "square_from_triangle"]
 
 Array = NDArray[np.float64]
-COARSER = 4.0  # edges of a facet over the size, from which the size near it is changed
+MUCH_COARSER = 4.0  # edges of a facet over the size, from which the size near it is changed
 AS_LARGE = 0.25  # the size at a coarse facet; unit: the root of twice its area
 COARSE_FALL = 1.0  # of the size from a coarse facet, per length
-COARSE_REACH = 1.0  # how near to a coarse facet points come only after it is recovered; unit: its longest edge
-QUERIES_AT_ONCE = 1 << 15  # points, to bound the memory
+COARSE_REACH = (
+    1.0  # how near to a coarse facet points come only after it is recovered; unit: its longest edge
+)
+ASKED_OF_FACETS = 1 << 15  # points, to bound the memory
 
 
 @apart
@@ -53,7 +55,7 @@ def square_from_triangle(p, corner):
 
 @kernel
 def _raise(x, corners, weight, query, hit, fall, largest):
-    """The largest of weight - fall * distance over the triangles of each point, if more than what is there."""
+    """The most of weight - fall * distance over its triangles at each point, if more than what is known."""
     for i in range(query.shape[0]):
         q, f = query[i], hit[i]
         if weight[f] > largest[q]:
@@ -90,10 +92,10 @@ class CoarseFacets:
 
     def _most(self, tree: BoxTree, weight: Array, fall: float, x: Array, least: Array) -> Array:
         found = least.copy()
-        for i in range(0, len(x), QUERIES_AT_ONCE):
-            rows = x[i : i + QUERIES_AT_ONCE]
+        for i in range(0, len(x), ASKED_OF_FACETS):
+            rows = x[i : i + ASKED_OF_FACETS]
             query, hit = tree.pairs(rows, rows)
-            _raise(rows, self._corners, weight, query, hit, fall, found[i : i + QUERIES_AT_ONCE])
+            _raise(rows, self._corners, weight, query, hit, fall, found[i : i + ASKED_OF_FACETS])
         return found
 
 
@@ -116,5 +118,5 @@ def coarse_facets(shell: Shell, field: SizeField) -> CoarseFacets | None:
     for i, j in ((0, 1), (1, 2), (2, 0)):
         along = corners[:, i] - corners[:, j]
         length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
-        large |= length > COARSER * field(corners[:, i] / 2 + corners[:, j] / 2)
+        large |= length > MUCH_COARSER * field(corners[:, i] / 2 + corners[:, j] / 2)
     return CoarseFacets(corners[large]) if large.any() else None

@@ -74,7 +74,6 @@ def filled(
     DomainMesh
         See `constrained_delaunay`.
     """
-    shell = domain.triangulated
     if len(domain.facets) == 0:
         raise InputError(
             "the domain has no facets, so nothing is inside: give facets; without any, delaunay(points) "
@@ -336,7 +335,7 @@ def _large(made: SpatialMesh, field: SizeField, coarse: CoarseFacets | None) -> 
 
 
 def _larger_beside(made: SpatialMesh, field: SizeField, coarse: CoarseFacets) -> NDArray[np.bool_]:
-    """Which cells have an edge that is much longer than wanted, and the size there is that of a coarse facet."""
+    """Which cells have an edge much longer than wanted, where the size is that of a coarse facet."""
     corners = made.points[made.simplices]
     center = corners.mean(axis=1)
     size, square = field(center), np.zeros(len(corners))

@@ -25,9 +25,10 @@ from ...domain.space.cutting import Shell
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
+from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
-from .coarse import COARSE_FALL, CoarseFacets, coarse_facets, square_from_triangle
+from .coarse import COARSE_FALL, CoarseFacets, square_from_triangle
 
 __all__ = ["FROM_SURFACE", "MOST_INNER", "REACH_OUTSIDE", "Lattice", "lattice_points"]
 
@@ -46,7 +47,8 @@ TOWARDS = 0.35  # within which distance of its center the size of a cell is seen
 NEARER = 0.75  # cells near a finer surface over the limit of their size, because levels are rounded
 FEW_PLACES = 4096  # are always allowed
 PROBES_ALONG = 8  # along each side of the box, to find the least size
-DEEPEST_LATTICE = 18  # levels of nested lattices; their places fit into 64 bits
+DEEPEST_LATTICE = 40  # levels of nested lattices: the coordinates of their places are exact
+DEEPEST_KEY = 18  # levels of nested lattices with places that fit into one number of 64 bits
 LOOKED_UP = 16  # places along the box where sizes are looked up at least, so that small features are met
 LOOKED_UP_AT_ONCE = 1 << 17  # places, to bound the memory
 
@@ -71,17 +73,14 @@ class _Wanted(NamedTuple):
     finer: SegmentTree | None
     coarse: CoarseFacets | None
 
-    @property
-    def even(self) -> bool:
-        """Whether it is the same everywhere."""
-        return self.field.constant is not None and self.finer is None and self.coarse is None
-
     def __call__(self, x: Array) -> Array:
         size = _limited(self.finer, x, self.field(x))
         return size if self.coarse is None else self.coarse.least(x, size)
 
 
-def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) -> Lattice:
+def lattice_points(
+    domain: Domain, field: SizeField, budget: int | None = None, coarse: CoarseFacets | None = None
+) -> Lattice:
     """Points farther than 0.6 of the wanted length from all facets, segments and points of the body.
 
     Parameters
@@ -92,6 +91,8 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
         The wanted length of edges.
     budget : int, optional
         The largest number of points inside.
+    coarse : CoarseFacets, optional
+        Facets near which the size is larger, and points are set apart.
 
     Returns
     -------
@@ -106,9 +107,9 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
     """
     shell = domain.triangulated
     low, high = domain.bounds
-    wanted = _Wanted(field, _finer(shell, field), coarse_facets(shell, field))
+    wanted = _Wanted(field, _finer(shell, field), coarse)
     most = MOST_INNER if budget is None else budget
-    if not wanted.even:
+    if field.constant is None or wanted.finer is not None or coarse is not None:
         places, side, unit, origin = _nested(wanted, shell, low, high, most)
     else:
         places, side, unit, origin = _uniform(field.constant, low, high, most)
@@ -122,7 +123,6 @@ def lattice_points(domain: Domain, field: SizeField, budget: int | None = None) 
         raise InputError(_too_many(count, most))
     inside, outside = rows[within], rows[~within]
     outside = outside[_near(shell, domain, outside, REACH_OUTSIDE * size[~within])]
-    coarse = wanted.coarse
     if coarse is None:
         return Lattice(inside, outside, np.empty((0, 3)), None)
     beside = coarse.beside(inside)
@@ -224,17 +224,11 @@ def _root(size: _Wanted, shell: Shell, low: Array, high: Array) -> float:
 
 def _cell_of(cells: NDArray[np.int64], at: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which cells of a level some places are in, and which of the places are in one."""
-    bits = DEEPEST_LATTICE + 2
-    inside = np.flatnonzero(((at >= 0) & (at < 1 << bits)).all(axis=1))
-    keys, wanted = (
-        (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2] for rows in (cells, at[inside])
-    )
-    if len(keys) == 0:
-        return keys, keys
-    order = np.argsort(keys)
-    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    same = keys[order][place] == wanted
-    return order[place[same]], inside[same]
+    if len(cells) == 0 or len(at) == 0:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    number, first = group_rows(np.concatenate([cells, at]))
+    inside = np.flatnonzero(first[number[len(cells) :]] < len(cells))
+    return first[number[len(cells) :]][inside].astype(np.int64), inside
 
 
 def _least_size(size: _Wanted, low: Array, cells: NDArray[np.int64], scale: tuple[float, int]) -> Array:
@@ -277,7 +271,11 @@ def _corners_of(leaves: list[tuple[NDArray[np.int64], int]], root: float, low: A
             places.append((2 * cells + corner) * step)
             sides.append(np.full(len(cells), root * 0.5**level))
     every, side = np.concatenate(places), np.concatenate(sides)
-    bits = DEEPEST_LATTICE + 3
+    if last > DEEPEST_KEY:
+        order = np.argsort(side, kind="stable")
+        first = order[group_rows(every[order])[1]]
+        return every[first], side[first], root * 0.5 ** (last + 1), low
+    bits = DEEPEST_KEY + 3
     key = (every[:, 0] << 2 * bits) | (every[:, 1] << bits) | every[:, 2]
     order = np.lexsort((side, key))
     key = key[order]

@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import as_number, positive
+from ...base.arguments import DEFAULT_BUDGET, as_count, as_number, positive
 from ...base.elementary import cosine
 from ...base.errors import InputError
 from ...base.jit import inline
+from ...domain.domain import Domain
 from ...domain.plane.by_region import per_region
 from ...sizing.field import as_size
 from ...sizing.metric import Metric
@@ -34,6 +35,7 @@ __all__ = [
     "BodyLimits",
     "field_of",
     "make_body_limits",
+    "points_allowed",
     "shape_limits",
     "wanted_in_space",
 ]
@@ -44,6 +46,31 @@ REGULAR = math.sqrt(6.0) / 4.0  # circumradius of a regular tetrahedron with edg
 BY_MEASURE, BY_QUALITY = 1, 2  # why something is divided: size and volume, or shape
 NO_FIELD = np.full(1, -1, dtype=np.int32), np.zeros((1, 8)), np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 LARGEST_DIHEDRAL = 60.0  # degrees: more cannot be asked for
+FEWEST_IN_A_CUBE = 0.5  # vertices in a cube of the wanted size; most meshes have about one
+
+
+def points_allowed(domain: Domain, size: Any, budget: int | None) -> int:
+    """The largest number of vertices that a mesh may have.
+
+    Raises
+    ------
+    InputError
+        If there is no budget, and a constant size asks for more vertices than there are by default. With a
+        budget, as many are put.
+    """
+    if budget is not None:
+        return as_count(budget, "budget")
+    if size is None or isinstance(size, dict):
+        return DEFAULT_BUDGET
+    h = as_size(size).constant
+    if h is not None:
+        count = FEWEST_IN_A_CUBE * (domain.volume ** (1.0 / 3.0) / h) ** 3
+        if not count <= DEFAULT_BUDGET:
+            raise InputError(
+                f"the size asks for {count:.3g} vertices or more, and without a budget at most "
+                f"{DEFAULT_BUDGET:,} are put; give a larger size, or a budget"
+            )
+    return DEFAULT_BUDGET
 
 
 class BodyLimits(NamedTuple):

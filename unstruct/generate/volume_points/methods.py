@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.arguments import DEFAULT_BUDGET, as_count, positive
+from ...base.arguments import positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
@@ -28,6 +28,7 @@ from .limits import (
     SEGMENT_RULE,
     field_of,
     make_body_limits,
+    points_allowed,
 )
 from .run import BodyRun, recovered
 
@@ -114,7 +115,7 @@ def _run(
 ) -> tuple[DomainMesh, bool]:
     """The mesh, and whether nothing is left to do."""
     (order, priority), rule, accept = chosen
-    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    most = points_allowed(domain, size, budget)
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces))
     cells, found = recovered(domain, progress)
     if not found.complete:

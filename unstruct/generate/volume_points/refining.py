@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, as_count
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.kept import SplitBoundary, kept_pieces
 from ..volume.filling import filled
 from .account import result_of
-from .limits import make_body_limits, shape_limits
+from .limits import make_body_limits, points_allowed, shape_limits
 from .run import BodyRun, recovered
 
 __all__ = ["refine_body"]
@@ -41,7 +40,7 @@ def refine_body(
     ``held`` are pieces that stay as they are; by ``names`` limits are given for regions, if not by their own.
     """
     ratio, angle = shape_limits(RADIUS_EDGE if radius_edge is None else radius_edge, min_dihedral)
-    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    most = points_allowed(domain, size, budget)
     kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), held)
     cells, found = recovered(domain, progress)
     if not found.complete:
