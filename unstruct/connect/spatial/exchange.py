@@ -13,9 +13,9 @@ from .signs import in_order
 __all__ = ["exchange"]
 
 # Columns of the table of faces.
-FIRST, SECOND = 3, 4  # where the face is in the new cells, as 4 i + k
-BEYOND, CARRIED = 5, 6  # what is across on the border, -2 inside; the mark
-INNER = -2
+FIRST_PLACE, SECOND_PLACE = 3, 4  # where the face is in the new cells, as 4 i + k
+OVER_BORDER, CARRIED_MARK = 5, 6  # what is across on the border, -2 inside; the mark
+NOT_BORDER = -2
 
 
 @lean
@@ -45,11 +45,11 @@ def _enter(faces, table, tets):
             if f < 0:
                 table[place] = count
                 faces[count, 0], faces[count, 1], faces[count, 2] = u, v, w
-                faces[count, FIRST], faces[count, SECOND] = 4 * i + k, -1
-                faces[count, BEYOND], faces[count, CARRIED] = INNER, -1
+                faces[count, FIRST_PLACE], faces[count, SECOND_PLACE] = 4 * i + k, -1
+                faces[count, OVER_BORDER], faces[count, CARRIED_MARK] = NOT_BORDER, -1
                 count += 1
-            elif faces[f, SECOND] < 0:
-                faces[f, SECOND] = 4 * i + k
+            elif faces[f, SECOND_PLACE] < 0:
+                faces[f, SECOND_PLACE] = 4 * i + k
             else:
                 return -1
     return count
@@ -78,9 +78,9 @@ def _keep(solid, old, faces, table, p):
             f = table[place]
             if f < 0:
                 return False
-            faces[f, CARRIED] = solid.mark[t + k]
+            faces[f, CARRIED_MARK] = solid.mark[t + k]
             if border:
-                faces[f, BEYOND] = over
+                faces[f, OVER_BORDER] = over
     return True
 
 
@@ -88,10 +88,10 @@ def _keep(solid, old, faces, table, p):
 def _link(solid, slots, faces, count):
     """Join the new cells with each other and with those beyond the border, and mark their faces."""
     for f in range(count):
-        first, second, mark = faces[f, FIRST], faces[f, SECOND], faces[f, CARRIED]
+        first, second, mark = faces[f, FIRST_PLACE], faces[f, SECOND_PLACE], faces[f, CARRIED_MARK]
         place = 4 * slots[first >> 2] + (first & 3)
-        over = faces[f, BEYOND]
-        if over == INNER:
+        over = faces[f, OVER_BORDER]
+        if over == NOT_BORDER:
             over = 4 * slots[second >> 2] + (second & 3)
         solid.across[place], solid.mark[place] = over, mark
         if over >= 0:
@@ -123,12 +123,12 @@ def exchange(solid, old, tets, restored, event):
     if count < 0 or not _keep(solid, old, faces, table, event[5]):
         return False
     for f in range(count):
-        if (faces[f, BEYOND] == INNER) == (faces[f, SECOND] < 0):
+        if (faces[f, OVER_BORDER] == NOT_BORDER) == (faces[f, SECOND_PLACE] < 0):
             return False
     for i in range(restored.shape[0]):
         place, _, _, _ = _row_of(faces, table, restored[i, 0], restored[i, 1], restored[i, 2])
         if table[place] >= 0:
-            faces[table[place], CARRIED] = restored[i, 3]
+            faces[table[place], CARRIED_MARK] = restored[i, 3]
     noting = solid.journal.shape[0] > 0
     if noting:
         open_event(solid, event[0], event[1], event[2], event[3], event[4], event[5])
