@@ -125,6 +125,10 @@ class CellArrays:
         """How many slots for cells are in use, free ones included."""
         return int(self.state[COUNT])
 
+    def rows(self, table: NDArray[np.int32], slots: list[int]) -> NDArray[np.int32]:
+        """The four entries of each of these cells in ``vertex``, ``across`` or ``mark``: (k, 4)."""
+        return table[: 4 * self.slots].reshape(-1, 4)[slots]
+
     def solid(self) -> Solid:
         """The arrays as they are now, in one record for the kernels."""
         return Solid(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...base.jit import apart, inline, lean
 from ..insertion.engine import COUNT, FREE, STAMP
-from .costs import DEGREE, EDGE, FACE, SHAPE, UNSEEN, face_cost, face_number, tet_cost
+from .costs import DEGREE, EDGE, FACE, SHAPE, UNSEEN, face_cost, face_number, packed_face, tet_cost
 from .held import holds
 from .journal import EVENT_ROOM, close_event, note_refill
 from .records import (
@@ -216,7 +216,7 @@ def wall(r, length, x, y, z):
     n = r.size[LOCALS]
     set_code(r, n, x, y, z, UNFILLED)
     set_code(r, n, x, z, y, FILLED)  # the outside is there
-    r.front[length] = face_number(n, x, y, z)
+    r.front[length] = packed_face(n, x, y, z)
     for i, j in ((x, y), (y, z), (z, x)):
         r.edge[min(i, j) * n + max(i, j)] |= 1
     return length + 1
@@ -245,8 +245,8 @@ def load(solid, held, r):
                 r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
             elif solid.mark[4 * t + k] >= 0:
                 set_code(r, n, x, y, z, UNFILLED)
-                r.front[length] = face_number(n, x, y, z)
-                r.number[r.front[length]] = solid.mark[4 * t + k]
+                r.front[length] = packed_face(n, x, y, z)
+                r.number[face_number(n, x, y, z)] = solid.mark[4 * t + k]
                 length += 1
             r.edge[min(x, y) * n + max(x, y)] |= IN_CELL
             r.edge[min(y, z) * n + max(y, z)] |= IN_CELL

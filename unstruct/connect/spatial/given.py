@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -110,32 +109,35 @@ class Given:
         """The triangles at each edge that are not split; made at the first split."""
         if self._beside is None:
             self._beside = {}
-            for t in np.flatnonzero(self.alive[: self.count]).tolist():
-                for key in self._sides(t):
+            rows = np.flatnonzero(self.alive[: self.count])
+            for t, (a, b, c) in zip(rows.tolist(), self.corner[rows].tolist(), strict=True):
+                for key in (edge(a, b), edge(b, c), edge(c, a)):
                     self._beside.setdefault(key, []).append(t)
         return self._beside
 
-    def _sides(self, t: int) -> Iterator[Edge]:
+    def _sides(self, t: int) -> tuple[Edge, Edge, Edge]:
         a, b, c = self.corner[t].tolist()
-        return iter((edge(a, b), edge(b, c), edge(c, a)))
+        return edge(a, b), edge(b, c), edge(c, a)
 
     def _add(self, corners: list[int], root: int) -> int:
         t = self.count
-        self.corner, self.root = grown(self.corner, t + 1), grown(self.root, t + 1)
-        self.alive = grown(self.alive, t + 1)
+        self.beside()  # made without the new triangle
+        if t == len(self.corner):
+            self.corner, self.root = grown(self.corner, t + 1), grown(self.root, t + 1)
+            self.alive = grown(self.alive, t + 1)
         self.corner[t], self.root[t], self.count = corners, root, t + 1
         self._revive(t)
         return t
 
     def _revive(self, t: int) -> None:
-        self.alive[t] = True
+        self.alive[t], beside = True, self.beside()
         for key in self._sides(t):
-            self.beside().setdefault(key, []).append(t)
+            beside.setdefault(key, []).append(t)
 
     def _kill(self, t: int) -> None:
-        self.alive[t] = False
+        self.alive[t], beside = False, self.beside()
         for key in self._sides(t):
-            self.beside()[key].remove(t)
+            beside[key].remove(t)
 
     def split_segment(self, a: int, b: int, p: int) -> Split:
         """Split the segment ab, and the triangles at it, at the vertex p."""

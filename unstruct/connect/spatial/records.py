@@ -94,7 +94,8 @@ class Local(NamedTuple):
     """A cavity of at most LOCAL_ROOM vertices, with local numbers, and the state of a search for refills.
 
     A face with local vertices x, y, z, the least first, has the number ``(x n + y) n + z``; it is seen from
-    the tetrahedron that it belongs to. Tables indexed by it have LOCAL_ROOM^3 entries.
+    the tetrahedron that it belongs to. Tables indexed by it have LOCAL_ROOM^3 entries. Four bits are enough
+    for a local vertex, twelve for a number: see `costs.packed_face`.
     """
 
     cells: NDArray[np.int32]
@@ -107,7 +108,7 @@ class Local(NamedTuple):
         np.int64
     ]  # of boundary faces: what is across; while cells are made, of others: where they are
     number: NDArray[np.int32]  # of faces: the mark that they carry
-    front: NDArray[np.int32]  # faces that were open at some time on the way to the present node
+    front: NDArray[np.int32]  # packed faces that were open at some time on the way to the present node
     chosen: NDArray[np.int32]  # for each depth: x, y, z, apex, which faces it opened, front, candidates, next
     apex: NDArray[np.int32]  # for each depth the candidates, the best first
     gain: NDArray[np.float64]  # what they cost

@@ -17,9 +17,9 @@ from .held import hold, new_held
 from .journal import EVENT_ROOM
 from .lookup import look_up
 from .records import RESUMED, SEED, new_local
-from .recovery import SPARE_SLOTS, recover_all, survey
+from .recovery import SPARE_SLOTS, STOP, recover_all, survey
 from .signs import DISJOINT, meets
-from .steiner import crossed_edges, distance, insert_around, insert_between, off_plane, on_line, on_plane
+from .steiner import distance, insert_around, insert_between, off_plane, on_plane, places
 
 __all__ = ["MORE_EFFORT", "Recovery"]
 
@@ -31,6 +31,7 @@ MORE_EFFORT = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
 EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
+FACES_ROOM = 64  # faces that a segment meets; more where that is not enough
 PART_ROUNDS = 8  # how often parts of a segment are split
 
 
@@ -59,6 +60,7 @@ class Recovery:
         self.splits: list[Split] = []
         self.added = 0  # points, also those that were released since
         self.crossed = np.zeros(4, dtype=np.int64)
+        self.rows, self.where = np.empty((FACES_ROOM, 6), dtype=np.int32), np.empty(FACES_ROOM)
         self.lost_edges: set[tuple[int, int]] = set()
         self.lost: list[int] = []
         cells.state[SEED] = (seed * 7919 + 12345) & 0x7FFFFFFF
@@ -128,19 +130,23 @@ class Recovery:
     def _refill(
         self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options
     ) -> NDArray[np.int64]:
-        chosen = np.array(options, dtype=np.int64)
+        self._refill_until(kind, goals, left, np.array((*options, 0), dtype=np.int64))
+        return left
+
+    def _refill_until(
+        self, kind: int, goals: NDArray[np.int32], left: NDArray[np.int64], options: NDArray[np.int64]
+    ) -> int:
+        """Recover goals in order; the first that is left if that is to stop it, or how many there are."""
         self.local.size[RESUMED] = first = 0
         while first < len(goals):
             cells, rest = self.cells, slice(first, None)
             first += recover_all(
-                cells.solid(), self.held, self.local, cells.found, kind, goals[rest], left[rest], chosen
+                cells.solid(), self.held, self.local, cells.found, kind, goals[rest], left[rest], options
             )
             self._room()
-        return left
-
-    def _one(self, a: int, b: int, effort) -> bool:
-        goal = np.array([[a, b, 0, 0]], dtype=np.int32)
-        return bool(self._refill(EDGE, goal, np.ones(1, dtype=np.int64), effort)[0] == 0)
+            if options[STOP] and not self.local.size[RESUMED]:
+                break
+        return first
 
     # ------------------------------------------------------------------ points
 
@@ -152,9 +158,17 @@ class Recovery:
         """
         for generation in range(PART_ROUNDS):
             following: list[tuple[int, int]] = []
-            for a, b in waiting:
-                if self._one(a, b, MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS):
-                    continue
+            goals, i = np.zeros((len(waiting), 4), dtype=np.int32), 0
+            goals[:, :2] = np.array(waiting, dtype=np.int32).reshape(-1, 2)
+            left = np.ones(len(waiting), dtype=np.int64)
+            effort = MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS
+            options = np.array((*effort, 1), dtype=np.int64)
+            while True:
+                i += self._refill_until(EDGE, goals[i:], left[i:], options)
+                if i == len(waiting):
+                    break
+                a, b = waiting[i]
+                i += 1
                 p = self._insert_on_segment(a, b) if generation < PART_ROUNDS - 1 else -1
                 if p < 0:
                     self.lost_edges.add(edge(a, b))
@@ -200,29 +214,27 @@ class Recovery:
         return p
 
     def _insert_on_segment(self, a: int, b: int) -> int:
-        """Insert the first possible point where the segment crosses a face or an edge; -1 for none."""
+        """Insert a point where the segment crosses a face or an edge; -1 for none.
+
+        Points in the middle of all crossings are tried first: of two parts with half of the crossings each,
+        both are found more easily than what is left behind the first crossing.
+        """
         if not self._next_vertex():
             return -1
         cells, goal = self.cells, np.array([a, b, 0, 0], dtype=np.int32)
-        count = crossings(cells.solid(), EDGE, goal, cells.found)
-        if count <= 0:
-            return -1
-        faces, edges = cells.found.faces[:count].copy(), np.empty((count, 2), dtype=np.int32)
-        crossed_edges(cells.solid(), goal, cells.found, count, edges)
-        places: list[tuple[float, int, list[int], list[int]]] = []
+        count = places(cells.solid(), goal, cells.found, self.rows, self.where)
+        while count < 0:
+            self.rows, self.where = np.empty((2 * len(self.rows), 6), np.int32), np.empty(2 * len(self.rows))
+            count = places(cells.solid(), goal, cells.found, self.rows, self.where)
+        rows = zip(self.where[:count].tolist(), self.rows[:count].tolist(), strict=True)
+        found = sorted(row for row in rows if 0.0 < row[0] < 1.0)
+        middle = found[len(found) // 2][0] if found else 0.0
+        found.sort(key=lambda row: abs(row[0] - middle))
         start, end = cells.xyz[a], cells.xyz[b]
-        for face, crossed in zip(faces.tolist(), edges.tolist(), strict=True):
-            corners = [int(cells.vertex[(face & ~3) + (face + i) % 4]) for i in (1, 2, 3)]
-            if crossed[0] >= 0:
-                where = on_line(start, end, *cells.xyz[crossed])
-            else:
-                where = on_plane(start, end, *cells.xyz[corners])
-            if 0.0 < where < 1.0:
-                places.append((where, face, corners, crossed))
         for more in (0, WIDER):
-            for where, face, corners, crossed in sorted(places):
+            for where, (face, *corners) in found:
                 p = self._place(start + where * (end - start))
-                if self._insert_at(face, corners, crossed, p, more):
+                if self._insert_at(face, corners[:3], corners[3:], p, more):
                     cells.size += 1
                     cells.name_point((a, b, -1), count)
                     return p
@@ -260,7 +272,7 @@ class Recovery:
                 if meets(cells.xyz, p, q, goal[0], goal[1], goal[2]) != DISJOINT
             }
         for more, (u, v) in product((0, WIDER), sorted(crossing)):
-            where = on_plane(cells.xyz[u], cells.xyz[v], *cells.xyz[goal[:3]])
+            where = on_plane(cells.xyz, u, v, *goal[:3].tolist())
             p = self._place(cells.xyz[u] + where * (cells.xyz[v] - cells.xyz[u]))
             if not 0 < where < 1 or off_plane(cells.xyz[p], *cells.xyz[goal[:3]]) > self.rounding:
                 continue  # a point that is off its facet would be no part of it

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE
 from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
-from .costs import EDGE, FACE, NEVER, face_cost
+from .costs import EDGE, FACE, NEVER, face_cost, unpacked_face
 from .crossing import cells_around, classify, crossings, mark_face, star
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
@@ -29,7 +29,7 @@ from .records import (
 from .refill import refill
 from .signs import ON_EDGE, meets, side
 
-__all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "recover_all", "survey"]
+__all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "STOP", "recover_all", "survey"]
 
 SPARE_SLOTS = 128  # slots that a refill may need
 FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
@@ -41,6 +41,7 @@ MOST_WANTED = 0  # vertices of the largest cavity
 SHAKES = 1  # how many refills of equal cost
 SEARCH_NODES = 2  # nodes of one search
 TOTAL = 3  # nodes of all searches for one goal
+STOP = 4  # 1 to stop at the first goal that is left
 
 
 @apart
@@ -53,8 +54,7 @@ def _passes(xyz, r, faces):
     if r.goal[0] < n or r.goal[1] < n:
         return False
     for i in range(faces):
-        face = r.front[i]
-        x, y, z = face // (n * n), face // n % n, face % n
+        _, x, y, z = unpacked_face(r.front[i])
         if face_cost(xyz, r, x, y, z) == 0.0:
             continue
         mask = 1 << x | 1 << y | 1 << z
@@ -257,7 +257,8 @@ def recover_all(solid, held, r, found, kind, goals, left, options):
     """Recover the goals, rows of three vertices and a number, whose entry of ``left`` is not 0.
 
     Writes how many faces are in the way of each. What is recovered is held or marked with its number.
-    Returns the first goal that has to be tried again, see `recover_one`, or the number of goals.
+    Returns the first goal that has to be tried again, see `recover_one`; or the first that is left, if the
+    options say so; or the number of goals.
     """
     for i in range(goals.shape[0]):
         if left[i] == 0:
@@ -270,4 +271,6 @@ def recover_all(solid, held, r, found, kind, goals, left, options):
         note(solid, EVENT_FOUND if count == 0 else EVENT_GIVEN_UP, goals[i, 0], goals[i, 1], third, count, -1)
         if count == 0:
             _keep(solid, held, found, kind, goals[i])
+        elif options[STOP] > 0:
+            return i
     return goals.shape[0]

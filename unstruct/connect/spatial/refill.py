@@ -17,7 +17,20 @@ the beginning. An edge that must be there forbids all faces that it meets.
 from __future__ import annotations
 
 from ...base.jit import apart, inline, lean
-from .costs import DEGREE, EDGE, FACE, NEVER, SHAPE, face_cost, face_number, local_sign, tet_cost
+from .costs import (
+    DEGREE,
+    EDGE,
+    FACE,
+    NEVER,
+    SHAPE,
+    Signs,
+    face_cost,
+    face_number,
+    local_sign,
+    packed_face,
+    tet_cost,
+    unpacked_face,
+)
 from .records import (
     COST_KIND,
     GUARD_COUNT,
@@ -50,15 +63,13 @@ def set_code(r, n, x, y, z, code):
 
 
 @apart
-def _fill_fits(xyz, r, face):
-    """Write which vertices are on the inner side of this face."""
-    n = r.size[LOCALS]
-    x, y, z = face // (n * n), face // n % n, face % n
+def _fitting_all(xyz, signs, x, y, z):
+    """Which vertices are on the inner side of this face."""
     mask = 0
-    for d in range(n):
-        if d != x and d != y and d != z and local_sign(xyz, r, x, y, z, d) > 0:
+    for d in range(signs.size[LOCALS]):
+        if d != x and d != y and d != z and local_sign(xyz, signs, x, y, z, d) > 0:
             mask |= 1 << d
-    r.fits[face] = mask
+    return mask
 
 
 @inline
@@ -86,12 +97,12 @@ def _judge(xyz, r, a, b, mask):
 
 
 @inline
-def _fitting(xyz, r, face, total, limit):
+def _fitting(xyz, r, packed, total, limit):
     """The set of vertices that fit an open face: a bit for each that keeps the cost below the limit."""
     n, kind, slack = r.size[LOCALS], r.size[COST_KIND], limit - total
+    face, x, y, z = unpacked_face(packed)
     if r.fits[face] < 0:
-        _fill_fits(xyz, r, face)
-    x, y, z = face // (n * n), face // n % n, face % n
+        r.fits[face] = _fitting_all(xyz, Signs(r.label, r.memo, r.sign, r.size), x, y, z)
     one, two, three = y * n + x, z * n + y, x * n + z
     mask = r.fits[face] & ~(r.shut[one] | r.shut[two] | r.shut[three])
     if mask == 0 or not (slack > 0.0 or kind == SHAPE):
@@ -130,7 +141,7 @@ def _choose(xyz, r, depth, length, limit):
     fewest, chosen, best = n + 1, -1, 0
     for i in range(length):
         face = r.front[i]
-        if r.code[face] != UNFILLED:
+        if r.code[face & 4095] != UNFILLED:
             continue
         mask = _fitting(xyz, r, face, total, limit)
         found, rest = 0, mask
@@ -141,7 +152,7 @@ def _choose(xyz, r, depth, length, limit):
             fewest, chosen, best = found, face, mask
             if fewest <= 1:
                 break
-    x, y, z = chosen // (n * n), chosen // n % n, chosen % n
+    _, x, y, z = unpacked_face(chosen)
     r.chosen[depth, 0], r.chosen[depth, 1], r.chosen[depth, 2] = x, y, z
     found = 0
     for d in range(n):
@@ -183,7 +194,7 @@ def _set(r, depth, length):
             more -= 1
         else:
             set_code(r, n, a, c, b, UNFILLED)
-            r.front[length] = face_number(n, a, c, b)
+            r.front[length] = packed_face(n, a, c, b)
             length += 1
             more += 1
             opened |= 1 << k

@@ -22,7 +22,6 @@ from .cavity import (
     failed,
     grow,
     load,
-    new_slot,
     remember_failure,
     reset,
     unwritten,
@@ -30,6 +29,7 @@ from .cavity import (
 )
 from .costs import ANY, DEGREE, EDGE, NEVER
 from .crossing import star
+from .exchange import exchange
 from .given import Given, Split, edge
 from .held import holds
 from .journal import (
@@ -39,9 +39,6 @@ from .journal import (
     EVENT_REMOVED,
     EVENT_ROOM,
     EVENT_SHAKE,
-    close_event,
-    old_cells,
-    open_event,
 )
 from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
 from .recover import Recovery
@@ -88,7 +85,8 @@ def lower_degree(solid, held, r, found, goal, enough):
     """Refill around vertex goal[0] so that ``enough`` or fewer cells have it, as long as that is possible.
 
     If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
-    many cells have the vertex in the end; -1 if the record has no room, to be called again.
+    many cells have the vertex in the end, which are in ``found``; -1 if the record has no room, to be called
+    again.
     """
     p = goal[0]
     r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = DEGREE, EVENT_FEWER, 0
@@ -182,9 +180,11 @@ class Release:
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
         cells, held = self.cells, self.recovery.held
-        while lower_degree(cells.solid(), held, self.local, cells.found, goal, FEW_AT_POINT) < 0:
-            cells.reserve_events()
-        size = star(cells.solid(), cells.found, p)
+        size = -1
+        while size < 0:
+            size = lower_degree(cells.solid(), held, self.local, cells.found, goal, FEW_AT_POINT)
+            if size < 0:
+                cells.reserve_events()
         return cells.found.cells[:size].tolist()
 
     def _shaken(self, split: Split) -> bool:
@@ -211,13 +211,9 @@ class Release:
             return False
         given, p = self.recovery.given, split.point
         around = self._star(p, split.segment)
-        marks = {
-            int(self.cells.mark[4 * t + k])
-            for t in around
-            for k in range(4)
-            if self.cells.vertex[4 * t + k] != p and self.cells.mark[4 * t + k] >= 0
-        }
-        if marks != set(split.children) or len(around) > WALLS:
+        marks = self.cells.rows(self.cells.mark, around)
+        there = (marks >= 0) & (self.cells.rows(self.cells.vertex, around) != p)
+        if set(marks[there].tolist()) != set(split.children) or len(around) > WALLS:
             return False
         before, claimed = self.cells.size, set(around)
         tets: list[Cell] = []
@@ -258,9 +254,8 @@ class Release:
         edges = {frozenset(ends) for cell in tets for ends in combinations(cell, 2)}
         there = {v for cell in tets for v in cell}
         gone, free = {p}, {p, *self.inner}
-        for t in old:
-            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
-            gone |= set(v) - there
+        for v in self.cells.rows(self.cells.vertex, list(old)).tolist():
+            gone.update(set(v) - there)
             for ends in combinations(v, 2):
                 if p not in ends and frozenset(ends) not in edges and holds(self.recovery.held, *ends):
                     return None
@@ -278,13 +273,15 @@ class Release:
     def _sectors(self, around: list[int], p: int) -> list[list[int]]:
         """The cells of a star, in parts that hang together through faces that are not marked."""
         left, sectors, cells = set(around), [], self.cells
+        vertex, mark = cells.rows(cells.vertex, around), cells.rows(cells.mark, around)
+        over = np.where((vertex != p) & (mark < 0), cells.rows(cells.across, around) >> 2, -1)
+        next_to = dict(zip(around, over.tolist(), strict=True))
         while left:
             sector = [min(left)]
             left.remove(sector[0])
             for t in sector:
-                for k in range(4):
-                    u = int(cells.across[4 * t + k]) >> 2
-                    if cells.vertex[4 * t + k] != p and cells.mark[4 * t + k] < 0 and u in left:
+                for u in next_to[t]:
+                    if u in left:
                         left.remove(u)
                         sector.append(u)
             sectors.append(sector)
@@ -293,18 +290,17 @@ class Release:
     def _restored(self, sector: list[int], split: Split) -> list[Face]:
         """The triangles that the point has split and that bound a sector, seen from within."""
         p, given = split.point, self.recovery.given
-        parent_of = {child: self._parent(child, split) for child in split.children}
         restored: dict[tuple[int, Face], Face] = {}
-        for t in sector:
-            v = self.cells.vertex[4 * t : 4 * t + 4].tolist()
-            for k in range(4):
-                number = int(self.cells.mark[4 * t + k])
-                if v[k] != p and number in parent_of:
-                    parent = parent_of[number]
-                    face = [v[i] for i in POSITIVE[k]]
-                    (lacking,) = set(given.corner[parent].tolist()) - set(face)
-                    face = [lacking if x == p else x for x in face]
-                    restored[parent, turned(face)] = turned(face)
+        marks = self.cells.rows(self.cells.mark, sector)
+        vertex = self.cells.rows(self.cells.vertex, sector)
+        for i, k in np.argwhere((marks >= 0) & (vertex != p)).tolist():
+            number = int(marks[i, k])
+            if number in split.children:
+                v, parent = vertex[i].tolist(), self._parent(number, split)
+                face = [v[j] for j in POSITIVE[k]]
+                (lacking,) = set(given.corner[parent].tolist()) - set(face)
+                seen = turned([lacking if x == p else x for x in face])
+                restored[parent, seen] = seen
         return list(restored.values())
 
     def _parent(self, child: int, split: Split) -> int:
@@ -323,12 +319,11 @@ class Release:
             size[TARGET : TARGET + 2] = segment
         if not walls:
             return []
-        rows = np.array(walls, dtype=np.int32)
-        if segment is not None and not np.isin(segment, rows).all():
+        there = set().union(*walls)
+        if segment is not None and not there >= set(segment):
             return None  # a part of it is not there
-        if len(np.unique(rows)) > LOCAL_ROOM or not refill_walls(
-            self.cells.solid(), self.local, rows, NODES_WITHOUT
-        ):
+        rows = np.array(walls, dtype=np.int32)
+        if len(there) > LOCAL_ROOM or not refill_walls(self.cells.solid(), self.local, rows, NODES_WITHOUT):
             return None
         return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 
@@ -340,55 +335,19 @@ class Release:
         event: tuple[int, int, int, int, int, int],
     ) -> bool:
         """Replace cells by others that fill the same space; False, and no change, if faces do not fit."""
-        cells, inside, p, kept = self.cells, set(old), event[5], {}
-        border: dict[frozenset, tuple[int, int]] = {}
-        for t in old:
-            v = cells.vertex[4 * t : 4 * t + 4].tolist()
-            for k in range(4):
-                over = int(cells.across[4 * t + k])
-                face = frozenset(v[:k] + v[k + 1 :])
-                if over >> 2 not in inside:
-                    border[face] = over, int(cells.mark[4 * t + k])
-                elif p not in face and cells.mark[4 * t + k] >= 0:
-                    kept[face] = int(cells.mark[4 * t + k])
-        faces: dict[frozenset, list[tuple[int, int]]] = {}
-        for i, v4 in enumerate(tets):
-            for k in range(4):
-                faces.setdefault(frozenset(v4[:k] + v4[k + 1 :]), []).append((i, k))
-        if not all(len(places) == (1 if face in border else 2) for face, places in faces.items()):
-            return False
-        if not set(border) <= set(faces) or not set(kept) <= set(faces):
-            return False
-        self._write(old, tets, (border, faces, kept | restored), event)
-        return True
-
-    def _write(self, old: list[int], tets: list[Cell], tables, event: tuple[int, ...]) -> None:
-        border, faces, restored = tables
-        cells, noting = self.cells, len(self.cells.journal) > 0
+        cells = self.cells
         cells.reserve(cells.size, cells.slots + len(tets))
         cells.reserve_events(5 * (len(old) + len(tets)) + EVENT_ROOM)
-        if noting:
-            open_event(cells.solid(), *event)
-            old_cells(cells.solid(), np.array(old, dtype=np.int32), len(old))
-        region = int(cells.region[old[0]])
-        for t in old:
-            cells.vertex[4 * t] = -2
-            cells.free[cells.state[FREE]] = t
-            cells.state[FREE] += 1
-        solid = cells.solid()
-        slots = [int(new_slot(solid)) for _ in tets]
-        for t, v in zip(slots, tets, strict=True):
-            cells.vertex[4 * t : 4 * t + 4] = v
-            cells.at[list(v)], cells.region[t] = t, region
-        if noting:
-            close_event(solid, np.array(slots, dtype=np.int32), len(slots))
-        for face, places in faces.items():
-            ends = [4 * slots[i] + k for i, k in places]
-            mark = restored.get(face, border[face][1] if face in border else -1)
-            over = border[face][0] if face in border else ends[1]
-            cells.across[ends[0]], cells.mark[ends[0]] = over, mark
-            if over >= 0:
-                cells.across[over], cells.mark[over] = ends[0], mark
+        marks = [(*face, number) for face, number in restored.items()]
+        return bool(
+            exchange(
+                cells.solid(),
+                np.array(old, dtype=np.int32),
+                np.array(tets, dtype=np.int32).reshape(-1, 4),
+                np.array(marks, dtype=np.int32).reshape(-1, 4),
+                np.array(event, dtype=np.int32),
+            )
+        )
 
 
 def _goal(split: Split, given: Given) -> tuple[int, int, int]:

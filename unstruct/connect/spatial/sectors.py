@@ -8,14 +8,16 @@ stay.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.jit import kernel, lean
 from ...geometry.edge_vectors import cross, lengths
+from ..insertion.engine import STAMP
 from .arrays import CellArrays
+from .cavity import corner
 from .signs import side
 from .steiner import sees
 
@@ -32,6 +34,7 @@ NEAR_WALLS = (
     1e-2,
 )  # heights over walls from which a point moves away; unit: the mean distance
 MOST_TAKEN = 200  # cells that are taken into a cavity
+NO_WALL = -2  # for the place of what is no wall
 
 
 # The corners of face k, as `corner` gives them. (A kernel that is called here is compiled by the import.)
@@ -55,56 +58,95 @@ def cancelled(link: list[Face], whole: list[Face]) -> tuple[list[Face], list[Fac
 def link_of(cells: CellArrays, sector: list[int], p: int) -> dict[Face, int]:
     """The faces of a sector opposite p, seen from within, and where they are in the complex."""
     walls = {}
-    for t in sector:
-        v = cells.vertex[4 * t : 4 * t + 4].tolist()
+    for t, v in zip(sector, cells.rows(cells.vertex, sector).tolist(), strict=True):
         k = v.index(p)
         walls[turned([v[i] for i in POSITIVE[k]])] = 4 * t + k
     return walls
 
 
-def _inward(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A direction with a positive product with all normals, if that is found soon."""
-    step = normals.sum(axis=0)
+@lean
+def _inward(normals, height, most, way):
+    """Write a direction with a positive product with all normals at such a height, if that is found soon."""
+    n = normals.shape[0]
+    way[0] = way[1] = way[2] = 0.0
+    for i in range(n):
+        if height[i] <= most:
+            for j in range(3):
+                way[j] += normals[i, j]
     for _ in range(50):
-        products = (normals * step).sum(axis=1)  # by BLAS, it would depend on the processor
-        if products.min() > 0:
+        least, chosen = np.inf, -1
+        for i in range(n):
+            if height[i] <= most:
+                product = normals[i, 0] * way[0] + normals[i, 1] * way[1] + normals[i, 2] * way[2]
+                if product < least:
+                    least, chosen = product, i
+        if chosen < 0 or least > 0:
             break
-        step = step + normals[int(products.argmin())]
-    return step / max(float(lengths(step)), 1e-300)
+        for j in range(3):
+            way[j] += normals[chosen, j]
+    length = max(np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]), 1e-300)
+    for j in range(3):
+        way[j] /= length
 
 
-def _steps(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> Iterator[NDArray[np.float64]]:
-    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle."""
-    corners = cells.xyz[np.array(link + whole, dtype=np.int32)]
-    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+@kernel
+def _ways_off(normals, height, scale, ways):
+    """Write ways off all normals at walls lower than each of NEAR_WALLS; how many different ones."""
+    count, before = 0, 0
+    for near in NEAR_WALLS:
+        flat = 0
+        for i in range(height.shape[0]):
+            flat += height[i] <= near * scale
+        if flat > before:
+            before = flat
+            _inward(normals, height, near * scale, ways[count])
+            for j in range(3):
+                ways[count, j] *= scale
+            count += 1
+    return count
+
+
+def _steps(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> NDArray[np.float64]:
+    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle.
+
+    The first ``link`` walls are those around p, the others are whole triangles.
+    """
+    corners = cells.xyz[walls]
+    first = corners[:, 0]
+    normals = cross(corners[:, 1] - first, corners[:, 2] - first)
     normals /= np.maximum(lengths(normals), 1e-300)[:, None]
     away = corners.reshape(-1, 3) - cells.xyz[p]
     scale = float(lengths(away).mean())
-    height = np.abs(((cells.xyz[p] - corners[:, 0]) * normals).sum(axis=1))
-    height[len(link) :] = 0.0
-    counts = []
-    for near in NEAR_WALLS:
-        flat = height <= near * scale
-        if flat.any() and int(flat.sum()) not in counts:
-            counts.append(int(flat.sum()))
-            yield _inward(normals[flat]) * scale
-    yield away.mean(axis=0)
+    height = np.abs(((cells.xyz[p] - first) * normals).sum(axis=1))
+    height[link:] = 0.0
+    ways = np.empty((len(NEAR_WALLS) + 1, 3))
+    count = _ways_off(normals, height, scale, ways)
+    ways[count] = away.mean(axis=0)
+    return ways[: count + 1]
+
+
+@kernel
+def _back(xyz, walls, p, q, ways):
+    """Put q off p along one of these ways, so near that all walls see it; False if none is found."""
+    for i in range(ways.shape[0]):
+        length = 1.0
+        for _ in range(STEPS_BACK):
+            for j in range(3):
+                xyz[q, j] = xyz[p, j] + length * ways[i, j]
+            if sees(xyz, walls, walls.shape[0], q):
+                return True
+            length /= 2
+    return False
 
 
 def moved(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
     """The star of the next vertex, close to p, that sees all walls, those around p and whole triangles."""
-    walls = link + whole
+    walls, q = link + whole, cells.size
     rows = np.array(walls, dtype=np.int32)
-    here, q = cells.xyz[p].copy(), cells.size
-    for step in _steps(cells, link, whole, p):
-        length = 1.0
-        for _ in range(STEPS_BACK):
-            cells.xyz[q] = here + length * step
-            if sees(cells.xyz, rows, len(rows), q):
-                cells.size += 1
-                return [(*face, q) for face in walls]
-            length /= 2
-    return None
+    if not _back(cells.xyz, rows, p, q, _steps(cells, rows, len(link), p)):
+        return None
+    cells.size += 1
+    return [(*face, q) for face in walls]
 
 
 def widened(
@@ -115,54 +157,99 @@ def widened(
     Cells that are claimed must stay. There may be nothing to fill; then no vertex is used.
     """
     link = link_of(cells, sector, p)
-    here, q = cells.xyz[p].copy(), cells.size
-    steps = list(_steps(cells, list(link), whole, p))
-    for i, step in product(range(1, WIDE_STEPS), steps):
+    q = cells.size
+    rows = np.array([*link, *whole], dtype=np.int32)
+    start = np.column_stack([rows, np.full(len(rows), -1, dtype=np.int32)])
+    start[: len(link), 3] = list(link.values())
+    solid, ways = cells.solid(), _steps(cells, rows, len(link), p)
+    walls = np.empty((len(rows) + 4 * MOST_TAKEN, 4), dtype=np.int32)
+    taken = np.empty(MOST_TAKEN, dtype=np.int32)
+    stay = np.array(sorted(claimed), dtype=np.int32)
+    here = cells.xyz[p].copy()
+    for i, step in product(range(1, WIDE_STEPS), ways):
         cells.xyz[q] = here + step / 4.0**i
-        found = _cavity(cells, dict(link), whole, claimed)
-        if found is not None:
-            walls, taken = found
-            cells.size += len(walls) > 0
-            return [(*face, q) for face in walls], taken
+        count, more = _cavity(solid, start, len(link), stay, q, walls, taken)
+        if count >= 0:
+            cells.size += count > 0
+            return [(x, y, z, q) for x, y, z in walls[:count, :3].tolist()], taken[:more].tolist()
     return None
 
 
-def _cavity(
-    cells: CellArrays, walls: dict[Face, int], whole: list[Face], claimed: set[int]
-) -> tuple[list[Face], list[int]] | None:
-    """Walls that the next vertex sees, and the cells taken for that; None if what must stay is in the way.
+@lean
+def _add_wall(solid, walls, count, x, y, z, place):
+    """List a wall, or take its reverse away; how many walls are listed, -1 if that must not be.
 
-    ``walls`` has the place of each wall in the complex, -1 for whole triangles, which are not there yet.
+    The lowest vertex is first. Those that were taken away begin with -1.
     """
-
-    def add(face: Face, place: int) -> bool:
-        x, y, z = face
-        other = walls.pop((x, z, y), None)
-        if other is None:
-            walls[face] = place
-            return True
-        place = max(place, other)  # it is inside now, or there already, so it must carry no mark
-        return place >= 0 and cells.mark[place] < 0
-
-    if not all([add(face, -1) for face in whole]):
-        return None
-    taken: list[int] = []
-    waiting = list(walls)
-    while waiting:
-        face = waiting.pop()
-        if face not in walls or side(cells.xyz, *face, cells.size) > 0:
+    for i in range(count):
+        if walls[i, 0] != x:
             continue
-        place = walls[face]
-        if place < 0 or cells.mark[place] >= 0 or cells.across[place] < 0 or len(taken) == MOST_TAKEN:
-            return None
-        u = int(cells.across[place]) >> 2
-        if u in claimed or u in taken:
-            return None
-        taken.append(u)
-        v = cells.vertex[4 * u : 4 * u + 4].tolist()
+        if walls[i, 1] == z and walls[i, 2] == y:
+            place = max(place, walls[i, 3])  # inside now, or there already, so it must carry no mark
+            walls[i, 0] = -1
+            return count if place >= 0 and solid.mark[place] < 0 else -1
+    for i in range(count):
+        if walls[i, 0] == x and walls[i, 1] == y and walls[i, 2] == z:
+            walls[i, 3] = place
+            return count
+    walls[count, 0], walls[count, 1], walls[count, 2], walls[count, 3] = x, y, z, place
+    return count + 1
+
+
+@kernel
+def _cavity(solid, start, link, claimed, q, walls, taken):
+    """List the walls that vertex q sees, and the cells taken for that; -1 walls if something must stay.
+
+    ``start`` has the walls to begin with and the place of each in the complex; after the first ``link``, -1
+    for whole triangles, which are not there yet. Cells that are claimed are not taken.
+    """
+    solid.state[STAMP] += 1
+    stamp, count, more, top = 2 * solid.state[STAMP], link, 0, 0
+    for i in range(claimed.shape[0]):
+        solid.stamp[claimed[i]] = stamp
+    walls[:link] = start[:link]
+    for i in range(link, start.shape[0]):
+        count = _add_wall(solid, walls, count, start[i, 0], start[i, 1], start[i, 2], -1)
+        if count < 0:
+            return -1, 0
+    waiting = np.empty((count + 4 * taken.shape[0], 3), dtype=np.int32)
+    for i in range(count):
+        if walls[i, 0] >= 0:
+            waiting[top] = walls[i, :3]
+            top += 1
+    while top > 0:
+        top -= 1
+        x, y, z = waiting[top, 0], waiting[top, 1], waiting[top, 2]
+        place = NO_WALL
+        for i in range(count):
+            if walls[i, 0] == x and walls[i, 1] == y and walls[i, 2] == z:
+                place = walls[i, 3]
+        if place == NO_WALL or side(solid.xyz, x, y, z, q) > 0:
+            continue
+        if place < 0 or solid.mark[place] >= 0 or solid.across[place] < 0 or more == taken.shape[0]:
+            return -1, 0
+        u = solid.across[place] >> 2
+        if solid.stamp[u] == stamp:
+            return -1, 0
+        solid.stamp[u] = stamp
+        taken[more] = u
+        more += 1
         for k in range(4):
-            new = turned([v[i] for i in POSITIVE[k]])
-            if not add(new, 4 * u + k):
-                return None
-            waiting.append(new)
-    return list(walls), taken
+            x, y, z = (
+                solid.vertex[4 * u + corner(k, 0)],
+                solid.vertex[4 * u + corner(k, 1)],
+                solid.vertex[4 * u + corner(k, 2)],
+            )
+            while y < x or z < x:
+                x, y, z = y, z, x
+            count = _add_wall(solid, walls, count, x, y, z, 4 * u + k)
+            if count < 0:
+                return -1, 0
+            waiting[top, 0], waiting[top, 1], waiting[top, 2] = x, y, z
+            top += 1
+    kept = 0
+    for i in range(count):
+        if walls[i, 0] >= 0:
+            walls[kept] = walls[i]
+            kept += 1
+    return kept, more

@@ -15,12 +15,13 @@ from ...geometry.edge_vectors import cross, lengths
 from ..insertion.engine import STAMP
 from ..insertion.stars import Space, star3
 from .cavity import corner
-from .crossing import ring
+from .costs import EDGE
+from .crossing import crossings, ring
 from .held import holds
 from .journal import EVENT_POINT, close_event, old_cells, open_event
 from .signs import COPLANAR, ON_EDGE, meets, side
 
-__all__ = ["crossed_edges", "insert_around", "insert_between", "off_plane", "on_line", "on_plane", "sees"]
+__all__ = ["distance", "insert_around", "insert_between", "off_plane", "on_plane", "places", "sees"]
 
 Row = NDArray[np.float64]  # a point
 
@@ -171,38 +172,77 @@ def _crossed(xyz, a, b, u, v):
     return False
 
 
+@lean
+def _crossed_edge(solid, goal, u, v, w):
+    """The edge of a face that the segment crosses, or -1, -1."""
+    if meets(solid.xyz, goal[0], goal[1], u, v, w) in (ON_EDGE, COPLANAR):
+        if _crossed(solid.xyz, goal[0], goal[1], u, v):
+            return u, v
+        if _crossed(solid.xyz, goal[0], goal[1], v, w):
+            return v, w
+        if _crossed(solid.xyz, goal[0], goal[1], w, u):
+            return w, u
+    return -1, -1
+
+
+@lean
+def _normal(xyz, a, b, p, q):
+    """The cross product of the vectors from a to b and from p to q."""
+    x, y, z = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
+    u, v, w = xyz[q, 0] - xyz[p, 0], xyz[q, 1] - xyz[p, 1], xyz[q, 2] - xyz[p, 2]
+    return y * w - z * v, z * u - x * w, x * v - y * u
+
+
+@lean
+def _height(xyz, a, p, x, y, z):
+    """The inner product of the vector from a to p with another."""
+    return x * (xyz[p, 0] - xyz[a, 0]) + y * (xyz[p, 1] - xyz[a, 1]) + z * (xyz[p, 2] - xyz[a, 2])
+
+
 @kernel
-def crossed_edges(solid, goal, found, faces, edges):
-    """For each of the faces in ``found`` the edge that the segment crosses there, or -1, -1."""
-    a, b = goal[0], goal[1]
-    for i in range(faces):
-        t, k = found.faces[i] & ~3, found.faces[i] & 3
-        u, v, w = solid.vertex[t + (k + 1) % 4], solid.vertex[t + (k + 2) % 4], solid.vertex[t + (k + 3) % 4]
-        edges[i, 0] = edges[i, 1] = -1
-        if meets(solid.xyz, a, b, u, v, w) in (ON_EDGE, COPLANAR):
-            for p, q in ((u, v), (v, w), (w, u)):
-                if _crossed(solid.xyz, a, b, p, q):
-                    edges[i, 0], edges[i, 1] = p, q
+def on_plane(xyz, a, b, u, v, w):
+    """Where the line ab meets the plane uvw: 0 at a, 1 at b; NaN if it nowhere does."""
+    x, y, z = _normal(xyz, u, v, u, w)
+    above, below = _height(xyz, u, a, x, y, z), _height(xyz, u, b, x, y, z)
+    return above / (above - below) if above != below else np.nan
+
+
+@kernel
+def _on_line(xyz, a, b, p, q):
+    """Where the line ab is closest to the line pq: 0 at a, 1 at b; NaN if they are parallel."""
+    x, y, z = _normal(xyz, a, b, p, q)
+    square = x * x + y * y + z * z
+    u, v, w = _normal(xyz, a, p, p, q)
+    return (u * x + v * y + w * z) / square if square > 0 else np.nan
+
+
+@kernel
+def places(solid, goal, found, rows, where):
+    """List the faces that a segment meets: how many, -1 if ``rows`` has no room for them.
+
+    A row has the face, its vertices, and the edge that is crossed, or -1, -1; ``where`` its place on the
+    segment: 0 at the beginning, 1 at the end.
+    """
+    count = crossings(solid, EDGE, goal, found)
+    if count > rows.shape[0]:
+        return -1
+    for i in range(count):
+        face = found.faces[i]
+        t, k = face & ~3, face & 3
+        u, v, w = solid.vertex[t + (k + 1 & 3)], solid.vertex[t + (k + 2 & 3)], solid.vertex[t + (k + 3 & 3)]
+        p, q = _crossed_edge(solid, goal, u, v, w)
+        if p >= 0:
+            where[i] = _on_line(solid.xyz, goal[0], goal[1], p, q)
+        else:
+            where[i] = on_plane(solid.xyz, goal[0], goal[1], u, v, w)
+        rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5] = face, u, v, w, p, q
+    return max(count, 0)
 
 
 def _inner(a: Row, b: Row) -> float:
     """The inner product, added in a fixed order: that of BLAS depends on the processor."""
     x, y, z = (a * b).tolist()
     return x + y + z
-
-
-def on_plane(a: Row, b: Row, u: Row, v: Row, w: Row) -> float:
-    """Where the line ab meets the plane uvw: 0 at a, 1 at b; NaN if it nowhere does."""
-    normal = cross(v - u, w - u)
-    above, below = _inner(normal, a - u), _inner(normal, b - u)
-    return above / (above - below) if above != below else np.nan
-
-
-def on_line(a: Row, b: Row, p: Row, q: Row) -> float:
-    """Where the line ab is closest to the line pq: 0 at a, 1 at b; NaN if they are parallel."""
-    normal = cross(b - a, q - p)
-    square = _inner(normal, normal)
-    return _inner(cross(p - a, q - p), normal) / square if square > 0 else np.nan
 
 
 def off_plane(p: Row, u: Row, v: Row, w: Row) -> float:
