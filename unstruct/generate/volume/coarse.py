@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 COARSER = 4.0  # edges of a facet over the size, from which the size near it is changed
 AS_LARGE = 0.25  # the size at a coarse facet; unit: the root of twice its area
 COARSE_FALL = 1.0  # of the size from a coarse facet, per length
-COARSE_REACH = 1.0  # how near to a coarse facet points come only after it is recovered; unit: its longest edge
+COARSE_REACH = (
+    1.0  # how near to a coarse facet points come only after it is recovered; unit: its longest edge
+)
 QUERIES_AT_ONCE = 1 << 15  # points, to bound the memory
 
 
