@@ -256,7 +256,8 @@ class SegmentTree:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         which = np.empty(len(points), dtype=np.int64)
         scaled = points if self.factor == 1.0 else np.ascontiguousarray(points * self.factor)
-        search(scaled, self.packed, growth / self.factor, best, which)
+        waiting = np.empty(128, dtype=np.int64), np.empty(128)
+        search(scaled, self.packed, growth / self.factor, waiting, best, which)
         return which
 
     def distance(self, x: ArrayLike) -> Array:
