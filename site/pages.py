@@ -21,6 +21,8 @@ HOW_TO = [
     "howto-sizes",
     "howto-refine-again",
     "howto-three-dimensions",
+    "howto-mesh-a-body",
+    "howto-heat-in-a-body",
 ]
 BACK = [
     "benchmarks",

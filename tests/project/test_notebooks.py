@@ -28,6 +28,8 @@ HOW_TO = (
     "sizes",
     "refine-again",
     "three-dimensions",
+    "mesh-a-body",
+    "heat-in-a-body",
 )
 COMPARISONS = {"2.6d-regions-and-methods"}  # they teach no method, but take those of other chapters to work
 METHOD_CHAPTERS = [

@@ -15,30 +15,15 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
+from .segment_search import Packed, depth_of, first_in, pack, search
 
-__all__ = ["SegmentTree", "depth_of", "first_in", "to_box", "to_segment"]
+__all__ = ["SegmentTree", "to_box", "to_segment"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-BY_SQUARES = 1e-14  # above the rounding errors of squares and products
 IN_LEAF = 2.0  # segments in a leaf of the tree, at most, on average
-
-
-@inline
-def depth_of(leaves):
-    """The depth of the leaves, of which there are two to this power."""
-    depth = 0
-    while leaves > 1:
-        leaves, depth = leaves >> 1, depth + 1
-    return depth
-
-
-@inline
-def first_in(leaf, many, depth):
-    """The place of the first segment of a leaf in the order: ``many`` segments share the leaves evenly."""
-    return leaf * many >> depth
 
 
 # In the plane loops over coordinates take twice the time, so what is needed most often has a branch for it.
@@ -102,31 +87,6 @@ def to_segment(x, q, segments, i):
     return np.sqrt(_away(x, q, segments, i, t))
 
 
-@inline
-def _from_segment(x, q, segments, weights, i, growth):
-    """The minimum of weight + growth * distance to x[q] over the points of segment i.
-
-    Let the weight rise by r along the length l of the segment. The minimum is taken at the point whose
-    connection to x[q] is turned from the perpendicular, against the rise, by an angle of sine r / (growth l).
-    If there is no such angle, it is taken at the end with the lower weight; if the point lies beyond an end,
-    at that end.
-    """
-    low, rise = weights[i, 0], weights[i, 1] - weights[i, 0]
-    along, square = _along(x, q, segments, i)
-    if rise == 0.0:
-        t = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
-    else:
-        reach = growth * np.sqrt(square)
-        if abs(rise) >= reach:
-            t = 0.0 if rise > 0.0 else 1.0
-        else:
-            foot = along / square
-            total = _away(x, q, segments, i, foot)
-            t = foot - np.sqrt(total / square) * rise / np.sqrt((reach - rise) * (reach + rise))
-            t = min(max(t, 0.0), 1.0)
-    return (weights[i, 1] if t == 1.0 else low + t * rise) + growth * np.sqrt(_away(x, q, segments, i, t))
-
-
 class SegmentNodes(NamedTuple):
     """The arrays of a `SegmentTree`: boxes, the least weight below each, the order of the segments."""
 
@@ -136,60 +96,6 @@ class SegmentNodes(NamedTuple):
     order: Integers
     segments: Array
     weights: Array
-
-
-@kernel
-def _search(x, tree, growth, best, which):
-    """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
-
-    A box is skipped if its minimum weight at its nearest point would not be lower. Most are skipped by
-    squares, before any root is taken. Queries that follow each other are often close, so the answer of the
-    previous query is tried first.
-    """
-    low, high, least, order, segments, weights = tree
-    leaves = low.shape[0] // 2
-    depth = depth_of(leaves)
-    stack, bound = np.empty(128, dtype=np.int64), np.empty(128)
-    last, inverse = -1, (1.0 + BY_SQUARES) / growth if growth > 0.0 else np.inf
-    for q in range(x.shape[0]):
-        lowest, found = best[q], np.int64(-1)
-        if last >= 0:
-            value = _from_segment(x, q, segments, weights, last, growth)
-            if value < lowest:
-                lowest, found = value, last
-        node, top = 1, 0
-        if not least[1] + growth * to_box(x, q, low, high, 1) < lowest:
-            node = 0
-        while node > 0:
-            if node < leaves:
-                near = 2 * node
-                far = near + 1
-                square, room = _to_box_squared(x, q, low, high, near), lowest - least[near]
-                square_far, room_far = _to_box_squared(x, q, low, high, far), lowest - least[far]
-                to_this = room > 0.0 and square <= (room * inverse) * (room * inverse)
-                to_other = room_far > 0.0 and square_far <= (room_far * inverse) * (room_far * inverse)
-                if to_this and to_other:
-                    to_near = least[near] + growth * np.sqrt(square)
-                    to_far = least[far] + growth * np.sqrt(square_far)
-                    if to_far < to_near:
-                        near, far, to_near, to_far = far, near, to_far, to_near
-                    stack[top], bound[top] = far, to_far
-                    top += 1
-                if to_this or to_other:
-                    node = near if to_this else far
-                    continue
-            else:
-                leaf, many = node - leaves, order.shape[0]
-                for k in range(first_in(leaf, many, depth), first_in(leaf + 1, many, depth)):
-                    value = _from_segment(x, q, segments, weights, order[k], growth)
-                    if value < lowest:
-                        lowest, found = value, order[k]
-            node = 0
-            while top > 0 and node == 0:
-                top -= 1
-                if bound[top] < lowest:
-                    node = stack[top]
-        best[q], which[q], last = lowest, found, found
 
 
 @inline
@@ -318,6 +224,8 @@ class SegmentTree:
         least = np.empty(2 * leaves)
         _enclose(*boxes, self.weights, order, *nodes, least)
         self.nodes = SegmentNodes(nodes[0], nodes[1], least, order, self.segments, self.weights)
+        self.packed = Packed(np.empty((2 * leaves, 2 * d + 1)), np.empty((many, 2 * d + 2)), order)
+        pack(self.nodes, self.packed.boxes, self.packed.sides)
 
     def least(self, x: ArrayLike, growth: float, start: ArrayLike | None = None) -> tuple[Array, Integers]:
         """The minimum of weight + growth * distance over all segments.
@@ -348,7 +256,8 @@ class SegmentTree:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         which = np.empty(len(points), dtype=np.int64)
         scaled = points if self.factor == 1.0 else np.ascontiguousarray(points * self.factor)
-        _search(scaled, self.nodes, growth / self.factor, best, which)
+        waiting = np.empty(128, dtype=np.int64), np.empty(128)
+        search(scaled, self.packed, growth / self.factor, waiting, best, which)
         return which
 
     def distance(self, x: ArrayLike) -> Array:

@@ -19,7 +19,8 @@ from ..base.heap import pop, push
 from ..base.jit import inline, kernel
 from ..geometry.edge_vectors import exponents, lengths
 from ..geometry.outline import Outline
-from ..geometry.segment_tree import SegmentTree, depth_of, first_in, to_box, to_segment
+from ..geometry.segment_search import depth_of, first_in
+from ..geometry.segment_tree import SegmentTree, to_box, to_segment
 from .field import SizeField, as_size
 from .source_sizes import sources
 from .space_features import SpaceFeatures

@@ -48,6 +48,8 @@ class SizeField:
         The value, if it is the same everywhere; otherwise None.
     growth : float or None
         A bound on the change per unit of length; None if none is known.
+    most : float
+        A number that no value exceeds; infinite if none is known.
     thorough : bool
         Whether finishing may take most of the time, for the sake of the least angle: True but for sizes that
         grow fast nearly everywhere.
@@ -60,6 +62,7 @@ class SizeField:
     themselves."""
 
     thorough = True
+    most = np.inf
 
     def __init__(
         self,
@@ -233,7 +236,7 @@ def as_size(size: Any) -> SizeField:
     if not (np.isfinite(value) and value > 0):
         raise InputError(f"size must be positive and finite, not {value!r}")
     field = SizeField(partial(_everywhere, value), growth=0.0)
-    field.constant = value
+    field.constant = field.most = value
     return field
 
 

@@ -90,11 +90,11 @@ class _Sources(SizeField):
 
     def __init__(self, tree: SegmentTree, growth: float, cap: float, landmarks: Array, name: str):
         super().__init__(partial(_grown, tree, growth, cap), landmarks=landmarks, name=name, growth=growth)
-        self.tree, self.cap, self.change = tree, cap, growth
+        self.tree, self.most, self.change = tree, cap, growth
 
     def below(self, x: Array, bound: Array) -> Array:
         """As `SizeField.below`: the tree looks only for what is below the bound."""
-        found = np.minimum(bound, self.cap)
+        found = np.minimum(bound, self.most)
         self.tree.lower(x, self.change, found)
         return found
 

@@ -159,7 +159,7 @@ def test_thin_plates(thickness: float) -> None:
     plate = Domain.box((0, 0, 0), (1, 1, thickness))
     for options in ((0.25,), ()):
         mesh = refined(plate, *options)
-        assert mesh.size < 500 and "narrow" in str(mesh.reasons[0])
+        assert mesh.size < 500 and any("narrow" in reason for reason in mesh.reasons)
     assert refined(Domain.box((0, 0, 0), (1, 1, 0.1)), 0.25).complete  # this is not narrow
 
 

@@ -109,18 +109,38 @@ def evenly(outline: Pieces, wanted: Wanted, step: float) -> tuple[np.ndarray, np
     if amount.sum() / step > MOST_SUBSEGMENTS:
         raise InputError(_too_small(outline, int(np.argmax(amount)), 0.5))
     count = np.maximum(np.rint(amount / step), 1).astype(np.int64)
-    owner = np.repeat(np.arange(len(count)), count)
-    j = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
     even = wanted.even()
     if outline.curves:
         even[list(outline.curves)] = False
-    share = j / count[owner]
-    place = begin[owner] + share * amount[owner]
-    t0 = np.where(even[owner], share, np.interp(place, total, piece + t) - owner)
-    t0 = np.where(j == 0, 0.0, t0)
-    last = np.append(owner[1:] != owner[:-1], True)
-    t1 = np.where(last, 1.0, np.append(t0[1:], 1.0))
+    many = int(count.sum())
+    owner, numbers = np.empty(many, dtype=np.int64), np.empty((4, many))
+    share, place, t0, t1 = numbers
+    _divide_evenly(count, begin, amount, owner, share, place)
+    _join_evenly(even, owner, share, np.interp(place, total, piece + t), t0, t1)
     return owner, t0, t1
+
+
+@kernel
+def _divide_evenly(count, begin, amount, owner, share, place):
+    """Write where subsegments begin: the piece, the share of it, and the integral up to there."""
+    at = 0
+    for p in range(len(count)):
+        for j in range(count[p]):
+            owner[at], share[at] = p, j / count[p]
+            place[at] = begin[p] + share[at] * amount[p]
+            at += 1
+
+
+@kernel
+def _join_evenly(even, owner, share, found, t0, t1):
+    """Write the parameters of subsegments that follow each other; ``found`` are those of uneven pieces."""
+    many = len(owner)
+    for i in range(many):
+        first = i == 0 or owner[i - 1] != owner[i]
+        t0[i] = 0.0 if first else share[i] if even[owner[i]] else found[i] - owner[i]
+        t1[i] = 1.0
+        if not first:
+            t1[i - 1] = t0[i]
 
 
 def _as_in(
@@ -183,16 +203,29 @@ def _table(outline: Pieces, size: Wanted) -> tuple[np.ndarray, np.ndarray, np.nd
     piece = np.concatenate([some for some, _ in done])
     t0, t1, amount = np.concatenate([some for _, some in done]).T
     order = np.lexsort((t0, piece))
-    piece, t1, amount = piece[order], t1[order], amount[order]
-    # One more sample at the head of each piece has the integral of the end of the piece before.
-    total = np.cumsum(amount)
-    heads = np.searchsorted(piece, np.arange(len(outline.pieces)))
-    at, every = np.arange(len(piece)) + piece + 1, np.arange(len(outline.pieces))
-    owner, end, sum_ = np.empty((3, len(piece) + len(every)))
-    owner[at], end[at], sum_[at] = piece, t1, total
-    at = heads + every
-    owner[at], end[at], sum_[at] = every, 0.0, np.append(0.0, total)[heads]
-    return owner.astype(np.int64), end, sum_
+    many = len(outline.pieces)
+    owner, (end, total) = np.empty(len(order) + many, np.int64), np.empty((2, len(order) + many))
+    _add_up(piece, t1, amount, order, many, owner, (end, total))
+    return owner, end, total
+
+
+@kernel
+def _add_up(piece, t1, amount, order, many, owner, sums):
+    """Write the samples in order, with the sums of the amounts.
+
+    One more sample at the head of each piece has the sum at the end of the piece before.
+    """
+    end, total = sums
+    next_piece, at, sum_ = 0, 0, 0.0
+    for i in range(len(order) + 1):
+        p = piece[order[i]] if i < len(order) else many - 1
+        while next_piece <= p:
+            owner[at], end[at], total[at] = next_piece, 0.0, sum_
+            next_piece, at = next_piece + 1, at + 1
+        if i < len(order):
+            sum_ += amount[order[i]]
+            owner[at], end[at], total[at] = p, t1[order[i]], sum_
+            at += 1
 
 
 @kernel

@@ -141,7 +141,7 @@ def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndar
     chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
         -1, CHORDS_WITHIN + 1, 2
     )
-    chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows]].transpose(1, 0, 2)
+    chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows, 0]], sampled.points[sampled.ends[rows, 1]]
     return chains
 
 

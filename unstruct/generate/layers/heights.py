@@ -59,9 +59,9 @@ def fronts_of(
     x = walls.points[rays.base]
     side = np.hypot(*(walls.points[walls.ends[:, 1]] - walls.points[walls.ends[:, 0]]).T)
     heights = _heights(layers, x, float(side.max()))
-    heights = heights * rays.scale[:, None]
-    places = x[:, None] + rays.direction[:, None] * heights[:, :, None]
-    places[:, 0] = x
+    heights = np.ascontiguousarray(heights * rays.scale[:, None])
+    places = np.empty((*heights.shape, 2))
+    _lay_straight(x, rays.direction, heights, places)
     parameter = np.zeros(heights.shape)
     most = np.full(len(x), heights.shape[1] - 1, dtype=np.int64)
     most[rays.kind == TAPER_RAY] = 0
@@ -117,6 +117,16 @@ def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[A
     length = float(np.hypot(*(b - a)))
     share = np.minimum(heights / length, 1.0)
     return share if forward else 1.0 - share, length
+
+
+@kernel
+def _lay_straight(x, direction, heights, places):
+    """Fill the places of rays that do not slide."""
+    for r in range(places.shape[0]):
+        for j in range(2):
+            places[r, 0, j] = x[r, j]
+            for k in range(1, places.shape[1]):
+                places[r, k, j] = x[r, j] + direction[r, j] * heights[r, k]
 
 
 @kernel

@@ -54,7 +54,8 @@ class MatchedSize(SizeField):
         The size changes by no more than its growth in a unit of length. So a leaf that is not larger than
         some wanted edge lengths cannot hide much, and it is judged by its middle alone. Only leaves that are
         divided need values at other places, and the given size is asked for only where it may be less than
-        that of the envelope. Leaves within layers or bodies stay large.
+        that of the envelope. Edges so far away that they give more than the given size can be anywhere are
+        not looked for. Leaves within layers or bodies stay large.
         """
         tolerance = max(tolerance, COARSE)
         if self.growth is None:
@@ -72,7 +73,11 @@ class MatchedSize(SizeField):
             side = 0.5**depth
             most = 0 if depth == max_depth else (max_nodes - count) // 4
             rows = np.empty(len(level.place), dtype=np.int64)
-            many = _judge(level, box, side, self.ends, tolerance, (count, most), child[-1], (rows, worst))
+            asked = level, box, side, self.ends, tolerance, (count, most), child[-1], (rows, worst)
+            many = _judge(*asked)
+            if many < 0:
+                self._find_edges(level, rows[:-many], box, side)
+                many = _judge(*asked)
             if not many:
                 break
             rows, x, bound, made = rows[:many], np.empty((8 * many, 2)), np.empty(8 * many), _level(4 * many)
@@ -93,17 +98,23 @@ class MatchedSize(SizeField):
         envelope; where it is more by ``far``, which is enough for all of a leaf, it is not needed exactly.
         The first four points of each leaf are not the middles of leaves.
         """
-        found, edge = self._of_edges(x)
+        found, edge = self._of_edges(x, self.given.most)
         ask, enough = np.empty(len(x), dtype=np.int64), np.empty(len(x))
         many = _ask(found, bound, far, ask, enough)
         ask = ask[:many]
         bound[ask] = self.given.below(x[ask], enough[:many])
         return found, edge
 
-    def _of_edges(self, x: Array) -> tuple[Array, Integers]:
-        """The sizes that the edges give, and the edges that give them."""
-        found = np.full(len(x), np.inf)
+    def _of_edges(self, x: Array, most: float) -> tuple[Array, Integers]:
+        """The sizes that the edges give, up to ``most``, and the edges that give them; -1 for no edge."""
+        found = np.full(len(x), most)
         return found, self.tree.lower(x, FILL_GROWTH, found)
+
+    def _find_edges(self, level: Level, rows: Integers, box: Array, side: float) -> None:
+        """Find the edges of the middles of some leaves where they were too far away to matter."""
+        rows = rows[level.edge[rows] < 0]
+        middle = box[0] + (level.place[rows] + 0.5) * side * (box[1] - box[0])
+        level.edge[rows] = self._of_edges(middle, np.inf)[1]
 
     def _first(self, box: Array, far: float) -> tuple[list[Array], list[Integers], Level]:
         """The first levels: values and children by level; and the last one."""
@@ -113,7 +124,7 @@ class MatchedSize(SizeField):
         for t, reach in ((lattice[::2], 0.0), (lattice[1::2], far / 2 / many)):
             x = np.empty((len(t) * len(t), 2))
             _lattice(box, t, x)
-            found, edge = self._of_edges(x)
+            found, edge = self._of_edges(x, self.given.most)
             bound = self.given.below(x, found + reach)
             sizes.append((np.minimum(found, bound), bound, edge))
         levels = [_level(4**depth) for depth in range(FIRST_LEVELS + 1)]
@@ -137,7 +148,7 @@ class Level(NamedTuple):
     middle, bound : (m,) float64
         The size at the middle, and what the given size is at least there.
     edge : (m,) int64
-        The edge that the middle has its size from.
+        The edge that the middle has its size from; -1 if all give more than the given size can be.
     """
 
     place: Integers
@@ -184,7 +195,9 @@ def _lay_out(above, depth, corners, centers, level):
 
 @inline
 def is_behind(ends, edge, x, y, far):
-    """Whether a point is on the right of an edge, opposite it, and so far away."""
+    """Whether a point is on the right of an edge, opposite it, and so far away; no edge is -1."""
+    if edge < 0:
+        return False
     ux, uy = ends[edge, 1, 0] - ends[edge, 0, 0], ends[edge, 1, 1] - ends[edge, 0, 1]
     vx, vy = x - ends[edge, 0, 0], y - ends[edge, 0, 1]
     along, square = ux * vx + uy * vy, ux * ux + uy * uy
@@ -221,15 +234,18 @@ def _judge(level, box, side, ends, tolerance, numbers, child, found):
     """Write which leaves are to be divided, and the first children of all; returns how many are divided.
 
     ``numbers`` are the number of the next node and how many leaves may be divided: if there are more, none
-    is. ``found`` gets their rows and, in one entry, the largest error of those that stay.
+    is. ``found`` gets their rows and, in one entry, the largest error of those that stay. Where the edge of
+    some of these rows is not known, nothing else is written, and their number is returned as a negative one.
     """
     count, most = numbers
     rows, worst = found
-    many = 0
+    many, known = 0, True
     for i in range(len(child)):
         if _must_divide(level, i, box, side, ends, tolerance):
-            rows[many] = i
+            rows[many], known = i, known and level.edge[i] >= 0
             many += 1
+    if not known:
+        return -many
     if many > most:
         many = 0
     next_row = 0

@@ -21,6 +21,7 @@ __all__ = ["Union", "extreme_angle", "split_quads", "union_of"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 TELLING = 0.99999  # cosines up to this one tell angles apart
+ROUNDED_SQUARE = 1e-14  # above the rounding errors of sums of squares
 MEASURED_EDGE = 1e-70  # products of squares of edges above it are far above the least doubles
 
 
@@ -114,22 +115,23 @@ def _extreme(points, cells, sharpest):
     for t in range(cells.shape[0]):
         a, b, c = cells[t, 0], cells[t, 1], cells[t, 2]
         one, two, three = _square(points, b, c), _square(points, c, a), _square(points, a, b)
-        if min(one, two, three) < MEASURED_EDGE * MEASURED_EDGE:
+        least, most = min(one, two, three), max(one, two, three)
+        if least < MEASURED_EDGE * MEASURED_EDGE:
             return np.int64(-1)
+        # Most triangles are told by three lengths alone, without knowing where the angle is.
+        middle = max(min(one, two), min(max(one, two), three))
+        if sharpest:
+            twice, product = middle + most - least, middle * most
+        else:
+            twice, product = max(ROUNDED_SQUARE * most - (middle + least - most), 0.0), middle * least
+        if best < 0.0 and twice * twice < 3.99 * best * best * product:
+            continue
         if sharpest:
             one, two, three = -one, -two, -three
         if two >= max(one, three):
             a, b, c = b, c, a
         elif three >= max(one, two):
             a, b, c = c, a, b
-        # Most triangles are told by the sign of the cosine, or by its square.
-        dot = _dot(points, a, b, c)
-        if sharpest:
-            dot = -dot
-        elif dot > 0.0 and best < 0.0:
-            continue
-        if best < 0.0 and dot * dot < 0.999 * best * best * _square(points, a, b) * _square(points, a, c):
-            continue
         cosine = -_cosine(points, a, b, c) if sharpest else _cosine(points, a, b, c)
         if cosine < best:
             best, found = cosine, np.int64(t)
@@ -152,6 +154,23 @@ def _mark(cells, used):
     for t in range(cells.shape[0]):
         for k in range(cells.shape[1]):
             used[cells[t, k]] = True
+
+
+@kernel
+def _identify(origin, vertex, many, known):
+    """Give the points of the rest numbers: those of what they are, and new ones from ``many`` on."""
+    for i in range(len(origin)):
+        known[i] = many if origin[i] < 0 else vertex[origin[i]]
+        many += origin[i] < 0
+
+
+@kernel
+def _count_off(used, place):
+    """Number the points that are used; the others get -1."""
+    many = 0
+    for i in range(len(used)):
+        place[i] = many if used[i] else -1
+        many += used[i]
 
 
 @kernel
@@ -190,10 +209,9 @@ def union_of(
     many = len(numbers.points)
     segments, piece, span = _layered(scene, level, numbers)
     origin = np.asarray(fill.origin)
-    fresh = origin < 0
     known = np.empty(len(origin), dtype=np.int32)
-    known[fresh], known[~fresh] = many + np.arange(int(fresh.sum())), rest.vertex[origin[~fresh]]
-    new = fill.points[fresh]
+    _identify(origin, rest.vertex, many, known)
+    new = fill.points.take(np.flatnonzero(origin < 0), axis=0)
     fill_region = _regions(scene, c, rest, fill)
     rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
     run = fill.piece[rows]
@@ -218,8 +236,8 @@ def union_of(
     used = np.zeros(len(points), dtype=bool)
     for block in both.values():
         _mark(block, used)
-    place = np.cumsum(used) - 1
-    place[~used] = -1
+    place, every = np.empty(len(points), dtype=np.int64), np.flatnonzero(used)
+    _count_off(used, place)
     origin_of = np.full(len(points), -1, dtype=np.int32)
     vertices = len(scene.domain.points)
     origin_of[:vertices] = np.arange(vertices)
@@ -228,7 +246,8 @@ def union_of(
     kept = {name: block for name, block in both.items() if len(block)}
     order = np.lexsort((span[:, 0], piece))
     return Union(
-        points[used], origin_of[used], kept, region, layer, place[segments][order], piece[order],
+        points.take(every, axis=0), origin_of[every], kept, region, layer,
+        place[segments.take(order, axis=0)], piece[order],
         span[order], place[:many], 2 * q + t + np.arange(f),
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ from math import frexp
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, lean
+from ...base.jit import inline, kernel, lean
 from ...connect.insertion.engine import grown
 from ..refinement.state import HALF_OCTAVE
 
@@ -51,8 +51,14 @@ def grown_links(links: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
     """The same queue with room for so many slots; the new ones are accepted."""
     old = len(links)
     links = grown(links, slots)
-    links[old:] = ACCEPTED, 0, -1, -1
+    _accept_from(links, old)
     return links
+
+
+@kernel
+def _accept_from(links, first):
+    for i in range(first, len(links)):
+        links[i, STATUS], links[i, LEVEL], links[i, PREVIOUS], links[i, NEXT] = ACCEPTED, 0, -1, -1
 
 
 @inline

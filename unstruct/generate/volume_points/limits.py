@@ -8,6 +8,7 @@ sqrt(2) h long in the end. See the book, 2.8c.
 from __future__ import annotations
 
 import math
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from ...base.errors import InputError
 from ...base.jit import inline
 from ...domain.domain import Domain
 from ...domain.plane.by_region import per_region
-from ...sizing.field import as_size
+from ...sizing.field import SizeField, as_size
 from ...sizing.metric import Metric
 from ...sizing.space_table import size_in_space, space_nodes
 
@@ -60,12 +61,10 @@ def points_allowed(domain: Domain, size: Any, budget: int | None) -> int:
     """
     if budget is not None:
         return as_count(budget, "budget")
-    if size is None or isinstance(size, dict):
-        return DEFAULT_BUDGET
-    h = as_size(size).constant
-    if h is not None:
-        count = FEWEST_IN_A_CUBE * (domain.volume ** (1.0 / 3.0) / h) ** 3
-        if not count <= DEFAULT_BUDGET:
+    h = size.constant if isinstance(size, SizeField) else size
+    if isinstance(h, Real) and 0.0 < domain.volume < np.inf:
+        count = FEWEST_IN_A_CUBE * (domain.volume ** (1.0 / 3.0) / positive(h, "size")) ** 3
+        if count > DEFAULT_BUDGET:
             raise InputError(
                 f"the size asks for {count:.3g} vertices or more, and without a budget at most "
                 f"{DEFAULT_BUDGET:,} are put; give a larger size, or a budget"

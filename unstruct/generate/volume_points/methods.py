@@ -123,7 +123,7 @@ def _run(
     run = BodyRun(domain, cells, found, kept, budget is None)
     names = [*domain.regions, *[""] * (int(run.regions.max()) + 1 - len(domain.regions))]
     for r, one in enumerate(per_region(size, names, "size")):
-        if one is None:
+        if one is None and size is not None:
             made = cells.inside()
             raise no_entry(
                 names[r], made.points[made.simplices[int(np.argmax(run.regions == r))]].mean(axis=0)
