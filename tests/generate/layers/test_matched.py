@@ -57,3 +57,16 @@ def test_leaves_behind_the_envelope_stay_large() -> None:
     assert below < 0.8 * above
     behind = [is_behind(field.ends, 400, 0.2002, y, 0.01) for y in (0.7, 0.3, 0.499)]
     assert behind == [False, True, False]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(5, 60), st.sampled_from([0.02, 0.2]), st.booleans())
+def test_edges_too_far_to_matter_change_no_table(seed: int, edges: int, most: float, even: bool) -> None:
+    rng = np.random.default_rng(seed)
+    points, top = ring(rng, edges)
+    size = sizing.as_size(most) if even else sizing.sources(rng.random((5, 2)), 0.01, growth=0.3, far=most)
+    one = matched_size(size, points, top).table(LOWER, UPPER).nodes
+    size = size if even else sizing.minimum(size)  # it does not know how large it is at most
+    size.most = np.inf
+    other = matched_size(size, points, top).table(LOWER, UPPER).nodes
+    assert np.array_equal(one.child, other.child) and np.array_equal(one.values, other.values)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.jit import inline, kernel
+from ...base.jit import inline, kernel, lean
 from ...geometry.segment_tree import SegmentTree
 from ...sizing.field import SizeField, as_size
 from ...sizing.table import CHILD, CORNERS, FIRST_LEVELS, FRESH, RESOLVED, SizeTable, box_of, table_of
@@ -229,7 +229,7 @@ def _must_divide(level, i, box, side, ends, tolerance):
     return not is_behind(ends, level.edge[i], x, y, far)
 
 
-@kernel
+@lean
 def _judge(level, box, side, ends, tolerance, numbers, child, found):
     """Write which leaves are to be divided, and the first children of all; returns how many are divided.
 
@@ -258,7 +258,7 @@ def _judge(level, box, side, ends, tolerance, numbers, child, found):
     return many
 
 
-@kernel
+@lean
 def _probe(level, rows, box, side, away, x, bound):
     """Write the places `FRESH` of leaves that are divided, and what the given size is at least there."""
     for r in range(len(rows)):
@@ -269,7 +269,7 @@ def _probe(level, rows, box, side, away, x, bound):
             bound[8 * r + k] = level.bound[rows[r]] - side * away[k]
 
 
-@kernel
+@lean
 def _ask(found, bound, far, ask, enough):
     """Write for which points the given size is to be asked, and up to which size it matters; their number."""
     many = 0
