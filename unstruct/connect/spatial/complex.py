@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.inside_shell import even_odd_in_space
 from .arrays import CellArrays
-from .flood import INWARD, flood_parts, number_inside, write_inside
+from .flood import INWARD, flood_parts, is_flat, number_inside, write_inside
 from .given import Given
 from .lookup import all_faces, edges_there
 from .recover import MORE_EFFORT, Recovery
 from .release import Release
 
-__all__ = ["Recovered", "SpatialComplex", "SpatialMesh"]
+__all__ = ["RESTARTS", "Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 30  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
@@ -243,12 +243,27 @@ class SpatialComplex(CellArrays):
         return int(inside.sum())
 
     def _judge_centers(self, facets: NDArray[np.int32]) -> None:
-        """Write region 0 for cells whose centers are inside these triangles, otherwise -1."""
+        """Write region 0 for cells whose centers are inside these triangles, otherwise -1.
+
+        The centers of flat cells say nothing. These follow their neighbors, though not through marked faces.
+        """
         slots = np.flatnonzero(self.used())
-        centers = self.xyz[self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]].mean(axis=1)
-        odd, _ = even_odd_in_space(self.xyz[: self.size], facets.astype(np.int32), centers)
+        corners = self.xyz[self.vertex[: 4 * self.slots].reshape(-1, 4)[slots]]
+        odd, _ = even_odd_in_space(self.xyz[: self.size], facets.astype(np.int32), corners.mean(axis=1))
+        state = np.full(self.slots + 1, -1, dtype=np.int8)  # the last for what is beyond the hull
+        flat = slots[is_flat(corners)]
+        state[slots] = odd
+        state[flat] = -1
+        beyond = np.where(self.mark[: 4 * self.slots] < 0, self.across[: 4 * self.slots] >> 2, self.slots)
+        beyond = beyond.reshape(-1, 4)
+        while True:
+            unknown = slots[state[slots] < 0]
+            found = state[beyond[unknown]].max(axis=1, initial=-1)
+            if not (found >= 0).any():
+                break
+            state[unknown] = found
         self.region[: self.slots] = -1
-        self.region[slots] = np.where(odd, 0, -1)
+        self.region[slots] = np.where(state[slots] == 1, 0, -1)
 
     def inside_slots(self) -> NDArray[np.int64]:
         """The slots of the cells that `flood` found inside."""

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import kernel
 from ..insertion.engine import COUNT
 
-__all__ = ["INWARD", "flood_parts", "number_inside", "write_inside"]
+__all__ = ["INWARD", "flood_parts", "is_flat", "number_inside", "write_inside"]
+
+FLAT_SHARE = (
+    1e-7  # of the cube of the longest edge: six volumes of a cell whose center is as good as on its faces
+)
 
 # The vertices of the faces of a cell, opposite its vertices in order, seen from within.
 INWARD = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
@@ -120,3 +125,12 @@ def write_inside(solid, number, place, order, cells, faces):
                     corners[size, j] = place[vertex[4 * t + order[k, j]]]
                 marks[size] = mark[4 * t + k]
                 size += 1
+
+
+def is_flat(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether cells, by their corners (m, 4, 3), are so flat that their centers are no safe places inside."""
+    u, v, w = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
+    six = np.abs((np.cross(u, v) * w).sum(axis=1))
+    pairs = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+    longest = np.max([((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i, j in pairs], axis=0)
+    return six <= FLAT_SHARE * longest * np.sqrt(longest)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...connect.spatial.adding import add_points
-from ...connect.spatial.complex import Recovered, SpatialComplex, SpatialMesh
+from ...connect.spatial.complex import RESTARTS, Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
 from ...mesh.domain_mesh import DomainMesh
@@ -27,6 +27,7 @@ from .rounder import faces_of_cells, rounded
 __all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
 
 HELPERS = 4  # points outside that may help to recover a surface, for each of its points
+MORE_SEEDS = 3  # how often some seeds are tried, without and with points outside
 MOST_HELPERS_OF_FEW = 1000  # however few points it has
 MUCH_LARGER = 2.0  # edges of facets that are more times as long as wanted are named
 
@@ -135,11 +136,20 @@ def _recovered(
 
 
 def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
-    """The best of some seeds, then of some with points outside, until all is exact."""
+    """The best of some seeds, then of some with points outside, until all is exact.
+
+    As long as something is missing, further seeds follow: each has its luck with the last few facets.
+    """
     best = _recovered(domain.points, domain.triangulated, options)
-    if not best[1].exact:
-        more = np.concatenate([domain.points, _outside(domain)])
-        best = min(best, _recovered(more, domain.triangulated, options), key=_rank)
+    for step in range(0, MORE_SEEDS * RESTARTS, RESTARTS):
+        if best[1].exact or (step > 0 and best[1].complete):
+            break
+        later = options | {"seed": options["seed"] + step}
+        if step > 0:
+            best = min(best, _recovered(domain.points, domain.triangulated, later), key=_rank)
+        if not best[1].exact:
+            more = np.concatenate([domain.points, _outside(domain)])
+            best = min(best, _recovered(more, domain.triangulated, later), key=_rank)
     return best
 
 
