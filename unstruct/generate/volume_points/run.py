@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -45,9 +44,7 @@ from .steps import SPARE_QUEUE, divide
 
 __all__ = ["BodyRun", "recovered"]
 
-# Steps of one kernel call, between which Ctrl-C works. They take some hundredths of a second; where cells are
-# long and flat, each may take a thousand times as long, and fewer are made at once.
-STEPS_AT_FIRST, BODY_STEPS_A_CALL, SLOW_CALL, QUICK_CALL = 64, 1000, 0.2, 0.05
+BODY_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
 # Where no budget is given: points for the shape's sake alone, on a segment of the input, on a facet, and
 # there for each of its sides. Points for the size's sake allow more: see `dividing`.
 MOST_ON_SEGMENT, MOST_ON_FACET, EACH_SIDE = 256, 1024, 64
@@ -252,13 +249,10 @@ class BodyRun:
         return True
 
     def _until(self, last: int, bar: Any) -> int:
-        code, steps = MORE, STEPS_AT_FIRST
+        code = MORE
         while code != DONE and self.count[VERTICES_NOW] < last:
-            before, begun = int(self.count[VERTICES_NOW]), time.monotonic()
-            code = int(divide(self.work(), self.out, last, steps))
-            seconds = time.monotonic() - begun  # no result depends on where calls end
-            steps = max(steps // 4, 1) if seconds > SLOW_CALL else steps
-            steps = min(2 * steps, BODY_STEPS_A_CALL) if seconds < QUICK_CALL else steps
+            before = int(self.count[VERTICES_NOW])
+            code = int(divide(self.work(), self.out, last, BODY_STEPS_A_CALL))
             bar.update(int(self.count[VERTICES_NOW]) - before)
             if code == ROOM:
                 self._reserve()
