@@ -286,13 +286,14 @@ def test_values_of_cells_stay_in_their_region():
     points = np.random.default_rng(2).random((200, 2))
     start = random_triangulation(points, 2)
     center = start.points[start.simplices].mean(axis=1)
-    region = np.where(center[:, 0] + center[:, 1] < 1, "lake", "land")
-    mesh = Mesh(points, start.simplices, markers={"region": region})
+    lake, land = 3, 7
+    region = np.where(center[:, 0] + center[:, 1] < 1, lake, land)
+    mesh = Mesh(points, start.simplices, markers={"region": region}, regions={"lake": lake, "land": land})
     result = swap_diagonals(mesh)
-    for name in ("lake", "land"):
-        before, after = (m.simplices[m.markers["region"] == name] for m in (mesh, result))
+    for number in (lake, land):
+        before, after = (m.simplices[m.markers["region"] == number] for m in (mesh, result))
         assert double_area(points, before) == double_area(points, after)
-    assert not illegal_edges(result.select(result.markers["region"] == "lake"))
+    assert not illegal_edges(result.select(result.markers["region"] == lake))
     assert illegal_edges(result)  # the interface holds some illegal edges
     assert "region" not in swap_diagonals(mesh, constrained=()).markers
 
