@@ -14,6 +14,7 @@ import ast
 import json
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import mesh_hashes
@@ -67,15 +68,20 @@ def is_dispatched(node: ast.AST) -> bool:
     return library and node.func.attr in ROUNDED_DIFFERENTLY
 
 
-@pytest.mark.parametrize("room", BODIES)
-def test_bodies_have_functions_of_the_library_itself(room: str) -> None:
+def places_of(asked: Callable[[ast.AST], bool], room: str) -> list[str]:
+    """Files and lines of a room where something of the kind stands."""
     place = BOOK.parent / "unstruct" / room
-    found = [
+    return [
         f"{path.relative_to(BOOK.parent)}:{node.lineno}"
         for path in ([place] if place.suffix else sorted(place.rglob("*.py")))
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if is_dispatched(node)
+        if asked(node)
     ]
+
+
+@pytest.mark.parametrize("room", BODIES)
+def test_bodies_have_functions_of_the_library_itself(room: str) -> None:
+    found = places_of(is_dispatched, room)
     assert not found, f"{found}: use base.elementary, or geometry.edge_vectors.lengths for hypot"
 
 
@@ -87,13 +93,7 @@ def test_functions_of_numpy_are_found() -> None:
 
 @pytest.mark.parametrize("room", DECIDE)
 def test_what_decides_meshes_adds_in_a_fixed_order(room: str) -> None:
-    place = BOOK.parent / "unstruct" / room
-    found = [
-        f"{path.relative_to(BOOK.parent)}:{node.lineno}"
-        for path in ([place] if place.suffix else sorted(place.rglob("*.py")))
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if is_blas(node)
-    ]
+    found = places_of(is_blas, room)
     assert not found, f"{found}: write sums of products, (a * b).sum(axis=-1), or geometry.edge_vectors"
 
 

@@ -11,7 +11,19 @@ import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct import Domain, DomainMesh, IncompleteWarning, InputError, check, delaunay, improve, refine
+from unstruct import (
+    Domain,
+    DomainMesh,
+    IncompleteWarning,
+    InputError,
+    check,
+    circumcenter_insertion,
+    delaunay,
+    improve,
+    refine,
+    sizing,
+    voronoi_segment,
+)
 from unstruct.simplex import circumradius, volume
 
 KEPT = 1 + 1e-9
@@ -283,3 +295,11 @@ def test_uneven_bodies(seed: int) -> None:
     points *= np.exp(rng.normal(size=len(points)) * rng.choice([0.1, 0.5]))[:, None]
     points *= np.array([1, 1, rng.choice([1, 0.05])])
     refined(Domain(points, faces), budget=300)
+
+
+@pytest.mark.parametrize("method", [refine, circumcenter_insertion, voronoi_segment])
+def test_absurd_sizes_are_refused(method: Any) -> None:
+    with pytest.raises(InputError, match=r"5e\+14 vertices or more.*give a larger size, or a budget"):
+        method(Domain.box(), 1e-5)
+    with pytest.raises(InputError, match=r"5e\+14"):
+        method(Domain.box(), sizing.minimum(1e-5, 1.0))

@@ -133,7 +133,7 @@ def refine(
     ------
     InputError
         For limits that are not positive or name an unknown region, and as `unstruct.constrained_delaunay`
-        does.
+        does. In space also for a constant size that asks for more vertices than the default budget.
     MeshError
         For a mesh of other cells, with cells that are not positively oriented or overlap, with a face of more
         than two cells, or with a marker of something that it does not have.

@@ -140,16 +140,17 @@ def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Reco
 
     As long as something is missing, further seeds follow: each has its luck with the last few facets.
     """
-    best = _recovered(domain.points, domain.triangulated, options)
+    best, more = None, None
     for step in range(0, MORE_SEEDS * RESTARTS, RESTARTS):
-        if best[1].exact or (step > 0 and best[1].complete):
-            break
         later = options | {"seed": options["seed"] + step}
-        if step > 0:
-            best = min(best, _recovered(domain.points, domain.triangulated, later), key=_rank)
+        found = _recovered(domain.points, domain.triangulated, later)
+        best = found if best is None else min(best, found, key=_rank)
         if not best[1].exact:
-            more = np.concatenate([domain.points, _outside(domain)])
+            more = np.concatenate([domain.points, _outside(domain)]) if more is None else more
             best = min(best, _recovered(more, domain.triangulated, later), key=_rank)
+        if best[1].complete:
+            break
+    assert best is not None
     return best
 
 
