@@ -102,7 +102,7 @@ def squares_as_triangles(
     """
     middles = np.empty((len(grid.first), 4), dtype=np.int32)
     _middles(grid, entries(grid.depth, 2), vertices.corners, middles)
-    fan: NDArray[np.bool_] = (middles >= 0).any(axis=1)
+    fan = np.asarray((middles >= 0).any(axis=1))
     center = np.full(len(fan), -1, dtype=np.int32)
     center[fan] = len(vertices.points) + np.arange(int(fan.sum()))
     corner = vertices.points[vertices.corners[fan]]
