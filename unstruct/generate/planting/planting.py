@@ -23,7 +23,7 @@ from ..tree.balancing import balanced
 from ..tree.cells import as_across
 from ..tree.contacts import boundary_of
 from ..tree.criteria import Rule, by_boundary, by_count, by_function, by_size, by_turning
-from ..tree.growing import MOST_CELLS, Growth, Limits, as_box, deepest_level, grow
+from ..tree.growing import MOST_LEAVES, Growth, Limits, as_box, deepest_level, grow
 from ..tree.keys import keys_of
 from ..tree.linear import leaves_of
 from ..tree.lookup import cells_of
@@ -32,7 +32,7 @@ from .tree import Tree
 __all__ = ["octree", "quadtree"]
 
 Array = NDArray[np.float64]
-MARGIN = 1.0 / 64  # of the extent of a domain, between it and the sides of the root
+ROOT_MARGIN = 1.0 / 64  # of the extent of a domain, between it and the sides of the root
 
 
 def quadtree(
@@ -48,7 +48,7 @@ def quadtree(
     turning: float | None = None,
     divide: Callable[[Array, Array], Any] | None = None,
     box: ArrayLike | None = None,
-    budget: int = MOST_CELLS,
+    budget: int = MOST_LEAVES,
     progress: bool = False,
 ) -> Tree:
     """A quadtree over a box or over the box around a planar domain.
@@ -120,7 +120,7 @@ def octree(
     turning: float | None = None,
     divide: Callable[[Array, Array], Any] | None = None,
     box: ArrayLike | None = None,
-    budget: int = MOST_CELLS,
+    budget: int = MOST_LEAVES,
     progress: bool = False,
 ) -> Tree:
     """An octree over a box or over the box around a body: `quadtree` in space.
@@ -209,7 +209,7 @@ def _domain_of(value: Any, d: int, size: Any) -> tuple[Domain | None, Pieces | N
 def _around(domain: Domain) -> Array:
     """A square or a cube around the domain, with a margin."""
     low, high = domain.bounds
-    middle, half = low + 0.5 * (high - low), (0.5 + MARGIN) * float((high - low).max())
+    middle, half = low + 0.5 * (high - low), (0.5 + ROOT_MARGIN) * float((high - low).max())
     return np.stack([middle - half, middle + half])
 
 

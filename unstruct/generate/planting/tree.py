@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh
 from ..tree.cells import TreeCells
-from ..tree.contacts import OUTSIDE
+from ..tree.contacts import ALL_OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.templates import squares_as_triangles
 from ..tree.vertices import numbered
@@ -22,7 +22,7 @@ __all__ = ["Tree"]
 
 KINDS_OF_MESHES = ("cells", "conforming")
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
-AROUND = [0, 1, 3, 2, 4, 5, 7, 6]
+AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
 
 class Tree(TreeCells):
@@ -48,7 +48,7 @@ class Tree(TreeCells):
         """
         if kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
-        wanted = self.states > OUTSIDE
+        wanted = self.states > ALL_OUTSIDE
         vertices = numbered(self.grid)
         if kind == "cells":
             return self._as_cells(vertices.points, vertices.corners[wanted])
@@ -63,5 +63,5 @@ class Tree(TreeCells):
     def _as_cells(self, points: NDArray[np.float64], corners: NDArray[Any]) -> DomainMesh:
         used = np.unique(corners)
         name = "quad" if self.dimension == 2 else "hexahedron"
-        cells = np.searchsorted(used, corners)[:, AROUND[: 1 << self.dimension]]
+        cells = np.searchsorted(used, corners)[:, AROUND_CELL[: 1 << self.dimension]]
         return DomainMesh(points[used], None, cells={name: cells})

@@ -16,9 +16,18 @@ from numpy.typing import NDArray
 from ...geometry.box_contact import pieces_in_boxes
 from ...predicates.batch import power_of_two
 
-__all__ = ["CUT", "INSIDE", "OUTSIDE", "Boundary", "Contacts", "at_root", "boundary_of", "handed_down"]
+__all__ = [
+    "CUT",
+    "ALL_INSIDE",
+    "ALL_OUTSIDE",
+    "Boundary",
+    "Contacts",
+    "at_root",
+    "boundary_of",
+    "handed_down",
+]
 
-OUTSIDE, CUT, INSIDE = -1, 0, 1
+ALL_OUTSIDE, CUT, ALL_INSIDE = -1, 0, 1
 
 
 class Boundary(NamedTuple):
@@ -47,7 +56,7 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     state : (n,) int8
-        `OUTSIDE`, `CUT` or `INSIDE`.
+        `ALL_OUTSIDE`, `CUT` or `ALL_INSIDE`.
     node, piece : (q,) int64
         Pairs, sorted by node.
     """
@@ -115,5 +124,5 @@ def _met(
     asked = np.flatnonzero(was_cut & ~cut)
     if len(asked):
         middle = low[asked] + 0.5 * (high[asked] - low[asked])
-        state[asked] = np.where(boundary.contains(middle), INSIDE, OUTSIDE)
+        state[asked] = np.where(boundary.contains(middle), ALL_INSIDE, ALL_OUTSIDE)
     return Contacts(state, node, piece)
