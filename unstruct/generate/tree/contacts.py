@@ -17,9 +17,9 @@ from ...geometry.box_contact import pieces_in_boxes
 from ...predicates.batch import power_of_two
 
 __all__ = [
-    "CUT",
     "ALL_INSIDE",
     "ALL_OUTSIDE",
+    "CUT",
     "Boundary",
     "Contacts",
     "at_root",
