@@ -72,7 +72,8 @@ def plot_tree(
     squares = PolyCollection(list(around), edgecolors=PAPER, linewidths=width, cmap=COLOR_MAP, zorder=2)
     squares.set_array(number)
     ax.add_collection(squares)
-    ax.figure.colorbar(squares, ax=ax, shrink=0.75, label=label, pad=0.02)
+    ticks = np.unique(tree.levels) if values is None else None
+    ax.figure.colorbar(squares, ax=ax, shrink=0.75, label=label, pad=0.02, ticks=ticks)
     if boundary and tree.boundary is not None:
         ends = tree.boundary.points[tree.boundary.pieces] / tree.boundary.factor
         style = line_style("constrained") | {"linewidth": 1.2}
