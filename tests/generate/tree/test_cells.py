@@ -195,6 +195,14 @@ def test_errors(call, says: str) -> None:
         call()
 
 
+def test_the_smallest_leaves_are_not_divided() -> None:
+    with pytest.warns(match="level 30"):
+        tree = quadtree([(0, 0), (1, 1)], points=[(0.3, 0.3)] * 2)
+    with pytest.raises(InputError, match=r"leaf \d+ cannot be divided: its level is 30, the deepest"):
+        tree.refined(tree.levels == 30)
+    assert tree.refined(tree.levels == 29).depth == 30
+
+
 def test_shapes_of_queries() -> None:
     assert TREE.locate([0.9, 0.9]).shape == () and TREE.locate(np.zeros((2, 3, 2))).shape == (2, 3)
     assert TREE.locate(np.zeros((0, 2))).shape == (0,) and TREE.nearest(np.zeros((0, 2))).shape == (0,)

@@ -18,6 +18,7 @@ from ...base.arrays import as_numbers, as_points, frozen, refrozen
 from ...base.errors import InputError
 from .balancing import ACROSS, balanced, directions
 from .contacts import ALL_INSIDE, Boundary
+from .growing import deepest_level
 from .keys import Keys, coordinates_of
 from .linear import Leaves, Linear, leaves_of, linear_of, merged
 from .lookup import Grid, corners, in_box, located, nearest, table_of
@@ -253,8 +254,19 @@ class TreeCells:
         return result
 
     def refined(self, which: ArrayLike) -> Self:
-        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is."""
+        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is.
+
+        Raises
+        ------
+        InputError
+            For leaves that are as small as coordinates allow: `quadtree` has the limits.
+        """
         mask = self._mask(which, "which")
+        most = deepest_level(self.box[0], self.box[1] - self.box[0])
+        if self.depth >= most and (small := mask & (self.levels >= most)).any():
+            raise InputError(
+                f"leaf {int(np.argmax(small))} cannot be divided: its level is {most}, the deepest"
+            )
         split = [*self.linear.split, np.empty(0, dtype=np.uint64)]
         for level in np.flatnonzero(np.bincount(self.levels[mask])):
             new = self.keys[mask & (self.levels == level)]
