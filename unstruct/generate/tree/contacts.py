@@ -42,12 +42,15 @@ class Boundary(NamedTuple):
         The power of two by which coordinates are multiplied.
     contains : callable
         Points (k, d) in the units of the domain -> whether they lie inside (k,).
+    margin : float
+        In the units of the domain: nodes count as cut if the boundary comes so near to them, along each axis.
     """
 
     points: NDArray[np.float64]
     pieces: NDArray[np.int64]
     factor: float
     contains: Callable[[Any], NDArray[np.bool_]]
+    margin: float = 0.0
 
 
 class Contacts(NamedTuple):
@@ -112,7 +115,11 @@ def _met(
     """Of the pairs of `above`, those that meet; states from those of the parents, or by one exact test."""
     f = boundary.factor
     meets = pieces_in_boxes(
-        boundary.points, boundary.pieces, above.piece, low[above.node] * f, high[above.node] * f
+        boundary.points,
+        boundary.pieces,
+        above.piece,
+        (low[above.node] - boundary.margin) * f,
+        (high[above.node] + boundary.margin) * f,
     )
     node, piece = above.node[meets], above.piece[meets]
     order = np.argsort(node, kind="stable")
