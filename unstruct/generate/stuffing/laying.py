@@ -16,18 +16,19 @@ from ...sizing.field import SizeField
 from ..tree.balancing import balanced
 from ..tree.criteria import Level, Rule, by_size
 from ..tree.growing import Growth, Limits, grow
-from ..tree.keys import DEEPEST_LEVEL, Keys
+from ..tree.keys import DEEPEST_LEVEL, Keys, coordinates_of
 from ..tree.linear import Linear, leaves_of
-from ..tree.lookup import Grid, table_of
+from ..tree.lookup import Grid, corners, table_of
 from ..tree.vertices import Vertices
 from .filling import lattice_vertices
 from .lattice import Frame, Samples, frame_of, marked_cells, samples_of
 from .sampling import LevelSet
 from .warping import Edges
 
-__all__ = ["Laid", "grid_of", "laid_in_level_set", "smallest_size", "with_keys"]
+__all__ = ["Laid", "coarse_places", "grid_of", "laid_in_level_set", "refused_leaves", "smallest_size"]
 
 Array = NDArray[np.float64]
+SLACK = 1.1  # a size may be so much smaller than a cell that nothing is told
 COARSE_GRID = 33  # vertices along each side of a box, where a size is asked before there is a lattice
 
 
@@ -44,6 +45,8 @@ class Laid(NamedTuple):
         Where the surface cuts edges.
     refused : (k,) int64
         Leaves that the size would have divided.
+    samples : (x, side), optional
+        Points of the surface (q, 3), and the sides of the leaves there (q,).
     """
 
     grid: Grid
@@ -51,20 +54,21 @@ class Laid(NamedTuple):
     sign: NDArray[np.int8]
     shares: Callable[[Edges], Array]
     refused: NDArray[np.int64]
+    samples: tuple[Array, Array] | None = None
 
 
-def with_keys(keys: Keys, level: int) -> Rule:
+def _with_keys(keys: Keys, level: int) -> Rule:
     """Nodes above a level that contain one of its cells, given by their sorted keys."""
 
     def rule(nodes: Level) -> NDArray[np.bool_]:
         if nodes.level >= level:
             return np.zeros(len(nodes.keys), dtype=bool)
-        return holding(nodes, keys, level)
+        return _holding(nodes, keys, level)
 
     return rule
 
 
-def holding(nodes: Level, keys: Keys, level: int) -> NDArray[np.bool_]:
+def _holding(nodes: Level, keys: Keys, level: int) -> NDArray[np.bool_]:
     """Which nodes contain a cell of a deeper level, or are one."""
     shift = np.uint64(3 * (level - nodes.level))
     begin = np.searchsorted(keys, nodes.keys << shift)
@@ -78,10 +82,15 @@ def grid_of(tree: Linear, root: Array) -> Grid:
     return Grid(leaves.first, leaves.levels, entry, root[0], root[1] - root[0], tree.depth)
 
 
-def refused_leaves(growth: Growth, grid: Grid) -> NDArray[np.int64]:
-    """The leaves of a balanced tree in which a rule asked for more."""
+def refused_leaves(growth: Growth, grid: Grid, field: SizeField) -> NDArray[np.int64]:
+    """The leaves in which the size asks for more than there is room for, by more than a tenth."""
+    if not growth.refused:
+        return np.empty(0, dtype=np.int64)
     first = [keys << np.uint64(3 * (grid.depth - level)) for level, keys in growth.refused.items()]
-    return np.flatnonzero(np.isin(grid.first, np.concatenate(first))) if first else np.empty(0, dtype=np.int64)
+    rows = np.flatnonzero(np.isin(grid.first, np.concatenate(first)))
+    side = float(grid.side[0]) * 0.5 ** grid.levels[rows].astype(np.float64)
+    low = corners(grid.low, grid.side, coordinates_of(grid.first[rows], 3), grid.depth)
+    return rows[side > SLACK * field(low + 0.5 * side[:, None])]
 
 
 def smallest_size(field: SizeField, places: Array) -> float:
@@ -124,7 +133,7 @@ def laid_in_level_set(
         _within_budget(float(np.prod(frame.count.astype(np.float64))), budget, cell)
         samples = samples_of(body, frame)
         wanted, inside = marked_cells(frame, samples, field.constant is not None)
-        rules = [with_keys(wanted, frame.level)]
+        rules = [_with_keys(wanted, frame.level)]
         if field.constant is None:
             rules.append(_inner(inside, frame.level, by_size(field)))
         growth = grow(frame.root, rules, Limits(0, frame.level, budget), progress=progress)
@@ -137,7 +146,7 @@ def laid_in_level_set(
         ends = points[edges.inner], points[edges.outer]
         return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
 
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid))
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field))
 
 
 def _cell_of_level_set(body: LevelSet, field: SizeField) -> float:
@@ -164,7 +173,7 @@ def _meeting(box: Array, rule: Rule) -> Rule:
 
 def _inner(keys: Keys, level: int, rule: Rule) -> Rule:
     """The rule, for nodes with a vertex inside."""
-    return lambda nodes: rule(nodes) & holding(nodes, keys, level)
+    return lambda nodes: rule(nodes) & _holding(nodes, keys, level)
 
 
 def _asked_at(body: LevelSet, points: Array) -> tuple[Array, NDArray[np.int8]]:

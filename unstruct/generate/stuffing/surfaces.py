@@ -21,6 +21,8 @@ from ..tree.contacts import CUT, boundary_of
 from ..tree.criteria import Level, Rule, by_size
 from ..tree.growing import Limits, grow
 from ..tree.keys import DEEPEST_LEVEL
+from ..tree.lookup import Grid, located
+from .ending import nearest_on
 from .filling import lattice_vertices
 from .lattice import frame_of
 from .laying import Laid, coarse_places, grid_of, refused_leaves, smallest_size
@@ -57,7 +59,8 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
     frame = frame_of(domain.bounds, cell, DEEPEST_LEVEL[3])
     boundary = boundary_of(points, triangles, frame.root, domain.contains)
     graded = graded and field.constant is None
-    rules: list[Rule] = [by_size(field)]
+    met: list[tuple[Array, NDArray[np.int64]]] = []
+    rules: list[Rule] = [by_size(field), _collecting(met)]
     if graded:
         boundary = boundary._replace(margin=TOUCH * cell)
     else:
@@ -77,7 +80,8 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
     def shares(edges: Edges) -> Array:
         return _shares(points[triangles], vertices[0][edges.inner], vertices[0][edges.outer])
 
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid))
+    samples = _surface_samples(points[triangles], met, grid)
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), samples)
 
 
 def _cut_above(level: int) -> Rule:
@@ -88,6 +92,28 @@ def _cut_above(level: int) -> Rule:
         return (nodes.contacts.state == CUT) & (nodes.level < level)
 
     return rule
+
+
+def _collecting(met: list[tuple[Array, NDArray[np.int64]]]) -> Rule:
+    """No nodes; collects the pairs of a node's center and a triangle that comes near the node."""
+
+    def rule(nodes: Level) -> NDArray[np.bool_]:
+        assert nodes.contacts is not None
+        met.append((nodes.centers[nodes.contacts.node], nodes.contacts.piece))
+        return np.zeros(len(nodes.keys), dtype=bool)
+
+    return rule
+
+
+def _surface_samples(
+    corners: Array, met: list[tuple[Array, NDArray[np.int64]]], grid: Grid
+) -> tuple[Array, Array]:
+    """Points of the triangles, one for each leaf in which they lie, and the sides of these leaves."""
+    center, piece = (np.concatenate(part) for part in zip(*met, strict=True))
+    x = nearest_on(center, corners, piece)
+    side = float(grid.side[0]) * 0.5 ** grid.levels[located(grid, x)].astype(np.float64)
+    near = np.abs(x - center).max(axis=1) <= 0.5 * side
+    return x[near], side[near]
 
 
 def _signs(domain: Domain, points: Array, triangles: NDArray[np.int64], x: Array) -> NDArray[np.int8]:
