@@ -57,7 +57,8 @@ def isosurface_stuffing(
         of two, as the size allows.
     box : array_like, shape (2, 3), optional
         For a function: two opposite corners of the box in which the body lies. The function is never asked
-        outside of it, and must be negative at its sides.
+        outside of it, and must not be positive at its sides. By default ``body.box``, which the bodies of
+        `examples` have.
     graded : bool
         Whether cells along the surface follow the size, too. Their angles are then measured, not proved.
     tolerance : float or None
@@ -122,6 +123,7 @@ def isosurface_stuffing(
         raise InputError(
             f"a function, a Domain in space or a Mesh of triangles is needed, not {type(body).__name__}"
         )
+    box = getattr(body, "box", None) if box is None else box
     if box is None:
         raise InputError("a function needs a box: two opposite corners of a box around the body")
     level_set = LevelSet(body, as_box(box, 3))

@@ -42,6 +42,8 @@ class Boundary(NamedTuple):
         The power of two by which coordinates are multiplied.
     contains : callable
         Points (k, d) in the units of the domain -> whether they lie inside (k,).
+    deviation : float
+        How far chords may be from the curves that they stand for; 0 if all pieces are straight.
     margin : float
         In the units of the domain: nodes count as cut if the boundary comes so near to them, along each axis.
     """
@@ -50,6 +52,7 @@ class Boundary(NamedTuple):
     pieces: NDArray[np.int64]
     factor: float
     contains: Callable[[Any], NDArray[np.bool_]]
+    deviation: float = 0.0
     margin: float = 0.0
 
 
@@ -74,10 +77,12 @@ def boundary_of(
     pieces: NDArray[Any],
     box: NDArray[np.float64],
     contains: Callable[[Any], Any],
+    deviation: float = 0.0,
 ) -> Boundary:
     """The record for points in the units of the domain; the box (2, d) is the root of the tree."""
     factor = power_of_two(np.concatenate([points, box]))
-    return Boundary(points * factor, np.ascontiguousarray(pieces, dtype=np.int64), factor, contains)
+    rows = np.ascontiguousarray(pieces, dtype=np.int64)
+    return Boundary(points * factor, rows, factor, contains, deviation)
 
 
 def at_root(boundary: Boundary, low: NDArray[np.float64], high: NDArray[np.float64]) -> Contacts:
