@@ -90,7 +90,7 @@ def pieces(cell: tuple[Vertex, ...], sign: dict[Vertex, int]) -> list[tuple[Any,
     if len(plus) == 2 and len(minus) == 2:
         return pair_and_pair(plus, minus)
     d = minus[0]
-    plus.sort(key=lambda p: sum(begins(q, p, d) for q in plus if q != p))
+    plus = sorted(plus, key=lambda p: sum(begins(q, p, d) for q in plus if q != p))
     cut = {p: frozenset((p, d)) for p in plus}
     if len(plus) == 2:
         p, q = plus

@@ -49,7 +49,10 @@ class Interval(NamedTuple):
     def __mul__(self, other: Any) -> Interval:
         a, b = self.low * other.low, self.low * other.high
         c, d = self.high * other.low, self.high * other.high
-        low, high = np.minimum(np.minimum(a, b), np.minimum(c, d)), np.maximum(np.maximum(a, b), np.maximum(c, d))
+        low, high = (
+            np.minimum(np.minimum(a, b), np.minimum(c, d)),
+            np.maximum(np.maximum(a, b), np.maximum(c, d)),
+        )
         return Interval(_down(low), _up(high))
 
 
@@ -235,7 +238,11 @@ def _pieces(signs: NDArray[np.int8], mirror: NDArray[np.int64], alpha: tuple[flo
 
 def _steps() -> list[tuple[int, ...]]:
     """The 14 edges at a vertex of the lattice."""
-    return [step for step in product((-2, -1, 0, 1, 2), repeat=3) if sorted(map(abs, step)) in ([1, 1, 1], [0, 0, 2])]
+    return [
+        step
+        for step in product((-2, -1, 0, 1, 2), repeat=3)
+        if sorted(map(abs, step)) in ([1, 1, 1], [0, 0, 2])
+    ]
 
 
 def _possible(signs: NDArray[np.int8], moves: dict[int, tuple[int, ...]]) -> bool:

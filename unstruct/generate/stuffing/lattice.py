@@ -106,7 +106,7 @@ def samples_of(body: LevelSet, frame: Frame) -> Samples:
         place = [float(axes[a][at[a]]) for a in range(3)]
         raise InputError(
             f"the function is positive near {place}, beside the boundary of the box: take a larger box, or "
-            "let the function be negative there"
+            "cap=True"
         )
     return Samples(v0, v1, np.maximum(s0, -1), np.maximum(s1, -1))
 

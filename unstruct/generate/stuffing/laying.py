@@ -124,7 +124,10 @@ def laid_in_level_set(
     frame = frame_of(body.box, cell, DEEPEST_LEVEL[3])
     if graded and field.constant is None:
         growth = grow(
-            frame.root, [_meeting(body.box, by_size(field))], Limits(0, frame.level, budget), progress=progress
+            frame.root,
+            [_meeting(body.box, by_size(field))],
+            Limits(0, frame.level, budget),
+            progress=progress,
         )
         grid = grid_of(balanced(growth.tree, "edges"), frame.root)
         vertices = lattice_vertices(grid)
@@ -193,8 +196,7 @@ def _asked_at(body: LevelSet, points: Array) -> tuple[Array, NDArray[np.int8]]:
         row = int(np.argmax(beyond))
         place = np.clip(points[row], *body.box).tolist()
         raise InputError(
-            f"the function is positive at {place}, on the boundary of the box: take a larger box, or let the "
-            "function be negative there"
+            f"the function is positive at {place}, on the boundary of the box: take a larger box, or cap=True"
         )
     return values, np.sign(values).astype(np.int8)
 

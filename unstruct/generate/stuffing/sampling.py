@@ -23,7 +23,8 @@ MOST_STEPS = 100  # of the search for zeros; halving alone would take 53
 class LevelSet:
     """The set where a function of points (k, 3) -> (k,) is positive.
 
-    Points outside of the box (2, 3) are moved to its boundary before the function is asked.
+    Points outside of the box (2, 3) are moved to its boundary before the function is asked. If the body is
+    `capped`, what is outside of the box does not belong to it.
 
     Attributes
     ----------
@@ -31,8 +32,8 @@ class LevelSet:
         The number of points at which the function has been asked.
     """
 
-    def __init__(self, function: Callable[[Array], Any], box: Array):
-        self.function, self.box = function, box
+    def __init__(self, function: Callable[[Array], Any], box: Array, capped: bool = False):
+        self.function, self.box, self.capped = function, box, capped
         self.called = 0
 
     def __call__(self, x: Array) -> Array:
@@ -46,7 +47,12 @@ class LevelSet:
         result = np.empty(len(x))
         for i in range(0, len(x), CALLED_AT_ONCE):
             part = np.clip(x[i : i + CALLED_AT_ONCE], self.box[0], self.box[1])
-            result[i : i + CALLED_AT_ONCE] = self._values(part)
+            values = self._values(part)
+            if self.capped:
+                there = x[i : i + CALLED_AT_ONCE]
+                gap = np.minimum(there - self.box[0], self.box[1] - there).min(axis=1)
+                values = np.minimum(values, gap)
+            result[i : i + CALLED_AT_ONCE] = values
         self.called += len(x)
         return result
 

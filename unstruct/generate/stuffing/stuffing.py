@@ -39,6 +39,7 @@ def isosurface_stuffing(
     size: Any,
     *,
     box: ArrayLike | None = None,
+    cap: bool = False,
     graded: bool = False,
     tolerance: float | None = ZERO_TOLERANCE,
     budget: int = MOST_LEAVES,
@@ -57,8 +58,11 @@ def isosurface_stuffing(
         of two, as the size allows.
     box : array_like, shape (2, 3), optional
         For a function: two opposite corners of the box in which the body lies. The function is never asked
-        outside of it, and must not be positive at its sides. By default ``body.box``, which the bodies of
+        outside of it, and must not be positive at its sides, unless `cap` is set. By default ``body.box``, which the bodies of
         `examples` have.
+    cap : bool
+        Whether the body ends at the sides of the box, where the function is positive there. Cells are flat
+        there if the box has a whole number of them along each axis; otherwise its edges are cut off.
     graded : bool
         Whether cells along the surface follow the size, too. Their angles are then measured, not proved.
     tolerance : float or None
@@ -105,7 +109,7 @@ def isosurface_stuffing(
     moved are our own. Book: 4c.
     """
     field, budget = as_size(size), as_count(budget, "budget")
-    graded, progress = as_flag(graded, "graded"), as_flag(progress, "progress")
+    graded, progress, cap = as_flag(graded, "graded"), as_flag(progress, "progress"), as_flag(cap, "cap")
     if tolerance is not None:
         tolerance = positive(tolerance, "tolerance")
     if isinstance(body, Mesh) and body.points.shape[1] == 3 and body.dimension == 2:
@@ -126,7 +130,7 @@ def isosurface_stuffing(
     box = getattr(body, "box", None) if box is None else box
     if box is None:
         raise InputError("a function needs a box: two opposite corners of a box around the body")
-    level_set = LevelSet(body, as_box(box, 3))
+    level_set = LevelSet(body, as_box(box, 3), cap)
     laid = laid_in_level_set(level_set, field, graded, tolerance, limits)
     return noticed(_finished(laid, None, {}, level_set))
 

@@ -66,9 +66,7 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
     else:
         boundary = boundary._replace(margin=REACH * cell)
         rules.append(_cut_above(frame.level))
-    growth = grow(
-        frame.root, rules, Limits(0, frame.level, budget), boundary=boundary, progress=progress
-    )
+    growth = grow(frame.root, rules, Limits(0, frame.level, budget), boundary=boundary, progress=progress)
     if growth.reason.startswith("budget"):
         raise InputError(
             f"size = {cell:.6g} needs more leaves of the octree than the budget of {budget:,}; take a larger size"
