@@ -58,6 +58,7 @@ from .generate.planting.planting import quadtree as quadtree
 from .generate.planting.tree import Tree as Tree
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
+from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
 from .generate.volume.improving import improve as improve
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
@@ -105,6 +106,7 @@ __all__ = [
     "improve",
     "insert",
     "interpolate",
+    "isosurface_stuffing",
     "join",
     "octree",
     "plain",

@@ -44,6 +44,8 @@ class Boundary(NamedTuple):
         Points (k, d) in the units of the domain -> whether they lie inside (k,).
     deviation : float
         How far chords may be from the curves that they stand for; 0 if all pieces are straight.
+    margin : float
+        In the units of the domain: nodes count as cut if the boundary comes so near to them, along each axis.
     """
 
     points: NDArray[np.float64]
@@ -51,6 +53,7 @@ class Boundary(NamedTuple):
     factor: float
     contains: Callable[[Any], NDArray[np.bool_]]
     deviation: float = 0.0
+    margin: float = 0.0
 
 
 class Contacts(NamedTuple):
@@ -117,7 +120,11 @@ def _met(
     """Of the pairs of `above`, those that meet; states from those of the parents, or by one exact test."""
     f = boundary.factor
     meets = pieces_in_boxes(
-        boundary.points, boundary.pieces, above.piece, low[above.node] * f, high[above.node] * f
+        boundary.points,
+        boundary.pieces,
+        above.piece,
+        (low[above.node] - boundary.margin) * f,
+        (high[above.node] + boundary.margin) * f,
     )
     node, piece = above.node[meets], above.piece[meets]
     order = np.argsort(node, kind="stable")

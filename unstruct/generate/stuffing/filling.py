@@ -1,0 +1,151 @@
+"""From a background with signs to the tetrahedra inside: cut points, moved vertices, stencils.
+
+See the book, chapter 4c.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.jit import kernel
+from ..tree.lookup import Grid
+from ..tree.vertices import Vertices, numbered
+from .background import background_tetrahedra
+from .stencils import Cuts, stenciled
+from .warping import ALPHA, Edges, crossed_edges, warped
+
+__all__ = ["Background", "Filling", "background_of", "filled_background", "lattice_vertices"]
+
+Array = NDArray[np.float64]
+
+
+class Background(NamedTuple):
+    """Tetrahedra over an octree.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        First the corners of leaves, then their centers.
+    place : (n, 3) int64
+        Their coordinates in halves of the smallest leaves' sides.
+    sign : (n,) int8
+        1 inside, 0 on the surface, -1 outside.
+    cells : (m, 4) int32
+        Those with a vertex inside.
+    """
+
+    points: Array
+    place: NDArray[np.int64]
+    sign: NDArray[np.int8]
+    cells: NDArray[np.int32]
+
+
+class Filling(NamedTuple):
+    """The tetrahedra inside.
+
+    Attributes
+    ----------
+    points : (v, 3) float64
+    cells : (k, 4) int32
+    vertex : (v,) int64
+        The vertex of the background, or its number of vertices plus that of the crossed edge.
+    on_surface : (v,) bool
+    owner : (k,) int64
+        The tetrahedron of the background in which each cell lies.
+    moved, cut : int
+        The numbers of vertices that were moved and of cut points.
+    """
+
+    points: Array
+    cells: NDArray[np.int32]
+    vertex: NDArray[np.int64]
+    on_surface: NDArray[np.bool_]
+    owner: NDArray[np.int64]
+    moved: int
+    cut: int
+
+
+def lattice_vertices(grid: Grid) -> tuple[Array, NDArray[np.int64], Vertices]:
+    """The corners and the centers of leaves: points, places, and the corners alone."""
+    vertices = numbered(grid)
+    first, last = vertices.corners[:, 0], vertices.corners[:, 7]
+    low = vertices.points[first]
+    centers = low + 0.5 * (vertices.points[last] - low)
+    place = np.concatenate(
+        [2 * vertices.coordinates, vertices.coordinates[first] + vertices.coordinates[last]]
+    )
+    return np.concatenate([vertices.points, centers]), place, vertices
+
+
+def background_of(
+    grid: Grid,
+    vertices: tuple[Array, NDArray[np.int64], Vertices],
+    sign: NDArray[np.int8],
+) -> Background:
+    """The background over the leaves of a tree, from `lattice_vertices` and their signs."""
+    points, place, corners = vertices
+    return Background(points, place, sign, background_tetrahedra(grid, corners.corners, sign))
+
+
+def filled_background(background: Background, shares: Callable[[Edges], Array]) -> Filling:
+    """The tetrahedra inside.
+
+    Parameters
+    ----------
+    background : Background
+    shares : callable
+        Where the surface cuts edges: 0 at the vertex inside, 1 at that outside.
+    """
+    points, place, n = background.points.copy(), background.place, len(background.points)
+    sign = background.sign.copy()
+    edges = crossed_edges(background.cells, sign)
+    share = shares(edges)
+    step = np.abs(place[edges.outer] - place[edges.inner])
+    alpha = np.where((step > 0).sum(axis=1) == 1, *ALPHA)
+    length = np.sqrt((step * step).sum(axis=1).astype(np.float64))
+    begin, end = points[edges.inner], points[edges.outer]
+    places = np.where(
+        (share <= 0.5)[:, None],
+        begin + share[:, None] * (end - begin),
+        end - (1.0 - share)[:, None] * (end - begin),
+    )
+    vertex, edge = warped(edges, share, length, alpha)
+    points[vertex], sign[vertex] = places[edge], 0
+    whole = (sign[edges.inner] > 0) & (sign[edges.outer] < 0)
+    cells, owner = stenciled(background.cells, sign, place, Cuts(edges.keys[whole], n))
+    cuts = np.flatnonzero(whole)
+    used, cells = _compressed(cells, n + len(cuts))
+    new = used >= n
+    number = np.where(new, n + cuts[np.where(new, used - n, 0)] if len(cuts) else used, used)
+    found = np.concatenate([points, places[cuts]])[used]
+    on_surface = np.concatenate([sign == 0, np.ones(len(cuts), dtype=bool)])[used]
+    return Filling(found, cells, number, on_surface, owner, len(vertex), len(cuts))
+
+
+@kernel
+def _renumber(cells, number):
+    for i in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            cells[i, k] = number[cells[i, k]]
+
+
+@kernel
+def _use(cells, used):
+    for i in range(cells.shape[0]):
+        for k in range(cells.shape[1]):
+            used[cells[i, k]] = True
+
+
+def _compressed(cells: NDArray[np.int32], n: int) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """The vertices that are used, and the cells with new numbers, which are changed in place."""
+    flags = np.zeros(n, dtype=np.bool_)
+    _use(cells, flags)
+    used = np.flatnonzero(flags)
+    number = np.empty(n, dtype=np.int32)
+    number[used] = np.arange(len(used))
+    _renumber(cells, number)
+    return used, cells
