@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh
+from ..hexahedra.dominant import hexahedra_and_others
 from ..tree.cells import TreeCells
 from ..tree.contacts import OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
@@ -20,7 +21,7 @@ from ..tree.vertices import numbered
 
 __all__ = ["Tree"]
 
-KINDS_OF_MESHES = ("cells", "conforming")
+KINDS_OF_MESHES = ("cells", "conforming", "hex-dominant")
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -48,6 +49,8 @@ class Tree(TreeCells):
         """
         if kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
+        if kind == "hex-dominant":
+            return hexahedra_and_others(self)
         wanted = self.states > OUTSIDE
         vertices = numbered(self.grid)
         if kind == "cells":

@@ -17,7 +17,7 @@ from .keys import compacted, interleaved
 from .lookup import Grid, entries, leaf_of
 from .vertices import Vertices
 
-__all__ = ["cubes_as_tetrahedra"]
+__all__ = ["cubes_as_tetrahedra", "outline_of_face"]
 
 
 @inline
@@ -39,7 +39,7 @@ def _smaller_at(grid, shift, level, vertex, q, beside):
 
 
 @kernel
-def _ring(grid, shift, vertex, leaf, low, face, ring):
+def outline_of_face(grid, shift, vertex, leaf, low, face, ring):
     """The outline of a face, counterclockwise seen from its upper side, with -1 for middles that do not hang.
 
     Faces 2 a and 2 a + 1 are the lower and the upper one across axis a. ``ring[8]`` is the face's middle.
@@ -90,7 +90,7 @@ def _tetrahedra(grid, shift, vertex, rows, center, cells, owner):
             low[a] = np.int64(compacted(grid.first[leaf] >> np.uint64(a), 3))
         up = np.int64(grid.depth - grid.levels[leaf])
         for face in range(6):
-            _ring(grid, shift, vertex, leaf, low, face, ring)
+            outline_of_face(grid, shift, vertex, leaf, low, face, ring)
             n, start = 0, 0
             for k in range(8):
                 if ring[k] >= 0:
