@@ -5,7 +5,7 @@ See the book, chapter 4c.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from .pattern import WHOLE, kinds_of_leaves, linked
 
 __all__ = ["Kinds", "clear_leaves", "must_be_octree", "with_hexahedra"]
 
+Array = NDArray[np.float64]
+AS_FAR = 0.6  # how far centers of leaves are from a triangle at least; unit: the root of twice its area
 LEAVES_AT_ONCE = 1 << 16  # to bound the memory
 
 
@@ -35,19 +37,22 @@ def must_be_octree(tree: TreeCells, kind: str) -> None:
     """Raise if the tree is not an octree that is balanced across edges."""
     if tree.dimension != 3:
         raise InputError(f"{kind!r} is for octrees; this is a quadtree")
-    if not tree.is_balanced("edges"):
+    if tree.balance not in ("edges", "corners") and not tree.is_balanced("edges"):
         raise InputError(f'{kind!r} needs a tree that is balanced across edges: tree.balanced("edges")')
 
 
-def clear_leaves(tree: TreeCells, margin: float) -> NDArray[np.bool_]:
-    """The leaves inside whose boxes, larger by a margin on each side, meet nothing of the domain.
+def clear_leaves(tree: TreeCells, domain: Any, margin: float) -> NDArray[np.bool_]:
+    """The leaves inside whose boxes, larger by a margin on each side, meet nothing of a domain.
 
     Parameters
     ----------
     tree : TreeCells
         An octree.
+    domain : Domain or None
+        That of the tree, of which pieces may be divided.
     margin : float
-        In sides of the leaf. With 0, leaves may touch the surface and what lies within the body.
+        In sides of the leaf. With 0, leaves may touch the surface and what lies within the body; otherwise
+        they are farther from triangles that are larger than they.
 
     Returns
     -------
@@ -55,38 +60,46 @@ def clear_leaves(tree: TreeCells, margin: float) -> NDArray[np.bool_]:
         Exact but for the rounding of the larger boxes.
     """
     clear = tree.states == INSIDE
-    if tree.domain is None:
+    if domain is None:
         return clear
-    shell = tree.domain.triangulated
+    shell = domain.triangulated
     used = np.zeros(len(shell.points), dtype=bool)
     used[shell.triangles], used[shell.segments] = True, True
     loose = np.flatnonzero(~used)[:, None]
     factor = power_of_two(np.concatenate([shell.points, tree.box]))
-    for pieces in (shell.triangles, shell.segments, loose):
-        if len(pieces):
-            _without_met(tree, margin, shell.points * factor, pieces.astype(np.int64), factor, clear)
+    points = shell.points * factor
+    for rows in (shell.triangles, shell.segments, loose):
+        if len(rows):
+            pieces = rows.astype(np.int64)
+            reach = AS_FAR * _roots_of_areas(points[pieces]) if margin > 0.0 else np.zeros(len(pieces))
+            _without_met(tree, margin, (points, pieces, reach), factor, clear)
     return clear
 
 
+def _roots_of_areas(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The roots of twice the areas of triangles: the sides of squares as large; 0 for other pieces."""
+    if x.shape[1] < 3:
+        return np.zeros(len(x))
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    return np.sqrt(np.sqrt(normal[:, 0] ** 2 + normal[:, 1] ** 2 + normal[:, 2] ** 2))
+
+
 def _without_met(
-    tree: TreeCells,
-    margin: float,
-    points: NDArray[np.float64],
-    pieces: NDArray[np.int64],
-    factor: float,
-    clear: NDArray[np.bool_],
+    tree: TreeCells, margin: float, given: tuple[Array, NDArray[np.int64], Array], factor: float, clear: Any
 ) -> None:
-    """Take away the leaves that the pieces meet."""
-    boxes = BoxTree(*bounding_boxes(points[pieces]))
-    low, high = tree.corners
+    """Take away the leaves near which pieces are: points, their rows, and how far away larger ones must be."""
+    points, pieces, reach = given
+    first, last = bounding_boxes(points[pieces])
+    boxes = BoxTree(first - reach[:, None], last + reach[:, None])
+    low, high = (corner * factor for corner in tree.corners)
     rows = np.flatnonzero(clear)
     for i in range(0, len(rows), LEAVES_AT_ONCE):
         part = rows[i : i + LEAVES_AT_ONCE]
-        off = margin * (high[part] - low[part])
-        first, last = (low[part] - off) * factor, (high[part] + off) * factor
-        query, hit = boxes.pairs(first, last)
-        meets = pieces_in_boxes(points, pieces, hit, first[query], last[query])
-        clear[part[query[meets]]] = False
+        side = high[part] - low[part]
+        query, hit = boxes.pairs(low[part] - margin * side, high[part] + margin * side)
+        off = np.maximum(margin * side[query], reach[hit][:, None] - 0.5 * side[query])
+        at = part[query]
+        clear[at[pieces_in_boxes(points, pieces, hit, low[at] - off, high[at] + off)]] = False
 
 
 def with_hexahedra(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool) -> Kinds:

@@ -48,7 +48,7 @@ def hexahedra_and_others(tree: TreeCells) -> DomainMesh:
     body = tree.domain if parts is None else parts.domain
     coarse = coarse_facets(body.triangulated, field)
     for margin in (*MARGINS, np.inf):
-        chosen = clear_leaves(tree, margin) if np.isfinite(margin) else np.zeros(len(tree), dtype=bool)
+        chosen = clear_leaves(tree, body, margin) if np.isfinite(margin) else np.zeros(len(tree), dtype=bool)
         if coarse is not None:
             chosen &= _as_fine(tree, coarse)
         kinds = with_hexahedra(tree, vertices, chosen, bare=False)
