@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...base.telling import tell
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
 from ..bodies.dividing import divided
@@ -30,11 +31,23 @@ __all__ = ["hexahedra_and_others"]
 
 MARGINS = (0.5, 1.0, 2.0)  # sides of a leaf between it and the surface; the next if the strip cannot be filled
 STRIP_EDGES = 1.1  # the wanted length of edges in the strip; unit: the side of the leaf there
+NO_HEXAHEDRA = (
+    "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller size "
+    "helps, and where facets are larger than leaves split_boundary=True"
+)
 MUCH_LARGER_CELLS = 1.5  # the size near a coarse facet over the side of leaves, from which these are no cubes
 
 
-def hexahedra_and_others(tree: TreeCells) -> DomainMesh:
-    """A mesh of the whole body, or of the box, mostly of hexahedra; see `Tree.mesh`, "hex-dominant"."""
+def hexahedra_and_others(tree: TreeCells, split_boundary: bool | None = None) -> DomainMesh:
+    """A mesh of the whole body, or of the box, mostly of hexahedra; see `Tree.mesh`, "hex-dominant".
+
+    Parameters
+    ----------
+    tree : TreeCells
+        An octree that is balanced across edges.
+    split_boundary : bool, optional
+        As for `tetrahedralize`, with the sides of leaves for the size.
+    """
     must_be_octree(tree, "hex-dominant")
     vertices = numbered(tree.grid)
     if tree.domain is None:
@@ -44,7 +57,7 @@ def hexahedra_and_others(tree: TreeCells) -> DomainMesh:
     if len(tree.domain.facets) == 0:
         raise InputError("the domain has no facets, so nothing is inside")
     field = _sides_as_size(tree)
-    parts = divided(tree.domain, field)
+    parts = None if split_boundary is False else divided(tree.domain, field, bool(split_boundary))
     body = tree.domain if parts is None else parts.domain
     coarse = coarse_facets(body.triangulated, field)
     for margin in (*MARGINS, np.inf):
@@ -57,6 +70,8 @@ def hexahedra_and_others(tree: TreeCells) -> DomainMesh:
         last = not (kinds.kind != UNUSED).any()
         if last or (strip.mesh.complete and strip.keeps_kernel):
             break
+    if last:
+        tell(NO_HEXAHEDRA)
     lacking = what_is_missing(strip.domain, strip.mesh, "another size may help")
     return noticed(together(tree, parts, strip, cubes, kinds), lacking)
 

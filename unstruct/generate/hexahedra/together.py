@@ -21,7 +21,7 @@ from .strip import Strip
 __all__ = ["of_cubes", "together"]
 
 LONG_EDGE = 2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
-LARGE_FACET = "a facet is larger than the leaves there, and stays"
+LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
 
