@@ -14,6 +14,7 @@ from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain, as_domain
 from ..mesh import topology
 from ..mesh.cells import cell_rows
+from ..mesh.domain_mesh import DomainMesh
 from ..mesh.embedding import RidgeFans, crossing_facets
 from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
 from ..mesh.marked import marked_facets
@@ -302,9 +303,7 @@ def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report:
             f"({len(turned)} in all)"
         )
         return
-    markers = {name: values if values.ndim == 2 else values[owner] for name, values in mesh.markers.items()}
-    markers = {name: values for name, values in markers.items() if values.ndim == 1 or values.shape[1] == 2}
-    parts = Mesh(mesh.points, rows, origin=mesh.origin, duplicates=mesh.duplicates, markers=markers)
+    parts = _as_simplices(mesh, rows, owner)
     found = Report(report.title)
     if mesh.dimension == 3:
         valid = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
@@ -312,13 +311,38 @@ def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report:
             everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
             _overlap(parts, found, everything=everything)
     if domain is not None:
-        check_domain(parts, domain, found)
+        (check_domain if domain.dimension == 2 else check_body)(parts, domain, found)
     report.passed += found.passed
     report.skipped += found.skipped
     report.problems += [
         Problem(p.kind, p.text, tuple(np.unique(owner[list(p.cells)]).tolist()), p.vertices)
         for p in found.problems
     ]
+
+
+def _as_simplices(mesh: Mesh, rows: np.ndarray, owner: np.ndarray) -> DomainMesh:
+    """The mesh of these parts of cells, with all that is known of their faces and edges."""
+    markers, known = {}, {}
+    for name, values in mesh.markers.items():
+        if values.ndim == 1:
+            markers[name] = values[owner]
+        elif values.shape[1] == 4:  # faces of both kinds, padded by -1
+            quads = values[:, 3] >= 0
+            halves = simplices_of_cells({"quad": values[quads]})[0]
+            markers[name] = np.concatenate([values[~quads, :3], halves])
+        elif values.shape[1] == 2 or mesh.dimension == 3:
+            markers[name] = values
+    if isinstance(mesh, DomainMesh):
+        known = {name: getattr(mesh, name) for name in ("segments", "piece", "span", "faces", "face_piece")}
+    return DomainMesh(
+        mesh.points,
+        rows,
+        origin=mesh.origin,
+        duplicates=mesh.duplicates,
+        markers=markers,
+        regions=mesh.regions,
+        **known,
+    )
 
 
 # ---------------------------------------------------------------------- spheres

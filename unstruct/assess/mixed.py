@@ -132,20 +132,25 @@ def _manifold(
     fans = fans_of_faces((owner, corners), cells[facet], shared[facet, column], len(mesh.points))
     bad = np.nonzero(fans > 1)[0]
     allowed = np.isin(bad, pinches)
+    permitted = bool(allowed.any())
     text = f"up to {fans.max(initial=0)} separate fans of cells meet there"
     problems = [problem("pinched vertex", text, vertices=bad[~allowed])]
     if mesh.dimension == 3:
         pinched, most = _pinched_edges(mesh, rows, cells, shared)
+        here = np.isin(pinched, pinches).all(axis=1)
+        permitted |= bool(here.any())
         text = f"up to {most} separate fans of cells meet there"
-        problems.append(problem("pinched edge", text, vertices=pinched.ravel()))
+        problems.append(problem("pinched edge", text, vertices=pinched[~here].ravel()))
     manifold = report.note("cells around every vertex are connected through facets", *problems)
     if manifold and mesh.dimension == 3:
+        wrong = _bad_links(mesh, corners)
+        here = np.isin(wrong, pinches)
+        permitted |= bool(here.any())
+        text = "the cells around the vertex form neither a ball nor a half-ball"
         manifold = report.note(
-            "the link of every vertex is a sphere or a disk",
-            problem("link", "the cells around the vertex form neither a ball nor a half-ball",
-                    vertices=_bad_links(mesh, corners)),
-        )  # fmt: skip
-    if manifold and allowed.any():
+            "the link of every vertex is a sphere or a disk", problem("link", text, vertices=wrong[~here])
+        )
+    if manifold and permitted:
         report.skipped.append("the Euler characteristic, where facets of the domain meet at a vertex")
     elif manifold:
         _euler(mesh, report)

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arguments import as_flag
 from ...base.arrays import flagged
 from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh
+from ..hexahedra.dominant import hexahedra_and_others
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
@@ -25,7 +27,7 @@ from . import card
 
 __all__ = ["Tree"]
 
-KINDS_OF_MESHES = ("cells", "conforming")
+KINDS_OF_MESHES = ("cells", "conforming", "hex-dominant")
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -35,14 +37,21 @@ _plot = door("unstruct.view:plot_tree")
 class Tree(TreeCells):
     __doc__ = TreeCells.__doc__
 
-    def mesh(self, kind: str = "cells") -> DomainMesh:
+    def mesh(self, kind: str = "cells", *, split_boundary: bool | None = None) -> DomainMesh:
         """The leaves as a mesh; those outside of the domain are left out.
 
         Parameters
         ----------
-        kind : "cells" or "conforming"
-            "cells": squares or cubes as they are, with hanging vertices. "conforming": triangles with angles
-            of 45 and 90 degrees, or tetrahedra with dihedral angles from 19.4 to 144.8 degrees.
+        kind : str
+            - "cells": squares or cubes as they are, with hanging vertices.
+            - "conforming": triangles with angles of 45 and 90 degrees, or tetrahedra with dihedral angles
+              from 19.4 to 144.8 degrees.
+            - "hex-dominant": in space, a mesh of the whole body. Leaves far enough from the surface are
+              hexahedra. Where levels change there are pyramids and tetrahedra, and tetrahedra to the surface,
+              of which the triangles are kept, and polygons divided. All cells meet in whole faces.
+        split_boundary : bool, optional
+            For "hex-dominant": whether facets are divided to the sides of leaves, as in `tetrahedralize`: by
+            default, polygons of more than three corners are.
 
         Returns
         -------
@@ -50,14 +59,31 @@ class Tree(TreeCells):
             Its markers tell of each cell the number of its "leaf", its "level", and its "state": 1 inside of
             the domain, 0 if the boundary meets the leaf. Of "cells", the marker "hanging" has the vertices
             that hang, as rows of one.
+            Of "hex-dominant" it has all that `tetrahedralize` tells, and in ``figures`` the "share of
+            hexahedra" in the volume.
 
         Raises
         ------
         InputError
-            If kind is unknown, or "conforming" is asked of a tree that is not balanced.
+            If kind is unknown or none for this dimension, or if a conforming mesh is asked of a tree that is
+            not balanced across edges (in the plane, across faces).
+
+        Notes
+        -----
+        O(n log n) for n leaves. In a "hex-dominant" mesh a leaf without hanging vertices is a hexahedron if all
+        its neighbors are chosen, too; other chosen leaves are fans about their centers. The space from these to
+        the surface is filled as `tetrahedralize` does it, with sides of leaves for the size. If that fails,
+        leaves farther from the surface are chosen, and in the end none. Every hexahedron is a box, and all cells
+        are positive. Book: 4a, 4c.
         """
         if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
+        if split_boundary is not None:
+            split_boundary = as_flag(split_boundary, "split_boundary")
+            if kind != "hex-dominant":
+                raise InputError(f'split_boundary goes with "hex-dominant", not with {kind!r}')
+        if kind == "hex-dominant":
+            return hexahedra_and_others(self, split_boundary)
         wanted = self.states > ALL_OUTSIDE
         vertices = self._vertices
         if kind == "cells":
