@@ -75,6 +75,9 @@ from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state
+from .scenes.tree_meshes import CUTS as CUTS
+from .scenes.tree_meshes import cut_state as cut_state
+from .scenes.tree_meshes import template_frames as template_frames
 from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
 from .scenes.twisted_prism import twisted_prism as twisted_prism
 from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state
