@@ -28,6 +28,7 @@ from .draw.strips import draw as draw
 from .draw.strips import draw_items as draw_items
 from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
+from .draw.trees import plot_tree as plot_tree
 from .scenes import states as states
 from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
