@@ -79,7 +79,6 @@ from .scenes.swaps import swap_state as swap_state
 from .scenes.tree_states import TREE_FEATURE as TREE_FEATURE
 from .scenes.tree_states import TREE_KINDS as TREE_KINDS
 from .scenes.tree_states import TREE_PLACES as TREE_PLACES
-from .scenes.tree_states import hanging_vertices as hanging_vertices
 from .scenes.tree_states import tree_frame as tree_frame
 from .scenes.tree_states import tree_state as tree_state
 from .scenes.trees import balance_frames as balance_frames

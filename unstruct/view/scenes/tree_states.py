@@ -1,20 +1,19 @@
-"""Trees of the library as frames: their leaves, hanging vertices, and a feature that the reader drags."""
+"""Trees of the library as frames: their leaves and hanging vertices, and a feature that the reader drags."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.errors import InputError
 from ...generate.planting.planting import quadtree
-from ...generate.tree.cells import TreeCells
+from ...generate.planting.tree import Tree
 from ..draw import frames as fr
 from .trees import UNIT_WINDOW, many
 
-__all__ = ["TREE_FEATURE", "TREE_KINDS", "TREE_PLACES", "hanging_vertices", "tree_frame", "tree_state"]
+__all__ = ["TREE_FEATURE", "TREE_KINDS", "TREE_PLACES", "tree_frame", "tree_state"]
 
 TREE_FEATURE = 0.004  # the radius of the feature that the reader drags
 TREE_PLACES = np.linspace(0.05, 0.95, 11).round(2).tolist()
@@ -29,40 +28,13 @@ TREE_KINDS: dict[str, tuple[int, str | None]] = {
 }
 
 
-def hanging_vertices(tree: TreeCells) -> NDArray[np.float64]:
-    """The vertices of leaves that lie inside a side, an edge or a face of another leaf.
-
-    Parameters
-    ----------
-    tree : Tree
-        In the plane or in space, balanced or not.
-
-    Returns
-    -------
-    ndarray of float64, shape (k, d)
-        Sorted by coordinates, the first one first.
-
-    Notes
-    -----
-    O(n log n). A vertex hangs if one of the 2**d leaves around it does not have it as a corner.
-    """
-    d, deep = tree.dimension, tree.depth
-    offsets = np.array(list(product((0, 1), repeat=d)))
-    width = np.int64(1) << (deep - tree.levels.astype(np.int64))
-    vertices = np.unique((tree.coordinates[:, None] + offsets * width[:, None, None]).reshape(-1, d), axis=0)
-    low, side = tree.box[0], (tree.box[1] - tree.box[0]) / 2**deep
-    hangs = np.zeros(len(vertices), dtype=bool)
-    for offset in offsets:
-        cell = vertices - offset
-        leaf = tree.locate(low + side * (cell + 0.5))  # outside of the box: -1
-        away = vertices - tree.coordinates[leaf]
-        corner = ((away == 0) | (away == width[leaf][:, None])).all(axis=1)
-        hangs |= (leaf >= 0) & ~corner
-    return low + side * vertices[hangs]
+def _hanging(tree: Tree) -> NDArray[np.float64]:
+    """The places of the hanging vertices (k, d)."""
+    return tree.mesh("cells").points[tree.hanging.vertices]
 
 
 def tree_frame(
-    tree: TreeCells, caption: str = "", *, hanging: bool = False, points: ArrayLike | None = None
+    tree: Tree, caption: str = "", *, hanging: bool = False, points: ArrayLike | None = None
 ) -> fr.Frame:
     """The leaves of a quadtree as a frame; of a domain those outside are pale, those that are cut hatched.
 
@@ -86,7 +58,7 @@ def tree_frame(
     roles = {1: "cell", 0: "waiting", -1: "muted"}
     items = [fr.polygons(roles[state], boxes[tree.states == state]) for state in (-1, 1, 0)]
     if hanging:
-        items.append(fr.dots("highlight", hanging_vertices(tree)))
+        items.append(fr.dots("highlight", _hanging(tree)))
     if points is not None:
         items.append(fr.dots("vertex", points))
     number = f"{many(len(tree), 'leaf', 'leaves')}, depth {tree.depth}"
@@ -129,7 +101,7 @@ def tree_state(x: float = 0.32, y: float = 0.68, tree: str = "depth 5, balanced 
     raw = quadtree([(0, 0), (1, 1)], divide=meets, balance=None)
     final = raw if across is None else raw.balanced(across)
     before, after = ((len(one) - 1) // 3 for one in (raw, final))
-    hangs = hanging_vertices(final)
+    hangs = _hanging(final)
     items = [
         fr.segments("cell", list(_crosses(final.linear.split))),
         fr.segments("layer", list(_crosses(_further(final, raw)))),
@@ -145,7 +117,7 @@ def tree_state(x: float = 0.32, y: float = 0.68, tree: str = "depth 5, balanced 
     return fr.frame(caption, *items, number=number, view=UNIT_WINDOW)
 
 
-def _further(tree: TreeCells, other: TreeCells) -> list[NDArray[np.uint64]]:
+def _further(tree: Tree, other: Tree) -> list[NDArray[np.uint64]]:
     """By level, the keys of the cells that one tree divides and another does not."""
     none = np.empty(0, dtype=np.uint64)
     split = [*other.linear.split, *[none] * tree.depth]
