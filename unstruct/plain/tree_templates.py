@@ -59,7 +59,8 @@ def hanging(leaves: Collection[Cell]) -> set[Point]:
 
 def triangles(leaves: Collection[Cell]) -> set[Simplex]:
     """Triangles of the leaves of a quadtree that is balanced across faces, counterclockwise."""
-    known, found = vertices(leaves), set()
+    known = vertices(leaves)
+    found: set[Simplex] = set()
     for cell in leaves:
         bounds = list(zip(*box(cell), strict=True))
         ring = outline([(bounds[0][s], bounds[1][t]) for s, t in ROUND], known)
@@ -92,7 +93,8 @@ def face_triangles(cell: Cell, axis: int, side: int, known: set[Point]) -> list[
 
 def tetrahedra(leaves: Collection[Cell]) -> set[Simplex]:
     """Tetrahedra of the leaves of an octree that is balanced across edges, positively oriented."""
-    known, found = vertices(leaves), set()
+    known = vertices(leaves)
+    found: set[Simplex] = set()
     for cell in leaves:
         for axis, side in product(range(3), (0, 1)):
             for p, q, r in face_triangles(cell, axis, side, known):

@@ -28,6 +28,7 @@ from .draw.strips import draw as draw
 from .draw.strips import draw_items as draw_items
 from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
+from .draw.trees import plot_tree as plot_tree
 from .scenes import states as states
 from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
@@ -78,6 +79,17 @@ from .scenes.swaps import swap_state as swap_state
 from .scenes.tree_meshes import CUTS as CUTS
 from .scenes.tree_meshes import cut_state as cut_state
 from .scenes.tree_meshes import template_frames as template_frames
+from .scenes.tree_states import TREE_FEATURE as TREE_FEATURE
+from .scenes.tree_states import TREE_KINDS as TREE_KINDS
+from .scenes.tree_states import TREE_PLACES as TREE_PLACES
+from .scenes.tree_states import tree_frame as tree_frame
+from .scenes.tree_states import tree_state as tree_state
+from .scenes.trees import balance_frames as balance_frames
+from .scenes.trees import division_frames as division_frames
+from .scenes.trees import halo_frames as halo_frames
+from .scenes.trees import order_frame as order_frame
+from .scenes.trees import rule_frame as rule_frame
+from .scenes.trees import search_frames as search_frames
 from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
 from .scenes.twisted_prism import twisted_prism as twisted_prism
 from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state

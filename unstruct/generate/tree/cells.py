@@ -8,7 +8,7 @@ See the book, chapter 4a.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,33 +17,14 @@ from ...base.arguments import as_count
 from ...base.arrays import as_numbers, as_points, frozen, refrozen
 from ...base.errors import InputError
 from .balancing import ACROSS, balanced, directions
-from .contacts import INSIDE, Boundary
-from .growing import level_of
+from .contacts import ALL_INSIDE, Boundary
 from .keys import Keys, coordinates_of
-from .linear import Leaves, Linear, children_of, leaves_of, linear_of, merged, nodes_of
+from .linear import Leaves, Linear, leaves_of, linear_of, merged
 from .lookup import Grid, corners, in_box, located, nearest, table_of
+from .nodes import TreeNodes, all_nodes, states_of
 from .touching import neighbor_pairs, rows_of_pairs
 
-__all__ = ["TreeCells", "TreeNodes", "as_across"]
-
-
-class TreeNodes(NamedTuple):
-    """All cells of a tree, those that are divided and the leaves, level by level.
-
-    Attributes
-    ----------
-    levels : (k,) int8
-    centers : (k, d) float64
-    parents : (k,) int64
-        The number of the parent; -1 for the root, which is the first.
-    leaves : (k,) int64
-        The number of the leaf; -1 for cells that are divided.
-    """
-
-    levels: NDArray[np.int8]
-    centers: NDArray[np.float64]
-    parents: NDArray[np.int64]
-    leaves: NDArray[np.int64]
+__all__ = ["TreeCells", "as_across"]
 
 
 def as_across(value: Any, dimension: int, name: str = "across") -> str:
@@ -157,28 +138,7 @@ class TreeCells:
     @cached_property
     def nodes(self) -> TreeNodes:
         """All cells, those that are divided and the leaves: k divisions make 1 + 2**d k of them."""
-        d, low, side = self.dimension, self.box[0], self.box[1] - self.box[0]
-        blocks, begin, above = [], 0, np.empty(0, dtype=np.int64)
-        for level in range(self.depth + 1):
-            keys = nodes_of(self.linear, level)
-            i = coordinates_of(keys, d)
-            first, last = corners(low, side, i, level), corners(low, side, i + 1, level)
-            divided = np.zeros(len(keys), dtype=bool)
-            if level < self.depth:
-                divided[np.searchsorted(keys, self.linear.split[level])] = True
-            leaf = np.searchsorted(self.leaves.first, keys << np.uint64(d * (self.depth - level)))
-            parent = np.repeat(above, 1 << d) if level else np.array([-1])
-            blocks.append(
-                (
-                    np.full(len(keys), level, np.int8),
-                    first + 0.5 * (last - first),
-                    parent,
-                    np.where(divided, -1, leaf),
-                )
-            )
-            above = begin + np.flatnonzero(divided)
-            begin += len(keys)
-        return TreeNodes(*(frozen(np.concatenate(column)) for column in zip(*blocks, strict=True)))
+        return all_nodes(self.linear, self.leaves, self.box)
 
     # ------------------------------------------------------------------ searches
 
@@ -368,23 +328,9 @@ class TreeCells:
 
         Exact for straight pieces; curves are taken as the chords that the tree was made with.
         """
-        boundary, d = self.boundary, self.dimension
-        if boundary is None:
-            return frozen(np.full(len(self), INSIDE, dtype=np.int8))
-        states = np.empty(len(self), dtype=np.int8)
-        low, side = self.box[0], self.box[1] - self.box[0]
-        nodes = level_of(low, side, np.zeros(1, dtype=np.uint64), 0, boundary, None)
-        while True:
-            level = nodes.level
-            divided = np.zeros(len(nodes.keys), dtype=bool)
-            if level < self.depth:
-                divided[np.searchsorted(nodes.keys, self.linear.split[level])] = True
-            first = nodes.keys[~divided] << np.uint64(d * (self.depth - level))
-            assert nodes.contacts is not None
-            states[np.searchsorted(self.leaves.first, first)] = nodes.contacts.state[~divided]
-            if not divided.any():
-                return frozen(states)
-            nodes = level_of(low, side, children_of(nodes.keys[divided], d), level + 1, boundary, nodes)
+        if self.boundary is None:
+            return frozen(np.full(len(self), ALL_INSIDE, dtype=np.int8))
+        return frozen(states_of(self.linear, self.leaves, self.box, self.boundary))
 
     # ------------------------------------------------------------------ the rest
 

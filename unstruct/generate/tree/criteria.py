@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import InputError
+from ...geometry.segment_tree import SegmentTree
+from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
-from .contacts import CUT, Contacts
+from .contacts import CUT, Boundary, Contacts
 from .keys import Keys
 
-__all__ = ["Level", "Rule", "by_boundary", "by_count", "by_function", "by_size", "by_turning"]
+__all__ = ["Level", "Rule", "by_boundary", "by_count", "by_distance", "by_function", "by_size"]
 
 Array = NDArray[np.float64]
 FINE_LEVEL = 4  # above this level, sizes are asked at as many places as that level has cells
@@ -122,24 +124,23 @@ def by_boundary(side: float) -> Rule:
     return rule
 
 
-def by_turning(normals: Array, angle: float) -> Rule:
-    """Nodes in which two normals of pieces of the boundary differ by more than about `angle` radians.
+def by_distance(boundary: Boundary, size: float, growth: float) -> Rule:
+    """Nodes whose longest edge exceeds `size` plus `growth` times their distance from the boundary.
 
-    Compared is the angle of each normal with the mean of all of them in the node, to half of `angle`.
+    The distance is bounded over the whole node, as every size of known growth is.
     """
-    bound = np.cos(min(0.5 * angle, np.pi))
+    ends = boundary.points[boundary.pieces] / boundary.factor
+    if ends.shape[2] == 2:
+        distance: Callable[[Array], Array] = SegmentTree(ends).distance
+    else:
+        tree = TriangleTree(ends)
 
-    def rule(nodes: Level) -> NDArray[np.bool_]:
-        assert nodes.contacts is not None
-        node, n = nodes.contacts.node, normals[nodes.contacts.piece]
-        mean = np.stack([np.bincount(node, column, len(nodes.low)) for column in n.T], axis=1)
-        length = np.sqrt((mean * mean).sum(axis=1))
-        cosine = (n * mean[node]).sum(axis=1)
-        turning = np.zeros(len(nodes.low), dtype=bool)
-        turning[node[cosine < bound * length[node]]] = True
-        return turning
+        def distance(x: Array) -> Array:
+            which, weights = tree.nearest(x)
+            away = x - (ends[which] * weights[:, :, None]).sum(axis=1)
+            return np.sqrt((away * away).sum(axis=1))
 
-    return rule
+    return by_size(SizeField(lambda x: size + growth * distance(x), growth=growth))
 
 
 def by_count(sorted_keys: Keys, deepest: int, most: int) -> Rule:

@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from .contacts import OUTSIDE, Boundary, at_root, handed_down
+from .contacts import ALL_OUTSIDE, Boundary, at_root, handed_down
 from .criteria import Level, Rule
-from .keys import DEEPEST, Keys, coordinates_of
+from .keys import DEEPEST_LEVEL, Keys, coordinates_of
 from .linear import Linear, children_of, linear_of
 from .lookup import corners
 
-__all__ = ["MOST_CELLS", "Growth", "Limits", "as_box", "deepest_level", "grow", "level_of"]
+__all__ = ["MOST_LEAVES", "Growth", "Limits", "as_box", "deepest_level", "grow", "level_of"]
 
 Array = NDArray[np.float64]
-MOST_CELLS = 50_000_000  # leaves of a tree, unless a budget is given
-FINEST = 64.0  # a cell has at least so many spacings of doubles along each axis
+MOST_LEAVES = 50_000_000  # leaves of a tree, unless a budget is given
+FINEST_SPACINGS = 64.0  # a cell has at least so many spacings of doubles along each axis
 
 
 class Limits(NamedTuple):
@@ -55,7 +55,7 @@ def deepest_level(low: Array, side: Array) -> int:
     """The deepest level on which cells are large enough for doubles, and keys have room."""
     d = len(low)
     spacing = np.spacing(np.maximum(np.abs(low), np.abs(low + side)))
-    return int(max(0, min(DEEPEST[d], np.floor(np.log2((side / (FINEST * spacing)).min())))))
+    return int(max(0, min(DEEPEST_LEVEL[d], np.floor(np.log2((side / (FINEST_SPACINGS * spacing)).min())))))
 
 
 def level_of(
@@ -98,7 +98,7 @@ def grow(
             for rule in rules:
                 wanted |= rule(nodes)
             if nodes.contacts is not None:
-                wanted &= nodes.contacts.state != OUTSIDE
+                wanted &= nodes.contacts.state != ALL_OUTSIDE
             divided = wanted | (nodes.level < limits.least)
             more = int(divided.sum()) * ((1 << d) - 1)
             if nodes.level >= limits.most or leaves + more > limits.cells:

@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 TABLE_BITS = 18  # of a key: the table has an entry for each of their values
-OUTSIDE = -1
+BEYOND_BOX = -1
 
 
 class Grid(NamedTuple):
@@ -121,7 +121,7 @@ def _locate(grid, shift, x, found):
             key = interleaved(cell[0], cell[1], cell[2], d)
             found[i] = leaf_of(first, entry, shift, key)
         else:
-            found[i] = OUTSIDE
+            found[i] = BEYOND_BOX
 
 
 @kernel
