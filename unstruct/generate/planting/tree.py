@@ -14,18 +14,20 @@ from numpy.typing import NDArray
 from ...base.arrays import flagged
 from ...base.doors import door
 from ...base.errors import InputError
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.hanging import Hanging, hanging_of
 from ..tree.templates import squares_as_triangles
 from ..tree.vertices import Vertices, numbered
+from ..tree_regions.fitted import fitted
 from . import card
 
 __all__ = ["Tree"]
 
-KINDS_OF_MESHES = ("cells", "conforming")
+IN_THE_PLANE = {"fitted": fitted}  # of a quadtree over a domain
+KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -40,9 +42,14 @@ class Tree(TreeCells):
 
         Parameters
         ----------
-        kind : "cells" or "conforming"
+        kind : "cells", "conforming" or "fitted"
             "cells": squares or cubes as they are, with hanging vertices. "conforming": triangles with angles
             of 45 and 90 degrees, or tetrahedra with dihedral angles from 19.4 to 144.8 degrees.
+
+            "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices, pieces,
+            markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
+            triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
+            angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
 
         Returns
         -------
@@ -54,10 +61,19 @@ class Tree(TreeCells):
         Raises
         ------
         InputError
-            If kind is unknown, or "conforming" is asked of a tree that is not balanced.
+            If kind is unknown, or "conforming" is asked of a tree that is not balanced, or "fitted" of a tree
+            over a box, or in space.
         """
         if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
+        if kind in IN_THE_PLANE:
+            if self.dimension != 2:
+                raise InputError(f"{kind!r} meshes are made from quadtrees, not in space")
+            if self.domain is None:
+                raise InputError(
+                    f"a {kind!r} mesh is one of a domain, but this tree is over a box: quadtree(domain, ...)"
+                )
+            return noticed(IN_THE_PLANE[kind](self, self.domain))
         wanted = self.states > ALL_OUTSIDE
         vertices = self._vertices
         if kind == "cells":

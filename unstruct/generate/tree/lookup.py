@@ -17,6 +17,7 @@ from .keys import Keys, compacted, interleaved
 
 __all__ = [
     "Grid",
+    "apart_squared",
     "cells_of",
     "corner",
     "corners",
@@ -25,6 +26,8 @@ __all__ = [
     "leaf_of",
     "located",
     "nearest",
+    "push_children",
+    "stack_for",
     "table_of",
 ]
 
@@ -152,7 +155,7 @@ def located(grid: Grid, x: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 @inline
-def _apart(grid, key, level, low, high, d):
+def apart_squared(grid, key, level, low, high, d):
     """The square of the distance between a node and a box, both closed; `key` is that of its first cell."""
     width = np.int64(1) << np.int64(grid.depth - level)
     total = 0.0
@@ -176,19 +179,19 @@ def _in_box(grid, low, high, stack, found):
     while top >= 0:
         begin, end, level = stack[top, 0], stack[top, 1], stack[top, 2]
         top -= 1
-        if _apart(grid, grid.first[begin], level, low, high, d) > 0.0:
+        if apart_squared(grid, grid.first[begin], level, low, high, d) > 0.0:
             continue
         if end - begin == 1:
             if count < len(found):
                 found[count] = begin
             count += 1
             continue
-        top = _push_children(grid, begin, end, level, d, stack, top)
+        top = push_children(grid, begin, end, level, d, stack, top)
     return count
 
 
 @inline
-def _push_children(grid, begin, end, level, d, stack, top):
+def push_children(grid, begin, end, level, d, stack, top):
     """Put the children of a node on the stack, the first of them on top."""
     key = grid.first[begin]
     step = np.uint64(1) << np.uint64(d * (grid.depth - level - 1))
@@ -211,13 +214,14 @@ def _push_children(grid, begin, end, level, d, stack, top):
     return top
 
 
-def _stack(grid: Grid, d: int) -> NDArray[np.int64]:
+def stack_for(grid: Grid, d: int) -> NDArray[np.int64]:
+    """Room for the nodes that wait in a search from the root."""
     return np.empty(((1 << d) * (grid.depth + 1) + 1, 3), dtype=np.int64)
 
 
 def in_box(grid: Grid, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.int64]:
     """The leaves that meet the closed box, in order: O(log n + their number)."""
-    stack, room = _stack(grid, len(low)), 64
+    stack, room = stack_for(grid, len(low)), 64
     while True:
         found = np.empty(room, dtype=np.int64)
         count = _in_box(grid, low, high, stack, found)
@@ -239,14 +243,14 @@ def _nearest(grid, before, x, stack, found):
             top -= 1
             if before[begin] == before[end]:
                 continue
-            distance = _apart(grid, grid.first[begin], level, x[i], x[i], d)
+            distance = apart_squared(grid, grid.first[begin], level, x[i], x[i], d)
             if distance > best or (distance == best and begin > leaf):
                 continue
             if end - begin == 1:
                 best, leaf = distance, begin
                 continue
             base = top + 1
-            top = _push_children(grid, begin, end, level, d, stack, top)
+            top = push_children(grid, begin, end, level, d, stack, top)
             _nearest_last(grid, x[i], stack, base, top)
         found[i] = leaf
 
@@ -257,7 +261,7 @@ def _nearest_last(grid, x, stack, base, top):
     d = len(x)
     least, where = np.inf, top
     for s in range(base, top + 1):
-        distance = _apart(grid, grid.first[stack[s, 0]], stack[s, 2], x, x, d)
+        distance = apart_squared(grid, grid.first[stack[s, 0]], stack[s, 2], x, x, d)
         if distance < least:
             least, where = distance, s
     for c in range(3):
@@ -268,5 +272,5 @@ def nearest(grid: Grid, among: NDArray[np.bool_], x: NDArray[np.float64]) -> NDA
     """The nearest of the leaves `among` for each point (k, d); of equally near ones the first; -1 if none."""
     before = np.concatenate([[0], np.cumsum(among)]).astype(np.int64)
     found = np.empty(len(x), dtype=np.int64)
-    _nearest(grid, before, x, _stack(grid, x.shape[1]), found)
+    _nearest(grid, before, x, stack_for(grid, x.shape[1]), found)
     return found
