@@ -17,7 +17,7 @@ from typing import Any
 
 from unstruct.base.errors import InputError
 
-__all__ = ["best_diagonal", "cotangents", "crossing", "cut", "cut_all", "sharpest", "warp"]
+__all__ = ["best_diagonal", "cotangents", "crossed", "crossing", "cut", "cut_all", "sharpest", "warp"]
 
 Point = tuple[Any, ...]
 Triangle = tuple[Point, Point, Point]
@@ -55,9 +55,19 @@ def best_diagonal(a: Point, b: Point, c: Point, d: Point) -> list[Triangle]:
 
 
 def crossing(p: Point, q: Point, value: Values) -> Point:
-    """The point of an edge at which the level is zero, if it is linear along the edge."""
+    """Where the level is zero on an edge, if it is linear along it."""
     t = value[p] / (value[p] - value[q])
     return (p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]))
+
+
+def crossed(triangles: Iterable[Triangle], value: Values) -> list[tuple[Point, Point]]:
+    """Edges with ends on different sides of the boundary, each in both directions."""
+    found: set[tuple[Point, Point]] = set()
+    for triangle in triangles:
+        inside = [p for p in triangle if value[p] < 0]
+        outside = [q for q in triangle if value[q] > 0]
+        found |= {pair for p in inside for q in outside for pair in ((p, q), (q, p))}
+    return sorted(found)
 
 
 def cut(triangle: Triangle, value: Values) -> list[Triangle]:
@@ -69,7 +79,7 @@ def cut(triangle: Triangle, value: Values) -> list[Triangle]:
         if value[p] <= 0:
             ring.append(p)
         if value[p] * value[q] < 0:
-            # both triangles at an edge compute the same point: they begin at the same end
+            # both triangles at an edge begin at the same end: one point for both
             ring.append(crossing(min(p, q), max(p, q), value))
     return [(ring[0], ring[1], ring[2])] if len(ring) == 3 else best_diagonal(*ring)
 
@@ -77,16 +87,15 @@ def cut(triangle: Triangle, value: Values) -> list[Triangle]:
 def warp(
     triangles: Iterable[Triangle], level: Callable[[Point], Any], threshold: Any
 ) -> tuple[list[Triangle], dict[Point, Any]]:
-    """Move vertices to the boundary along an edge, if less than `threshold` of its length is enough.
+    """Move vertices onto the boundary along edges, by less than a share of each.
 
-    Of several such edges the one with the smallest share is taken. Returned are the triangles with their
-    vertices in the new places, and the levels there: zero where a vertex was moved.
+    Of several crossings the one with the smallest share is taken. Returned are the
+    triangles with moved vertices, and the levels there: zero if a vertex was moved.
     """
     rows = list(triangles)
     value = {p: level(p) for triangle in rows for p in triangle}
-    mixed = [t for t in rows if min(value[p] for p in t) < 0 < max(value[p] for p in t)]
     moves: dict[Point, tuple[Any, Point]] = {}
-    for p, q in sorted({(p, q) for t in mixed for p in t for q in t if value[p] * value[q] < 0}):
+    for p, q in crossed(rows, value):
         share = value[p] / (value[p] - value[q])
         if share < threshold and (p not in moves or share < moves[p][0]):
             moves[p] = (share, crossing(p, q, value))

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
+from ...predicates.batch import power_of_two
 from .keys import Keys, compacted, interleaved
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
 
 TABLE_BITS = 18  # of a key: the table has an entry for each of their values
 BEYOND_BOX = -1
+FARTHEST = 2.0**64  # points that are more extents of the box away are searched on their own
 
 
 class Grid(NamedTuple):
@@ -170,6 +172,19 @@ def apart_squared(grid, key, level, low, high, d):
     return total
 
 
+@inline
+def _beside(grid, key, level, low, high, d):
+    """Whether a node and a box, both closed, have no point in common."""
+    width = np.int64(1) << np.int64(grid.depth - level)
+    for a in range(d):
+        i = np.int64(compacted(key >> np.uint64(a), d))
+        if corner(grid.low[a], grid.side[a], i, grid.depth) > high[a]:
+            return True
+        if corner(grid.low[a], grid.side[a], i + width, grid.depth) < low[a]:
+            return True
+    return False
+
+
 @kernel
 def _in_box(grid, low, high, stack, found):
     """Leaves that meet the box, in order; returns how many there are, also beyond the room in `found`."""
@@ -179,7 +194,7 @@ def _in_box(grid, low, high, stack, found):
     while top >= 0:
         begin, end, level = stack[top, 0], stack[top, 1], stack[top, 2]
         top -= 1
-        if apart_squared(grid, grid.first[begin], level, low, high, d) > 0.0:
+        if _beside(grid, grid.first[begin], level, low, high, d):
             continue
         if end - begin == 1:
             if count < len(found):
@@ -272,5 +287,14 @@ def nearest(grid: Grid, among: NDArray[np.bool_], x: NDArray[np.float64]) -> NDA
     """The nearest of the leaves `among` for each point (k, d); of equally near ones the first; -1 if none."""
     before = np.concatenate([[0], np.cumsum(among)]).astype(np.int64)
     found = np.empty(len(x), dtype=np.int64)
-    _nearest(grid, before, x, stack_for(grid, x.shape[1]), found)
+    stack, ends = stack_for(grid, x.shape[1]), np.stack([grid.low, grid.low + grid.side])
+    f = power_of_two(ends)  # squares of distances are doubles neither for large units nor for small ones
+    far = np.abs(x).max(axis=1) > FARTHEST / f
+    for rows in (~far, far):
+        if rows.any():
+            f = power_of_two(np.concatenate([ends, x[rows]]))
+            rescaled = grid._replace(low=grid.low * f, side=grid.side * f)
+            some = np.empty(int(rows.sum()), dtype=np.int64)
+            _nearest(rescaled, before, x[rows] * f, stack, some)
+            found[rows] = some
     return found
