@@ -58,7 +58,7 @@ def tree_frame(
     roles = {1: "cell", 0: "waiting", -1: "muted"}
     items = [fr.polygons(roles[state], boxes[tree.states == state]) for state in (-1, 1, 0)]
     if hanging:
-        items.append(fr.dots("highlight", _hanging(tree)))
+        items.append(fr.dots("vertex", _hanging(tree)))
     if points is not None:
         items.append(fr.dots("vertex", points))
     number = f"{many(len(tree), 'leaf', 'leaves')}, depth {tree.depth}"
@@ -106,7 +106,7 @@ def tree_state(x: float = 0.32, y: float = 0.68, tree: str = "depth 5, balanced 
         fr.segments("cell", list(_crosses(final.linear.split))),
         fr.segments("layer", list(_crosses(_further(final, raw)))),
         fr.polygons("edge", [[(0, 0), (1, 0), (1, 1), (0, 1)]]),
-        fr.dots("highlight", hangs),
+        fr.dots("vertex", hangs),
         fr.circles("inserted", [(x, y)], [TREE_FEATURE]),
         fr.dots("inserted", [(x, y)], handles=["feature"]),
     ]

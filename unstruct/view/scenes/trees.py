@@ -125,7 +125,7 @@ def balance_frames(leaves: Collection[Cell], across: str = "corners") -> list[fr
         added += 1
     new = [cell for cell in now if cell not in leaves]
     hanging = _hanging(now)
-    items = [squares("cell", now), squares("waiting", new), fr.dots("highlight", hanging)]
+    items = [squares("cell", now), squares("waiting", new), fr.dots("vertex", hanging)]
     caption = f"balanced after {many(added, 'division')}"
     number = f"{len(now)} leaves, {many(len(hanging), 'hanging vertex', 'hanging vertices')}"
     return [*frames, fr.frame(caption, *items, number=number, view=UNIT_WINDOW)]
@@ -134,8 +134,10 @@ def balance_frames(leaves: Collection[Cell], across: str = "corners") -> list[fr
 def _first_jump(leaves: set[Cell], across: str) -> tuple[Cell, Cell] | None:
     """A leaf and a neighbor that is two levels larger or more; None if there is none."""
     for small in sorted(leaves, key=lambda cell: (-cell[0], cell)):
-        large = min(plain.neighbors(leaves, small, across), default=small)
-        if large[0] < small[0] - 1:
+        level, i, j = small
+        beside = [plain.covering(leaves, (level, i + a, j + b)) for a, b in plain.steps(2, across)]
+        large = min((cell for cell in beside if cell is not None), default=small)
+        if large[0] < level - 1:
             return small, large
     return None
 
@@ -189,7 +191,7 @@ def halo_frames() -> list[fr.Frame]:
         reach = sum(side / 2**i for i in range(1, k + 1))
         frames.append(fr.frame(texts[k - 1], *items, number=f"reach {reach / side:g} s", view=UNIT_WINDOW))
     last = [*base[:1], squares("layer", ring), squares("accepted", [payer]), *base[1:]]
-    label = fr.labels("vertex", [[0.53, 0.455]], ["A"])
+    label = fr.labels("vertex", [[0.68, 0.42]], ["A"])
     frames.append(
         fr.frame(texts[3], *last, squares("waiting", chain), label, number="reach below s", view=UNIT_WINDOW)
     )
