@@ -122,7 +122,7 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     spots, sampled = Spots.of(cells), cut_by_leaves(cells, domain)
     loose = domain.points[domain.loose]
     ends = np.concatenate([sampled.points[sampled.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
-    away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)
+    away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)[:, 0]
     outside = states_for(cells, domain, sampled) == OUTSIDE
     wanted = np.zeros(len(away) + 1, dtype=bool)  # one more for the number -1
     wanted[spots.of_leaf[~outside]] = True
