@@ -7,36 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
+from tree_regions import angles, coast, everything
 
 import unstruct
 from unstruct import Domain, check, octree, quadtree
 from unstruct.generate.tree_regions.fitted import Spots
 
 pytestmark = pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
-
-
-def angles(mesh):
-    """The least angle of each triangle, in degrees."""
-    x = mesh.points[mesh.simplices]
-    u, v = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
-    cross = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return np.degrees(np.arctan2(cross, (u * v).sum(axis=2))).min(axis=1)
-
-
-def coast(seed: int, levels: int = 6, corners: int = 6) -> Domain:
-    """A closed curve by displaced midpoints; the first seed from this one on that does not cross itself."""
-    rng = np.random.default_rng(seed)
-    while True:
-        turn = np.arange(corners) / corners * 2 * np.pi
-        ring = rng.uniform(0.6, 1, corners)[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
-        for _ in range(levels):
-            step = np.roll(ring, -1, axis=0) - ring
-            away = np.column_stack([-step[:, 1], step[:, 0]]) * rng.normal(0, 0.22, len(ring))[:, None]
-            ring = np.stack([ring, ring + step / 2 + away], axis=1).reshape(-1, 2)
-        try:
-            return Domain.polygon(ring)
-        except unstruct.UnstructError:
-            continue
 
 
 def promised(mesh) -> float:
@@ -91,33 +68,10 @@ def test_random_regions(kind, seed, cells, balance):
     assert check(mesh, domain=domain)
 
 
-def everything() -> Domain:
-    """Two regions, a hole, an interface, a crack, loose vertices, a curve, names."""
-    points = [[0, 0], [4, 0], [4, 4], [0, 4], [2, 0], [2, 4], [0.5, 0.5], [1, 0.5], [1, 1], [0.5, 1]]
-    points += [[2.5, 1], [3.5, 2], [3, 3], [1, 3], [1.25, 3]]
-    facets = [[0, 4], [4, 1], [1, 2], [2, 5], [5, 3], [3, 0], [6, 7], [7, 8], [8, 9], [9, 6]]
-    return Domain(
-        points,
-        facets,
-        inner=[[4, 5], [10, 11]],
-        curves={2: unstruct.Arc.through((4, 0), (4.5, 2), (4, 4))},
-        markers={"bottom": [0, 1], "hole": [6, 7, 8, 9], "crack": [11]},
-        regions={"left": [[1.5, 2]], "right": [[3, 1]]},
-    )
-
-
 @pytest.mark.parametrize("side", [8.0, 1.0, 0.25, 0.1])
 @pytest.mark.parametrize("offset", [0.0, 1e8])
 def test_everything_is_kept(side, offset):
-    plain = everything()
-    domain = plain
-    if offset:
-        curve = {2: unstruct.Arc.through((4 + offset, 0), (4.5 + offset, 2), (4 + offset, 4))}
-        move = np.array([offset, 0.0])
-        domain = Domain(
-            plain.points + move, plain.facets, inner=plain.inner, curves=curve, markers=plain.markers,
-            regions={name: x + move for name, x in plain.regions.items()},
-        )  # fmt: skip
+    domain = everything(offset)
     mesh = quadtree(domain, side).mesh("fitted")
     assert check(mesh, domain=domain)
     known = mesh.origin >= 0

@@ -11,6 +11,8 @@ from unstruct import quadtree
 from unstruct.generate.tree_regions.fitted import Spots
 from unstruct.generate.tree_regions.near import leaves_along, nearness
 
+pytestmark = pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+
 coordinate = st.integers(0, 16).map(lambda i: i / 16) | st.floats(0.0, 1.0)
 segment = st.tuples(coordinate, coordinate, coordinate, coordinate)
 UNIT = [[0, 0], [1, 1]]
@@ -32,12 +34,17 @@ def distance(x, one):
 def test_nearness_beside_all_pairs(seed, rows):
     tree = tree_of(seed)
     spots = Spots.of(tree)
-    found = nearness(tree.grid, np.array(rows), 2.0, spots.of_leaf, spots.points, spots.sizes)
+    found, which, place = nearness(tree.grid, np.array(rows), 2.0, spots.of_leaf, spots.points, spots.sizes).T
     true = np.min([distance(spots.points, one) for one in rows], axis=0) / spots.sizes
     used = np.unique(spots.of_leaf[spots.of_leaf >= 0])
     within = used[true[used] < 1.999]
     np.testing.assert_allclose(np.sqrt(found[within]), true[within], atol=1e-6)
     assert (np.sqrt(found[used]) >= true[used] - 1e-6).all()
+    assert ((which < 0) == np.isinf(found)).all()
+    one = np.array(rows)[which[within].astype(int)]
+    foot = one[:, :2] + place[within, None] * (one[:, 2:] - one[:, :2])
+    away = np.sqrt(((spots.points[within] - foot) ** 2).sum(axis=1)) / spots.sizes[within]
+    np.testing.assert_allclose(away, true[within], atol=1e-6)
 
 
 @settings(max_examples=40, deadline=None)

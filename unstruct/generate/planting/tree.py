@@ -22,11 +22,12 @@ from ..tree.hanging import Hanging, hanging_of
 from ..tree.templates import squares_as_triangles
 from ..tree.vertices import Vertices, numbered
 from ..tree_regions.fitted import fitted
+from ..tree_regions.warped import warped
 from . import card
 
 __all__ = ["Tree"]
 
-IN_THE_PLANE = {"fitted": fitted}  # of a quadtree over a domain
+IN_THE_PLANE = {"fitted": fitted, "warped": warped}  # of a quadtree over a domain
 KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
@@ -42,7 +43,7 @@ class Tree(TreeCells):
 
         Parameters
         ----------
-        kind : "cells", "conforming" or "fitted"
+        kind : "cells", "conforming", "fitted" or "warped"
             "cells": squares or cubes as they are, with hanging vertices. "conforming": triangles with angles
             of 45 and 90 degrees, or tetrahedra with dihedral angles from 19.4 to 144.8 degrees.
 
@@ -50,6 +51,10 @@ class Tree(TreeCells):
             markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
             triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
             angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
+
+            "warped", for the same and as complete: vertices near pieces move onto them, edges that still
+            cross them are cut. The classical way, with poor angles (some 24 degrees in circles, 3 along rough
+            boundaries); ``steps`` says what moved and what was cut.
 
         Returns
         -------
@@ -61,8 +66,8 @@ class Tree(TreeCells):
         Raises
         ------
         InputError
-            If kind is unknown, or "conforming" is asked of a tree that is not balanced, or "fitted" of a tree
-            over a box, or in space.
+            If kind is unknown, or "conforming" is asked of a tree that is not balanced, or "fitted" or
+            "warped" of a tree over a box, or in space.
         """
         if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")

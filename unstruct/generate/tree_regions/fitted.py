@@ -29,11 +29,11 @@ from .near import nearness
 
 __all__ = ["Spots", "fitted", "states_for"]
 
-REACH = 0.6  # of the least leaf around: nearer to a piece than this no vertex of the tree is taken
-DEEP = 2.0  # vertices farther from all pieces than so many of these stay where they are
+NEAREST_SPOT = 0.6  # of the least leaf around: nearer to a piece than this no vertex of the tree is taken
+STILL_FROM = 2.0  # vertices farther from all pieces than so many of these stay where they are
 # Right isosceles triangles have 2 r / R = .828: smoothing leaves them alone.
-EFFORT = Effort(poor=0.8, search_rounds=2, improved_below=0.8, sharp_rounds=4, patched=30.0)
-UNBOUNDED = 2.0**100  # times the domain: a size for which no triangle is too large
+ALONG_PIECES = Effort(poor=0.8, search_rounds=2, improved_below=0.8, sharp_rounds=4, patched=30.0)
+ANY_SIZE = 2.0**100  # times the domain: a size for which no triangle is too large
 
 
 class Spots(NamedTuple):
@@ -122,23 +122,23 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     spots, sampled = Spots.of(cells), cut_by_leaves(cells, domain)
     loose = domain.points[domain.loose]
     ends = np.concatenate([sampled.points[sampled.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
-    away = nearness(cells.grid, ends, DEEP, spots.of_leaf, spots.points, spots.sizes)
+    away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)[:, 0]
     outside = states_for(cells, domain, sampled) == ALL_OUTSIDE
     wanted = np.zeros(len(away) + 1, dtype=bool)  # one more for the number -1
     wanted[spots.of_leaf[~outside]] = True
     wanted[spots.of_leaf[outside]] = False
-    wanted = wanted[:-1] & (away >= REACH * REACH)
-    still = away >= DEEP * DEEP
+    wanted = wanted[:-1] & (away >= NEAREST_SPOT * NEAREST_SPOT)
+    still = away >= STILL_FROM * STILL_FROM
     rows = np.concatenate([sampled.points, spots.points[wanted & still], spots.points[wanted & ~still]])
     origin = np.full(len(rows), -1, dtype=np.int32)
     origin[: len(domain.points)] = np.arange(len(domain.points))
     whole = complex_of(domain, Sampled(rows, origin, sampled.ends, sampled.piece, sampled.span, domain))
     kept = kept_pieces(True, len(domain.facets), len(domain.pieces), domain.held())
-    size = UNBOUNDED * float((domain.bounds[1] - domain.bounds[0]).max())
+    size = ANY_SIZE * float((domain.bounds[1] - domain.bounds[0]).max())
     rule = rule_of(1.35, "center", "first", None, True)
     run = VoronoiSegmentRun(domain, whole, size, None, rule, kept, False)
     run.first = len(rows) - int((wanted & ~still).sum())
-    run.effort = EFFORT
+    run.effort = ALONG_PIECES
     result = run.finish(DEFAULT_BUDGET)
     result["counts"]["boundary points"] = len(sampled.points) - len(domain.points)
     result["counts"]["tree points"] = int(wanted.sum())

@@ -22,16 +22,16 @@ SPOTS = 5  # of a leaf: four corners and its center
 
 @inline
 def _to_segment_squared(x, y, ax, ay, bx, by):
-    """The square of the distance from (x, y) to the segment from a to b, which may be a point."""
+    """The square of the distance from (x, y) to the segment ab, which may be a point, and where."""
     ux, uy, vx, vy = bx - ax, by - ay, x - ax, y - ay
     length = ux * ux + uy * uy
     t = 0.0 if length == 0.0 else min(max((ux * vx + uy * vy) / length, 0.0), 1.0)
     dx, dy = vx - t * ux, vy - t * uy
-    return dx * dx + dy * dy
+    return dx * dx + dy * dy, t
 
 
 @kernel
-def _nearness(grid, ends, reach, spots, points, sizes, stack, least):
+def _nearness(grid, ends, reach, spots, points, stack, found):
     longest = max(grid.side[0], grid.side[1])
     low, high = np.empty(2), np.empty(2)
     for s in range(len(ends)):
@@ -51,8 +51,10 @@ def _nearness(grid, ends, reach, spots, points, sizes, stack, least):
             for k in range(SPOTS):
                 v = spots[begin, k]
                 if v >= 0:
-                    away = _to_segment_squared(points[v, 0], points[v, 1], ax, ay, bx, by)
-                    least[v] = min(least[v], away / (sizes[v] * sizes[v]))
+                    away, t = _to_segment_squared(points[v, 0], points[v, 1], ax, ay, bx, by)
+                    away /= points[v, 2] * points[v, 2]
+                    if away < found[v, 0]:
+                        found[v, 0], found[v, 1], found[v, 2] = away, s, t
 
 
 def nearness(
@@ -63,7 +65,7 @@ def nearness(
     points: NDArray[np.float64],
     sizes: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """The distances of points of a quadtree from segments, squared, in units of the square of their sizes.
+    """How near points of a quadtree are to segments.
 
     Parameters
     ----------
@@ -78,15 +80,21 @@ def nearness(
     sizes : (v,) float64
         At most the longest edge of each leaf that has the point.
 
+    Returns
+    -------
+    ndarray of float64, shape (v, 3)
+        The least distance, squared, in units of the square of the size; the number of the segment, and where
+        on it that is, from 0 to 1. Infinite, -1 and 0 where no segment was looked at.
+
     Notes
     -----
     O(s log n + pairs that are looked at). Distances are rounded.
     """
-    least = np.full(len(points), np.inf)
+    found = np.tile([np.inf, -1.0, 0.0], (len(points), 1))
     f = power_of_two(np.stack([grid.low, grid.low + grid.side]))
     scaled = grid._replace(low=grid.low * f, side=grid.side * f)
-    _nearness(scaled, ends * f, reach, spots, points * f, sizes * f, stack_for(grid, 2), least)
-    return least
+    _nearness(scaled, ends * f, reach, spots, np.column_stack([points, sizes]) * f, stack_for(grid, 2), found)
+    return found
 
 
 @inline
