@@ -364,3 +364,12 @@ def test_functions_for_curves_may_scatter() -> None:
     off = DomainMesh(moved, mesh.simplices, origin=mesh.origin, regions=mesh.regions, **options)
     assert [p.kind for p in check(off, domain=domain).problems] == ["off the curve"]
     assert np.isfinite(x).all()
+
+
+def test_two_arcs_of_nearly_one_circle_between_the_same_vertices() -> None:
+    """One of them is a single chord: it fits both, so that the other one chooses first."""
+    arcs = {0: Arc.through((0, 0), (0.5, 0.4642), (1, 0)), 1: Arc.through((0, 0), (0.5, -0.5396), (1, 0))}
+    domain = Domain([[0, 0], [1, 0]], [[0, 1], [0, 1]], curves=arcs)
+    mesh = voronoi_segment(domain, 1.08)
+    assert sorted(np.bincount(mesh.piece)) == [1, 2]
+    assert check(mesh, domain=domain)

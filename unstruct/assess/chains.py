@@ -188,7 +188,9 @@ def _by_ends(mesh: Mesh, domain: Domain, chains: Chains, key: np.ndarray, pieces
     rows = rows[np.unique(key[rows], return_index=True)[1]]
     piece[rows] = order[place[rows]]
     left: dict[int, list[int]] = {}
-    for i in np.flatnonzero(count > 1).tolist():
+    several = np.flatnonzero(count > 1)
+    bare = np.diff(chains.start)[several] == 2  # these fit any piece, so that they take what is left
+    for i in several[np.argsort(bare, kind="stable")].tolist():
         fits = left.setdefault(int(key[i]), order[place[i] : place[i] + count[i]].tolist())
         if fits:
             one = fits[0] if len(fits) == 1 else min(fits, key=lambda p: _away(mesh, domain, chains.of(i), p))
@@ -210,4 +212,7 @@ def _away(mesh: Mesh, domain: Domain, chain: np.ndarray, piece: int) -> float:
     """The distance of a chain from a piece: of its inner vertices, or of its middle if it has only ends."""
     x = mesh.points[chain]
     inside = x[1:-1] if len(x) > 2 else x.mean(axis=0, keepdims=True)
-    return float(distance_to_piece(domain, piece, inside)[0].max())
+    away, t = distance_to_piece(domain, piece, inside)
+    ends = inside[:, None] - domain.points[domain.pieces[piece]]
+    beyond = np.sqrt((ends * ends).sum(axis=2).min(axis=1))  # distances from arcs are those from circles
+    return float(np.where((t >= 0.0) & (t <= 1.0), away, np.maximum(away, beyond)).max())

@@ -54,14 +54,15 @@ def center(cell: Cell) -> Point:
 
 
 def key(cell: Cell, deepest: int) -> int:
-    """The Morton key of the first cell of the level `deepest` in a cell: the bits of coordinates in turn."""
+    """The Morton key of the first cell of the level `deepest` in a cell."""
+    # The bits of the coordinates in turn, the lowest ones first.
     level, *at = cell
     bits = [(i << (deepest - level)) >> b & 1 for b in range(deepest) for i in at]
     return sum(bit << place for place, bit in enumerate(bits))
 
 
 def build(dimension: int, wanted: Callable[[Cell], bool], deepest: int) -> Leaves:
-    """Divide a cell while it is `wanted`, but no cell of the level `deepest`; begin with the root."""
+    """Divide cells that are `wanted`, from the root, above the level `deepest`."""
     leaves, waiting = set(), [(0,) * (1 + dimension)]
     while waiting:
         cell = waiting.pop()
@@ -143,7 +144,7 @@ def steps(dimension: int, across: str) -> Iterator[tuple[int, ...]]:
 
 
 def balance(leaves: Collection[Cell], across: str = "corners") -> Leaves:
-    """Divide each leaf that has a neighbor more than one level deeper, until there is none."""
+    """Divide each leaf that has a neighbor two levels deeper, until there is none."""
     balanced, waiting = set(leaves), list(leaves)
     while waiting:
         cell = waiting.pop()

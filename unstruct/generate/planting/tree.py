@@ -15,7 +15,7 @@ from ...base.arguments import as_flag
 from ...base.arrays import flagged
 from ...base.doors import door
 from ...base.errors import InputError
-from ...mesh.domain_mesh import DomainMesh
+from ...mesh.domain_mesh import DomainMesh, noticed
 from ..hexahedra.dominant import hexahedra_and_others
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE
@@ -23,11 +23,15 @@ from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.hanging import Hanging, hanging_of
 from ..tree.templates import squares_as_triangles
 from ..tree.vertices import Vertices, numbered
+from ..tree_regions.fitted import fitted
+from ..tree_regions.warped import warped
 from . import card
 
 __all__ = ["Tree"]
 
-KINDS_OF_MESHES = ("cells", "conforming", "hex-dominant")
+IN_THE_PLANE = {"fitted": fitted, "warped": warped}  # of a quadtree over a domain
+IN_SPACE = ("hex-dominant",)  # of an octree over a domain
+KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE, *IN_SPACE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -46,6 +50,13 @@ class Tree(TreeCells):
             - "cells": squares or cubes as they are, with hanging vertices.
             - "conforming": triangles with angles of 45 and 90 degrees, or tetrahedra with dihedral angles
               from 19.4 to 144.8 degrees.
+            - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices, pieces,
+              markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
+              triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
+              angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
+            - "warped", for the same and as complete: vertices near pieces move onto them, edges that still
+              cross them are cut. The classical way, with poor angles (some 24 degrees in circles, 3 along
+              rough boundaries); ``steps`` says what moved and what was cut.
             - "hex-dominant": in space, a mesh of the whole body. Leaves far enough from the surface are
               hexahedra. Where levels change there are pyramids and tetrahedra, and tetrahedra to the surface,
               of which the triangles are kept, and polygons divided. All cells meet in whole faces.
@@ -65,8 +76,8 @@ class Tree(TreeCells):
         Raises
         ------
         InputError
-            If kind is unknown or none for this dimension, or if a conforming mesh is asked of a tree that is
-            not balanced across edges (in the plane, across faces).
+            If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
+            balanced across edges (in the plane, across faces), or "fitted" or "warped" of a tree over a box.
 
         Notes
         -----
@@ -82,6 +93,16 @@ class Tree(TreeCells):
             split_boundary = as_flag(split_boundary, "split_boundary")
             if kind != "hex-dominant":
                 raise InputError(f'split_boundary goes with "hex-dominant", not with {kind!r}')
+        if kind in (IN_SPACE if self.dimension == 2 else IN_THE_PLANE):
+            raise InputError(
+                f"{kind!r} meshes are made from {'octrees' if kind in IN_SPACE else 'quadtrees'}"
+            )
+        if kind in IN_THE_PLANE:
+            if self.domain is None:
+                raise InputError(
+                    f"a {kind!r} mesh is one of a domain, but this tree is over a box: quadtree(domain, ...)"
+                )
+            return noticed(IN_THE_PLANE[kind](self, self.domain))
         if kind == "hex-dominant":
             return hexahedra_and_others(self, split_boundary)
         wanted = self.states > ALL_OUTSIDE

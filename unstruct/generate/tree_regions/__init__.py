@@ -1,0 +1,1 @@
+"""Meshes of planar regions from quadtrees: fitted, warped, and of quadrilaterals."""
