@@ -277,7 +277,7 @@ def _told(tree: Tree, growth: Growth) -> Tree:
     )
     tree.complete, tree.reason = False, f"further divisions were refused: {growth.reason}"
     leaves = leaves_of(tree.linear)
-    tree.unfinished = frozen(np.flatnonzero(np.isin(leaves.first, first)))
+    tree.unfinished = frozen(np.sort(np.searchsorted(leaves.first, first)))
     warn(
         f"{len(tree.unfinished):,} leaves are not divided as asked: {growth.reason}",
         IncompleteWarning,

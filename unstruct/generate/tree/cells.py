@@ -18,6 +18,7 @@ from ...base.arrays import as_numbers, as_points, frozen, refrozen
 from ...base.errors import InputError
 from .balancing import ACROSS, balanced, directions
 from .contacts import ALL_INSIDE, Boundary
+from .growing import deepest_level
 from .keys import Keys, coordinates_of
 from .linear import Leaves, Linear, leaves_of, linear_of, merged
 from .lookup import Grid, corners, in_box, located, nearest, table_of
@@ -30,7 +31,7 @@ __all__ = ["TreeCells", "as_across"]
 def as_across(value: Any, dimension: int, name: str = "across") -> str:
     """One of "faces", "edges" and "corners"; in the plane, edges are corners and have no own name."""
     allowed = ACROSS if dimension == 3 else (ACROSS[0], ACROSS[2])
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} must be {' or '.join(map(repr, allowed))}, not {value!r}")
     return str(value)
 
@@ -177,6 +178,10 @@ class TreeCells:
         first, last = self._queries(low, "low"), self._queries(high, "high")
         if len(first) != 1 or len(last) != 1:
             raise InputError(f"low and high must have shape ({self.dimension},)")
+        wrong = first[0] > last[0]
+        if wrong.any():
+            a = int(np.argmax(wrong))
+            raise InputError(f"low[{a}] = {first[0, a]} exceeds high[{a}] = {last[0, a]}")
         return in_box(self.grid, first[0], last[0])
 
     def nearest(self, x: ArrayLike, among: ArrayLike | None = None) -> NDArray[np.int64]:
@@ -191,7 +196,8 @@ class TreeCells:
         Returns
         -------
         ndarray of int64, shape (...)
-            Of leaves that are equally near the first; -1 if there are none.
+            Of leaves that are equally near, up to the rounding of squares of distances, the first; -1 if
+            there are none.
         """
         chosen = np.ones(len(self), dtype=bool) if among is None else self._mask(among, "among")
         return nearest(self.grid, chosen, self._queries(x, "x")).reshape(np.shape(x)[:-1])
@@ -220,7 +226,10 @@ class TreeCells:
     # ------------------------------------------------------------------ other trees
 
     def _mask(self, which: ArrayLike, name: str) -> NDArray[np.bool_]:
-        chosen = np.asarray(which)
+        try:
+            chosen = np.asarray(which)
+        except ValueError:  # ragged lists
+            chosen = np.empty((0, 0))
         if chosen.dtype == np.bool_ and chosen.shape == (len(self),):
             return chosen
         if chosen.ndim != 1 or (len(chosen) and chosen.dtype.kind not in "iu"):
@@ -245,10 +254,21 @@ class TreeCells:
         return result
 
     def refined(self, which: ArrayLike) -> Self:
-        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is."""
+        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is.
+
+        Raises
+        ------
+        InputError
+            For leaves that are as small as coordinates allow: `quadtree` has the limits.
+        """
         mask = self._mask(which, "which")
+        most = deepest_level(self.box[0], self.box[1] - self.box[0])
+        if self.depth >= most and (small := mask & (self.levels >= most)).any():
+            raise InputError(
+                f"leaf {int(np.argmax(small))} cannot be divided: its level is {most}, the deepest"
+            )
         split = [*self.linear.split, np.empty(0, dtype=np.uint64)]
-        for level in np.unique(self.levels[mask]):
+        for level in np.flatnonzero(np.bincount(self.levels[mask])):
             new = self.keys[mask & (self.levels == level)]
             split[level] = merged(split[level], new)
         return self._with(split)
@@ -261,10 +281,12 @@ class TreeCells:
         mask, d = self._mask(which, "which"), self.dimension
         split = list(self.linear.split)
         for level in range(1, self.depth + 1):
-            parents, count = np.unique(
-                self.keys[mask & (self.levels == level)] >> np.uint64(d), return_counts=True
-            )
-            split[level - 1] = np.setdiff1d(split[level - 1], parents[count == 1 << d], assume_unique=True)
+            parents = self.keys[mask & (self.levels == level)] >> np.uint64(d)  # in order
+            last = (1 << d) - 1
+            whole = parents[last:][parents[last:] == parents[: max(len(parents) - last, 0)]]
+            kept = np.ones(len(split[level - 1]), dtype=bool)
+            kept[np.searchsorted(split[level - 1], whole)] = False
+            split[level - 1] = split[level - 1][kept]
         return self._with(split)
 
     def balanced(self, across: str = "corners") -> Self:

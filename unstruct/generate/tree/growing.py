@@ -136,6 +136,8 @@ def as_box(box: object, dimension: int) -> Array:
     if not np.isfinite(corners_given).all():
         raise InputError(f"the corners of the box must be finite, not {corners_given.tolist()}")
     result = np.stack([corners_given.min(axis=0), corners_given.max(axis=0)])
-    if not (result[1] > result[0]).all() or not np.isfinite(result[1] - result[0]).all():
+    with np.errstate(over="ignore"):
+        finite_sides = np.isfinite(result[1] - result[0]).all()
+    if not (result[1] > result[0]).all() or not finite_sides:
         raise InputError(f"the box must have positive, finite sides; it goes from {result[0]} to {result[1]}")
     return result

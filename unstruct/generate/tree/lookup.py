@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
+from ...predicates.batch import power_of_two
 from .keys import Keys, compacted, interleaved
 
 __all__ = [
     "Grid",
+    "apart_squared",
     "cells_of",
     "corner",
     "corners",
@@ -25,11 +27,14 @@ __all__ = [
     "leaf_of",
     "located",
     "nearest",
+    "push_children",
+    "stack_for",
     "table_of",
 ]
 
 TABLE_BITS = 18  # of a key: the table has an entry for each of their values
 BEYOND_BOX = -1
+FARTHEST = 2.0**64  # points that are more extents of the box away are searched on their own
 
 
 class Grid(NamedTuple):
@@ -152,7 +157,7 @@ def located(grid: Grid, x: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 @inline
-def _apart(grid, key, level, low, high, d):
+def apart_squared(grid, key, level, low, high, d):
     """The square of the distance between a node and a box, both closed; `key` is that of its first cell."""
     width = np.int64(1) << np.int64(grid.depth - level)
     total = 0.0
@@ -167,6 +172,19 @@ def _apart(grid, key, level, low, high, d):
     return total
 
 
+@inline
+def _beside(grid, key, level, low, high, d):
+    """Whether a node and a box, both closed, have no point in common."""
+    width = np.int64(1) << np.int64(grid.depth - level)
+    for a in range(d):
+        i = np.int64(compacted(key >> np.uint64(a), d))
+        if corner(grid.low[a], grid.side[a], i, grid.depth) > high[a]:
+            return True
+        if corner(grid.low[a], grid.side[a], i + width, grid.depth) < low[a]:
+            return True
+    return False
+
+
 @kernel
 def _in_box(grid, low, high, stack, found):
     """Leaves that meet the box, in order; returns how many there are, also beyond the room in `found`."""
@@ -176,19 +194,19 @@ def _in_box(grid, low, high, stack, found):
     while top >= 0:
         begin, end, level = stack[top, 0], stack[top, 1], stack[top, 2]
         top -= 1
-        if _apart(grid, grid.first[begin], level, low, high, d) > 0.0:
+        if _beside(grid, grid.first[begin], level, low, high, d):
             continue
         if end - begin == 1:
             if count < len(found):
                 found[count] = begin
             count += 1
             continue
-        top = _push_children(grid, begin, end, level, d, stack, top)
+        top = push_children(grid, begin, end, level, d, stack, top)
     return count
 
 
 @inline
-def _push_children(grid, begin, end, level, d, stack, top):
+def push_children(grid, begin, end, level, d, stack, top):
     """Put the children of a node on the stack, the first of them on top."""
     key = grid.first[begin]
     step = np.uint64(1) << np.uint64(d * (grid.depth - level - 1))
@@ -211,13 +229,14 @@ def _push_children(grid, begin, end, level, d, stack, top):
     return top
 
 
-def _stack(grid: Grid, d: int) -> NDArray[np.int64]:
+def stack_for(grid: Grid, d: int) -> NDArray[np.int64]:
+    """Room for the nodes that wait in a search from the root."""
     return np.empty(((1 << d) * (grid.depth + 1) + 1, 3), dtype=np.int64)
 
 
 def in_box(grid: Grid, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.int64]:
     """The leaves that meet the closed box, in order: O(log n + their number)."""
-    stack, room = _stack(grid, len(low)), 64
+    stack, room = stack_for(grid, len(low)), 64
     while True:
         found = np.empty(room, dtype=np.int64)
         count = _in_box(grid, low, high, stack, found)
@@ -239,14 +258,14 @@ def _nearest(grid, before, x, stack, found):
             top -= 1
             if before[begin] == before[end]:
                 continue
-            distance = _apart(grid, grid.first[begin], level, x[i], x[i], d)
+            distance = apart_squared(grid, grid.first[begin], level, x[i], x[i], d)
             if distance > best or (distance == best and begin > leaf):
                 continue
             if end - begin == 1:
                 best, leaf = distance, begin
                 continue
             base = top + 1
-            top = _push_children(grid, begin, end, level, d, stack, top)
+            top = push_children(grid, begin, end, level, d, stack, top)
             _nearest_last(grid, x[i], stack, base, top)
         found[i] = leaf
 
@@ -257,7 +276,7 @@ def _nearest_last(grid, x, stack, base, top):
     d = len(x)
     least, where = np.inf, top
     for s in range(base, top + 1):
-        distance = _apart(grid, grid.first[stack[s, 0]], stack[s, 2], x, x, d)
+        distance = apart_squared(grid, grid.first[stack[s, 0]], stack[s, 2], x, x, d)
         if distance < least:
             least, where = distance, s
     for c in range(3):
@@ -268,5 +287,14 @@ def nearest(grid: Grid, among: NDArray[np.bool_], x: NDArray[np.float64]) -> NDA
     """The nearest of the leaves `among` for each point (k, d); of equally near ones the first; -1 if none."""
     before = np.concatenate([[0], np.cumsum(among)]).astype(np.int64)
     found = np.empty(len(x), dtype=np.int64)
-    _nearest(grid, before, x, _stack(grid, x.shape[1]), found)
+    stack, ends = stack_for(grid, x.shape[1]), np.stack([grid.low, grid.low + grid.side])
+    f = power_of_two(ends)  # squares of distances are doubles neither for large units nor for small ones
+    far = np.abs(x).max(axis=1) > FARTHEST / f
+    for rows in (~far, far):
+        if rows.any():
+            f = power_of_two(np.concatenate([ends, x[rows]]))
+            rescaled = grid._replace(low=grid.low * f, side=grid.side * f)
+            some = np.empty(int(rows.sum()), dtype=np.int64)
+            _nearest(rescaled, before, x[rows] * f, stack, some)
+            found[rows] = some
     return found

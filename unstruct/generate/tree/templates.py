@@ -16,7 +16,7 @@ from .keys import compacted, interleaved
 from .lookup import Grid, entries, leaf_of
 from .vertices import Vertices
 
-__all__ = ["squares_as_triangles"]
+__all__ = ["middles_of", "squares_as_triangles"]
 
 MOST_TRIANGLES = 8  # of a square: two for each side with a hanging vertex
 
@@ -87,6 +87,17 @@ def _squares(vertex, middles, center, odd, cells, owner):
     return count
 
 
+def middles_of(grid: Grid, vertices: Vertices) -> NDArray[np.int32]:
+    """The vertex that hangs in the middle of each side of each leaf, -1 for none: (n, 4).
+
+    Sides follow each other as in the outline: below, right, above, left. The tree must be balanced across
+    faces.
+    """
+    middles = np.empty((len(grid.first), 4), dtype=np.int32)
+    _middles(grid, entries(grid.depth, 2), vertices.corners, middles)
+    return middles
+
+
 def squares_as_triangles(
     grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int64]]:
@@ -100,8 +111,7 @@ def squares_as_triangles(
     leaf : (t,) int64
         The leaf of each triangle.
     """
-    middles = np.empty((len(grid.first), 4), dtype=np.int32)
-    _middles(grid, entries(grid.depth, 2), vertices.corners, middles)
+    middles = middles_of(grid, vertices)
     fan = np.asarray((middles >= 0).any(axis=1))
     center = np.full(len(fan), -1, dtype=np.int32)
     center[fan] = len(vertices.points) + np.arange(int(fan.sum()))
