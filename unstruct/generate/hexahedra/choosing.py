@@ -15,7 +15,7 @@ from ...geometry.box_contact import pieces_in_boxes
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...predicates.batch import power_of_two
 from ..tree.cells import TreeCells
-from ..tree.contacts import INSIDE
+from ..tree.contacts import ALL_INSIDE
 from ..tree.vertices import Vertices
 from .pattern import WHOLE, kinds_of_leaves, linked
 
@@ -59,7 +59,7 @@ def clear_leaves(tree: TreeCells, domain: Any, margin: float) -> NDArray[np.bool
     (n,) bool
         Exact but for the rounding of the larger boxes.
     """
-    clear = tree.states == INSIDE
+    clear = tree.states == ALL_INSIDE
     if domain is None:
         return clear
     shell = domain.triangulated

@@ -17,7 +17,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
 from ..bodies.dividing import divided
 from ..tree.cells import TreeCells
-from ..tree.contacts import CUT, OUTSIDE
+from ..tree.contacts import ALL_OUTSIDE, CUT
 from ..tree.lookup import located
 from ..tree.vertices import numbered
 from ..volume.coarse import CoarseFacets, coarse_facets
@@ -79,7 +79,7 @@ def hexahedra_and_others(tree: TreeCells, split_boundary: bool | None = None) ->
 def _sides_as_size(tree: TreeCells) -> SizeField:
     """The sides of leaves as a size; a constant if those at the surface are equal, and none is smaller."""
     sides = np.asarray(tree.sides)
-    here, inside = np.unique(sides[tree.states == CUT]), sides[tree.states > OUTSIDE]
+    here, inside = np.unique(sides[tree.states == CUT]), sides[tree.states > ALL_OUTSIDE]
     if len(here) == 1 and (inside >= here[0]).all():
         return as_size(STRIP_EDGES * float(here[0]))
     grid, (low, high) = tree.grid, tree.box
