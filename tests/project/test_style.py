@@ -47,6 +47,7 @@ DOORS = {
     "unstruct.view:plot_domain",
     "unstruct.connect.insertion.delaunay:delaunay",
     "unstruct.view:plot",
+    "unstruct.view:plot_tree",
     "unstruct.view:plot_voronoi",
 }
 # Files that import what is asked for by its name: the face, doors, kernels to be compiled, optional packages.

@@ -1,5 +1,13 @@
 """The regions, points and meshes of the book in one namespace, as starting points of chapters and tests."""
 
+from .bodies import LevelSet as LevelSet
+from .bodies import cube as cube
+from .bodies import noise as noise
+from .bodies import noisy_ball as noisy_ball
+from .bodies import notch as notch
+from .bodies import notched_box as notched_box
+from .bodies import sphere as sphere
+from .bodies import torus as torus
 from .point_sets import clipped_lattice as clipped_lattice
 from .point_sets import letter_outlines as letter_outlines
 from .point_sets import mapped_grid as mapped_grid
@@ -24,9 +32,11 @@ from .structured import ring_grid as ring_grid
 from .structured import tensor_grid as tensor_grid
 
 __all__ = [
+    "LevelSet",
     "clipped_lattice",
     "coastline",
     "coastline_size",
+    "cube",
     "flip_at_random",
     "graded_line",
     "inside_polygon",
@@ -34,6 +44,10 @@ __all__ = [
     "lake_shore",
     "letter_outlines",
     "mapped_grid",
+    "noise",
+    "noisy_ball",
+    "notch",
+    "notched_box",
     "plate",
     "random_triangulation",
     "ring_grid",
@@ -41,8 +55,10 @@ __all__ = [
     "running_points",
     "running_region",
     "running_size",
+    "sphere",
     "sweep_triangulation",
     "tensor_grid",
+    "torus",
     "two_triangulations",
     "wing_with_flap",
     "word",

@@ -5,28 +5,35 @@ See the book, chapter 4a.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
+from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ..tree.cells import TreeCells
-from ..tree.contacts import OUTSIDE
+from ..tree.contacts import ALL_OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
+from ..tree.hanging import Hanging, hanging_of
 from ..tree.templates import squares_as_triangles
-from ..tree.vertices import numbered
+from ..tree.vertices import Vertices, numbered
 from ..tree_regions.fitted import fitted
 from ..tree_regions.quads import quads
 from ..tree_regions.warped import warped
+from . import card
 
 __all__ = ["Tree"]
 
 IN_THE_PLANE = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
 KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
-AROUND = [0, 1, 3, 2, 4, 5, 7, 6]
+AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
+
+_plot = door("unstruct.view:plot_tree")
 
 
 class Tree(TreeCells):
@@ -56,6 +63,9 @@ class Tree(TreeCells):
         Returns
         -------
         DomainMesh
+            Its markers tell of each cell the number of its "leaf", its "level", and its "state": 1 inside of
+            the domain, 0 if the boundary meets the leaf. Of "cells", the marker "hanging" has the vertices
+            that hang, as rows of one.
 
         Raises
         ------
@@ -63,7 +73,7 @@ class Tree(TreeCells):
             If kind is unknown, or "conforming" is asked of a tree that is not balanced, or "fitted",
             "quads" or "warped" of a tree over a box, or in space.
         """
-        if kind not in KINDS_OF_MESHES:
+        if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
         if kind in IN_THE_PLANE:
             if self.dimension != 2:
@@ -73,20 +83,72 @@ class Tree(TreeCells):
                     f"a {kind!r} mesh is one of a domain, but this tree is over a box: quadtree(domain, ...)"
                 )
             return noticed(IN_THE_PLANE[kind](self, self.domain))
-        wanted = self.states > OUTSIDE
-        vertices = numbered(self.grid)
+        wanted = self.states > ALL_OUTSIDE
+        vertices = self._vertices
         if kind == "cells":
-            return self._as_cells(vertices.points, vertices.corners[wanted])
+            block = vertices.corners[wanted][:, AROUND_CELL[: 1 << self.dimension]]
+            hung = self._hanging.vertices[:, None]
+            return self._as_mesh(vertices.points, block, np.flatnonzero(wanted), hanging=hung)
         across = "faces" if self.dimension == 2 else "edges"
         if not self.is_balanced(across):
-            raise InputError(f"a conforming mesh needs a tree that is balanced across {across}")
+            raise InputError(
+                f"a conforming mesh needs a tree that is balanced across {across}: tree.balanced({across!r})"
+            )
         pattern = squares_as_triangles if self.dimension == 2 else cubes_as_tetrahedra
-        points, cells, _ = pattern(self.grid, vertices, wanted)
-        used = np.unique(cells)
-        return DomainMesh(points[used], np.searchsorted(used, cells))
+        return self._as_mesh(*pattern(self.grid, vertices, wanted))
 
-    def _as_cells(self, points: NDArray[np.float64], corners: NDArray[Any]) -> DomainMesh:
-        used = np.unique(corners)
-        name = "quad" if self.dimension == 2 else "hexahedron"
-        cells = np.searchsorted(used, corners)[:, AROUND[: 1 << self.dimension]]
-        return DomainMesh(points[used], None, cells={name: cells})
+    def _as_mesh(
+        self, points: NDArray[np.float64], block: NDArray[Any], leaf: NDArray[np.int64], **faces: NDArray[Any]
+    ) -> DomainMesh:
+        """The mesh of the cells `block` of leaves, with those points only that it uses."""
+        used = flagged(len(points), block)
+        number = np.cumsum(used, dtype=np.int32) - np.int32(1)
+        cells: dict[tuple[int, int], str] = {(2, 4): "quad", (3, 8): "hexahedron"}
+        name = cells.get((self.dimension, block.shape[1]))
+        markers = {"leaf": leaf, "level": self.levels[leaf], "state": self.states[leaf]}
+        return DomainMesh(
+            points[used],
+            None if name else number[block],
+            cells={name: number[block]} if name else None,
+            origin=np.full(int(used.sum()), -1, dtype=np.int32),
+            markers=markers | {key: number[rows] for key, rows in faces.items()},
+        )
+
+    @cached_property
+    def _vertices(self) -> Vertices:
+        return numbered(self.grid)
+
+    @cached_property
+    def _hanging(self) -> Hanging:
+        return hanging_of(self.grid, self._vertices, self.states > ALL_OUTSIDE)
+
+    @property
+    def hanging(self) -> Hanging:
+        """The hanging vertices of ``mesh("cells")``: numbers, parents and weights.
+
+        The value of a continuous function at ``vertices[i]`` is the sum of ``weights[i]`` times its values at
+        ``parents[i]``: the ends of the edge, or the corners of the face, on which the vertex hangs.
+        """
+        used = flagged(len(self._vertices.points), self._vertices.corners[self.states > ALL_OUTSIDE])
+        number = np.cumsum(used, dtype=np.int32) - np.int32(1)
+        found = self._hanging
+        parents = np.where(found.parents < 0, np.int32(-1), number[found.parents])
+        return Hanging(number[found.vertices], parents, found.weights)
+
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        values: Any = None,
+        label: str = "",
+        boundary: bool = True,
+        azimuth: float | None = None,
+        elevation: float | None = None,
+        section: Any = None,
+    ) -> Any:
+        """Draw with matplotlib, leaves colored by level; see `unstruct.view.plot_tree` for the options."""
+        view = {"azimuth": azimuth, "elevation": elevation, "section": section}
+        return _plot(self, ax, values=values, label=label, boundary=boundary, **view)
+
+    def _repr_html_(self) -> str:
+        return card.html(self)

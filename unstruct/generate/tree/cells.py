@@ -8,7 +8,7 @@ See the book, chapter 4a.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,39 +17,21 @@ from ...base.arguments import as_count
 from ...base.arrays import as_numbers, as_points, frozen, refrozen
 from ...base.errors import InputError
 from .balancing import ACROSS, balanced, directions
-from .contacts import INSIDE, Boundary
-from .growing import level_of
+from .contacts import ALL_INSIDE, Boundary
+from .growing import deepest_level
 from .keys import Keys, coordinates_of
-from .linear import Leaves, Linear, children_of, leaves_of, linear_of, merged, nodes_of
+from .linear import Leaves, Linear, leaves_of, linear_of, merged
 from .lookup import Grid, corners, in_box, located, nearest, table_of
+from .nodes import TreeNodes, all_nodes, states_of
 from .touching import neighbor_pairs, rows_of_pairs
 
-__all__ = ["TreeCells", "TreeNodes", "as_across"]
-
-
-class TreeNodes(NamedTuple):
-    """All cells of a tree, those that are divided and the leaves, level by level.
-
-    Attributes
-    ----------
-    levels : (k,) int8
-    centers : (k, d) float64
-    parents : (k,) int64
-        The number of the parent; -1 for the root, which is the first.
-    leaves : (k,) int64
-        The number of the leaf; -1 for cells that are divided.
-    """
-
-    levels: NDArray[np.int8]
-    centers: NDArray[np.float64]
-    parents: NDArray[np.int64]
-    leaves: NDArray[np.int64]
+__all__ = ["TreeCells", "as_across"]
 
 
 def as_across(value: Any, dimension: int, name: str = "across") -> str:
     """One of "faces", "edges" and "corners"; in the plane, edges are corners and have no own name."""
     allowed = ACROSS if dimension == 3 else (ACROSS[0], ACROSS[2])
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} must be {' or '.join(map(repr, allowed))}, not {value!r}")
     return str(value)
 
@@ -157,28 +139,7 @@ class TreeCells:
     @cached_property
     def nodes(self) -> TreeNodes:
         """All cells, those that are divided and the leaves: k divisions make 1 + 2**d k of them."""
-        d, low, side = self.dimension, self.box[0], self.box[1] - self.box[0]
-        blocks, begin, above = [], 0, np.empty(0, dtype=np.int64)
-        for level in range(self.depth + 1):
-            keys = nodes_of(self.linear, level)
-            i = coordinates_of(keys, d)
-            first, last = corners(low, side, i, level), corners(low, side, i + 1, level)
-            divided = np.zeros(len(keys), dtype=bool)
-            if level < self.depth:
-                divided[np.searchsorted(keys, self.linear.split[level])] = True
-            leaf = np.searchsorted(self.leaves.first, keys << np.uint64(d * (self.depth - level)))
-            parent = np.repeat(above, 1 << d) if level else np.array([-1])
-            blocks.append(
-                (
-                    np.full(len(keys), level, np.int8),
-                    first + 0.5 * (last - first),
-                    parent,
-                    np.where(divided, -1, leaf),
-                )
-            )
-            above = begin + np.flatnonzero(divided)
-            begin += len(keys)
-        return TreeNodes(*(frozen(np.concatenate(column)) for column in zip(*blocks, strict=True)))
+        return all_nodes(self.linear, self.leaves, self.box)
 
     # ------------------------------------------------------------------ searches
 
@@ -217,6 +178,10 @@ class TreeCells:
         first, last = self._queries(low, "low"), self._queries(high, "high")
         if len(first) != 1 or len(last) != 1:
             raise InputError(f"low and high must have shape ({self.dimension},)")
+        wrong = first[0] > last[0]
+        if wrong.any():
+            a = int(np.argmax(wrong))
+            raise InputError(f"low[{a}] = {first[0, a]} exceeds high[{a}] = {last[0, a]}")
         return in_box(self.grid, first[0], last[0])
 
     def nearest(self, x: ArrayLike, among: ArrayLike | None = None) -> NDArray[np.int64]:
@@ -231,7 +196,8 @@ class TreeCells:
         Returns
         -------
         ndarray of int64, shape (...)
-            Of leaves that are equally near the first; -1 if there are none.
+            Of leaves that are equally near, up to the rounding of squares of distances, the first; -1 if
+            there are none.
         """
         chosen = np.ones(len(self), dtype=bool) if among is None else self._mask(among, "among")
         return nearest(self.grid, chosen, self._queries(x, "x")).reshape(np.shape(x)[:-1])
@@ -260,7 +226,10 @@ class TreeCells:
     # ------------------------------------------------------------------ other trees
 
     def _mask(self, which: ArrayLike, name: str) -> NDArray[np.bool_]:
-        chosen = np.asarray(which)
+        try:
+            chosen = np.asarray(which)
+        except ValueError:  # ragged lists
+            chosen = np.empty((0, 0))
         if chosen.dtype == np.bool_ and chosen.shape == (len(self),):
             return chosen
         if chosen.ndim != 1 or (len(chosen) and chosen.dtype.kind not in "iu"):
@@ -285,10 +254,21 @@ class TreeCells:
         return result
 
     def refined(self, which: ArrayLike) -> Self:
-        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is."""
+        """The tree with these leaves, a mask (n,) or numbers, divided; balanced again if this one is.
+
+        Raises
+        ------
+        InputError
+            For leaves that are as small as coordinates allow: `quadtree` has the limits.
+        """
         mask = self._mask(which, "which")
+        most = deepest_level(self.box[0], self.box[1] - self.box[0])
+        if self.depth >= most and (small := mask & (self.levels >= most)).any():
+            raise InputError(
+                f"leaf {int(np.argmax(small))} cannot be divided: its level is {most}, the deepest"
+            )
         split = [*self.linear.split, np.empty(0, dtype=np.uint64)]
-        for level in np.unique(self.levels[mask]):
+        for level in np.flatnonzero(np.bincount(self.levels[mask])):
             new = self.keys[mask & (self.levels == level)]
             split[level] = merged(split[level], new)
         return self._with(split)
@@ -301,10 +281,12 @@ class TreeCells:
         mask, d = self._mask(which, "which"), self.dimension
         split = list(self.linear.split)
         for level in range(1, self.depth + 1):
-            parents, count = np.unique(
-                self.keys[mask & (self.levels == level)] >> np.uint64(d), return_counts=True
-            )
-            split[level - 1] = np.setdiff1d(split[level - 1], parents[count == 1 << d], assume_unique=True)
+            parents = self.keys[mask & (self.levels == level)] >> np.uint64(d)  # in order
+            last = (1 << d) - 1
+            whole = parents[last:][parents[last:] == parents[: max(len(parents) - last, 0)]]
+            kept = np.ones(len(split[level - 1]), dtype=bool)
+            kept[np.searchsorted(split[level - 1], whole)] = False
+            split[level - 1] = split[level - 1][kept]
         return self._with(split)
 
     def balanced(self, across: str = "corners") -> Self:
@@ -368,23 +350,9 @@ class TreeCells:
 
         Exact for straight pieces; curves are taken as the chords that the tree was made with.
         """
-        boundary, d = self.boundary, self.dimension
-        if boundary is None:
-            return frozen(np.full(len(self), INSIDE, dtype=np.int8))
-        states = np.empty(len(self), dtype=np.int8)
-        low, side = self.box[0], self.box[1] - self.box[0]
-        nodes = level_of(low, side, np.zeros(1, dtype=np.uint64), 0, boundary, None)
-        while True:
-            level = nodes.level
-            divided = np.zeros(len(nodes.keys), dtype=bool)
-            if level < self.depth:
-                divided[np.searchsorted(nodes.keys, self.linear.split[level])] = True
-            first = nodes.keys[~divided] << np.uint64(d * (self.depth - level))
-            assert nodes.contacts is not None
-            states[np.searchsorted(self.leaves.first, first)] = nodes.contacts.state[~divided]
-            if not divided.any():
-                return frozen(states)
-            nodes = level_of(low, side, children_of(nodes.keys[divided], d), level + 1, boundary, nodes)
+        if self.boundary is None:
+            return frozen(np.full(len(self), ALL_INSIDE, dtype=np.int8))
+        return frozen(states_of(self.linear, self.leaves, self.box, self.boundary))
 
     # ------------------------------------------------------------------ the rest
 

@@ -16,9 +16,18 @@ from numpy.typing import NDArray
 from ...geometry.box_contact import pieces_in_boxes
 from ...predicates.batch import power_of_two
 
-__all__ = ["CUT", "INSIDE", "OUTSIDE", "Boundary", "Contacts", "at_root", "boundary_of", "handed_down"]
+__all__ = [
+    "ALL_INSIDE",
+    "ALL_OUTSIDE",
+    "CUT",
+    "Boundary",
+    "Contacts",
+    "at_root",
+    "boundary_of",
+    "handed_down",
+]
 
-OUTSIDE, CUT, INSIDE = -1, 0, 1
+ALL_OUTSIDE, CUT, ALL_INSIDE = -1, 0, 1
 
 
 class Boundary(NamedTuple):
@@ -33,12 +42,15 @@ class Boundary(NamedTuple):
         The power of two by which coordinates are multiplied.
     contains : callable
         Points (k, d) in the units of the domain -> whether they lie inside (k,).
+    deviation : float
+        How far chords may be from the curves that they stand for; 0 if all pieces are straight.
     """
 
     points: NDArray[np.float64]
     pieces: NDArray[np.int64]
     factor: float
     contains: Callable[[Any], NDArray[np.bool_]]
+    deviation: float = 0.0
 
 
 class Contacts(NamedTuple):
@@ -47,7 +59,7 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     state : (n,) int8
-        `OUTSIDE`, `CUT` or `INSIDE`.
+        `ALL_OUTSIDE`, `CUT` or `ALL_INSIDE`.
     node, piece : (q,) int64
         Pairs, sorted by node.
     """
@@ -62,10 +74,12 @@ def boundary_of(
     pieces: NDArray[Any],
     box: NDArray[np.float64],
     contains: Callable[[Any], Any],
+    deviation: float = 0.0,
 ) -> Boundary:
     """The record for points in the units of the domain; the box (2, d) is the root of the tree."""
     factor = power_of_two(np.concatenate([points, box]))
-    return Boundary(points * factor, np.ascontiguousarray(pieces, dtype=np.int64), factor, contains)
+    rows = np.ascontiguousarray(pieces, dtype=np.int64)
+    return Boundary(points * factor, rows, factor, contains, deviation)
 
 
 def at_root(boundary: Boundary, low: NDArray[np.float64], high: NDArray[np.float64]) -> Contacts:
@@ -115,5 +129,5 @@ def _met(
     asked = np.flatnonzero(was_cut & ~cut)
     if len(asked):
         middle = low[asked] + 0.5 * (high[asked] - low[asked])
-        state[asked] = np.where(boundary.contains(middle), INSIDE, OUTSIDE)
+        state[asked] = np.where(boundary.contains(middle), ALL_INSIDE, ALL_OUTSIDE)
     return Contacts(state, node, piece)

@@ -13,17 +13,16 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...base.progress import progress_bar
-from .contacts import OUTSIDE, Boundary, at_root, handed_down
+from .contacts import ALL_OUTSIDE, Boundary, at_root, handed_down
 from .criteria import Level, Rule
-from .keys import DEEPEST, Keys, coordinates_of
+from .keys import DEEPEST_LEVEL, Keys
 from .linear import Linear, children_of, linear_of
-from .lookup import corners
 
-__all__ = ["MOST_CELLS", "Growth", "Limits", "as_box", "deepest_level", "grow", "level_of"]
+__all__ = ["MOST_LEAVES", "Growth", "Limits", "as_box", "deepest_level", "grow", "level_of"]
 
 Array = NDArray[np.float64]
-MOST_CELLS = 50_000_000  # leaves of a tree, unless a budget is given
-FINEST = 64.0  # a cell has at least so many spacings of doubles along each axis
+MOST_LEAVES = 50_000_000  # leaves of a tree, unless a budget is given
+FINEST_SPACINGS = 64.0  # a cell has at least so many spacings of doubles along each axis
 
 
 class Limits(NamedTuple):
@@ -55,7 +54,7 @@ def deepest_level(low: Array, side: Array) -> int:
     """The deepest level on which cells are large enough for doubles, and keys have room."""
     d = len(low)
     spacing = np.spacing(np.maximum(np.abs(low), np.abs(low + side)))
-    return int(max(0, min(DEEPEST[d], np.floor(np.log2((side / (FINEST * spacing)).min())))))
+    return int(max(0, min(DEEPEST_LEVEL[d], np.floor(np.log2((side / (FINEST_SPACINGS * spacing)).min())))))
 
 
 def level_of(
@@ -63,15 +62,13 @@ def level_of(
 ) -> Level:
     """The nodes `keys` of a level. With a boundary, `above` has the level before it, whose divided nodes are
     their parents."""
-    i = coordinates_of(keys, len(low))
-    first, last = corners(low, side, i, level), corners(low, side, i + 1, level)
-    contacts = None
+    nodes = Level(level, keys, (low, side))
     if boundary is not None and above is None:
-        contacts = at_root(boundary, first, last)
+        nodes.contacts = at_root(boundary, *nodes.boxes)
     elif boundary is not None and above is not None and above.contacts is not None:
         divided = np.searchsorted(above.keys, keys[:: 1 << len(low)] >> np.uint64(len(low)))
-        contacts = handed_down(boundary, above.contacts, divided, first, last)
-    return Level(level, keys, first, last, float(side.max()) / (1 << level), contacts)
+        nodes.contacts = handed_down(boundary, above.contacts, divided, *nodes.boxes)
+    return nodes
 
 
 def grow(
@@ -98,7 +95,7 @@ def grow(
             for rule in rules:
                 wanted |= rule(nodes)
             if nodes.contacts is not None:
-                wanted &= nodes.contacts.state != OUTSIDE
+                wanted &= nodes.contacts.state != ALL_OUTSIDE
             divided = wanted | (nodes.level < limits.least)
             more = int(divided.sum()) * ((1 << d) - 1)
             if nodes.level >= limits.most or leaves + more > limits.cells:
@@ -129,13 +126,15 @@ def as_box(box: object, dimension: int) -> Array:
     """
     try:
         corners_given = np.array(box, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"a Domain or a box of two corners is needed, not {type(box).__name__}") from None
     if corners_given.shape != (2, dimension):
         raise InputError(f"the box must be two corners, shape (2, {dimension}), not {corners_given.shape}")
     if not np.isfinite(corners_given).all():
         raise InputError(f"the corners of the box must be finite, not {corners_given.tolist()}")
     result = np.stack([corners_given.min(axis=0), corners_given.max(axis=0)])
-    if not (result[1] > result[0]).all() or not np.isfinite(result[1] - result[0]).all():
+    with np.errstate(over="ignore"):
+        finite_sides = np.isfinite(result[1] - result[0]).all()
+    if not (result[1] > result[0]).all() or not finite_sides:
         raise InputError(f"the box must have positive, finite sides; it goes from {result[0]} to {result[1]}")
     return result

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 
-__all__ = ["DEEPEST", "compacted", "coordinates_of", "interleaved", "keys_of", "spread"]
+__all__ = ["DEEPEST_LEVEL", "compacted", "coordinates_of", "interleaved", "keys_of", "spread"]
 
 Keys = NDArray[np.uint64]
 
 # The deepest level, by dimension: keys, and a bit beyond them, fit into 64 bits.
-DEEPEST = {2: 30, 3: 20}
+DEEPEST_LEVEL = {2: 30, 3: 20}
 
 
 @inline

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import distinct
 from ...base.jit import kernel
-from .keys import DEEPEST, Keys
+from .keys import DEEPEST_LEVEL, Keys
 
 __all__ = ["Leaves", "Linear", "children_of", "leaves_of", "linear_of", "merged", "nodes_of"]
 
@@ -108,8 +108,8 @@ def _walk(split, start, d, keys, levels, first):
 def leaves_of(tree: Linear) -> Leaves:
     """The leaves of the tree, in O(their number)."""
     d = tree.dimension
-    if tree.depth > DEEPEST[d]:
-        raise ValueError(f"a tree of {tree.depth} levels; keys have room for {DEEPEST[d]}")
+    if tree.depth > DEEPEST_LEVEL[d]:
+        raise ValueError(f"a tree of {tree.depth} levels; keys have room for {DEEPEST_LEVEL[d]}")
     n = 1 + ((1 << d) - 1) * tree.divided
     split = np.concatenate(tree.split) if tree.depth else np.empty(0, dtype=np.uint64)
     start = np.concatenate([[0], np.cumsum([len(keys) for keys in tree.split], dtype=np.int64)])

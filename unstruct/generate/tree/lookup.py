@@ -13,12 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
+from ...predicates.batch import power_of_two
 from .keys import Keys, compacted, interleaved
 
 __all__ = [
     "Grid",
     "apart_squared",
+    "boxes_of",
     "cells_of",
+    "centers_of",
     "corner",
     "corners",
     "entries",
@@ -32,7 +35,8 @@ __all__ = [
 ]
 
 TABLE_BITS = 18  # of a key: the table has an entry for each of their values
-OUTSIDE = -1
+BEYOND_BOX = -1
+FARTHEST = 2.0**64  # points that are more extents of the box away are searched on their own
 
 
 class Grid(NamedTuple):
@@ -84,6 +88,39 @@ def table_of(first: Keys, depth: int, dimension: int) -> NDArray[np.int64]:
     return np.searchsorted(first >> shift, np.arange(count + 1, dtype=np.uint64)).astype(np.int64)
 
 
+@kernel
+def _boxes_of(keys, grid_low, side, level, low, high):
+    """Write the corners of cells of a level; into `low` the centers, if `high` has no rows."""
+    d = low.shape[1]
+    for i in range(len(keys)):
+        for a in range(d):
+            at = np.int64(compacted(keys[i] >> np.uint64(a), d))
+            first = corner(grid_low[a], side[a], at, level)
+            last = corner(grid_low[a], side[a], at + 1, level)
+            if len(high):
+                low[i, a], high[i, a] = first, last
+            else:
+                low[i, a] = first + 0.5 * (last - first)
+
+
+def boxes_of(
+    keys: Keys, low: NDArray[np.float64], side: NDArray[np.float64], level: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lower and the upper corners of cells of a level: (n, d) each."""
+    first, last = np.empty((2, len(keys), len(low)))
+    _boxes_of(keys, low, side, level, first, last)
+    return first, last
+
+
+def centers_of(
+    keys: Keys, low: NDArray[np.float64], side: NDArray[np.float64], level: int
+) -> NDArray[np.float64]:
+    """The centers of cells of a level: (n, d)."""
+    centers = np.empty((len(keys), len(low)))
+    _boxes_of(keys, low, side, level, centers, np.empty((0, len(low))))
+    return centers
+
+
 @inline
 def leaf_of(first, entry, shift, key):
     """The leaf that contains the cell `key` of the deepest level."""
@@ -124,7 +161,7 @@ def _locate(grid, shift, x, found):
             key = interleaved(cell[0], cell[1], cell[2], d)
             found[i] = leaf_of(first, entry, shift, key)
         else:
-            found[i] = OUTSIDE
+            found[i] = BEYOND_BOX
 
 
 @kernel
@@ -170,6 +207,19 @@ def apart_squared(grid, key, level, low, high, d):
     return total
 
 
+@inline
+def _beside(grid, key, level, low, high, d):
+    """Whether a node and a box, both closed, have no point in common."""
+    width = np.int64(1) << np.int64(grid.depth - level)
+    for a in range(d):
+        i = np.int64(compacted(key >> np.uint64(a), d))
+        if corner(grid.low[a], grid.side[a], i, grid.depth) > high[a]:
+            return True
+        if corner(grid.low[a], grid.side[a], i + width, grid.depth) < low[a]:
+            return True
+    return False
+
+
 @kernel
 def _in_box(grid, low, high, stack, found):
     """Leaves that meet the box, in order; returns how many there are, also beyond the room in `found`."""
@@ -179,7 +229,7 @@ def _in_box(grid, low, high, stack, found):
     while top >= 0:
         begin, end, level = stack[top, 0], stack[top, 1], stack[top, 2]
         top -= 1
-        if apart_squared(grid, grid.first[begin], level, low, high, d) > 0.0:
+        if _beside(grid, grid.first[begin], level, low, high, d):
             continue
         if end - begin == 1:
             if count < len(found):
@@ -272,5 +322,14 @@ def nearest(grid: Grid, among: NDArray[np.bool_], x: NDArray[np.float64]) -> NDA
     """The nearest of the leaves `among` for each point (k, d); of equally near ones the first; -1 if none."""
     before = np.concatenate([[0], np.cumsum(among)]).astype(np.int64)
     found = np.empty(len(x), dtype=np.int64)
-    _nearest(grid, before, x, stack_for(grid, x.shape[1]), found)
+    stack, ends = stack_for(grid, x.shape[1]), np.stack([grid.low, grid.low + grid.side])
+    f = power_of_two(ends)  # squares of distances are doubles neither for large units nor for small ones
+    far = np.abs(x).max(axis=1) > FARTHEST / f
+    for rows in (~far, far):
+        if rows.any():
+            f = power_of_two(np.concatenate([ends, x[rows]]))
+            rescaled = grid._replace(low=grid.low * f, side=grid.side * f)
+            some = np.empty(int(rows.sum()), dtype=np.int64)
+            _nearest(rescaled, before, x[rows] * f, stack, some)
+            found[rows] = some
     return found

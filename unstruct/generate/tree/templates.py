@@ -112,7 +112,7 @@ def squares_as_triangles(
         The leaf of each triangle.
     """
     middles = middles_of(grid, vertices)
-    fan: NDArray[np.bool_] = (middles >= 0).any(axis=1)
+    fan = np.asarray((middles >= 0).any(axis=1))
     center = np.full(len(fan), -1, dtype=np.int32)
     center[fan] = len(vertices.points) + np.arange(int(fan.sum()))
     corner = vertices.points[vertices.corners[fan]]

@@ -21,7 +21,7 @@ from ..boundary.pairs import paired
 from ..rebay.finishing import Effort
 from ..rebay.run import VoronoiSegmentRun, rule_of
 from ..tree.cells import TreeCells
-from ..tree.contacts import OUTSIDE, boundary_of
+from ..tree.contacts import ALL_OUTSIDE, boundary_of
 from ..tree.templates import middles_of
 from ..tree.vertices import Vertices, numbered
 from .cutting import cut_by_leaves
@@ -123,7 +123,7 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     loose = domain.points[domain.loose]
     ends = np.concatenate([sampled.points[sampled.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
     away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)[:, 0]
-    outside = states_for(cells, domain, sampled) == OUTSIDE
+    outside = states_for(cells, domain, sampled) == ALL_OUTSIDE
     wanted = np.zeros(len(away) + 1, dtype=bool)  # one more for the number -1
     wanted[spots.of_leaf[~outside]] = True
     wanted[spots.of_leaf[outside]] = False

@@ -18,7 +18,7 @@ from ..boundary.constrained import complex_of
 from ..boundary.pairs import paired
 from ..front.made_mesh import quality_figures
 from ..tree.cells import TreeCells
-from ..tree.contacts import OUTSIDE
+from ..tree.contacts import ALL_OUTSIDE
 from ..tree.templates import squares_as_triangles
 from .cutting import cut_by_leaves
 from .fitted import Spots, states_for
@@ -146,7 +146,7 @@ def warped(cells: TreeCells, domain: Domain) -> DomainMesh:
     if cells.balance != "corners":
         cells = cells.balanced("corners")
     spots, sampled = Spots.of(cells), cut_by_leaves(cells, domain)
-    outside = states_for(cells, domain, sampled) == OUTSIDE
+    outside = states_for(cells, domain, sampled) == ALL_OUTSIDE
     loose = domain.points[domain.loose]
 
     def away_from(pieces: Sampled) -> Array:

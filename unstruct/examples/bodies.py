@@ -1,0 +1,255 @@
+"""Bodies by formulas: functions that are positive inside, zero on the surface and negative outside.
+
+A `LevelSet` is called with points (..., 3). Sphere and torus give the distance from the surface exactly, and
+the others a lower bound of it. Random fields are sums of waves, so that they are smooth, and the same for the
+same seed on every processor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arguments import as_count, as_seed, finite, positive
+from ..base.arrays import as_numbers, frozen
+from ..base.elementary import cosine, sine, sines
+from ..base.errors import InputError
+from ..domain.domain import Domain
+
+__all__ = ["LevelSet", "cube", "noise", "noisy_ball", "notch", "notched_box", "sphere", "torus"]
+
+Array = NDArray[np.float64]
+ROOM = 1.125  # the box of a body is larger than it by this factor
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSet:
+    """A body {x : f(x) > 0} in space.
+
+    Attributes
+    ----------
+    name : str
+    function : callable
+        Points (k, 3) -> (k,) float64.
+    box : (2, 3) float64
+        Two corners of a box that contains the body with some room.
+    change : float
+        No difference of two values is larger than this times the distance of their points.
+    """
+
+    name: str
+    function: Callable[[Array], Array]
+    box: Array
+    change: float = 1.0
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The values at points (..., 3): positive inside.
+
+        Raises
+        ------
+        InputError
+            For arrays of another shape.
+        """
+        points = as_numbers(x, "x").astype(np.float64)
+        if points.ndim == 0 or points.shape[-1] != 3:
+            raise InputError(f"x must have shape (..., 3), not {points.shape}")
+        return self.function(points.reshape(-1, 3)).reshape(points.shape[:-1])
+
+    def __repr__(self) -> str:
+        return f"<LevelSet: {self.name}>"
+
+
+def _room(half: float | Array) -> Array:
+    reach = np.broadcast_to(np.asarray(half, dtype=float) * ROOM, 3)
+    return frozen(np.stack([-reach, reach]))
+
+
+def _length(*columns: Array) -> Array:
+    total = columns[0] * columns[0]
+    for column in columns[1:]:
+        total = total + column * column
+    return np.sqrt(total)
+
+
+def sphere(radius: float = 1.0) -> LevelSet:
+    """A ball around the origin: the distance from its surface, positive inside.
+
+    Parameters
+    ----------
+    radius : float
+
+    Returns
+    -------
+    LevelSet
+    """
+    r = positive(radius, "radius")
+    return LevelSet(f"sphere of radius {r:g}", lambda x: r - _length(*x.T), _room(r))
+
+
+def torus(radius: float = 1.0, tube: float = 0.4) -> LevelSet:
+    """A torus around the z axis: the distance from its surface, positive inside.
+
+    Parameters
+    ----------
+    radius : float
+        Of the circle in the middle of the tube.
+    tube : float
+        The radius of the tube, less than the other.
+
+    Returns
+    -------
+    LevelSet
+    """
+    r, t = positive(radius, "radius"), positive(tube, "tube")
+    if t >= r:
+        raise InputError(f"tube = {t:g} must be less than radius = {r:g}")
+    box = _room(np.array([r + t, r + t, t]))
+    return LevelSet(
+        f"torus of radii {r:g} and {t:g}", lambda x: t - _length(_length(x[:, 0], x[:, 1]) - r, x[:, 2]), box
+    )
+
+
+def _in_cube(x: Array, half: float) -> Array:
+    away = np.abs(x) - half
+    out = np.maximum(away, 0.0)
+    return np.where((away <= 0.0).all(axis=1), -away.max(axis=1), -_length(*out.T))
+
+
+def cube(half: float = 1.0) -> LevelSet:
+    """The cube from -half to half along each axis: the distance from its surface, positive inside.
+
+    Parameters
+    ----------
+    half : float
+
+    Returns
+    -------
+    LevelSet
+    """
+    h = positive(half, "half")
+    return LevelSet(f"cube of side {2 * h:g}", lambda x: _in_cube(x, h), _room(h))
+
+
+def _notch(width: float, depth: float) -> tuple[float, float]:
+    w, t = positive(width, "width"), positive(depth, "depth")
+    if w >= 1.0 or t >= 2.0:
+        raise InputError(f"width = {w:g} must be less than 1, and depth = {t:g} less than 2")
+    return w, t
+
+
+def notch(width: float = 0.4, depth: float = 1.0) -> LevelSet:
+    """The cube from -1 to 1 with a notch in the shape of a V in its upper side, along the y axis.
+
+    Parameters
+    ----------
+    width : float
+        Half of that of the notch at the side z = 1; less than 1.
+    depth : float
+        How deep it is; less than 2.
+
+    Returns
+    -------
+    LevelSet
+        Its absolute value is at most the distance from the surface.
+    """
+    w, t = _notch(width, depth)
+    steep = t / w
+    length = float(np.sqrt(1.0 + steep * steep))
+
+    def function(x: Array) -> Array:
+        below = ((1.0 - t) + steep * np.abs(x[:, 0]) - x[:, 2]) / length
+        return np.minimum(_in_cube(x, 1.0), below)
+
+    return LevelSet(f"cube with a notch of depth {t:g}", function, _room(1.0))
+
+
+def notched_box(width: float = 0.4, depth: float = 1.0) -> Domain:
+    """The body of `notch` as a domain with its edges; the markers are "notch" and the sides of a box.
+
+    Parameters
+    ----------
+    width, depth : float
+        As for `notch`.
+
+    Returns
+    -------
+    Domain
+    """
+    w, t = _notch(width, depth)
+    around = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (w, 1.0), (0.0, 1.0 - t), (-w, 1.0), (-1.0, 1.0)]
+    n = len(around)
+    points = [(x, y, z) for y in (-1.0, 1.0) for x, z in around]
+    facets = [list(range(n)), list(range(2 * n - 1, n - 1, -1))]
+    facets += [[k, n + k, n + (k + 1) % n, (k + 1) % n] for k in range(n)]
+    names = {"front": [0], "back": [1], "bottom": [2], "right": [3], "top": [4, 7], "left": [8]}
+    return Domain(points, facets, markers=names | {"notch": [5, 6]})
+
+
+def noise(seed: int = 0, *, waves: int = 24, shortest: float = 1.0) -> LevelSet:
+    """A random smooth field: a sum of waves of equal heights in random directions.
+
+    Parameters
+    ----------
+    seed : int
+    waves : int
+        How many.
+    shortest : float
+        The length of the shortest waves; the longest are four times as long.
+
+    Returns
+    -------
+    LevelSet
+        Its values have the mean 0 and the mean square 1, over all of space. Its surface is not closed: its
+        box is a cube of two of the longest waves.
+    """
+    count, unit = as_count(waves, "waves"), positive(shortest, "shortest")
+    if count == 0:
+        raise InputError("waves must be at least 1")
+    rng = np.random.default_rng(as_seed(seed))
+    rows = []
+    for a, b, c, phase in rng.random((count, 4)).tolist():
+        z, length = 2.0 * a - 1.0, unit * 2.0 ** (2.0 * c)
+        flat, turn = float(np.sqrt(1.0 - z * z)), 2.0 * np.pi * b
+        scale = 2.0 * np.pi / length
+        rows.append([scale * flat * cosine(turn), scale * flat * sine(turn), scale * z, 2.0 * np.pi * phase])
+    height = float(np.sqrt(2.0 / count))
+    change = height * sum(float(np.sqrt(p * p + q * q + r * r)) for p, q, r, _ in rows)
+
+    def function(x: Array) -> Array:
+        total = np.zeros(len(x))
+        for p, q, r, phase in rows:
+            total += sines(p * x[:, 0] + q * x[:, 1] + r * x[:, 2] + phase)
+        return height * total
+
+    box = frozen(np.array([[-4.0 * unit] * 3, [4.0 * unit] * 3]))
+    return LevelSet(f"noise of {count} waves, seed {seed}", function, box, change)
+
+
+def noisy_ball(seed: int = 0, *, height: float = 0.15, waves: int = 24, shortest: float = 0.5) -> LevelSet:
+    """A ball of radius 1 whose surface is moved by a random smooth field: closed, with bumps and dents.
+
+    Parameters
+    ----------
+    seed, waves, shortest
+        As for `noise`.
+    height : float
+        By how much the surface is moved: the square root of the mean square; at least 0, less than 0.5.
+
+    Returns
+    -------
+    LevelSet
+        Moves are at most 0.9.
+    """
+    h = finite(height, "height")
+    if not 0.0 <= h < 0.5:
+        raise InputError(f"height = {h:g} must be at least 0 and less than 0.5")
+    field = noise(seed, waves=waves, shortest=shortest)
+
+    def function(x: Array) -> Array:
+        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -0.9, 0.9)
+
+    most = min(0.9, h * float(np.sqrt(2.0 * waves)))
+    return LevelSet(f"noisy ball, seed {seed}", function, _room(1.0 + most), 1.0 + h * field.change)
