@@ -10,6 +10,8 @@ whether they are the same.
 finalized before, and our table been made.
 
 *Conforming.* Triangles or tetrahedra by templates, from the leaves to a mesh with checked arrays.
+
+*Boundary.* Meshes of planar regions, in `tree_meshes`.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from . import tree_meshes
 from .meshers import Mesher
 from .run import Workers, measured
 
@@ -30,6 +33,7 @@ PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "build": {kind: (10_000, 100_000, 1_000_000, 10_000_000) for kind in ("plane", "space")},
     "locate": {kind: (1_000_000,) for kind in ("plane", "space")},
     "conforming": {kind: (100_000, 1_000_000) for kind in ("plane", "space")},
+    "boundary": tree_meshes.KINDS,
 }
 DIMENSION = {"plane": 2, "space": 3}
 CENTER = np.array([0.3, 0.4, 0.45])
@@ -122,14 +126,17 @@ MESHERS = [
     Mesher("unstruct", "unstruct", "locate", _each(_located)),
     Mesher("discretize", "discretize", "locate", _each(_located_by_discretize)),
     Mesher("unstruct", "unstruct", "conforming", _each(_conforming)),
+    *tree_meshes.MESHERS,
 ]
 
 
 # ---------------------------------------------------------------------- the run
 
 
-def task(work: str, kind: str, n: int) -> Planted:
+def task(work: str, kind: str, n: int) -> Any:
     """What the contestants of a work are given."""
+    if work == "boundary":
+        return tree_meshes.task(kind, n)
     d = DIMENSION[kind]
     given = Planted(d, (LEAVES[kind] / n) ** (1 / d))
     if work == "build":
@@ -153,6 +160,8 @@ def _finalized(given: Planted) -> Any:
 
 def warm_up(work: str) -> Any:
     """Small tasks of the same kind, in the plane and in space: compiled code is loaded."""
+    if work == "boundary":
+        return tree_meshes.task("disc", FEW), tree_meshes.task("coast 1", FEW)
     return task(work, "plane", FEW), task(work, "space", FEW)
 
 
@@ -169,8 +178,10 @@ def leaves_of(tree: Any) -> tuple[Array, NDArray[np.int64]]:
     return np.ascontiguousarray(centers[order]), levels[order]
 
 
-def measures(result: Any, found: Any, work: str, given: Planted) -> dict[str, Any]:
+def measures(result: Any, found: Any, work: str, given: Any) -> dict[str, Any]:
     """What was made, as numbers that must agree."""
+    if work == "boundary":
+        return tree_meshes.measures(found)
     if work == "build":
         centers, levels = leaves_of(result)
         return {"cells": len(levels), "checksum": crc32(centers.tobytes(), crc32(levels.tobytes()))}

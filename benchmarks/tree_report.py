@@ -14,7 +14,8 @@ TITLES = {
     "locate": "Location of a million points",
     "conforming": "Conforming triangles and tetrahedra by templates",
 }
-__all__ = ["TITLES", "markdown", "plot", "same", "summary", "table"]
+BOUNDARY = "Meshes of planar regions from quadtrees, and from the sides of their leaves as a size"
+__all__ = ["BOUNDARY", "TITLES", "boundary", "markdown", "plot", "same", "summary", "table"]
 
 
 def same(case: dict[str, Row], peer: str) -> str:
@@ -75,11 +76,28 @@ def growth(rows: list[Row]) -> str:
     return grid(["in the", "by", "leaves", "p"], 2, lines)
 
 
+def boundary(rows: list[Row]) -> str:
+    """A line for each case and kind of mesh: angles, and speed as a number of cells."""
+    head = ["region", "cells, about", "mesh", "cells", "seconds", "million/s"]
+    head += ["least angle", "away from input angles", "listed"]
+    lines = []
+    for (name, kind, n), case in times(rows).items():
+        if name != "boundary":
+            continue
+        for method, row in case.items():
+            cells = [kind, short(n), "fitted" if method == OURS else method, f"{row['cells']:,}"]
+            cells += [figures(row["seconds"]), figures(speed(row) / 1e6)]
+            lines.append([*cells, f"{row['least']:.1f}°", f"{row['away']:.1f}°", str(row["listed"])])
+    return grid(head, 3, lines)
+
+
 def markdown(result: dict[str, Any]) -> str:
     """The report of the suite."""
     rows = result["rows"]
     done = {row["work"] for row in rows}
     sections = {title: table(rows, work) for work, title in TITLES.items() if work in done}
+    if "boundary" in done:
+        sections[BOUNDARY] = boundary(rows)
     if "build" in done:
         sections["Growth of the time to build: exponents p of seconds ~ n^p"] = growth(rows)
     return page(result, sections)

@@ -139,6 +139,8 @@ def _trees() -> None:
         tree.in_box(*tree.box)
         tree.mesh("conforming")
         len(tree.hanging.vertices)
+        for kind in ("fitted", "quads", "warped") if tree.dimension == 2 else ():
+            tree.mesh(kind)
     unstruct.octree(_ball(), boundary_size=0.8, growth=0.5, turning=60, points=[[0.5, 0.5, 0.5]])
 
 

@@ -354,6 +354,19 @@ def trees() -> Arrays:
 
 
 @case
+def meshes_of_quadtrees() -> Arrays:
+    size = sizing.sources([[0.5, 0.0], [2.0, 3.0]], 0.05, growth=0.3)
+    for tree in (
+        unstruct.quadtree(harbor(), size, turning=40, max_level=9),
+        unstruct.quadtree(regions.running_domain(), 0.3, boundary_size=0.05),
+        unstruct.quadtree(curved(), 0.2, balance=None),
+    ):
+        for kind in ("fitted", "warped", "quads"):
+            mesh = tree.mesh(kind)
+            yield from (mesh.points, mesh.segments, *mesh.cells.values())
+
+
+@case
 def smoothed() -> Arrays:
     mesh = unstruct.refine(harbor(), 0.5)
     for method in ("laplace", "optimal", "centroid", "search"):

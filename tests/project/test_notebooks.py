@@ -86,6 +86,7 @@ def test_there_is_a_book() -> None:
         "2.8c-",
         *(f"3.{n}-" for n in ("1", "2", "3", "4")),
         "4a-",
+        "4b-",
     ):
         assert any(name.startswith(section) for name in names), f"no chapter {section.rstrip('-')}"
 

@@ -66,6 +66,8 @@ def test_random_regions(kind, seed, cells, balance):
         assert kind == "wide exponents"  # refused as by all methods
         return
     assert check(mesh, domain=domain)
+    rest = angles(mesh)[np.setdiff1d(np.arange(mesh.size), mesh.unrefined)]
+    assert (rest > 24.9).all() or kind == "wide exponents"  # there angles are lost to rounding
 
 
 @pytest.mark.parametrize("side", [8.0, 1.0, 0.25, 0.1])

@@ -43,6 +43,6 @@ def test_the_whole_range(boundary: str) -> None:
 
 
 def test_warping_helps_where_the_boundary_almost_meets_vertices() -> None:
-    name = "nasty: almost a row of vertices"
+    name = "nasty: near a row"
     cut, warped = (float(cut_state(name, 0.02, t)["number"].split()[2]) for t in (0.0, 0.2))
     assert cut < 3 and warped > 30

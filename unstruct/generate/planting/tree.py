@@ -24,12 +24,13 @@ from ..tree.hanging import Hanging, hanging_of
 from ..tree.templates import squares_as_triangles
 from ..tree.vertices import Vertices, numbered
 from ..tree_regions.fitted import fitted
+from ..tree_regions.quads import quads
 from ..tree_regions.warped import warped
 from . import card
 
 __all__ = ["Tree"]
 
-IN_THE_PLANE = {"fitted": fitted, "warped": warped}  # of a quadtree over a domain
+IN_THE_PLANE = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
 IN_SPACE = ("hex-dominant",)  # of an octree over a domain
 KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE, *IN_SPACE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
@@ -54,6 +55,8 @@ class Tree(TreeCells):
               markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
               triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
               angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
+            - "quads", for the same and as complete: those triangles paired to convex quadrilaterals with
+              angles from 39 to 141 degrees, squares inside; a few triangles remain.
             - "warped", for the same and as complete: vertices near pieces move onto them, edges that still
               cross them are cut. The classical way, with poor angles (some 24 degrees in circles, 3 along
               rough boundaries); ``steps`` says what moved and what was cut.
@@ -77,7 +80,8 @@ class Tree(TreeCells):
         ------
         InputError
             If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
-            balanced across edges (in the plane, across faces), or "fitted" or "warped" of a tree over a box.
+            balanced across edges (in the plane, across faces), or "fitted", "quads" or
+            "warped" of a tree over a box.
 
         Notes
         -----

@@ -5,8 +5,6 @@ See the book, chapter 4b.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +38,9 @@ def _thin(piece, ends, points, spacing, rank, most, keep):
                 if after[i] >= 0:
                     bx, by = points[after[i], 0], points[after[i], 1]
                 x, y, far = points[i, 0], points[i, 1], spacing[i]
-                keep[i] = math.hypot(ax - x, ay - y) >= far and math.hypot(bx - x, by - y) >= far
+                one = (ax - x) * (ax - x) + (ay - y) * (ay - y)
+                two = (bx - x) * (bx - x) + (by - y) * (by - y)
+                keep[i] = min(one, two) >= far * far
             if keep[i]:
                 before = i
 

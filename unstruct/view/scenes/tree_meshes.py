@@ -102,7 +102,7 @@ CUTS: dict[str, Callable[[Fraction], Callable[[Point], Any]]] = {
     "a slope": _line(Fraction(2, 5)),
     "a steep slope": _line(Fraction(7, 3)),
     "a disc": _disc,
-    "nasty: almost a row of vertices": _line(Fraction(1, 50)),
+    "nasty: near a row": _line(Fraction(1, 50)),
 }
 
 
