@@ -129,7 +129,7 @@ def as_box(box: object, dimension: int) -> Array:
     """
     try:
         corners_given = np.array(box, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"a Domain or a box of two corners is needed, not {type(box).__name__}") from None
     if corners_given.shape != (2, dimension):
         raise InputError(f"the box must be two corners, shape (2, {dimension}), not {corners_given.shape}")
