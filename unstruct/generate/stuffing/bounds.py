@@ -149,7 +149,7 @@ def stuffing_bounds(
         raise InputError(f"alpha must be two numbers between 0 and 1/2, not {alpha!r}")
     limit = as_count(halvings, "halvings")
     known = sorted({"".join(signs) for signs in _kinds()})
-    if stencils is not None and stencils not in known:
+    if stencils is not None and (not isinstance(stencils, str) or stencils not in known):
         raise InputError(f"stencils must be one of {', '.join(known)}, not {stencils!r}")
     squares = [_down_by(np.cos(np.deg2rad(angle)) ** 2) for angle in (least, most)]
     total = StuffingBounds(True, least, most, 180.0, 0.0, 0, 0, 0, ())
