@@ -6,7 +6,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
 `advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `improve`.
-Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`.
+Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`; `isosurface_stuffing`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
 `CurvedMesh`.

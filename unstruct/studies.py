@@ -1,8 +1,9 @@
 """Functions for studying the methods, which the chapters of the book need; applications do not.
 
 There are Baker's insertion with fixed cells, recovery of edges and in space what it did, insertion that
-breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, and the
-steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only imports them.
+breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, a proof
+of the angles of `isosurface_stuffing`, and the steps by which `swap_diagonals` and `voronoi_segment` reach
+their results. This module only imports them.
 """
 
 from .assess.statistics import angle_histogram as angle_histogram
@@ -25,12 +26,15 @@ from .generate.centers.torus import periodic_circumcenters as periodic_circumcen
 from .generate.centers.worst import judge as judge
 from .generate.rebay.voronoi_segment import CASES as CASES
 from .generate.rebay.voronoi_segment import epsilon_chains as epsilon_chains
+from .generate.stuffing.bounds import StuffingBounds as StuffingBounds
+from .generate.stuffing.bounds import stuffing_bounds as stuffing_bounds
 from .geometry.segment_tree import SegmentTree as SegmentTree
 
 __all__ = [
     "CASES",
     "Baker",
     "SegmentTree",
+    "StuffingBounds",
     "Terrain",
     "angle_histogram",
     "boundary_facets",
@@ -49,4 +53,5 @@ __all__ = [
     "replay",
     "replay_recovery",
     "skeleton_points",
+    "stuffing_bounds",
 ]

@@ -30,7 +30,7 @@ WRONG = {
     "list": [], "zero": 0, "one": 1, "inf": np.inf, "dict": {"q": 1}, "texts": np.array(["a", "b"]),
     "complex": 1j, "function": lambda *_: "no", "large": 10**400,
 }  # fmt: skip
-FLAGS = {"history", "progress", "finish", "smart", "swap", "reduce", "resolve", "largest"}
+FLAGS = {"history", "progress", "finish", "smart", "swap", "cap", "graded", "reduce", "resolve", "largest"}
 COUNTS = {"budget", "rounds", "count", "min_level", "max_level", "most_points"}
 # too large a number takes for ever, or means as many as there may be
 ANY = {("relax", "iterations"), ("insert_without_breaking", "size"), ("sources", "name")}
@@ -98,6 +98,9 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "intersection": (tree.intersection, (tree,), {}),
         "prefix": (tree.prefix, (1,), {}),
         "mesh of a tree": (tree.mesh, ("cells",), {}),
+        "isosurface_stuffing": (u.isosurface_stuffing, (u.examples.sphere(), 0.5), {}),
+        "stuffing of a body": (u.isosurface_stuffing, (BOX, 0.4), {}),
+        "stuffing_bounds": (studies.stuffing_bounds, (), {"stencils": "+---"}),
         "check": (u.check, (mesh,), {}),
         "statistics": (u.statistics, (mesh,), {}),
         "compare": (u.compare, ({"m": mesh},), {}),

@@ -143,12 +143,13 @@ def stuffing_bounds(
     least, most = finite(lower, "lower"), finite(upper, "upper")
     if not 0.0 < least < 90.0 < most < 180.0:
         raise InputError(f"lower = {lower} and upper = {upper} must satisfy 0 < lower < 90 < upper < 180")
-    shares = tuple(finite(share, f"alpha[{i}]") for i, share in enumerate(alpha))
+    pair = list(alpha) if isinstance(alpha, tuple | list) else []
+    shares = tuple(finite(share, f"alpha[{i}]") for i, share in enumerate(pair))
     if len(shares) != 2 or not all(0.0 < share < 0.5 for share in shares):
-        raise InputError(f"alpha must be two numbers between 0 and 1/2, not {alpha}")
+        raise InputError(f"alpha must be two numbers between 0 and 1/2, not {alpha!r}")
     limit = as_count(halvings, "halvings")
     known = sorted({"".join(signs) for signs in _kinds()})
-    if stencils is not None and stencils not in known:
+    if stencils is not None and (not isinstance(stencils, str) or stencils not in known):
         raise InputError(f"stencils must be one of {', '.join(known)}, not {stencils!r}")
     squares = [_down_by(np.cos(np.deg2rad(angle)) ** 2) for angle in (least, most)]
     total = StuffingBounds(True, least, most, 180.0, 0.0, 0, 0, 0, ())

@@ -23,6 +23,9 @@ __all__ = ["Background", "Filling", "background_of", "filled_background", "latti
 Array = NDArray[np.float64]
 
 
+GRADED_SHARE = 0.35  # of the shortest edge at a vertex where levels meet: it moves less (measured to be good)
+
+
 class Background(NamedTuple):
     """Tetrahedra over an octree.
 
@@ -105,15 +108,16 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     edges = crossed_edges(background.cells, sign)
     share = shares(edges)
     step = np.abs(place[edges.outer] - place[edges.inner])
-    alpha = np.where((step > 0).sum(axis=1) == 1, *ALPHA)
     length = np.sqrt((step * step).sum(axis=1).astype(np.float64))
+    alpha = np.where((step > 0).sum(axis=1) == 1, *ALPHA) * length
+    reach = _reach(background, edges)
     begin, end = points[edges.inner], points[edges.outer]
     places = np.where(
         (share <= 0.5)[:, None],
         begin + share[:, None] * (end - begin),
         end - (1.0 - share)[:, None] * (end - begin),
     )
-    vertex, edge = warped(edges, share, length, alpha)
+    vertex, edge = warped(edges, share, length, np.minimum(alpha, reach))
     points[vertex], sign[vertex] = places[edge], 0
     whole = (sign[edges.inner] > 0) & (sign[edges.outer] < 0)
     cells, owner = stenciled(background.cells, sign, place, Cuts(edges.keys[whole], n))
@@ -124,6 +128,37 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     found = np.concatenate([points, places[cuts]])[used]
     on_surface = np.concatenate([sign == 0, np.ones(len(cuts), dtype=bool)])[used]
     return Filling(found, cells, number, on_surface, owner, len(vertex), len(cuts))
+
+
+@kernel
+def _look(cells, place, least, mixed):
+    """The square of the shortest edge at each vertex; whether a cell there is none of a lattice of one level."""
+    for row in range(len(cells)):
+        short, long = np.int64(1) << 62, np.int64(0)
+        for i in range(4):
+            for j in range(i):
+                p, q = cells[row, i], cells[row, j]
+                square = np.int64(0)
+                for a in range(3):
+                    square += (np.int64(place[p, a]) - place[q, a]) ** 2
+                short, long = min(short, square), max(long, square)
+                least[p], least[q] = min(least[p], square), min(least[q], square)
+        if 3 * long > 4 * short:
+            for i in range(4):
+                mixed[cells[row, i]] = True
+
+
+def _reach(background: Background, edges: Edges) -> Array:
+    """How far the inner and the outer ends of edges may move: (2, e).
+
+    In the lattice of one level, where the squares of long and short edges are as 4 to 3, this bounds nothing.
+    Where levels meet, a long edge may begin beside a short one.
+    """
+    least = np.full(len(background.points), np.iinfo(np.int64).max)
+    mixed = np.zeros(len(background.points), dtype=np.bool_)
+    _look(background.cells, background.place, least, mixed)
+    ends = np.stack([edges.inner, edges.outer])
+    return np.where(mixed[ends], GRADED_SHARE * np.sqrt(least[ends].astype(np.float64)), np.inf)
 
 
 @kernel

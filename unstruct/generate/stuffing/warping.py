@@ -70,7 +70,7 @@ def _warp(start, edge, far, violates, distance, to):
 
 
 def warped(
-    edges: Edges, share: NDArray[np.float64], length: NDArray[np.float64], alpha: NDArray[np.float64]
+    edges: Edges, share: NDArray[np.float64], length: NDArray[np.float64], limit: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which vertices move, and onto which cut points.
 
@@ -81,8 +81,8 @@ def warped(
         Where the cut points are: 0 at the vertex inside, 1 at the one outside.
     length : (e,) float64
         Of the edges, in any unit.
-    alpha : (e,) float64
-        The share of the edge, at each end, in which a cut point violates.
+    limit : (2, e) float64
+        Cut points nearer than this to the inner and to the outer end of an edge violate it.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def warped(
     e = len(edges.keys)
     vertex = np.concatenate([edges.inner, edges.outer])
     other = np.concatenate([edges.outer, edges.inner])
-    part = np.concatenate([share, 1.0 - share])
+    distance = np.concatenate([share * length, (1.0 - share) * length])
     order = np.argsort(vertex, kind="stable")
     known = distinct(vertex)
     start = np.searchsorted(vertex[order], known)
@@ -102,8 +102,8 @@ def warped(
         np.append(start, 2 * e).astype(np.int64),
         edge,
         np.searchsorted(known, other[order]),
-        part[order] < alpha[edge],
-        part[order] * length[edge],
+        distance[order] < limit.ravel()[order],
+        distance[order],
         to,
     )
     moves = to >= 0
