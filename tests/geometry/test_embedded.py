@@ -168,6 +168,18 @@ def test_too_many_doubtful_pairs_are_left_to_others() -> None:
     assert not embedded(points, pages)  # 780 pairs
 
 
+def test_near_pairs_within_leaves_alone() -> None:
+    """Found by cut cubes of an octree: more of these than there was room for were written beyond its end."""
+    sheets = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.1]]]) + 0.0
+    sheets = sheets + 1e-3 * np.array([0.0, 0.0, 1.0]) * np.arange(4)[:, None, None]  # all their boxes meet
+    away = 100.0 * np.arange(quick.NEAR_PAIRS // 2)[:, None, None, None] * np.array([1.0, 0.0, 0.0])
+    x = (sheets + away).reshape(-1, 3)
+    rows = np.arange(len(x), dtype=np.int32).reshape(-1, 3)
+    assert embedded(x, rows)
+    x[-1, 2] = 0.0
+    assert not embedded(x, rows)
+
+
 def test_flat_rows() -> None:
     points = np.array([[0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [0.2, 0.2, 0.2], [0.7, 0.7, 0.7], [0, 0, 1]])
     rows = np.array([(0, 1, 4), (0, 1, 3), (0, 2, 4), (0, 2, 1)], dtype=np.int32)

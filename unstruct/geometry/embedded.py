@@ -251,10 +251,15 @@ def _doubtful(surface, pairs, found):
     ``pairs`` is scratch.
     """
     low, high, rows = surface.low, surface.high, surface.rows
-    leaves, full = low.shape[0] // 2, pairs.shape[0] - BOXES_IN_LEAF * BOXES_IN_LEAF
+    leaves = low.shape[0] // 2
+    full = pairs.shape[0] - 2 * BOXES_IN_LEAF * BOXES_IN_LEAF  # a leaf by itself, and then with another one
     stack = np.empty(WAITING_NODES, dtype=np.int64)
     count = size = 0
     for first in range(0, rows.shape[0], BOXES_IN_LEAF):
+        if count >= full:
+            size, count = _left_over(surface, pairs, count, found, size), 0
+            if size < 0:
+                return -1
         count = _near(surface, first, first, pairs, count)
         leaf, top = leaves + first // BOXES_IN_LEAF, 0
         node = leaf

@@ -25,7 +25,9 @@ LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divi
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
 
-def of_cubes(cubes: Cubes, markers: Any = None, regions: Any = None) -> DomainMesh:
+def of_cubes(
+    cubes: Cubes, markers: Any = None, regions: Any = None, counts: Any = None, figures: Any = None
+) -> DomainMesh:
     """The mesh of these cells only."""
     blocks = (cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
     used = np.unique(np.concatenate([rows.ravel() for rows in blocks]))
@@ -37,7 +39,8 @@ def of_cubes(cubes: Cubes, markers: Any = None, regions: Any = None) -> DomainMe
         origin=np.full(len(used), -1, dtype=np.int32),
         markers=markers,
         regions=regions,
-        counts=_counts(cells),
+        counts=_counts(cells) | (counts or {}),
+        figures=figures,
     )
 
 

@@ -16,7 +16,9 @@ from ...base.arrays import flagged
 from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ..hexahedra.cubes_cut import cut_cubes
 from ..hexahedra.dominant import hexahedra_and_others
+from ..hexahedra.inner import inner_hexahedra
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE
 from ..tree.cubes import cubes_as_tetrahedra
@@ -31,7 +33,7 @@ from . import card
 __all__ = ["Tree"]
 
 IN_THE_PLANE = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
-IN_SPACE = ("hex-dominant",)  # of an octree over a domain
+IN_SPACE = ("hexahedra", "hex-dominant", "cut")  # of an octree over a domain
 KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE, *IN_SPACE)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
@@ -51,8 +53,8 @@ class Tree(TreeCells):
             - "cells": squares or cubes as they are, with hanging vertices.
             - "conforming": triangles with angles of 45 and 90 degrees, or tetrahedra with dihedral angles
               from 19.4 to 144.8 degrees.
-            - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices, pieces,
-              markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
+            - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices,
+              pieces, markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
               triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
               angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
             - "quads", for the same and as complete: those triangles paired to convex quadrilaterals with
@@ -60,9 +62,15 @@ class Tree(TreeCells):
             - "warped", for the same and as complete: vertices near pieces move onto them, edges that still
               cross them are cut. The classical way, with poor angles (some 24 degrees in circles, 3 along
               rough boundaries); ``steps`` says what moved and what was cut.
+            - "hexahedra": in space, the leaves inside of the domain as hexahedra, with pyramids and tetrahedra
+              where levels change, so that all cells meet in whole faces. Leaves that touch others at edges or
+              corners only are left out.
             - "hex-dominant": in space, a mesh of the whole body. Leaves far enough from the surface are
               hexahedra. Where levels change there are pyramids and tetrahedra, and tetrahedra to the surface,
               of which the triangles are kept, and polygons divided. All cells meet in whole faces.
+            - "cut": in space, tetrahedra of which the boundary is near the surface, not on it: those of
+              "conforming", cut where their edges first leave the body. Edges and corners of the body are cut
+              off, inner pieces are passed over, and angles may be tiny (0.01 degrees have been seen).
         split_boundary : bool, optional
             For "hex-dominant": whether facets are divided to the sides of leaves, as in `tetrahedralize`: by
             default, polygons of more than three corners are.
@@ -72,24 +80,27 @@ class Tree(TreeCells):
         DomainMesh
             Its markers tell of each cell the number of its "leaf", its "level", and its "state": 1 inside of
             the domain, 0 if the boundary meets the leaf. Of "cells", the marker "hanging" has the vertices
-            that hang, as rows of one.
-            Of "hex-dominant" it has all that `tetrahedralize` tells, and in ``figures`` the "share of
-            hexahedra" in the volume.
+            that hang, as rows of one. A mesh "hex-dominant" has all that `tetrahedralize` tells, and in
+            ``figures`` the "share of hexahedra" in the volume; "hexahedra" has the "share of volume" of all
+            cells. Cells of a mesh "cut" near which a part of the body, thinner than leaves, is lost are in
+            ``unrefined``; its faces have the names of the nearest pieces.
 
         Raises
         ------
         InputError
             If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
-            balanced across edges (in the plane, across faces), or "fitted", "quads" or
-            "warped" of a tree over a box.
+            balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over a
+            box, and if no leaf is inside for "hexahedra".
 
         Notes
         -----
-        O(n log n) for n leaves. In a "hex-dominant" mesh a leaf without hanging vertices is a hexahedron if all
-        its neighbors are chosen, too; other chosen leaves are fans about their centers. The space from these to
-        the surface is filled as `tetrahedralize` does it, with sides of leaves for the size. If that fails,
-        leaves farther from the surface are chosen, and in the end none. Every hexahedron is a box, and all cells
-        are positive. Book: 4a, 4c.
+        O(n log n) for n leaves. In a "hex-dominant" mesh a leaf without hanging vertices is a hexahedron if
+        all its neighbors are chosen, too; other chosen leaves are fans about their centers. The space from
+        these to the surface is filled as `tetrahedralize` does it, with sides of leaves for the size. If that
+        fails, leaves farther from the surface are chosen, and in the end none. Every hexahedron is a box, and
+        all cells are positive. Cuts of edges are at least 1/32 of their length from the ends. Source of "cut": M. A.
+        Yerry, M. S. Shephard, *Automatic three-dimensional mesh generation by the modified-octree technique*,
+        Int. J. Numer. Methods Eng. 20 (1984). Book: 4a, 4c.
         """
         if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
@@ -109,6 +120,8 @@ class Tree(TreeCells):
             return noticed(IN_THE_PLANE[kind](self, self.domain))
         if kind == "hex-dominant":
             return hexahedra_and_others(self, split_boundary)
+        if kind in ("hexahedra", "cut"):
+            return inner_hexahedra(self) if kind == "hexahedra" else cut_cubes(self)
         wanted = self.states > ALL_OUTSIDE
         vertices = self._vertices
         if kind == "cells":
