@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "build": {kind: (10_000, 100_000, 1_000_000, 10_000_000) for kind in ("plane", "space")},
     "locate": {kind: (1_000_000,) for kind in ("plane", "space")},
-    "conforming": {kind: (100_000, 1_000_000) for kind in ("plane", "space")},
+    "conforming": {"plane": (100_000, 1_000_000), "space": (10_000, 100_000)},  # 12.6 tetrahedra to a leaf
 }
 DIMENSION = {"plane": 2, "space": 3}
 CENTER = np.array([0.3, 0.4, 0.45])
