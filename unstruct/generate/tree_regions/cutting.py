@@ -45,4 +45,7 @@ def cut_by_leaves(cells: TreeCells, domain: Domain) -> Sampled:
         if not long.any():
             break
         changed, sampled = True, assemble(domain, *halve(sampled, long))
-    return safe(domain, sampled.piece, *sampled.span.T.copy(), np.inf) if changed else sampled
+    if not changed:
+        return sampled
+    first, last = sampled.span.T.copy()
+    return safe(domain, sampled.piece, first, last, np.inf)

@@ -5,7 +5,7 @@ See the book, chapter 4b.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +50,11 @@ class Marks(NamedTuple):
         Where the vertex was, twice, or both ends of the edge that is cut.
     """
 
-    piece: NDArray[np.int64]
-    t: Array
-    size: Array
-    rank: NDArray[np.int64]
-    start: Array
+    piece: NDArray[Any]
+    t: NDArray[Any]
+    size: NDArray[Any]
+    rank: NDArray[Any]
+    start: NDArray[Any]
 
 
 def _marks(
@@ -160,7 +160,7 @@ def warped(cells: TreeCells, domain: Domain) -> DomainMesh:
         sampled, which[moved].astype(np.int64), place[moved], spots.sizes[moved], WARPED_RANK,
         spots.points[moved, None].repeat(2, axis=1),
     )  # fmt: skip
-    leaves = (np.append(away, np.inf)[spots.of_leaf] < LOOKED_AT * LOOKED_AT).any(axis=1)
+    leaves: NDArray[np.bool_] = (np.append(away, np.inf)[spots.of_leaf] < LOOKED_AT * LOOKED_AT).any(axis=1)
     _, triangles, _ = squares_as_triangles(cells.grid, spots.vertices, leaves)
     edges = np.sort(
         np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
