@@ -15,7 +15,7 @@ TITLES = {
     "conforming": "Conforming triangles and tetrahedra by templates",
 }
 BOUNDARY = "Meshes of planar regions from quadtrees, and from the sides of their leaves as a size"
-__all__ = ["BOUNDARY", "TITLES", "boundary", "markdown", "plot", "same", "table"]
+__all__ = ["BOUNDARY", "TITLES", "boundary", "markdown", "plot", "same", "summary", "table"]
 
 
 def same(case: dict[str, Row], peer: str) -> str:
@@ -48,6 +48,17 @@ def table(rows: list[Row], work: str) -> str:
             cells.append(same(case, peer))
             lines.append(cells + ([f"{row['least']:.1f}°"] if work == "conforming" else []))
     return grid(head, 3, lines)
+
+
+def summary(rows: list[Row]) -> str:
+    """A line for each case: our speed, and this by that of each peer, **bold** if a peer is faster."""
+    cases = {key: case for key, case in times(rows).items() if OURS in case}
+    peers = list(dict.fromkeys(name for case in cases.values() for name in case if not name.startswith(OURS)))
+    lines = []
+    for (work, kind, n), case in cases.items():
+        cells = [f"{work}, {kind}", short(n), figures(speed(case[OURS]) / 1e6)]
+        lines.append([*cells, *(relative(ratio(case, peer)) if peer in case else "–" for peer in peers)])
+    return grid(["work", "leaves", f"{OURS}, million/s", *(f"{OURS} ÷ {peer}" for peer in peers)], 1, lines)
 
 
 def growth(rows: list[Row]) -> str:

@@ -60,6 +60,7 @@ def test_losses_and_other_leaves_are_bold() -> None:
     rows += [{**row, "contestant": "discretize", "seconds": 0.5, "checksum": 2}]
     text = tree_report.table(rows, "build")
     assert "| **0.50** | **no** |" in text
+    assert tree_report.summary(rows).splitlines()[2] == "| build, plane | 10³ | 0.001 | **0.50** |"
     rows += [{**r, "n": 10_000, "cells": 10_000, "seconds": 10 * r["seconds"]} for r in rows]
     assert tree_report.growth(rows).count("| 1.00 |") == 2
     assert np.isfinite(rows[0]["seconds"])

@@ -22,7 +22,7 @@ from ..domain.domain import Domain
 __all__ = ["LevelSet", "cube", "noise", "noisy_ball", "notch", "notched_box", "sphere", "torus"]
 
 Array = NDArray[np.float64]
-ROOM = 1.125  # the box of a body is larger than it by this factor
+BOX_ROOM = 1.125  # the box of a body is larger than it by this factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class LevelSet:
 
 
 def _room(half: float | Array) -> Array:
-    reach = np.broadcast_to(np.asarray(half, dtype=float) * ROOM, 3)
+    reach = np.broadcast_to(np.asarray(half, dtype=float) * BOX_ROOM, 3)
     return frozen(np.stack([-reach, reach]))
 
 

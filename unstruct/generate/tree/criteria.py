@@ -24,7 +24,7 @@ from .lookup import boxes_of, centers_of
 __all__ = ["Level", "Rule", "by_boundary", "by_count", "by_distance", "by_function", "by_size"]
 
 Array = NDArray[np.float64]
-AT_ONCE = 1 << 16  # nodes whose sizes are asked at once: what is computed for them stays in the caches
+NODES_AT_ONCE = 1 << 16  # nodes whose sizes are asked at once: what is computed for them stays in the caches
 FINE_LEVEL = 4  # above this level, sizes are asked at as many places as that level has cells
 
 
@@ -83,8 +83,8 @@ def by_size(field: SizeField) -> Rule:
     def rule(nodes: Level) -> NDArray[np.bool_]:
         wanted = np.full(len(nodes), field.constant is not None and nodes.side > field.constant)
         if field.constant is None:
-            for begin in range(0, len(nodes), AT_ONCE):
-                wanted[begin : begin + AT_ONCE] = asked(nodes.part(begin, begin + AT_ONCE))
+            for begin in range(0, len(nodes), NODES_AT_ONCE):
+                wanted[begin : begin + NODES_AT_ONCE] = asked(nodes.part(begin, begin + NODES_AT_ONCE))
         return wanted
 
     def asked(nodes: Level) -> NDArray[np.bool_]:
