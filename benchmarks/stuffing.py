@@ -94,7 +94,9 @@ def main(arguments: list[str] | None = None) -> int:
             speed = max(speed, mesh.size / (time.process_time() - start - asked[0]))
         least, most = angles(mesh)
         good &= least >= SMOOTH_BOUNDS[0] and most <= SMOOTH_BOUNDS[1] and is_closed(mesh)
-        print(f"{name:14} {mesh.size:9,} cells  {least:6.2f} to {most:6.2f} degrees  {speed / 1e6:5.2f} M cells/s")
+        print(
+            f"{name:14} {mesh.size:9,} cells  {least:6.2f} to {most:6.2f} degrees  {speed / 1e6:5.2f} M cells/s"
+        )
     worst, inverted, opened, pinched, cells = [180.0, 0.0], 0, 0, 0, 0
     for body, box, size, tolerance in fields(count):
         mesh = unstruct.isosurface_stuffing(body, size, box=box, cap=True, tolerance=tolerance)

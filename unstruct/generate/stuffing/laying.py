@@ -45,6 +45,7 @@ class Laid(NamedTuple):
         Where the surface cuts edges.
     refused : (k,) int64
         Leaves that the size would have divided.
+    field : SizeField
     samples : (x, side), optional
         Points of the surface (q, 3), and the sides of the leaves there (q,).
     """
@@ -54,6 +55,7 @@ class Laid(NamedTuple):
     sign: NDArray[np.int8]
     shares: Callable[[Edges], Array]
     refused: NDArray[np.int64]
+    field: SizeField
     samples: tuple[Array, Array] | None = None
 
 
@@ -149,7 +151,7 @@ def laid_in_level_set(
         ends = points[edges.inner], points[edges.outer]
         return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
 
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field))
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field)
 
 
 def _cell_of_level_set(body: LevelSet, field: SizeField) -> float:

@@ -79,7 +79,7 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
         return _shares(points[triangles], vertices[0][edges.inner], vertices[0][edges.outer])
 
     samples = _surface_samples(points[triangles], met, grid)
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), samples)
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field, samples)
 
 
 def _cut_above(level: int) -> Rule:
