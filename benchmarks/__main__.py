@@ -20,6 +20,8 @@ from . import (
     small,
     small_report,
     threads,
+    tree,
+    tree_report,
     volume,
     volume_report,
 )
@@ -33,6 +35,7 @@ SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "planar": planar.run,
     "small": small.run,
     "threads": threads.run,
+    "tree": tree.run,
     "volume": volume.run,
 }
 # Reports have `markdown` and `plot`.
@@ -43,6 +46,7 @@ REPORTS: dict[str, Any] = {
     "planar": planar_report,
     "small": small_report,
     "threads": threads,
+    "tree": tree_report,
     "volume": volume_report,
 }
 

@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from . import planar_report, report, volume_report
+from . import planar_report, report, tree_report, volume_report
 
 README = Path(__file__).parent.parent / "README.md"
 RESULTS = Path(__file__).parent / "results"
@@ -40,6 +40,16 @@ def speed() -> str:
         parts += ["the `Domain` included, by those of others (body by body, and in seconds, on the"]
         parts += [f"[page of volume benchmarks](book/benchmarks-volume.ipynb)). {how}"]
         sections += [" ".join(parts), volume_report.summary(volume)]
+    if (RESULTS / "tree.json").exists():
+        trees, how = _committed("tree")
+        parts = [
+            "Quadtrees and octrees: leaves that are built and balanced, points that are located, cells that"
+        ]
+        parts += [
+            "templates make, each by the second, and these speeds by those of `discretize`, with the same"
+        ]
+        parts += [f"leaves. {how}"]
+        sections += [" ".join(parts), tree_report.summary(trees)]
     return "\n\n".join(sections) + "\n"
 
 

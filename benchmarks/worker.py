@@ -112,11 +112,17 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, small, volume
+    from . import front, layers, meshers, planar, small, tree, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
-    suites: dict[str, Any] = {"small": small, "front": front, "layers": layers, "volume": volume}
+    suites: dict[str, Any] = {
+        "small": small,
+        "front": front,
+        "layers": layers,
+        "tree": tree,
+        "volume": volume,
+    }
     suite: Any = suites.get(case.get("suite", ""), planar)
     found = meshers.find(work, getattr(suite, "MESHERS", meshers.MESHERS))
     rows, given = _rows(case, found, suite.warm_up(work)), suite.task(work, case["kind"], n)

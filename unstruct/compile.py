@@ -133,6 +133,19 @@ def _insert() -> None:
         unstruct.insert(unstruct.delaunay(_points(d)), [0.5] * d)
 
 
+def _trees() -> None:
+    for tree in (unstruct.quadtree(_ring(), _grid, turning=60, max_level=6), unstruct.octree(_ball(), 0.5)):
+        tree.nearest(tree.centers[:1])
+        tree.in_box(*tree.box)
+        tree.mesh("conforming")
+        len(tree.hanging.vertices)
+    unstruct.octree(_ball(), boundary_size=0.8, growth=0.5, turning=60, points=[[0.5, 0.5, 0.5]])
+
+
+def _ball() -> unstruct.Domain:
+    return unstruct.Domain.ball(size=0.9)
+
+
 def _sizes() -> None:
     size = unstruct.sizing.from_features(_ring(), 0.5, far=0.6)
     unstruct.refine(_ring(), size)
@@ -155,6 +168,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "conforming triangulation": _conforming,
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
+    "trees": _trees,
     "sizes": _sizes,
     "higher dimensions": _many_dimensions,
 }

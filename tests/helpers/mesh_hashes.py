@@ -335,6 +335,25 @@ def fronts_by_the_empty_circle() -> Arrays:
 
 
 @case
+def trees() -> Arrays:
+    size = sizing.sources([[0.5, 0.0], [2.0, 3.0]], 0.05, growth=0.3)
+    noisy = examples.noisy_ball(1)
+    at = sizing.points([[0.2, 0.1, 0.0]], 0.1, growth=0.4)
+    for tree in (
+        unstruct.quadtree(harbor(), size, turning=40, max_level=9),
+        unstruct.quadtree(regions.running_domain(), boundary_size=0.05, growth=0.3),
+        unstruct.quadtree([(0, 0), (1, 1)], points=points(500, 2, 8), most_points=3),
+        unstruct.octree(Domain.torus(size=0.4), at, boundary_size=0.3, turning=60, max_level=5),
+        unstruct.octree(
+            noisy.box, divide=lambda x, side: np.abs(noisy(x)) < 0.5 * noisy.change * side, max_level=4
+        ),
+    ):
+        yield tree.keys.astype(np.int64)
+        yield tree.states
+        yield from of(tree.mesh("conforming"))
+
+
+@case
 def smoothed() -> Arrays:
     mesh = unstruct.refine(harbor(), 0.5)
     for method in ("laplace", "optimal", "centroid", "search"):

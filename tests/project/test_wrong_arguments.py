@@ -31,7 +31,7 @@ WRONG = {
     "complex": 1j, "function": lambda *_: "no", "large": 10**400,
 }  # fmt: skip
 FLAGS = {"history", "progress", "finish", "smart", "swap", "cap", "graded", "reduce", "resolve", "largest"}
-COUNTS = {"budget", "rounds", "count"}
+COUNTS = {"budget", "rounds", "count", "min_level", "max_level", "most_points"}
 # too large a number takes for ever, or means as many as there may be
 ANY = {("relax", "iterations"), ("insert_without_breaking", "size"), ("sources", "name")}
 
@@ -43,6 +43,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
     shape = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 0)]]}
     hole = u.Domain.polygon([(0.1, 0.1), (0.2, 0.1), (0.2, 0.2)])
     path = np.array([(0, 0), (1, 1.0)])
+    tree = u.quadtree([(0, 0), (1, 1)], 0.3)
     return {
         "delaunay": (u.delaunay, (CLOUD,), {}),
         "Triangulation": (u.Triangulation, (CLOUD,), {}),
@@ -83,6 +84,20 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "smooth": (u.smooth, (mesh,), {}),
         "improve": (u.improve, (u.delaunay(np.random.default_rng(0).random((20, 3))),), {}),
         "tetrahedralize": (u.tetrahedralize, (u.Domain.ball(size=1.0), 1.0), {}),
+        "quadtree": (u.quadtree, (SQUARE, 0.3), {"boundary_size": 0.2}),
+        "quadtree of a box": (u.quadtree, ([(0, 0), (1, 1)],), {"max_level": 4}),
+        "octree": (u.octree, (BOX, 0.5), {"max_level": 3}),
+        "locate": (tree.locate, (CLOUD,), {}),
+        "in_box": (tree.in_box, ((0, 0), (1, 1)), {}),
+        "nearest": (tree.nearest, (CLOUD,), {}),
+        "neighbors": (tree.neighbors, (), {}),
+        "refined": (tree.refined, ([0],), {}),
+        "coarsened": (tree.coarsened, ([0],), {}),
+        "balanced": (tree.balanced, (), {}),
+        "union": (tree.union, (tree,), {}),
+        "intersection": (tree.intersection, (tree,), {}),
+        "prefix": (tree.prefix, (1,), {}),
+        "mesh of a tree": (tree.mesh, ("cells",), {}),
         "isosurface_stuffing": (u.isosurface_stuffing, (u.examples.sphere(), 0.5), {}),
         "stuffing of a body": (u.isosurface_stuffing, (BOX, 0.4), {}),
         "stuffing_bounds": (studies.stuffing_bounds, (), {"stencils": "+---"}),

@@ -22,7 +22,7 @@ from ..domain.domain import Domain
 __all__ = ["LevelSet", "cube", "noise", "noisy_ball", "notch", "notched_box", "sphere", "torus"]
 
 Array = NDArray[np.float64]
-ROOM = 1.125  # the box of a body is larger than it by this factor
+BOX_ROOM = 1.125  # the box of a body is larger than it by this factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class LevelSet:
 
 
 def _room(half: float | Array) -> Array:
-    reach = np.broadcast_to(np.asarray(half, dtype=float) * ROOM, 3)
+    reach = np.broadcast_to(np.asarray(half, dtype=float) * BOX_ROOM, 3)
     return frozen(np.stack([-reach, reach]))
 
 
@@ -241,15 +241,16 @@ def noisy_ball(seed: int = 0, *, height: float = 0.15, waves: int = 24, shortest
     Returns
     -------
     LevelSet
-        Moves are at most 0.9.
+        Moves are at most three times the height, and at most 0.9.
     """
     h = finite(height, "height")
     if not 0.0 <= h < 0.5:
         raise InputError(f"height = {h:g} must be at least 0 and less than 0.5")
     field = noise(seed, waves=waves, shortest=shortest)
 
-    def function(x: Array) -> Array:
-        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -0.9, 0.9)
+    most = min(0.9, 3.0 * h)
 
-    most = min(0.9, h * float(np.sqrt(2.0 * waves)))
+    def function(x: Array) -> Array:
+        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -most, most)
+
     return LevelSet(f"noisy ball, seed {seed}", function, _room(1.0 + most), 1.0 + h * field.change)

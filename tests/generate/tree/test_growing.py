@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from interrupts import interrupt
 
 from unstruct import InputError, quadtree
 from unstruct.generate.tree.criteria import by_size
@@ -75,6 +76,11 @@ def test_unfinished_leaves_after_balancing_are_leaves() -> None:
     with pytest.warns(match="leaves are not divided"):
         tree = quadtree(UNIT, lambda x: 1e-6 + 0.1 * np.abs(x - at).max(axis=1), max_level=6)
     assert (tree.levels[tree.unfinished] == 6).all() and tree.locate(at) in tree.unfinished
+
+
+def test_interrupts_are_heard_between_levels(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = interrupt(monkeypatch, lambda: quadtree(UNIT, 0.01, progress=True), "cells", at=3)
+    assert steps == [3, 12, 48]  # leaves that each level adds
 
 
 def test_progress(capsys: pytest.CaptureFixture[str]) -> None:

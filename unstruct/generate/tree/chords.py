@@ -18,7 +18,7 @@ from ...domain.plane.sample import assemble, fine_chains, halve, safe, turning
 
 __all__ = ["Straight", "straightened"]
 
-MOST_HALVINGS = 48  # a curve that is still rough has a kink
+MOST_CUTS = 48  # a curve that is still rough has a kink
 MOST_CHORDS = 1 << 22
 
 
@@ -56,7 +56,7 @@ def straightened(domain: Domain, deviation: float, turn: float = np.inf) -> Stra
     bent = np.zeros(len(domain.pieces), dtype=bool)
     bent[list(domain.curves)] = True
     rows = np.flatnonzero(bent[sampled.piece])
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MOST_CUTS):
         chains = fine_chains(domain, sampled, rows)
         rough = np.zeros(len(sampled.ends), dtype=bool)
         rough[rows] = (_heights(chains) > deviation) | (turning(chains) > turn)

@@ -7,7 +7,8 @@ for it. See the book, chapter 4a.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,39 +19,54 @@ from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
 from .contacts import CUT, Boundary, Contacts
 from .keys import Keys
+from .lookup import boxes_of, centers_of
 
 __all__ = ["Level", "Rule", "by_boundary", "by_count", "by_distance", "by_function", "by_size"]
 
 Array = NDArray[np.float64]
+NODES_AT_ONCE = 1 << 16  # nodes whose sizes are asked at once: what is computed for them stays in the caches
 FINE_LEVEL = 4  # above this level, sizes are asked at as many places as that level has cells
 
 
-class Level(NamedTuple):
+class Level:
     """The nodes of one level.
 
     Attributes
     ----------
     level : int
     keys : (n,) uint64
-    low, high : (n, d) float64
-        Their corners.
     side : float
         Their longest edge.
     contacts : Contacts or None
         With the boundary of the domain, where there is one.
     """
 
-    level: int
-    keys: Keys
-    low: Array
-    high: Array
-    side: float
-    contacts: Contacts | None
+    def __init__(self, level: int, keys: Keys, root: tuple[Array, Array]):
+        self.level, self.keys, self._root = level, keys, root
+        self.side = float(root[1].max()) / (1 << level)
+        self.contacts: Contacts | None = None
 
-    @property
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    @cached_property
+    def boxes(self) -> tuple[Array, Array]:
+        """Their lower and upper corners: (n, d) each."""
+        return boxes_of(self.keys, *self._root, self.level)
+
+    @cached_property
     def centers(self) -> Array:
         """(n, d)."""
-        return self.low + 0.5 * (self.high - self.low)
+        return centers_of(self.keys, *self._root, self.level)
+
+    def part(self, begin: int, end: int) -> Level:
+        """The nodes from `begin` to `end`, without their contacts."""
+        return Level(self.level, self.keys[begin:end], self._root)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return len(self._root[0])
 
 
 Rule = Callable[[Level], NDArray[np.bool_]]
@@ -65,17 +81,26 @@ def by_size(field: SizeField) -> Rule:
     """
 
     def rule(nodes: Level) -> NDArray[np.bool_]:
-        if field.constant is not None:
-            return np.full(len(nodes.low), nodes.side > field.constant)
-        half = 0.5 * (nodes.high - nodes.low)
-        sizes = field(nodes.low + half)
+        wanted = np.full(len(nodes), field.constant is not None and nodes.side > field.constant)
+        if field.constant is None:
+            for begin in range(0, len(nodes), NODES_AT_ONCE):
+                wanted[begin : begin + NODES_AT_ONCE] = asked(nodes.part(begin, begin + NODES_AT_ONCE))
+        return wanted
+
+    def asked(nodes: Level) -> NDArray[np.bool_]:
+        sizes = field(nodes.centers)
         if field.growth is not None:
+            low, high = nodes.boxes
+            half = 0.5 * (high - low)
             return sizes - field.growth * np.sqrt((half * half).sum(axis=1)) < nodes.side
-        for places in _further(nodes):
-            sizes = np.minimum(sizes, field(places))
+        if nodes.level < FINE_LEVEL:
+            further = _further(nodes)
+            least = field(further.reshape(-1, further.shape[-1])).reshape(further.shape[:2]).min(axis=1)
+            sizes = np.minimum(sizes, least)
         wanted = sizes < nodes.side
         for mark in field.landmarks:
-            holds = ((nodes.low <= mark) & (mark <= nodes.high)).all(axis=1)
+            low, high = nodes.boxes
+            holds = ((low <= mark) & (mark <= high)).all(axis=1)
             if holds.any() and not wanted[holds].all():
                 wanted |= holds & (field(mark[None])[0] < nodes.side)
         return wanted
@@ -83,14 +108,13 @@ def by_size(field: SizeField) -> Rule:
     return rule
 
 
-def _further(nodes: Level) -> list[Array]:
-    """The centers of the cells of `FINE_LEVEL` in the nodes, if they are above it: an array for each."""
-    if nodes.level >= FINE_LEVEL:
-        return []
+def _further(nodes: Level) -> Array:
+    """The centers of the cells of `FINE_LEVEL` in each of the nodes, which are above it: (n, m, d)."""
     count = 1 << (FINE_LEVEL - nodes.level)
     share = (np.arange(count) + 0.5) / count
-    steps = np.stack(np.meshgrid(*[share] * nodes.low.shape[1], indexing="ij"), axis=-1)
-    return [nodes.low + (nodes.high - nodes.low) * step for step in steps.reshape(-1, steps.shape[-1])]
+    steps = np.stack(np.meshgrid(*[share] * nodes.dimension, indexing="ij"), axis=-1)
+    low, high = nodes.boxes
+    return low[:, None] + (high - low)[:, None] * steps.reshape(-1, steps.shape[-1])
 
 
 def by_function(function: Callable[[Array, Array], Any], name: str = "divide") -> Rule:
@@ -103,10 +127,10 @@ def by_function(function: Callable[[Array, Array], Any], name: str = "divide") -
     """
 
     def rule(nodes: Level) -> NDArray[np.bool_]:
-        answer = np.asarray(function(nodes.centers, np.full(len(nodes.low), nodes.side)))
-        if answer.shape != (len(nodes.low),) or answer.dtype != np.bool_:
+        answer = np.asarray(function(nodes.centers, np.full(len(nodes), nodes.side)))
+        if answer.shape != (len(nodes),) or answer.dtype != np.bool_:
             raise InputError(
-                f"{name} must return one bool for each of {len(nodes.low)} cells, not an array of "
+                f"{name} must return one bool for each of {len(nodes)} cells, not an array of "
                 f"{answer.dtype} of shape {answer.shape}"
             )
         return answer
@@ -147,7 +171,7 @@ def by_count(sorted_keys: Keys, deepest: int, most: int) -> Rule:
     """Nodes with more than `most` points, given by the sorted keys of their cells of the level `deepest`."""
 
     def rule(nodes: Level) -> NDArray[np.bool_]:
-        shift = np.uint64(nodes.low.shape[1] * (deepest - nodes.level))
+        shift = np.uint64(nodes.dimension * (deepest - nodes.level))
         begin = np.searchsorted(sorted_keys, nodes.keys << shift)
         end = np.searchsorted(sorted_keys, (nodes.keys + np.uint64(1)) << shift)
         return end - begin > most

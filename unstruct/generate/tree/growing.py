@@ -15,9 +15,8 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from .contacts import ALL_OUTSIDE, Boundary, at_root, handed_down
 from .criteria import Level, Rule
-from .keys import DEEPEST_LEVEL, Keys, coordinates_of
+from .keys import DEEPEST_LEVEL, Keys
 from .linear import Linear, children_of, linear_of
-from .lookup import corners
 
 __all__ = ["MOST_LEAVES", "Growth", "Limits", "as_box", "deepest_level", "grow", "level_of"]
 
@@ -63,15 +62,13 @@ def level_of(
 ) -> Level:
     """The nodes `keys` of a level. With a boundary, `above` has the level before it, whose divided nodes are
     their parents."""
-    i = coordinates_of(keys, len(low))
-    first, last = corners(low, side, i, level), corners(low, side, i + 1, level)
-    contacts = None
+    nodes = Level(level, keys, (low, side))
     if boundary is not None and above is None:
-        contacts = at_root(boundary, first, last)
+        nodes.contacts = at_root(boundary, *nodes.boxes)
     elif boundary is not None and above is not None and above.contacts is not None:
         divided = np.searchsorted(above.keys, keys[:: 1 << len(low)] >> np.uint64(len(low)))
-        contacts = handed_down(boundary, above.contacts, divided, first, last)
-    return Level(level, keys, first, last, float(side.max()) / (1 << level), contacts)
+        nodes.contacts = handed_down(boundary, above.contacts, divided, *nodes.boxes)
+    return nodes
 
 
 def grow(

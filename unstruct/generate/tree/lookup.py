@@ -19,7 +19,9 @@ from .keys import Keys, compacted, interleaved
 __all__ = [
     "Grid",
     "apart_squared",
+    "boxes_of",
     "cells_of",
+    "centers_of",
     "corner",
     "corners",
     "entries",
@@ -84,6 +86,39 @@ def table_of(first: Keys, depth: int, dimension: int) -> NDArray[np.int64]:
     shift = np.uint64(entries(depth, dimension))
     count = 1 << min(dimension * depth, TABLE_BITS)
     return np.searchsorted(first >> shift, np.arange(count + 1, dtype=np.uint64)).astype(np.int64)
+
+
+@kernel
+def _boxes_of(keys, grid_low, side, level, low, high):
+    """Write the corners of cells of a level; into `low` the centers, if `high` has no rows."""
+    d = low.shape[1]
+    for i in range(len(keys)):
+        for a in range(d):
+            at = np.int64(compacted(keys[i] >> np.uint64(a), d))
+            first = corner(grid_low[a], side[a], at, level)
+            last = corner(grid_low[a], side[a], at + 1, level)
+            if len(high):
+                low[i, a], high[i, a] = first, last
+            else:
+                low[i, a] = first + 0.5 * (last - first)
+
+
+def boxes_of(
+    keys: Keys, low: NDArray[np.float64], side: NDArray[np.float64], level: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lower and the upper corners of cells of a level: (n, d) each."""
+    first, last = np.empty((2, len(keys), len(low)))
+    _boxes_of(keys, low, side, level, first, last)
+    return first, last
+
+
+def centers_of(
+    keys: Keys, low: NDArray[np.float64], side: NDArray[np.float64], level: int
+) -> NDArray[np.float64]:
+    """The centers of cells of a level: (n, d)."""
+    centers = np.empty((len(keys), len(low)))
+    _boxes_of(keys, low, side, level, centers, np.empty((0, len(low))))
+    return centers
 
 
 @inline

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from ...base.arrays import frozen
 from .contacts import Boundary
 from .growing import level_of
-from .keys import coordinates_of
 from .linear import Leaves, Linear, children_of, nodes_of
-from .lookup import corners
+from .lookup import centers_of
 
 __all__ = ["TreeNodes", "all_nodes", "states_of"]
 
@@ -45,15 +44,13 @@ def all_nodes(linear: Linear, leaves: Leaves, box: NDArray[np.float64]) -> TreeN
     blocks, begin, above = [], 0, np.empty(0, dtype=np.int64)
     for level in range(linear.depth + 1):
         keys = nodes_of(linear, level)
-        i = coordinates_of(keys, d)
-        first, last = corners(low, side, i, level), corners(low, side, i + 1, level)
         divided = np.zeros(len(keys), dtype=bool)
         if level < linear.depth:
             divided[np.searchsorted(keys, linear.split[level])] = True
         leaf = np.searchsorted(leaves.first, keys << np.uint64(d * (linear.depth - level)))
         parent = np.repeat(above, 1 << d) if level else np.array([-1])
         levels = np.full(len(keys), level, dtype=np.int8)
-        blocks.append((levels, first + 0.5 * (last - first), parent, np.where(divided, -1, leaf)))
+        blocks.append((levels, centers_of(keys, low, side, level), parent, np.where(divided, -1, leaf)))
         above = begin + np.flatnonzero(divided)
         begin += len(keys)
     return TreeNodes(*(frozen(np.concatenate(column)) for column in zip(*blocks, strict=True)))

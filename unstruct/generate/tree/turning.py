@@ -119,9 +119,10 @@ def by_turning(bending: Bending, boundary: Boundary, angle: float) -> Rule:
     def rule(nodes: Level) -> NDArray[np.bool_]:
         assert nodes.contacts is not None
         node, piece = nodes.contacts.node, nodes.contacts.piece
-        turned = np.zeros(len(nodes.low), dtype=bool)
+        turned = np.zeros(len(nodes), dtype=bool)
+        low, high = nodes.boxes
         _spread(bending.normals, node, piece, bound, turned)
-        counts = np.zeros(len(nodes.low), dtype=bool)
+        counts = np.zeros(len(nodes), dtype=bool)
         counts[node[bending.curvature[piece] * nodes.side > angle]] = True
         rows = np.flatnonzero((turned & ~counts)[node])
         for k in range(3):
@@ -130,9 +131,7 @@ def by_turning(bending: Bending, boundary: Boundary, angle: float) -> Rule:
                 continue
             ends = boundary.pieces[piece[at]][:, [k, (k + 1) % boundary.pieces.shape[1]]]
             f, i = boundary.factor, np.arange(len(at))
-            meet = pieces_in_boxes(
-                boundary.points, ends, i, nodes.low[node[at]] * f, nodes.high[node[at]] * f
-            )
+            meet = pieces_in_boxes(boundary.points, ends, i, low[node[at]] * f, high[node[at]] * f)
             counts[node[at[meet]]] = True
         return turned & counts
 
