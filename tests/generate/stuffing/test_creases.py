@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -56,7 +58,7 @@ def test_each_crease_is_a_chain_of_edges(name: str) -> None:
         on = np.flatnonzero((off < 1e-14) & (share > -1e-14) & (share < 1 + 1e-14))
         chain = on[np.argsort(share[on])].tolist()
         assert {origin[chain[0]], origin[chain[-1]]} == {i, j}
-        assert all(tuple(sorted(pair)) in edges for pair in zip(chain, chain[1:], strict=False))
+        assert all(tuple(sorted(pair)) in edges for pair in pairwise(chain))
         total += len(chain) - 1
     assert total == mesh.counts["on creases"]
 

@@ -1,9 +1,9 @@
 """Creases kept: along them the stuffed cells are taken out, and the strip is filled up to the sharp edges.
 
-Cells far from creases stay as they are, with the angles that are proved for them. What is between them and the
-surface is a body of its own: it is bounded by their free faces, and on the flat parts of the surface by
-triangles between their outlines and the creases, which are divided as the size wants. It is filled by recovery.
-See the book, chapter 4c.
+Cells far from creases stay as they are, with the angles that are proved for them. What is between them and
+the surface is a body of its own: it is bounded by their free faces, and on the flat parts of the surface by
+triangles between their outlines and the creases, which are divided as the size wants. It is filled by
+recovery. See the book, chapter 4c.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .ending import boundary_faces
 __all__ = ["Creases", "Filled", "creases_of", "with_creases"]
 
 Array = NDArray[np.float64]
-FLAT = 1e-9  # of the extent of a body: how far the corners of a flat part may be from a plane
+FLAT_PART = 1e-9  # of the extent of a body: how far the corners of a flat part may be from a plane
 SEEDS = 4  # with which the strip is filled, until it is filled exactly
 STRIP_WIDTH = 1.0  # of a cell: cells with a vertex so near to a crease are taken out
 
@@ -127,12 +127,13 @@ def _must_be_flat(
     gap = x[rows] - x[rows[leader, 0]][:, None, :]
     height = np.abs((gap * normal[leader][:, None, :]).sum(axis=2)).max(axis=1)
     low, high = domain.bounds
-    bad = height > FLAT * float((high - low).max())
+    bad = height > FLAT_PART * float((high - low).max())
     if bad.any():
         place = x[rows[int(np.argmax(bad))]].mean(axis=0).tolist()
         raise InputError(
-            f"between edges of {angle:g} degrees or more the surface must be flat, and near {place} it is not: "
-            "take a smaller angle, or tetrahedralize(body, size, split_boundary=True), which keeps all edges"
+            f"between edges of {angle:g} degrees or more the surface must be flat; near {place} it is "
+            "not: take a smaller angle, or tetrahedralize(body, size, split_boundary=True), which keeps "
+            "all edges"
         )
 
 
@@ -143,7 +144,7 @@ def _divided(
     side = x[end] - x[begin]
     length = np.sqrt((side * side).sum(axis=1))
     size = np.minimum.reduce([field(x[begin]), field(x[end]), field(x[begin] + 0.5 * side)])
-    count = np.maximum(1, np.ceil(length / size - FLAT)).astype(np.int64)
+    count = np.maximum(1, np.ceil(length / size - FLAT_PART)).astype(np.int64)
     points, segments, edge, n = [x], [], [], len(x)
     for k in range(len(begin)):
         share = np.arange(1, count[k]) / count[k]
@@ -317,7 +318,7 @@ def _joined(
     cells = np.concatenate([kept, vertex[filled.simplices]])
     found = np.concatenate([everything, filled.points[new]])
     strip = np.arange(len(cells)) >= len(kept)
-    thin = FLAT * float(np.ptp(found, axis=0).max())
+    thin = FLAT_PART * float(np.ptp(found, axis=0).max())
     while True:
         flat = _flat_on_surface(found, cells, strip, thin)
         if not flat.any():

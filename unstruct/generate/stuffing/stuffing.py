@@ -33,7 +33,7 @@ FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
 LOST_CREASE = "a sharp edge is not kept here: the strip along it could not be filled; try another size"
-TOO_SMALL = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
+NOTHING_INSIDE = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
 
 
 def isosurface_stuffing(
@@ -53,24 +53,24 @@ def isosurface_stuffing(
     Parameters
     ----------
     body : callable, Domain in space, or Mesh of triangles that close
-        A function takes points (k, 3) and returns k finite numbers, positive inside, negative outside, zero on
-        the surface; it needs a `box`.
+        A function takes points (k, 3) and returns k finite numbers, positive inside, negative outside, zero
+        on the surface; it needs a `box`.
     size : number, function (k, 3) -> (k,), or size field
         The long edges of the lattice; the short ones are sqrt(3)/2 as long. All cells along the surface have
-        one size, the smallest that is asked for in the body or near it; those inside become larger, by factors
-        of two, as the size allows.
+        one size, the smallest that is asked for in the body or near it; those inside become larger, by
+        factors of two, as the size allows.
     box : array_like, shape (2, 3), optional
         For a function: two opposite corners of the box in which the body lies. The function is never asked
-        outside of it, and must not be positive at its sides, unless `cap` is set. By default ``body.box``, which the bodies of
-        `examples` have.
+        outside of it, and must not be positive at its sides, unless `cap` is set. By default ``body.box``,
+        which the bodies of `examples` have.
     cap : bool
         Whether the body ends at the sides of the box, where the function is positive there. Cells are flat
         there if the box has a whole number of them along each axis; otherwise its edges are cut off.
     graded : bool
         Whether cells along the surface follow the size, too. Their angles are then measured, not proved.
     features : float, optional
-        For a surface that is flat between its sharp edges: degrees. Edges at which the normals of facets differ
-        by at least so much are kept: each is a chain of edges of the mesh, from corner to corner.
+        For a surface that is flat between its sharp edges: degrees. Edges at which the normals of facets
+        differ by at least so much are kept: each is a chain of edges of the mesh, from corner to corner.
     tolerance : float or None
         For a function: to what share of an edge zeros are found. None: those of the linear interpolation
         between the ends of the edge are taken.
@@ -81,13 +81,14 @@ def isosurface_stuffing(
     Returns
     -------
     DomainMesh
-        ``counts`` has the numbers of vertices that were "moved" onto the surface, of "cut points", of "values"
-        of the function, and of "pinched" vertices; ``figures``, for a surface, the largest distance of a place
-        of it from the mesh, in "cells missed". With `features`, the cells that are not stuffed are the last
-        ones: ``counts["strip"]`` of them; and there are parts "on creases". For a Domain, ``markers`` has for each of its names the faces
-        that are nearest to facets of that name, and "region" the number of each cell if regions have names.
-        ``unrefined`` has cells where the boundary touches itself, cells next to which a part of the surface is
-        missing, by more than 0.8 of a cell, and cells larger than wanted; ``reasons`` tell the place.
+        ``counts`` has the numbers of vertices that were "moved" onto the surface, of "cut points", of
+        "values" of the function, and of "pinched" vertices; with `features`, of the cells of the "strip",
+        which are the last ones, and of parts "on creases". For a surface, ``figures`` has the largest
+        distance of a place of it from the mesh, "cells missed". For a Domain, ``markers`` has for each of its
+        names the faces that are nearest to facets of that name, and "region" the number of each cell if
+        regions have names. ``unrefined`` has cells where the boundary touches itself, cells next to which a
+        part of the surface is missing, by more than 0.8 of a cell, and cells larger than wanted; ``reasons``
+        tell the place.
 
     Raises
     ------
@@ -101,21 +102,21 @@ def isosurface_stuffing(
     -----
     With one size along the surface all dihedral angles are between 10.7 and 164.8 degrees, whatever the body:
     `studies.stuffing_bounds` proves it by intervals. In smooth bodies that are much larger than the size they
-    are between 15 and 152 degrees. Graded surfaces were never found below 8 degrees. `improve` raises the least
-    angles further: ``improve(mesh)`` keeps the boundary.
+    are between 15 and 152 degrees. Graded surfaces were never found below 8 degrees. `improve` raises the
+    least angles further: ``improve(mesh)`` keeps the boundary.
 
-    With `features` the cells within one cell of sharp edges are taken out. What is left between the others and
-    the surface is a body of its own. Its flat sides are divided by `voronoi_segment`, with the creases cut at
-    the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in the strip
-    are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees. Then the
-    mesh has exactly the volume of the body, up to rounding.
+    With `features` the cells within one cell of sharp edges are taken out. What is left between the others
+    and the surface is a body of its own. Its flat sides are divided by `voronoi_segment`, with the creases
+    cut at the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in
+    the strip are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees.
+    Then the mesh has exactly the volume of the body, up to rounding.
 
     Vertices on the boundary are on the surface up to the tolerance, or, for surfaces of triangles, up to
-    rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell. Whether
-    a vertex of the lattice is inside of a surface, outside or on it is decided exactly. Only what the vertices
-    of the lattice see is there: where the body or a gap is thinner than a cell, it may be lacking, or the
-    boundary may touch itself. For surfaces all this is found; a function may have parts between all places at
-    which it is asked. Each vertex of the lattice is asked once, in calls of up to 262,144 points.
+    rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell.
+    Whether a vertex of the lattice is inside of a surface, outside or on it is decided exactly. Only what the
+    vertices of the lattice see is there: where the body or a gap is thinner than a cell, it may be lacking,
+    or the boundary may touch itself. For surfaces all this is found; a function may have parts between all
+    places at which it is asked. Each vertex of the lattice is asked once, in calls of up to 262,144 points.
 
     O(n log n) for n leaves. Source: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral meshes
     with good dihedral angles*, ACM Trans. Graph. 26(3), 2007; the shares of edges within which vertices are
@@ -173,10 +174,10 @@ def _made(laid: Laid) -> Made:
     """What is stuffed."""
     background = background_of(laid.grid, laid.vertices, laid.sign)
     if not len(background.cells):
-        raise InputError(TOO_SMALL)
+        raise InputError(NOTHING_INSIDE)
     filling = filled_background(background, laid.shares)
     if not len(filling.cells):
-        raise InputError(TOO_SMALL)
+        raise InputError(NOTHING_INSIDE)
     return Made(
         filling.points,
         filling.cells,
@@ -240,7 +241,8 @@ def _finished(laid: Laid, made: Made, domain: Domain | None, called: int) -> Dom
 
 
 def _too_coarse(laid: Laid, background: Background, filling: Filling) -> dict[int, str]:
-    """The cells in leaves that the size would have divided; their background begins with the leaf's center."""
+    """The cells in leaves that the size would have divided; their background begins with the leaf's
+    center."""
     if not len(laid.refused):
         return {}
     leaf = background.cells[filling.owner, 0] - (len(background.points) - len(laid.grid.first))
