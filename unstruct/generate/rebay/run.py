@@ -42,6 +42,7 @@ COUNT_NAMES = (
 FINISH_NAMES = ("moves", "swaps", "points again", "patches", "angle points", "angle splits", "removed")
 FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
 TOLERANCE = 0.04  # the relative tolerance of the size table
+AT_FIRST = 6  # times as many vertices as there are: there is room for these before the first points
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
 ORDER_BUCKETS = 96  # for any other measure
 
@@ -111,7 +112,7 @@ class VoronoiSegmentRun:
             expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
         if not np.isfinite(expected):  # the area is beyond all doubles
             expected = 0.0
-        self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
+        self.reserve(AT_FIRST * complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
         """Make room for so many vertices in all, and for a few more subsegments."""
