@@ -69,7 +69,7 @@ def inline_with_arrays(function: Callable) -> Any:
 
 
 def lending(function: Callable) -> Any:
-    """Like `inline`, for a helper that returns arrays of its arguments: for callers that count no references."""
+    """Like `inline`, for a helper that returns arrays of its arguments; its callers count no references."""
     found = inline(function)
     found.lends = True
     return found

@@ -208,7 +208,7 @@ def star_of(xy, vertex, twin, first, ring, places):
         a = vertex[n]
         ring[k], places[k, 0], places[k, 1] = e, xy[a, 0], xy[a, 1]
         beyond, k = np.int64(twin[n]), k + 1
-        e, n = next_edge(beyond), prev_edge(beyond)  # opposite the same vertex in the next triangle, and after
+        e, n = next_edge(beyond), prev_edge(beyond)  # opposite the same vertex, and the one after
         if e == first:
             places[k, 0], places[k, 1] = places[0, 0], places[0, 1]
             return k

@@ -92,8 +92,11 @@ class MatchedSize(SizeField):
     def _divided(
         self, level: Level, rows: Integers, frame: tuple[Array, float, Array], far: float, tolerance: float
     ) -> Level:
-        """The children of some leaves; ``frame`` is the box, their side, and how much the given size
-        may change from their middles to the places `FRESH`, in units of the side."""
+        """The children of some leaves.
+
+        ``frame`` is the box, their side, and how much the given size may change from their middles to the
+        places `FRESH`, in units of the side.
+        """
         box, side, away = frame
         many = 4 * len(rows)
         x, bound, same = np.empty((many, 2)), np.empty(many), np.empty(many, dtype=np.int64)
@@ -296,7 +299,8 @@ def _doubtful(level, box, side, growth, tolerance, rows, x):
         low = min(values[i, 0], values[i, 1], values[i, 2], values[i, 3])
         least, most = max(values[i, 0], values[i, 1], values[i, 2], values[i, 3]) - reach, low + reach
         even = length <= SURELY * BROADEST * least and mean <= SURELY * (1.0 + tolerance) * least
-        if (even and SURELY * mean >= (1.0 - tolerance) * most) or length <= SURELY * RESOLVED * min(low, least):
+        small = length <= SURELY * RESOLVED * min(low, least)
+        if small or (even and SURELY * mean >= (1.0 - tolerance) * most):
             level.middle[i] = 0.0
             continue
         rows[many] = i

@@ -45,11 +45,8 @@ TOLERANCE = 0.04  # the relative tolerance of the size table
 AT_FIRST = 6  # times as many vertices as there are: there is room for these before the first points
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
 ORDER_BUCKETS = 96  # for any other measure
-
-
 RENUMBERED_FROM = 1 << 14  # new vertices: smaller meshes are in the processor's cache anyway
 MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
-ROUNDED_ANGLE = 1e-6  # degrees: far more than the rounding of an angle that is not tiny
 
 
 class VoronoiSegmentRun:
@@ -284,8 +281,7 @@ class VoronoiSegmentRun:
                     c.restore(best.saved)
                     after = figures(c)
                 self.restart()
-            sharp = after["minimum angle"] < PROMISED_ANGLE + ROUNDED_ANGLE
-            slots = small_angles(c, PROMISED_ANGLE).tolist() if sharp else []
+            slots = small_angles(c, PROMISED_ANGLE).tolist() if after["minimum angle"] < HOPED_ANGLE else []
             reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}
