@@ -31,7 +31,7 @@ SIDE = 1 << FIRST_LEVELS
 ABOVE = (SIDE * SIDE - 1) // 3 - 1
 LAST_FULL = ABOVE + SIDE * SIDE - 3
 DEEPEST = 50  # the largest number of levels for which places are exact in doubles
-PLACES = 1 << DEEPEST
+MOST_PLACES = 1 << DEEPEST  # along a side of the box
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
 # Where the field is sampled in a leaf, in coordinates of the leaf. FRESH are the places that are new when the
@@ -59,8 +59,8 @@ def leaf_at(child, box, x, y):
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
     # Bits of the places, as integers, lead down without comparisons, whose outcome cannot be predicted.
-    i = min(int(PLACES * u), PLACES - 1) if u >= 0.0 else 0
-    j = min(int(PLACES * v), PLACES - 1) if v >= 0.0 else 0
+    i = min(int(MOST_PLACES * u), MOST_PLACES - 1) if u >= 0.0 else 0
+    j = min(int(MOST_PLACES * v), MOST_PLACES - 1) if v >= 0.0 else 0
     node, shift = np.int64(0), DEEPEST
     # If the first levels are full, one step leads to the node at depth FIRST_LEVELS.
     if len(child) > ABOVE and child[ABOVE] == LAST_FULL:

@@ -37,7 +37,7 @@ from .placing import AS_ASKED, ideal
 
 ASK = 8  # how a call ended: a point is wanted from a function of the caller
 TOO_FLAT, NO_SPACE = 9, 10  # outcomes of a judgment, besides INSERTED, OUTSIDE and ROUNDED
-LATER = -4  # the status of a triangle that will be queued when the step is finished
+AFTER_STEP = -4  # the status of a triangle that will be queued when the step is finished
 
 
 class Marching(NamedTuple):
@@ -118,7 +118,7 @@ def enqueue(plane, march, t):
 def note_neighbors(plane, march, t, later, many):
     """Let the edges of triangle t, just accepted, enter the front or leave it; note who gets one.
 
-    ``later[:many]`` are the triangles that are queued after the step; they are `LATER` until then. For the
+    ``later[:many]`` are the triangles that are queued after the step; they are `AFTER_STEP` until then. For the
     order by edges, which changes with each new one at the front, they are queued at once.
     """
     for j in range(3 * t, 3 * t + 3):
@@ -126,8 +126,8 @@ def note_neighbors(plane, march, t, later, many):
             o = np.int64(plane.twin[j] // 3)
             if march.rule.order == book.SHORTEST:
                 enqueue(plane, march, o)
-            elif march.links[o, STATUS] != LATER and book.leaves_queue(march, o):
-                march.links[o, STATUS], later[many] = LATER, o
+            elif march.links[o, STATUS] != AFTER_STEP and book.leaves_queue(march, o):
+                march.links[o, STATUS], later[many] = AFTER_STEP, o
                 many += 1
     return many
 
@@ -156,7 +156,7 @@ def finish_step(plane, march, diary, counts, t, e, reason, scratch):
                     t = np.int64(-1)
     for i in range(many):
         t = np.int64(later[i])
-        if march.links[t, STATUS] == LATER:
+        if march.links[t, STATUS] == AFTER_STEP:
             grade(plane, march, t)
             push(march.links, march.gates, march.turn, t, march.rule.last_first)
 

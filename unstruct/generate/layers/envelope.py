@@ -38,7 +38,7 @@ LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be a
 LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
 SAME_OPENING = 0.93  # ... by this factor
 SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
-FEW_VERTICES = 64  # for these no tree is made
+WITHOUT_TREE = 64  # for so few vertices no tree is made
 ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
 
 
@@ -128,7 +128,7 @@ def _swallowed(
     i, j = rays.left[strip], rays.right[strip]
     x, low, high = numbers.points[vertices], *np.empty((2, len(strip), 2))
     _enclose_strips(numbers.points, (numbers.start, rays.base, i, j), level, low, high)
-    query, hit = _in_boxes(x, low, high) if len(x) <= FEW_VERTICES else BoxTree(low, high).pairs(x, x)
+    query, hit = _in_boxes(x, low, high) if len(x) <= WITHOUT_TREE else BoxTree(low, high).pairs(x, x)
     away = (vertices[query] != rays.base[i[hit]]) & (vertices[query] != rays.base[j[hit]])
     found: list[int] = []
     for q, h in zip(query[away].tolist(), hit[away].tolist()):

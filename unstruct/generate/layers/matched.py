@@ -21,7 +21,7 @@ Integers = NDArray[np.int64]
 FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 COARSE = 0.15  # the relative tolerance of a table of the matched size
 BROADEST = 2.0  # wanted edge lengths: larger leaves are divided in any case
-SURELY = 1.0 - 1e-9  # far more than rounding
+WITHIN_ROUNDING = 1.0 - 1e-9  # far more than rounding
 SPREAD = 73856093, 19349663  # numbers that spread places over a table
 
 
@@ -298,9 +298,12 @@ def _doubtful(level, box, side, growth, tolerance, rows, x):
         mean = (0.0 + values[i, 0] + values[i, 1] + values[i, 2] + values[i, 3]) / 4
         low = min(values[i, 0], values[i, 1], values[i, 2], values[i, 3])
         least, most = max(values[i, 0], values[i, 1], values[i, 2], values[i, 3]) - reach, low + reach
-        even = length <= SURELY * BROADEST * least and mean <= SURELY * (1.0 + tolerance) * least
-        small = length <= SURELY * RESOLVED * min(low, least)
-        if small or (even and SURELY * mean >= (1.0 - tolerance) * most):
+        even = (
+            length <= WITHIN_ROUNDING * BROADEST * least
+            and mean <= WITHIN_ROUNDING * (1.0 + tolerance) * least
+        )
+        small = length <= WITHIN_ROUNDING * RESOLVED * min(low, least)
+        if small or (even and WITHIN_ROUNDING * mean >= (1.0 - tolerance) * most):
             level.middle[i] = 0.0
             continue
         rows[many] = i
