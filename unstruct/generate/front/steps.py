@@ -118,8 +118,8 @@ def enqueue(plane, march, t):
 def note_neighbors(plane, march, t, later, many):
     """Let the edges of triangle t, just accepted, enter the front or leave it; note who gets one.
 
-    ``later[:many]`` are the triangles that are queued after the step; they are `AFTER_STEP` until then. For the
-    order by edges, which changes with each new one at the front, they are queued at once.
+    ``later[:many]`` are the triangles that are queued after the step; they are `AFTER_STEP` until then. For
+    the order by edges, which changes with each new one at the front, they are queued at once.
     """
     for j in range(3 * t, 3 * t + 3):
         if book.enters_front(plane, march, j):
