@@ -33,11 +33,11 @@ MARGINS = (
     0.5,
     1.0,
     2.0,
-)  # sides of a leaf between it and the surface; the next if the strip cannot be filled
+)  # sides of a leaf from it to the surface; the next if the strip cannot be filled
 STRIP_EDGES = 1.1  # the wanted length of edges in the strip; unit: the side of the leaf there
 NO_HEXAHEDRA = (
-    "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller size "
-    "helps, and where facets are larger than leaves split_boundary=True"
+    "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller "
+    "size helps, and where facets are larger than leaves split_boundary=True"
 )
 MUCH_LARGER_CELLS = 1.5  # the size near a coarse facet over the side of leaves, from which these are no cubes
 

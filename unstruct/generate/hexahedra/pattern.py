@@ -1,9 +1,9 @@
 """Hexahedra, pyramids and tetrahedra of leaves of an octree that is balanced across edges: conforming.
 
-A leaf without hanging vertices is a hexahedron, if its faces may be quadrilaterals. Another is a fan about its
-center: over a quadrilateral of a hexahedron a pyramid, over all else tetrahedra, whose triangles are those of
-`generate.tree.cubes`. A leaf with smaller ones beyond a face is a fan over their faces, so that they may be
-hexahedra. See the book, chapter 4c.
+A leaf without hanging vertices is a hexahedron, if its faces may be quadrilaterals. Another is a fan about
+its center: over a quadrilateral of a hexahedron a pyramid, over all else tetrahedra, whose triangles are
+those of `generate.tree.cubes`. A leaf with smaller ones beyond a face is a fan over their faces, so that they
+may be hexahedra. See the book, chapter 4c.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Cubes(NamedTuple):
     leaf : (h + p + t,) int64
         The leaf of each cell.
     outer : (f, 3) int32
-        The triangles in which the chosen leaves end, outward; none where they may end at quadrilaterals.
+        The triangles at which the chosen leaves end, outward; quadrilaterals are not among them.
     outer_leaf : (f,) int64
     """
 
