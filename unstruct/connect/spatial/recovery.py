@@ -173,7 +173,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
             continue
         if _lower(solid, held, r, found, count, options):
             continue
-        if _lower_all(solid, held, r, found, options):
+        if size[SHAKES_LEFT] == options[SHAKES] and _lower_all(solid, held, r, found, options):
             continue
         if size[SHAKES_LEFT] == 0:
             return count
