@@ -32,6 +32,7 @@ from .signs import ON_EDGE, meets, side
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "STOP", "recover_all", "survey"]
 
 SPARE_SLOTS = 128  # slots that a refill may need
+NODES_AROUND = 32
 FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
@@ -69,12 +70,12 @@ def _passes(xyz, r, faces):
 
 
 @apart
-def _attempt(solid, held, r, count, wanted, options, noise, equal):
+def _attempt(solid, held, r, count, wanted, nodes, noise, equal):
     """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
     r.size[WORK_DONE] += WORK_OF_A_STEP
     if not grow(solid, r, count, wanted, noise):
         return False
-    if not equal and failed(solid, r, options[SEARCH_NODES]):
+    if not equal and failed(solid, r, nodes):
         return False
     faces, cost = load(solid, held, r)
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
@@ -82,7 +83,7 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
         cost >= NEVER
         or limit <= 0.0
         or (r.size[COST_KIND] == EDGE and cost == 1.0 and not equal and _passes(solid.xyz, r, faces))
-        or refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER
+        or refill(solid.xyz, r, solid.state, faces, limit, goal, nodes) >= NEVER
     ):
         if not equal:
             remember_failure(r)
@@ -101,7 +102,7 @@ def _lower(solid, held, r, found, count, options):
             if r.size[NODES] > options[TOTAL]:
                 return False
             if beside(solid, r, found.faces[(start + j) % count]):
-                if _attempt(solid, held, r, 2, wanted, options, 2, False):
+                if _attempt(solid, held, r, 2, wanted, options[SEARCH_NODES], 2, False):
                     return True
     return False
 
@@ -127,7 +128,7 @@ def _lower_around(solid, held, r, found, count, goal, options):
             if side(solid.xyz, goal[0], goal[1], p, q) != 0:
                 continue
             size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
-            if size > 0 and _attempt(solid, held, r, size, size + 2, options, 0, False):
+            if size > 0 and _attempt(solid, held, r, size, size + 2, options[SEARCH_NODES], 0, False):
                 return True
     return False
 
@@ -141,7 +142,7 @@ def _lower_all(solid, held, r, found, options):
     for wanted in range(6, LOCAL_ROOM + 1):
         for i in range(count):
             r.cells[i] = found.cells[i]
-        if _attempt(solid, held, r, count, wanted, options, 4, False):
+        if _attempt(solid, held, r, count, wanted, NODES_AROUND, 4, False):
             return True
     return False
 
@@ -181,7 +182,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[MOST_WANTED] - 4)
             face = _wander(solid, found.faces[draw(solid.state, count)])
-            if beside(solid, r, face) and _attempt(solid, held, r, 2, wanted, options, 8, True):
+            if beside(solid, r, face) and _attempt(solid, held, r, 2, wanted, options[SEARCH_NODES], 8, True):
                 break
 
 

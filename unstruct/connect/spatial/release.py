@@ -44,20 +44,25 @@ from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARG
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
 from .refill import refill
-from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, widened
+from .sectors import POSITIVE, Cell, Face, cancelled, link_of, looking_away, moved, steps_off, turned, widened
 
 __all__ = ["Release"]
 
 NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
 NODES_WITHOUT = 4000  # of the search for a sector without its point
+NODES_BESIDE = 100
+ST=[0,0,0,0,0]
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
 WALLS = 400  # faces of the largest star that is looked at
 
 
 @kernel
-def refill_walls(solid, r, walls, budget):
-    """Refill what these oriented triangles bound; False if that is not found or has too many vertices."""
+def refill_walls(solid, r, walls, more, budget):
+    """Refill what these oriented triangles bound; False if that is not found or has too many vertices.
+
+    Vertex ``more`` is used as well, if it is not negative.
+    """
     n = 0
     local = np.empty((walls.shape[0], 3), dtype=np.int64)
     for i in range(walls.shape[0]):
@@ -71,6 +76,11 @@ def refill_walls(solid, r, walls, budget):
                 r.label[n] = walls[i, k]
                 n += 1
             local[i, k] = place
+    if more >= 0:
+        if n == LOCAL_ROOM:
+            return False
+        r.label[n] = more
+        n += 1
     r.size[LOCALS] = n
     reset(r)
     length = 0
@@ -243,6 +253,12 @@ class Release:
         if found is None and split.children:
             found = moved(self.cells, link, whole, p)
         if found is None and split.children:
+            ST[0]+=1
+            found = self._beside(link + whole, len(link), p)
+            ST[1]+=found is not None
+        if found is None and split.children:
+            found = self._grown(sector, self._restored(sector, split), p, claimed)
+        if found is None and split.children:
             wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
             if wide is not None:
                 found = wide[0]
@@ -323,8 +339,83 @@ class Release:
         if segment is not None and not there >= set(segment):
             return None  # a part of it is not there
         rows = np.array(walls, dtype=np.int32)
-        if len(there) > LOCAL_ROOM or not refill_walls(self.cells.solid(), self.local, rows, NODES_WITHOUT):
+        if len(there) > LOCAL_ROOM or not refill_walls(self.cells.solid(), self.local, rows, -1, NODES_WITHOUT):
             return None
+        return self._found()
+
+    def _beside(self, walls: list[Face], around: int, p: int) -> list[Cell] | None:
+        """As `moved`, where walls do not see the new point: they may get other tetrahedra.
+
+        The first walls are ``around`` the point.
+        """
+        rows, cells, size = np.array(walls, dtype=np.int32), self.cells, self.local.size
+        size[COST_KIND] = ANY
+        q, here = cells.size, cells.xyz[p].copy()
+        ways = steps_off(cells, rows, around, p)
+        for i in (1,2,3,5,7):
+            for way in ways:
+                cells.xyz[q] = here + way / 4.0**i
+                if refill_walls(cells.solid(), self.local, rows, q, NODES_BESIDE):
+                    cells.size += 1
+                    return self._found()
+        return None
+
+    def _grown(self, sector: list[int], whole: list[Face], p: int, claimed: set[int]) -> list[Cell] | None:
+        """As `_without`, then as `_beside`, with cells beyond walls that look away from the sector."""
+        ST[2]+=1
+        cells=self.cells
+        walls = link_of(cells, sector, p)
+        rows = np.array([*walls, *whole], dtype=np.int32)
+        away = looking_away(cells, rows, len(walls), p)
+        places = [place for place, is_away in zip(walls.values(), away) if is_away]
+        for face in whole:
+            x, y, z = face
+            if walls.pop((x, z, y), None) is None:
+                walls[face] = -1
+        more: list[int] = []
+        for step in range(4):
+            for place in places:
+                u = int(cells.across[place]) >> 2
+                if cells.mark[place] >= 0 or cells.across[place] < 0 or u in claimed:
+                    continue
+                if u in more: continue
+                vertices = cells.vertex[4 * u : 4 * u + 4].tolist()
+                more.append(u)
+                for k in range(4):
+                    x, y, z = turned([vertices[i] for i in POSITIVE[k]])
+                    before = walls.pop((x, z, y), None)
+                    if before is None:
+                        walls[x, y, z] = 4 * u + k
+                    elif before < 0 or cells.mark[before] >= 0:
+                        return None
+            if more:
+                faces=list(walls)
+                there=set().union(*faces)
+                if len(there)>LOCAL_ROOM: break
+                found=self._without(faces, None)
+                ST[3]+=found is not None
+                if found is None:
+                    found = self._beside(faces, len(faces)-len(whole), p)
+                    ST[4]+=found is not None
+                if found is not None:
+                    claimed|=set(more)
+                    return found
+            # next: a cell whose vertices are there, or the one beyond most faces
+            there=set().union(*walls)
+            votes={}
+            for face,place in walls.items():
+                if place>=0 and cells.mark[place]<0 and cells.across[place]>=0 and int(cells.across[place])>>2 not in claimed:
+                    apex=int(cells.vertex[cells.across[place]])
+                    u=int(cells.across[place])>>2
+                    votes.setdefault((apex in there, apex),[]).append(place)
+            votes={k:v for k,v in votes.items() if k[1]!=p}
+            if not votes: break
+            best=max(votes,key=lambda k:(k[0],len(votes[k])))
+            places=votes[best]
+        return None
+
+    def _found(self) -> list[Cell]:
+        size = self.local.size
         return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 
     def _replace(

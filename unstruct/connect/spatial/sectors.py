@@ -21,7 +21,7 @@ from .cavity import corner
 from .signs import side
 from .steiner import sees
 
-__all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "moved", "turned", "widened"]
+__all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "looking_away", "moved", "steps_off", "turned", "widened"]
 
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
@@ -106,7 +106,7 @@ def _ways_off(normals, height, scale, ways):
     return count
 
 
-def _steps(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> NDArray[np.float64]:
+def steps_off(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> NDArray[np.float64]:
     """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle.
 
     The first ``link`` walls are those around p, the others are whole triangles.
@@ -123,6 +123,20 @@ def _steps(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> ND
     count = _ways_off(normals, height, scale, ways)
     ways[count] = away.mean(axis=0)
     return ways[: count + 1]
+
+
+def looking_away(
+    cells: CellArrays, walls: NDArray[np.int32], around: int, p: int
+) -> NDArray[np.bool_]:
+    """Which of the first ``around`` walls are in the plane of one of the others up to rounding, and turned away."""
+    corners = cells.xyz[walls]
+    first = corners[:, 0]
+    normals = cross(corners[:, 1] - first, corners[:, 2] - first)
+    normals /= np.maximum(lengths(normals), 1e-300)[:, None]
+    scale = float(lengths(corners.reshape(-1, 3) - cells.xyz[p]).mean())
+    height = np.abs(((cells.xyz[p] - first) * normals).sum(axis=1))
+    against = (normals[:around, None] * normals[None, around:]).sum(axis=2).min(axis=1, initial=1.0)
+    return (height[:around] <= 1e-9 * scale) & (against < -0.99)
 
 
 @kernel
@@ -143,7 +157,7 @@ def moved(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> lis
     """The star of the next vertex, close to p, that sees all walls, those around p and whole triangles."""
     walls, q = link + whole, cells.size
     rows = np.array(walls, dtype=np.int32)
-    if not _back(cells.xyz, rows, p, q, _steps(cells, rows, len(link), p)):
+    if not _back(cells.xyz, rows, p, q, steps_off(cells, rows, len(link), p)):
         return None
     cells.size += 1
     return [(*face, q) for face in walls]
@@ -161,7 +175,7 @@ def widened(
     rows = np.array([*link, *whole], dtype=np.int32)
     start = np.column_stack([rows, np.full(len(rows), -1, dtype=np.int32)])
     start[: len(link), 3] = list(link.values())
-    solid, ways = cells.solid(), _steps(cells, rows, len(link), p)
+    solid, ways = cells.solid(), steps_off(cells, rows, len(link), p)
     walls = np.empty((len(rows) + 4 * MOST_TAKEN, 4), dtype=np.int32)
     taken = np.empty(MOST_TAKEN, dtype=np.int32)
     stay = np.array(sorted(claimed), dtype=np.int32)
