@@ -212,7 +212,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
             continue
         if _lower(solid, held, r, found, count, goal, options):
             continue
-        if size[SHAKES_LEFT] == options[SHAKES] and _lower_all(solid, held, r, found, options):
+        if size[SHAKES_LEFT] == options[SHAKES] > 0 and _lower_all(solid, held, r, found, options):
             continue
         if size[SHAKES_LEFT] == 0:
             return count
