@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from ...base.jit import kernel
-from ..insertion.engine import COUNT, FREE
+from ..insertion.engine import COUNT, FREE, grown
 from .arrays import CellArrays
 from .cavity import (
     beside,
@@ -32,6 +32,7 @@ from .crossing import star
 from .exchange import exchange
 from .given import Given, Split, edge
 from .held import holds
+from .leaving import MOST_LEFT, NODES_WITHOUT, leave, refill_walls
 from .journal import (
     EVENT_FEWER,
     EVENT_MOVED,
@@ -49,45 +50,12 @@ from .sectors import POSITIVE, Cell, Face, cancelled, link_of, looking_away, mov
 __all__ = ["Release"]
 
 NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
-NODES_WITHOUT = 4000  # of the search for a sector without its point
 NODES_BESIDE = 100
 ST=[0,0,0,0,0]
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
+FEW_WALLS = 100  # the same, for the kernel that needs no more
 WALLS = 400  # faces of the largest star that is looked at
-
-
-@kernel
-def refill_walls(solid, r, walls, more, budget):
-    """Refill what these oriented triangles bound; False if that is not found or has too many vertices.
-
-    Vertex ``more`` is used as well, if it is not negative.
-    """
-    n = 0
-    local = np.empty((walls.shape[0], 3), dtype=np.int64)
-    for i in range(walls.shape[0]):
-        for k in range(3):
-            place = 0
-            while place < n and r.label[place] != walls[i, k]:
-                place += 1
-            if place == n:
-                if n == LOCAL_ROOM:
-                    return False
-                r.label[n] = walls[i, k]
-                n += 1
-            local[i, k] = place
-    if more >= 0:
-        if n == LOCAL_ROOM:
-            return False
-        r.label[n] = more
-        n += 1
-    r.size[LOCALS] = n
-    reset(r)
-    length = 0
-    for i in range(walls.shape[0]):
-        length = wall(r, length, local[i, 0], local[i, 1], local[i, 2])
-    r.size[HASH] = -1
-    return refill(solid.xyz, r, solid.state, length, 0.5, 0.0, budget) < NEVER
 
 
 @kernel
@@ -169,6 +137,8 @@ class Release:
         self.local: Local = recovery.local
         self.kept: list[Split] = []
         self.inner: list[int] = []
+        self.free = np.zeros(len(self.cells.xyz), dtype=np.bool_)  # the same, by vertex
+        self.gone = np.empty(4 * FEW_WALLS + 2, dtype=np.int32)
 
     def run(self, shakes: int = 0) -> None:
         """Release all points, the last first; then try to do without those that were moved.
@@ -182,11 +152,13 @@ class Release:
         self.kept.reverse()
         self.recovery.splits = self.kept
         self.inner = [p for p in self.inner if not self._remove(p)]
+        self.free[:] = False
+        self.free[self.inner] = True
 
     # ------------------------------------------------------------------ one point
 
-    def _star(self, p: int, segment: tuple[int, int] | None) -> list[int]:
-        """The cells at p, after refills that have made them few."""
+    def _lowered(self, p: int, segment: tuple[int, int] | None) -> int:
+        """How many cells at p there are in ``found``, after refills that have made them few."""
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
         cells, held = self.cells, self.recovery.held
@@ -195,7 +167,36 @@ class Release:
             size = lower_degree(cells.solid(), held, self.local, cells.found, goal, FEW_AT_POINT)
             if size < 0:
                 cells.reserve_events()
-        return cells.found.cells[:size].tolist()
+        return size
+
+    def _leaves(self, split: Split, size: int) -> bool:
+        """Release a point by one kernel, or move it; most can."""
+        cells, given, p = self.cells, self.recovery.given, split.point
+        cells.reserve(cells.size + 8, cells.slots + MOST_LEFT)
+        cells.reserve_events(5 * (FEW_WALLS + MOST_LEFT) + EVENT_ROOM)
+        if len(self.free) < len(cells.xyz):
+            self.free = grown(self.free, len(cells.xyz))
+        a, b = split.segment or (-1, -1)
+        row = (p, a, b, cells.size, len(split.children), len(split.parents), *split.children, *split.parents)
+        around = cells.found.cells[:size].copy()
+        new = leave(
+            cells.solid(), self.recovery.held, self.local, around, np.array(row, dtype=np.int32),
+            given.corner, self.free, self.gone,
+        )  # fmt: skip
+        if new < 0:
+            cells.found.cells[:size] = around
+            return False
+        cells.size += new
+        self._done(split, self.gone[1 : 1 + self.gone[0]].tolist(), list(range(cells.size - new, cells.size)))
+        return True
+
+    def _done(self, split: Split, gone: list[int], added: list[int]) -> None:
+        """Write down what a release has changed."""
+        self.inner = [v for v in self.inner if v not in gone] + added
+        self.recovery.drop(split)
+        self.cells.at[gone] = -1
+        self.free[gone] = False
+        self.free[added] = True
 
     def _shaken(self, split: Split) -> bool:
         """Change what is around a point by chance, and try to release it."""
@@ -220,7 +221,10 @@ class Release:
         if not self._ready(split):
             return False
         given, p = self.recovery.given, split.point
-        around = self._star(p, split.segment)
+        size = self._lowered(p, split.segment)
+        if size <= FEW_WALLS and self._leaves(split, size):
+            return True
+        around = self.cells.found.cells[:size].tolist()
         marks = self.cells.rows(self.cells.mark, around)
         there = (marks >= 0) & (self.cells.rows(self.cells.vertex, around) != p)
         if set(marks[there].tolist()) != set(split.children) or len(around) > WALLS:
@@ -240,9 +244,7 @@ class Release:
         if gone is None or not self._replace(sorted(claimed), tets, restored, event):
             self.cells.size = before
             return False
-        self.inner = [v for v in self.inner if v not in gone] + added
-        self.recovery.drop(split)
-        self.cells.at[gone] = -1
+        self._done(split, gone, added)
         return True
 
     def _filled(self, sector: list[int], split: Split, claimed: set[int]) -> list[Cell] | None:
@@ -279,7 +281,7 @@ class Release:
 
     def _remove(self, p: int) -> bool:
         """Take a point away that is not on the surface."""
-        around = self._star(p, None)
+        around = self.cells.found.cells[: self._lowered(p, None)].tolist()
         found = self._without(list(link_of(self.cells, around, p)), None)
         if found is None or not self._replace(around, found, {}, (EVENT_REMOVED, -1, -1, -1, 0, p)):
             return False

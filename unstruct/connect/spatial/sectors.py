@@ -18,21 +18,14 @@ from ...geometry.edge_vectors import cross, lengths
 from ..insertion.engine import STAMP
 from .arrays import CellArrays
 from .cavity import corner
+from .leaving import NEAR_WALLS, put_back, ways_off
 from .signs import side
-from .steiner import sees
 
 __all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "looking_away", "moved", "steps_off", "turned", "widened"]
 
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
-STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
-WIDE_STEPS = 10  # the same, by quarters, where the cavity may grow
-NEAR_WALLS = (
-    0.0,
-    1e-9,
-    1e-4,
-    1e-2,
-)  # heights over walls from which a point moves away; unit: the mean distance
+WIDE_STEPS = 10  # how often a point is moved by quarters back to the surface, where the cavity may grow
 MOST_TAKEN = 200  # cells that are taken into a cavity
 NO_WALL = -2  # for the place of what is no wall
 
@@ -64,65 +57,10 @@ def link_of(cells: CellArrays, sector: list[int], p: int) -> dict[Face, int]:
     return walls
 
 
-@lean
-def _inward(normals, height, most, way):
-    """Write a direction with a positive product with all normals at such a height, if that is found soon."""
-    n = normals.shape[0]
-    way[0] = way[1] = way[2] = 0.0
-    for i in range(n):
-        if height[i] <= most:
-            for j in range(3):
-                way[j] += normals[i, j]
-    for _ in range(50):
-        least, chosen = np.inf, -1
-        for i in range(n):
-            if height[i] <= most:
-                product = normals[i, 0] * way[0] + normals[i, 1] * way[1] + normals[i, 2] * way[2]
-                if product < least:
-                    least, chosen = product, i
-        if chosen < 0 or least > 0:
-            break
-        for j in range(3):
-            way[j] += normals[chosen, j]
-    length = max(np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]), 1e-300)
-    for j in range(3):
-        way[j] /= length
-
-
-@kernel
-def _ways_off(normals, height, scale, ways):
-    """Write ways off all normals at walls lower than each of NEAR_WALLS; how many different ones."""
-    count, before = 0, 0
-    for near in NEAR_WALLS:
-        flat = 0
-        for i in range(height.shape[0]):
-            flat += height[i] <= near * scale
-        if flat > before:
-            before = flat
-            _inward(normals, height, near * scale, ways[count])
-            for j in range(3):
-                ways[count, j] *= scale
-            count += 1
-    return count
-
-
-def steps_off(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> NDArray[np.float64]:
-    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle.
-
-    The first ``link`` walls are those around p, the others are whole triangles.
-    """
-    corners = cells.xyz[walls]
-    first = corners[:, 0]
-    normals = cross(corners[:, 1] - first, corners[:, 2] - first)
-    normals /= np.maximum(lengths(normals), 1e-300)[:, None]
-    away = corners.reshape(-1, 3) - cells.xyz[p]
-    scale = float(lengths(away).mean())
-    height = np.abs(((cells.xyz[p] - first) * normals).sum(axis=1))
-    height[link:] = 0.0
+def steps_off(cells: CellArrays, walls: NDArray[np.int32], around: int, p: int) -> NDArray[np.float64]:
+    """See `ways_off`."""
     ways = np.empty((len(NEAR_WALLS) + 1, 3))
-    count = _ways_off(normals, height, scale, ways)
-    ways[count] = away.mean(axis=0)
-    return ways[: count + 1]
+    return ways[: ways_off(cells.xyz, walls, around, p, ways)]
 
 
 def looking_away(
@@ -139,25 +77,11 @@ def looking_away(
     return (height[:around] <= 1e-9 * scale) & (against < -0.99)
 
 
-@kernel
-def _back(xyz, walls, p, q, ways):
-    """Put q off p along one of these ways, so near that all walls see it; False if none is found."""
-    for i in range(ways.shape[0]):
-        length = 1.0
-        for _ in range(STEPS_BACK):
-            for j in range(3):
-                xyz[q, j] = xyz[p, j] + length * ways[i, j]
-            if sees(xyz, walls, walls.shape[0], q):
-                return True
-            length /= 2
-    return False
-
-
 def moved(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
     """The star of the next vertex, close to p, that sees all walls, those around p and whole triangles."""
     walls, q = link + whole, cells.size
     rows = np.array(walls, dtype=np.int32)
-    if not _back(cells.xyz, rows, p, q, steps_off(cells, rows, len(link), p)):
+    if not put_back(cells.xyz, rows, p, q, steps_off(cells, rows, len(link), p)):
         return None
     cells.size += 1
     return [(*face, q) for face in walls]
