@@ -35,7 +35,7 @@ __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "STOP", "recover_all", "surve
 SPARE_SLOTS = 128  # slots that a refill may need
 NODES_AROUND = 32
 SHAKING = 8
-FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
+FEW_CELLS = 0  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
 FEWEST_CORNERS = 5  # vertices of two cells with a common face
@@ -212,7 +212,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
             continue
         if _lower(solid, held, r, found, count, goal, options):
             continue
-        if size[SHAKES_LEFT] == options[SHAKES] > 0 and _lower_all(solid, held, r, found, options):
+        if _lower_all(solid, held, r, found, options):
             continue
         if size[SHAKES_LEFT] == 0:
             return count

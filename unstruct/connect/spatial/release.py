@@ -255,11 +255,11 @@ class Release:
         if found is None and split.children:
             found = moved(self.cells, link, whole, p)
         if found is None and split.children:
+            found = self._grown(sector, self._restored(sector, split), p, claimed)
+        if found is None and split.children:
             ST[0]+=1
             found = self._beside(link + whole, len(link), p)
             ST[1]+=found is not None
-        if found is None and split.children:
-            found = self._grown(sector, self._restored(sector, split), p, claimed)
         if found is None and split.children:
             wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
             if wide is not None:
@@ -354,7 +354,7 @@ class Release:
         size[COST_KIND] = ANY
         q, here = cells.size, cells.xyz[p].copy()
         ways = steps_off(cells, rows, around, p)
-        for i in (1,2,3,5,7):
+        for i in (1,3,6):
             for way in ways:
                 cells.xyz[q] = here + way / 4.0**i
                 if refill_walls(cells.solid(), self.local, rows, q, NODES_BESIDE):
@@ -396,9 +396,6 @@ class Release:
                 if len(there)>LOCAL_ROOM: break
                 found=self._without(faces, None)
                 ST[3]+=found is not None
-                if found is None:
-                    found = self._beside(faces, len(faces)-len(whole), p)
-                    ST[4]+=found is not None
                 if found is not None:
                     claimed|=set(more)
                     return found
