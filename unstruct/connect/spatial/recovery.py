@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...base.jit import apart, kernel
 from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import beside, commit, corner, draw, failed, grow, load, remember_failure, unwritten
-from .costs import EDGE, FACE, NEVER, face_cost, unpacked_face
+from .costs import EDGE, FACE, NEVER
 from .crossing import cells_around, classify, crossings, mark_face, star
 from .flips import flip
 from .held import hold

@@ -12,107 +12,32 @@ from itertools import combinations
 
 import numpy as np
 
-from ...base.jit import kernel
-from ..insertion.engine import COUNT, FREE, grown
+from ..insertion.engine import grown
 from .arrays import CellArrays
-from .cavity import (
-    beside,
-    commit,
-    draw,
-    failed,
-    grow,
-    load,
-    remember_failure,
-    reset,
-    unwritten,
-    wall,
-)
-from .costs import ANY, DEGREE, EDGE, NEVER
-from .crossing import star
+from .costs import ANY, EDGE
+from .dropping import drop, lower_degree, shake_star
 from .exchange import exchange
 from .given import Given, Split, edge
 from .held import holds
-from .leaving import MOST_LEFT, NODES_WITHOUT, leave, refill_walls
 from .journal import (
-    EVENT_FEWER,
     EVENT_MOVED,
     EVENT_RELEASED,
-    EVENT_REMOVED,
     EVENT_ROOM,
-    EVENT_SHAKE,
 )
-from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
+from .leaving import MOST_LEFT, NODES_WITHOUT, leave, refill_walls
+from .records import COST_KIND, LOCAL_ROOM, NEW_CELLS, TARGET, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
-from .refill import refill
 from .sectors import POSITIVE, Cell, Face, cancelled, link_of, looking_away, moved, steps_off, turned, widened
 
 __all__ = ["Release"]
 
-NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
 NODES_BESIDE = 100
 ST=[0,0,0,0,0]
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
 FEW_WALLS = 100  # the same, for the kernel that needs no more
 WALLS = 400  # faces of the largest star that is looked at
-
-
-@kernel
-def lower_degree(solid, held, r, found, goal, enough):
-    """Refill around vertex goal[0] so that ``enough`` or fewer cells have it, as long as that is possible.
-
-    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
-    many cells have the vertex in the end, which are in ``found``; -1 if the record has no room, to be called
-    again.
-    """
-    p = goal[0]
-    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = DEGREE, EVENT_FEWER, 0
-    for k in range(3):
-        r.size[TARGET + k] = goal[k]
-    while True:
-        size = star(solid, found, p)
-        if size <= enough or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
-            return size
-        if unwritten(solid):
-            return -1
-        before = size
-        for wanted in range(5, 9):
-            for i in range(4 * size):
-                face = 4 * found.cells[i >> 2] + (i & 3)
-                if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
-                    continue
-                if not grow(solid, r, 2, wanted, 2) or failed(solid, r, NODES_FEWER):
-                    continue
-                faces, cost = load(solid, held, r)
-                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, NODES_FEWER) < NEVER:
-                    commit(solid, r)
-                    before = -1
-                    break
-                remember_failure(r)
-            if before < 0:
-                break
-        if before >= 0:
-            return size
-
-
-@kernel
-def shake_star(solid, held, r, found, p, count):
-    """Refill ``count`` cavities at vertex p by chance, whatever they cost; -1 if room is lacking."""
-    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = ANY, EVENT_SHAKE, 0
-    r.size[TARGET], r.size[TARGET + 1], r.size[TARGET + 2] = p, -1, -1
-    for _ in range(count):
-        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0] or unwritten(solid):
-            return -1
-        size = star(solid, found, p)
-        face = 4 * found.cells[draw(solid.state, size)] + draw(solid.state, 4)
-        if solid.mark[face] >= 0 or not beside(solid, r, face):
-            continue
-        if grow(solid, r, 2, 5 + draw(solid.state, 4), 8):
-            faces, _ = load(solid, held, r)
-            if refill(solid.xyz, r, solid.state, faces, 0.5, 0.0, NODES_FEWER) < NEVER:
-                commit(solid, r)
-    return 0
 
 
 class Release:
@@ -281,12 +206,11 @@ class Release:
 
     def _remove(self, p: int) -> bool:
         """Take a point away that is not on the surface."""
-        around = self.cells.found.cells[: self._lowered(p, None)].tolist()
-        found = self._without(list(link_of(self.cells, around, p)), None)
-        if found is None or not self._replace(around, found, {}, (EVENT_REMOVED, -1, -1, -1, 0, p)):
-            return False
-        self.cells.at[p] = -1
-        return True
+        self._lowered(p, None)
+        cells = self.cells
+        cells.reserve(cells.size, cells.slots + SPARE_SLOTS)
+        cells.reserve_events()
+        return bool(drop(cells.solid(), self.recovery.held, self.local, cells.found, p))
 
     def _sectors(self, around: list[int], p: int) -> list[list[int]]:
         """The cells of a star, in parts that hang together through faces that are not marked."""
