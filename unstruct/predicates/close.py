@@ -181,7 +181,7 @@ def _lifted(xh, xl, yh, yl, ch, cl):
 
 @kernel
 def close_orient3(x):
-    """Sign of the determinant of rows a - d, b - d, c - d, twelve coordinates, if the filter leaves it open."""
+    """Sign of the determinant of rows a - d, b - d, c - d, if the filter leaves it open."""
     e0, t0 = _two_difference(x[0], x[9])
     e1, t1 = _two_difference(x[1], x[10])
     e2, t2 = _two_difference(x[2], x[11])

@@ -1,4 +1,4 @@
-"""Kernels for the star of one vertex: fewer cells, cells changed by chance, and none: the vertex is removed."""
+"""Kernels for the star of one vertex: fewer cells, cells changed by chance, none: the vertex is removed."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def _place(r, v):
 
 @lean
 def _replace(solid, r, old, new):
-    """Replace the first ``old`` cells by the first ``new`` rows of ``r.best``, on the vertices in ``r.label``."""
+    """Replace the first ``old`` cells by the first ``new`` rows of ``r.best``, on vertices in ``r.label``."""
     for i in range(CORNERS**3):
         r.beyond[i] = NOWHERE
         r.number[i] = -1
@@ -71,9 +71,8 @@ def flip(solid, held, r, goal, face):
         return False
     r.size[NODES] += 1
     t, k, u = face >> 2, face & 3, over >> 2
-    x, y, z = (
-        solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)], solid.vertex[4 * t + corner(k, 2)]
-    )  # fmt: skip
+    v = solid.vertex[4 * t : 4 * t + 4]
+    x, y, z = v[corner(k, 0)], v[corner(k, 1)], v[corner(k, 2)]
     d, e = solid.vertex[face], solid.vertex[over]
     for _ in range(3):  # a negative sign, if there is one, comes first: at the edge xy
         if side(solid.xyz, x, y, e, d) <= 0:

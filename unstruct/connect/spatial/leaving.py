@@ -1,4 +1,4 @@
-"""One kernel that takes a point off the surface: what `release` does for most points, without Python's overhead.
+"""One kernel that takes a point off the surface: what `release` does for most points, without the overhead.
 
 The star of the point is divided into sectors by marked faces. The walls of each are filled without the point,
 or from a new point near it that sees them all. Where neither is possible, nothing is changed.
@@ -18,7 +18,7 @@ from .records import COST_KIND, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET
 from .refill import refill
 from .steiner import sees
 
-__all__ = ["HEAD", "MOST_LEFT", "NEAR_WALLS", "NODES_WITHOUT", "leave", "put_back", "refill_walls", "ways_off"]
+__all__ = ["MOST_LEFT", "NEAR_WALLS", "NODES_WITHOUT", "leave", "put_back", "refill_walls", "ways_off"]
 
 NODES_WITHOUT = 4000  # of the search for a sector without its point
 MOST_LEFT = 512  # tetrahedra in place of a star
@@ -169,7 +169,7 @@ def _place_in(rows, value):
 
 @kernel
 def _sectors(solid, cells, p, children, sector):
-    """Number the parts of a star that hang together through faces without marks; -1 if the marks do not fit."""
+    """Number the parts of a star that hang together through faces without marks; -1 if marks do not fit."""
     n = cells.shape[0]
     there = np.zeros(children.shape[0], dtype=np.bool_)
     for i in range(n):
@@ -255,7 +255,9 @@ def _walls(solid, part, p, parents, corners, walls):
             _write_wall(walls, m, w if x == p else x, w if y == p else y, w if z == p else z)
             known = False
             for j in range(around, m):
-                known |= walls[j, 0] == walls[m, 0] and walls[j, 1] == walls[m, 1] and walls[j, 2] == walls[m, 2]
+                known |= (
+                    walls[j, 0] == walls[m, 0] and walls[j, 1] == walls[m, 1] and walls[j, 2] == walls[m, 2]
+                )
             m += not known
     for j in range(around, m):
         for i in range(around):
@@ -273,7 +275,7 @@ def _walls(solid, part, p, parents, corners, walls):
 
 @kernel
 def _filled(solid, r, walls, around, split, q):
-    """Write to ``r.best`` what fills these walls; 1 if it needs vertex q, 0 if not, -1 if nothing is found."""
+    """Fill these walls: 0 if ``r.best`` does, 1 if vertex q does, -1 if nothing is found."""
     r.size[COST_KIND] = ANY
     if split[4] == 0:
         r.size[COST_KIND], r.size[TARGET], r.size[TARGET + 1] = EDGE, split[1], split[2]
@@ -324,7 +326,7 @@ def _gone(solid, held, cells, tets, free, gone):
 
 @kernel
 def leave(solid, held, r, cells, split, corners, free, gone):
-    """Release the point of a star, or move it off the surface; how many vertices are new, -1 if nothing changed.
+    """Release the point of a star, or move it off the surface; how many vertices are new, -1 for no change.
 
     Parameters
     ----------

@@ -33,9 +33,9 @@ from .signs import ON_EDGE, meets, side
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "STOP", "recover_all", "survey"]
 
 SPARE_SLOTS = 128  # slots that a refill may need
-NODES_AROUND = 32
-SHAKING = 8
-FEW_CELLS = 0  # cells that a segment crosses, for cavities around all of them
+SHAKING = 8  # the noise by which cavities grow that are refilled at equal cost
+MUCH_SHAKEN = 10  # so many shakes are for the last few goals, which get more effort otherwise, too
+FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
 FEWEST_CORNERS = 5  # vertices of two cells with a common face
@@ -53,7 +53,8 @@ def _hopeless(solid, r, found):
 
     Where the segment enters the cavity by one face and leaves it by another, n tetrahedra in a row have at
     most n + 3 vertices. So with one face in the way now, all vertices of both faces must be those of one
-    tetrahedron; with two, they must be at most five. Where it begins in the cavity, one of the two is a vertex.
+    tetrahedron; with two, they must be at most five. Where the segment begins or ends in the cavity, its end
+    takes the place of a face.
     """
     stamp, inner, ends = 2 * solid.state[STAMP], 0, 0
     first = second = -1
@@ -73,9 +74,8 @@ def _hopeless(solid, r, found):
         return False
     corners, size = r.label, 0
     t, k = first >> 2, first & 3
-    x, y, z = (
-        solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)], solid.vertex[4 * t + corner(k, 2)]
-    )  # fmt: skip
+    v = solid.vertex[4 * t : 4 * t + 4]
+    x, y, z = v[corner(k, 0)], v[corner(k, 1)], v[corner(k, 2)]
     if ends == 1:
         if inner > 1:
             return False
@@ -112,11 +112,7 @@ def _attempt(solid, held, r, found, count, wanted, nodes, noise):
         return False
     faces, cost = load(solid, held, r)
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
-    if (
-        cost >= NEVER
-        or limit <= 0.0
-        or refill(solid.xyz, r, solid.state, faces, limit, goal, nodes) >= NEVER
-    ):
+    if cost >= NEVER or limit <= 0.0 or refill(solid.xyz, r, solid.state, faces, limit, goal, nodes) >= NEVER:
         if not equal:
             remember_failure(r)
         return False
@@ -180,7 +176,7 @@ def _lower_all(solid, held, r, found, options):
     for wanted in range(6, LOCAL_ROOM + 1):
         for i in range(count):
             r.cells[i] = found.cells[i]
-        if _attempt(solid, held, r, found, count, wanted, NODES_AROUND, 4):
+        if _attempt(solid, held, r, found, count, wanted, options[SEARCH_NODES], 4):
             return True
     return False
 
@@ -212,7 +208,7 @@ def recover_one(solid, held, r, found, kind, goal, options):
             continue
         if _lower(solid, held, r, found, count, goal, options):
             continue
-        if _lower_all(solid, held, r, found, options):
+        if options[SHAKES] >= MUCH_SHAKEN and _lower_all(solid, held, r, found, options):
             continue
         if size[SHAKES_LEFT] == 0:
             return count
@@ -220,7 +216,8 @@ def recover_one(solid, held, r, found, kind, goal, options):
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[MOST_WANTED] - 4)
             face = _wander(solid, found.faces[draw(solid.state, count)])
-            if beside(solid, r, face) and _attempt(solid, held, r, found, 2, wanted, options[SEARCH_NODES], SHAKING):
+            nodes = options[SEARCH_NODES]
+            if beside(solid, r, face) and _attempt(solid, held, r, found, 2, wanted, nodes, SHAKING):
                 break
 
 

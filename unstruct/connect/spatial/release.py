@@ -8,7 +8,7 @@ inside takes its place (`sectors`).
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -28,12 +28,12 @@ from .leaving import MOST_LEFT, NODES_WITHOUT, leave, refill_walls
 from .records import COST_KIND, LOCAL_ROOM, NEW_CELLS, TARGET, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
-from .sectors import POSITIVE, Cell, Face, cancelled, link_of, looking_away, moved, steps_off, turned, widened
+from .sectors import POSITIVE, Cell, Face, cancelled, growing, link_of, moved, steps_off, turned, widened
 
 __all__ = ["Release"]
 
-NODES_BESIDE = 100
-ST=[0,0,0,0,0]
+NODES_BESIDE = 100  # of the search for a sector with a new point
+PARTS_BESIDE = (0.25, 0.015625, 0.000244140625)  # of the way to where it may be: powers of 1/4
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
 FEW_WALLS = 100  # the same, for the kernel that needs no more
@@ -182,9 +182,7 @@ class Release:
         if found is None and split.children:
             found = self._grown(sector, self._restored(sector, split), p, claimed)
         if found is None and split.children:
-            ST[0]+=1
             found = self._beside(link + whole, len(link), p)
-            ST[1]+=found is not None
         if found is None and split.children:
             wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
             if wide is not None:
@@ -265,79 +263,37 @@ class Release:
         if segment is not None and not there >= set(segment):
             return None  # a part of it is not there
         rows = np.array(walls, dtype=np.int32)
-        if len(there) > LOCAL_ROOM or not refill_walls(self.cells.solid(), self.local, rows, -1, NODES_WITHOUT):
-            return None
-        return self._found()
+        found = len(there) <= LOCAL_ROOM and refill_walls(
+            self.cells.solid(), self.local, rows, -1, NODES_WITHOUT
+        )
+        return self._found() if found else None
 
     def _beside(self, walls: list[Face], around: int, p: int) -> list[Cell] | None:
-        """As `moved`, where walls do not see the new point: they may get other tetrahedra.
+        """As `moved`, where some walls do not see the new point: these may get other tetrahedra.
 
         The first walls are ``around`` the point.
         """
-        rows, cells, size = np.array(walls, dtype=np.int32), self.cells, self.local.size
-        size[COST_KIND] = ANY
+        rows, cells = np.array(walls, dtype=np.int32), self.cells
+        self.local.size[COST_KIND] = ANY
         q, here = cells.size, cells.xyz[p].copy()
-        ways = steps_off(cells, rows, around, p)
-        for i in (1,3,6):
-            for way in ways:
-                cells.xyz[q] = here + way / 4.0**i
-                if refill_walls(cells.solid(), self.local, rows, q, NODES_BESIDE):
-                    cells.size += 1
-                    return self._found()
+        for part, way in product(PARTS_BESIDE, steps_off(cells, rows, around, p)):
+            cells.xyz[q] = here + part * way
+            if refill_walls(cells.solid(), self.local, rows, q, NODES_BESIDE):
+                cells.size += 1
+                return self._found()
         return None
 
     def _grown(self, sector: list[int], whole: list[Face], p: int, claimed: set[int]) -> list[Cell] | None:
-        """As `_without`, then as `_beside`, with cells beyond walls that look away from the sector."""
-        ST[2]+=1
-        cells=self.cells
-        walls = link_of(cells, sector, p)
-        rows = np.array([*walls, *whole], dtype=np.int32)
-        away = looking_away(cells, rows, len(walls), p)
-        places = [place for place, is_away in zip(walls.values(), away) if is_away]
-        for face in whole:
-            x, y, z = face
-            if walls.pop((x, z, y), None) is None:
-                walls[face] = -1
-        more: list[int] = []
-        for step in range(4):
-            for place in places:
-                u = int(cells.across[place]) >> 2
-                if cells.mark[place] >= 0 or cells.across[place] < 0 or u in claimed:
-                    continue
-                if u in more: continue
-                vertices = cells.vertex[4 * u : 4 * u + 4].tolist()
-                more.append(u)
-                for k in range(4):
-                    x, y, z = turned([vertices[i] for i in POSITIVE[k]])
-                    before = walls.pop((x, z, y), None)
-                    if before is None:
-                        walls[x, y, z] = 4 * u + k
-                    elif before < 0 or cells.mark[before] >= 0:
-                        return None
-            if more:
-                faces=list(walls)
-                there=set().union(*faces)
-                if len(there)>LOCAL_ROOM: break
-                found=self._without(faces, None)
-                ST[3]+=found is not None
-                if found is not None:
-                    claimed|=set(more)
-                    return found
-            # next: a cell whose vertices are there, or the one beyond most faces
-            there=set().union(*walls)
-            votes={}
-            for face,place in walls.items():
-                if place>=0 and cells.mark[place]<0 and cells.across[place]>=0 and int(cells.across[place])>>2 not in claimed:
-                    apex=int(cells.vertex[cells.across[place]])
-                    u=int(cells.across[place])>>2
-                    votes.setdefault((apex in there, apex),[]).append(place)
-            votes={k:v for k,v in votes.items() if k[1]!=p}
-            if not votes: break
-            best=max(votes,key=lambda k:(k[0],len(votes[k])))
-            places=votes[best]
+        """As `_without`, with cells beyond the walls, which are claimed then."""
+        for walls, more in growing(self.cells, sector, whole, p, claimed):
+            found = self._without(walls, None)
+            if found is not None:
+                claimed |= set(more)
+                return found
         return None
 
     def _found(self) -> list[Cell]:
+        """The tetrahedra of the best refill."""
         size = self.local.size
         return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 

@@ -8,6 +8,7 @@ stay.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -21,11 +22,25 @@ from .cavity import corner
 from .leaving import NEAR_WALLS, put_back, ways_off
 from .signs import side
 
-__all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "looking_away", "moved", "steps_off", "turned", "widened"]
+__all__ = [
+    "POSITIVE",
+    "Cell",
+    "Face",
+    "cancelled",
+    "growing",
+    "link_of",
+    "moved",
+    "steps_off",
+    "turned",
+    "widened",
+]
 
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
 WIDE_STEPS = 10  # how often a point is moved by quarters back to the surface, where the cavity may grow
+MOST_GROWN = 4  # steps in which a sector may grow
+FLAT_WALL = 1e-9  # how far off a wall a point is in its plane; unit: the mean distance
+TURNED_AWAY = -0.99  # inner products of unit normals below are those of opposite ones
 MOST_TAKEN = 200  # cells that are taken into a cavity
 NO_WALL = -2  # for the place of what is no wall
 
@@ -63,10 +78,8 @@ def steps_off(cells: CellArrays, walls: NDArray[np.int32], around: int, p: int) 
     return ways[: ways_off(cells.xyz, walls, around, p, ways)]
 
 
-def looking_away(
-    cells: CellArrays, walls: NDArray[np.int32], around: int, p: int
-) -> NDArray[np.bool_]:
-    """Which of the first ``around`` walls are in the plane of one of the others up to rounding, and turned away."""
+def _looking_away(cells: CellArrays, walls: NDArray[np.int32], around: int, p: int) -> NDArray[np.bool_]:
+    """Which of the first ``around`` walls are nearly in the plane of a whole triangle, and turned away."""
     corners = cells.xyz[walls]
     first = corners[:, 0]
     normals = cross(corners[:, 1] - first, corners[:, 2] - first)
@@ -74,7 +87,63 @@ def looking_away(
     scale = float(lengths(corners.reshape(-1, 3) - cells.xyz[p]).mean())
     height = np.abs(((cells.xyz[p] - first) * normals).sum(axis=1))
     against = (normals[:around, None] * normals[None, around:]).sum(axis=2).min(axis=1, initial=1.0)
-    return (height[:around] <= 1e-9 * scale) & (against < -0.99)
+    return (height[:around] <= FLAT_WALL * scale) & (against < TURNED_AWAY)
+
+
+def growing(
+    cells: CellArrays, sector: list[int], whole: list[Face], p: int, claimed: set[int]
+) -> Iterator[tuple[list[Face], list[int]]]:
+    """The walls of a sector with more and more cells beyond them, and these cells.
+
+    First those beyond walls that look away, where flat cells turn the sector inside out; then, vertex by
+    vertex, those whose vertex is there already, or that is beyond most walls. Claimed cells must stay.
+    """
+    walls = link_of(cells, sector, p)
+    rows = np.array([*walls, *whole], dtype=np.int32)
+    away = _looking_away(cells, rows, len(walls), p)
+    places = [place for place, is_away in zip(walls.values(), away, strict=True) if is_away]
+    for x, y, z in whole:
+        if walls.pop((x, z, y), None) is None:
+            walls[x, y, z] = NO_WALL
+    more: list[int] = []
+    for _ in range(MOST_GROWN):
+        for place in places:
+            over = int(cells.across[place])
+            if cells.mark[place] >= 0 or over < 0 or over >> 2 in claimed or over >> 2 in more:
+                continue
+            more.append(over >> 2)
+            if not _take_in(cells, walls, over >> 2):
+                return
+        if more:
+            yield list(walls), more
+        places = _beyond_most(cells, walls, claimed)
+        if not places:
+            return
+
+
+def _take_in(cells: CellArrays, walls: dict[Face, int], u: int) -> bool:
+    """Add a cell to those within the walls; False if a face must stay."""
+    vertices = cells.vertex[4 * u : 4 * u + 4].tolist()
+    for k in range(4):
+        x, y, z = turned([vertices[i] for i in POSITIVE[k]])
+        before = walls.pop((x, z, y), None)
+        if before is None:
+            walls[x, y, z] = 4 * u + k
+        elif before < 0 or cells.mark[before] >= 0:
+            return False
+    return True
+
+
+def _beyond_most(cells: CellArrays, walls: dict[Face, int], claimed: set[int]) -> list[int]:
+    """The walls that have the same vertex beyond: one of theirs if there is such a one, or else most."""
+    there = set().union(*walls)
+    votes: dict[tuple[bool, int], list[int]] = {}
+    for place in walls.values():
+        over = int(cells.across[place]) if place >= 0 and cells.mark[place] < 0 else -1
+        if over >= 0 and over >> 2 not in claimed:
+            apex = int(cells.vertex[over])
+            votes.setdefault((apex in there, apex), []).append(place)
+    return max(votes.items(), key=lambda item: (item[0][0], len(item[1])))[1] if votes else []
 
 
 def moved(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
