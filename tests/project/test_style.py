@@ -57,6 +57,7 @@ COMPILED = ("kernel", "lean", "inline")  # the decorators of kernels
 MORE_ARGUMENTS = {
     "predicates/filters:filter_insphere": 15,
     "predicates/filters:filter_orient3": 12,
+    "predicates/fixed:fixed_orient3": 9,
     "predicates/kernels:insphere": 15,
     "predicates/kernels:orient3": 12,
 }

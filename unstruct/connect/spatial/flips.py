@@ -15,7 +15,7 @@ from .signs import DISJOINT, meets, side
 
 __all__ = ["flip"]
 
-CORNERS = 5
+FLIPPED = 5
 
 
 @inline
@@ -26,7 +26,7 @@ def _in_the_way(solid, goal, u, v, w):
 @lean
 def _place(r, v):
     """The local number of a vertex."""
-    for i in range(CORNERS):
+    for i in range(FLIPPED):
         if r.label[i] == v:
             return i
     return -1
@@ -35,7 +35,7 @@ def _place(r, v):
 @lean
 def _replace(solid, r, old, new):
     """Replace the first ``old`` cells by the first ``new`` rows of ``r.best``, on vertices in ``r.label``."""
-    for i in range(CORNERS**3):
+    for i in range(FLIPPED**3):
         r.beyond[i] = NOWHERE
         r.number[i] = -1
     for i in range(old):
@@ -49,9 +49,9 @@ def _replace(solid, r, old, new):
                 x = _place(r, solid.vertex[4 * t + corner(k, 0)])
                 y = _place(r, solid.vertex[4 * t + corner(k, 1)])
                 z = _place(r, solid.vertex[4 * t + corner(k, 2)])
-                face = face_number(CORNERS, x, y, z)
+                face = face_number(FLIPPED, x, y, z)
                 r.beyond[face], r.number[face] = over, solid.mark[4 * t + k]
-    r.size[LOCALS], r.size[OLD_CELLS], r.size[NEW_CELLS], r.size[EVENT] = CORNERS, old, new, EVENT_REFILL
+    r.size[LOCALS], r.size[OLD_CELLS], r.size[NEW_CELLS], r.size[EVENT] = FLIPPED, old, new, EVENT_REFILL
     commit(solid, r)
 
 

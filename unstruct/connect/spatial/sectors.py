@@ -38,7 +38,7 @@ __all__ = [
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
 WIDE_STEPS = 10  # how often a point is moved by quarters back to the surface, where the cavity may grow
-MOST_GROWN = 4  # steps in which a sector may grow
+GROWING_STEPS = 4  # steps in which a sector may grow
 FLAT_WALL = 1e-9  # how far off a wall a point is in its plane; unit: the mean distance
 TURNED_AWAY = -0.99  # inner products of unit normals below are those of opposite ones
 MOST_TAKEN = 200  # cells that are taken into a cavity
@@ -106,7 +106,7 @@ def growing(
         if walls.pop((x, z, y), None) is None:
             walls[x, y, z] = NO_WALL
     more: list[int] = []
-    for _ in range(MOST_GROWN):
+    for _ in range(GROWING_STEPS):
         for place in places:
             over = int(cells.across[place])
             if cells.mark[place] >= 0 or over < 0 or over >> 2 in claimed or over >> 2 in more:
