@@ -59,6 +59,7 @@ COMPILED = ("kernel", "lean", "inline", "inline_with_arrays", "lending")  # the 
 MORE_ARGUMENTS = {
     "predicates/filters:filter_insphere": 15,
     "predicates/filters:filter_orient3": 12,
+    "predicates/fixed:fixed_orient3": 9,
     "predicates/kernels:insphere": 15,
     "predicates/kernels:orient3": 12,
 }

@@ -44,7 +44,7 @@ def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
     if sign != UNDECIDED:
         return sign
-    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
+    return -close_orient3((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz))
 
 
 @inline_with_arrays
