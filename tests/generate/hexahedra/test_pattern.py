@@ -1,4 +1,4 @@
-"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and any choice of leaves."""
+"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and any chosen leaves."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from unstruct import IncompleteWarning, Mesh, check, octree
 from unstruct.generate.hexahedra.pattern import (
-    FAN,
-    UNUSED,
-    WHOLE,
+    CENTER_FAN,
+    NOT_CHOSEN,
+    WHOLE_CUBE,
     cubes_as_cells,
     kinds_of_leaves,
     leaves_at_ends,
@@ -45,9 +45,9 @@ def test_whole_boxes(seed: int, balance: str) -> None:
     assert check(mesh)
     assert mesh.volume == pytest.approx(8.0, rel=1e-14)
     whole = len(mesh.cells.get("hexahedron", ()))
-    assert whole + np.count_nonzero(_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == FAN) == len(
-        tree
-    )
+    assert whole + np.count_nonzero(
+        _kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == CENTER_FAN
+    ) == len(tree)
 
 
 def _kinds(tree: Tree, chosen: np.ndarray, *, bare: bool) -> np.ndarray:
@@ -62,7 +62,7 @@ def test_some_leaves(seed: int, share: float, bare: bool) -> None:
     chosen = np.linalg.norm((tree.centers - rng.random(3)) / [1, 2, 4], axis=1) < share
     chosen &= rng.random(len(tree)) < 0.9
     kind = _kinds(tree, chosen, bare=bare)
-    assert ((kind != UNUSED) == chosen).all()
+    assert ((kind != NOT_CHOSEN) == chosen).all()
     cubes = cubes_as_cells(tree.grid, numbered(tree.grid), kind, bare=bare)
     blocks = {"hexahedron": cubes.hexahedra, "pyramid": cubes.pyramids, "tetra": cubes.tetrahedra}
     cells = {name: rows for name, rows in blocks.items() if len(rows)}
@@ -112,7 +112,7 @@ def test_components_and_ends(seed: int) -> None:
 
 def test_one_level_is_hexahedra_only() -> None:
     tree = octree([[0, 0, 0], [1, 1, 1]], 0.25)
-    assert (_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == WHOLE).all()
+    assert (_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == WHOLE_CUBE).all()
     mesh = tree.mesh("hexahedra")
     assert list(mesh.cells) == ["hexahedron"]
     assert mesh.size == 64

@@ -32,9 +32,9 @@ from . import card
 
 __all__ = ["Tree"]
 
-IN_THE_PLANE = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
-IN_SPACE = ("hexahedra", "hex-dominant", "cut")  # of an octree over a domain
-KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE, *IN_SPACE)
+FROM_QUADTREES = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
+FROM_OCTREES = ("hexahedra", "hex-dominant", "cut")  # of an octree over a domain
+KINDS_OF_MESHES = ("cells", "conforming", *FROM_QUADTREES, *FROM_OCTREES)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -89,8 +89,8 @@ class Tree(TreeCells):
         ------
         InputError
             If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
-            balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over a
-            box, and if no leaf is inside for "hexahedra".
+            balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over
+            a box, and if no leaf is inside for "hexahedra".
 
         Notes
         -----
@@ -110,16 +110,16 @@ class Tree(TreeCells):
             split_boundary = as_flag(split_boundary, "split_boundary")
             if kind != "hex-dominant":
                 raise InputError(f'split_boundary goes with "hex-dominant", not with {kind!r}')
-        if kind in (IN_SPACE if self.dimension == 2 else IN_THE_PLANE):
+        if kind in (FROM_OCTREES if self.dimension == 2 else FROM_QUADTREES):
             raise InputError(
-                f"{kind!r} meshes are made from {'octrees' if kind in IN_SPACE else 'quadtrees'}"
+                f"{kind!r} meshes are made from {'octrees' if kind in FROM_OCTREES else 'quadtrees'}"
             )
-        if kind in IN_THE_PLANE:
+        if kind in FROM_QUADTREES:
             if self.domain is None:
                 raise InputError(
                     f"a {kind!r} mesh is one of a domain, but this tree is over a box: quadtree(domain, ...)"
                 )
-            return noticed(IN_THE_PLANE[kind](self, self.domain))
+            return noticed(FROM_QUADTREES[kind](self, self.domain))
         if kind == "hex-dominant":
             return hexahedra_and_others(self, split_boundary)
         if kind in ("hexahedra", "cut"):
