@@ -1,4 +1,4 @@
-"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and any choice of leaves."""
+"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and choice of leaves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from unstruct import IncompleteWarning, Mesh, check, octree
 from unstruct.generate.hexahedra.pattern import (
     FAN,
-    UNUSED,
+    NOT_CHOSEN,
     WHOLE,
     cubes_as_cells,
     kinds_of_leaves,
@@ -62,7 +62,7 @@ def test_some_leaves(seed: int, share: float, bare: bool) -> None:
     chosen = np.linalg.norm((tree.centers - rng.random(3)) / [1, 2, 4], axis=1) < share
     chosen &= rng.random(len(tree)) < 0.9
     kind = _kinds(tree, chosen, bare=bare)
-    assert ((kind != UNUSED) == chosen).all()
+    assert ((kind != NOT_CHOSEN) == chosen).all()
     cubes = cubes_as_cells(tree.grid, numbered(tree.grid), kind, bare=bare)
     blocks = {"hexahedron": cubes.hexahedra, "pyramid": cubes.pyramids, "tetra": cubes.tetrahedra}
     cells = {name: rows for name, rows in blocks.items() if len(rows)}

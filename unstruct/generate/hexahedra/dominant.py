@@ -23,7 +23,7 @@ from ..tree.vertices import numbered
 from ..volume.coarse import CoarseFacets, coarse_facets
 from ..volume.lacking import what_is_missing
 from .choosing import clear_leaves, must_be_octree, with_hexahedra
-from .pattern import UNUSED, cubes_as_cells
+from .pattern import NOT_CHOSEN, cubes_as_cells
 from .strip import strip_of
 from .together import of_cubes, together
 
@@ -71,7 +71,7 @@ def hexahedra_and_others(tree: TreeCells, split_boundary: bool | None = None) ->
         kinds = with_hexahedra(tree, vertices, chosen, bare=False)
         cubes = cubes_as_cells(tree.grid, vertices, kinds.kind, bare=False)
         strip = strip_of(body, cubes, parts, field)
-        last = not (kinds.kind != UNUSED).any()
+        last = not (kinds.kind != NOT_CHOSEN).any()
         if last or (strip.mesh.complete and strip.keeps_kernel):
             break
     if last:

@@ -19,9 +19,18 @@ from ..tree.keys import compacted, interleaved
 from ..tree.lookup import Grid, entries, leaf_of
 from ..tree.vertices import Vertices
 
-__all__ = ["FAN", "UNUSED", "WHOLE", "Cubes", "cubes_as_cells", "kinds_of_leaves", "leaves_at_ends", "linked"]
+__all__ = [
+    "FAN",
+    "NOT_CHOSEN",
+    "WHOLE",
+    "Cubes",
+    "cubes_as_cells",
+    "kinds_of_leaves",
+    "leaves_at_ends",
+    "linked",
+]
 
-UNUSED, FAN, WHOLE = 0, 1, 2  # what becomes of a leaf
+NOT_CHOSEN, FAN, WHOLE = 0, 1, 2  # what becomes of a leaf
 AROUND_CUBE = (0, 1, 3, 2, 4, 5, 7, 6)  # corners of a leaf in VTK's order
 
 
@@ -74,7 +83,7 @@ def _beyond(grid, shift, low, width, face, quarter, q):
 def _kinds(grid, shift, vertex, chosen, bare, kind):
     low, ring, q = np.empty(3, dtype=np.int64), np.empty(9, dtype=np.int64), np.empty(3, dtype=np.int64)
     for leaf in range(len(grid.first)):
-        kind[leaf] = UNUSED
+        kind[leaf] = NOT_CHOSEN
         if not chosen[leaf]:
             continue
         _low_of(grid, leaf, low)
@@ -94,7 +103,7 @@ def _kinds(grid, shift, vertex, chosen, bare, kind):
 def kinds_of_leaves(
     grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool
 ) -> NDArray[np.int8]:
-    """What becomes of each leaf: `WHOLE`, `FAN` or, if it is not chosen, `UNUSED`.
+    """What becomes of each leaf: `WHOLE`, `FAN` or, if it is not chosen, `NOT_CHOSEN`.
 
     Parameters
     ----------
@@ -111,7 +120,7 @@ def kinds_of_leaves(
 
 @inline
 def _quadrilateral(kind, other, bare):
-    return (other >= 0 and kind[other] == WHOLE) or (bare and (other < 0 or kind[other] == UNUSED))
+    return (other >= 0 and kind[other] == WHOLE) or (bare and (other < 0 or kind[other] == NOT_CHOSEN))
 
 
 @inline
@@ -172,7 +181,7 @@ def _divided_face(grid, shift, kind, bare, at, ring, made, count):
             four[0], four[1], four[2], four[3] = 2 * k, after, 8, before
             _pyramid(ring, four, at, made, count)
             continue
-        end = other < 0 or kind[other] == UNUSED
+        end = other < 0 or kind[other] == NOT_CHOSEN
         _tetrahedron(ring[8], ring[before], ring[2 * k], at, end, made, count)
         _tetrahedron(ring[8], ring[2 * k], ring[after], at, end, made, count)
 
@@ -207,7 +216,7 @@ def _fan(grid, shift, vertex, kind, bare, at, made, count):
             continue
         if n == 4:
             start = ((low[(a + 1) % 3] >> up) ^ (low[(a + 2) % 3] >> up)) & 1
-        end = other < 0 or kind[other] == UNUSED
+        end = other < 0 or kind[other] == NOT_CHOSEN
         for t in range(n - 2):
             second, third = outline[(start + 1 + t) % n], outline[(start + 2 + t) % n]
             _tetrahedron(outline[start], second, third, at, end, made, count)

@@ -108,11 +108,11 @@ def _numbers(strip: Strip, cubes: Cubes) -> tuple[NDArray[np.int64], NDArray[np.
 
 def _pieces(parts: Divided | None, strip: Strip) -> dict[str, Any]:
     """Which faces and edges lie on which pieces of the domain."""
-    mesh, kernel = strip.mesh, len(strip.domain.facets) - strip.facets
+    mesh, many = strip.mesh, len(strip.domain.facets) - strip.facets
     own = ~strip.of_kernel
     face_piece = np.asarray(mesh.face_piece)[own]
-    face_piece = np.where(face_piece < strip.facets, face_piece, face_piece - kernel)
-    piece, span = np.asarray(mesh.piece) - kernel, np.asarray(mesh.span)
+    face_piece = np.where(face_piece < strip.facets, face_piece, face_piece - many)
+    piece, span = np.asarray(mesh.piece) - many, np.asarray(mesh.span)
     if parts is not None:
         low, high = parts.span[piece].T
         span = low[:, None] + span * (high - low)[:, None]
