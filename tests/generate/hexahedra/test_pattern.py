@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from unstruct import IncompleteWarning, Mesh, check, octree
 from unstruct.generate.hexahedra.pattern import (
-    FAN,
+    FAN_OF_LEAF,
     NOT_CHOSEN,
     WHOLE,
     cubes_as_cells,
@@ -45,9 +45,9 @@ def test_whole_boxes(seed: int, balance: str) -> None:
     assert check(mesh)
     assert mesh.volume == pytest.approx(8.0, rel=1e-14)
     whole = len(mesh.cells.get("hexahedron", ()))
-    assert whole + np.count_nonzero(_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == FAN) == len(
-        tree
-    )
+    assert whole + np.count_nonzero(
+        _kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == FAN_OF_LEAF
+    ) == len(tree)
 
 
 def _kinds(tree: Tree, chosen: np.ndarray, *, bare: bool) -> np.ndarray:
