@@ -21,7 +21,9 @@ from .strip import Strip
 
 __all__ = ["KINDS_OF_CELLS", "of_cubes", "together"]
 
-LONG_EDGE = 2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
+LONG_AT_LEAF = (
+    2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
+)
 LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
@@ -146,7 +148,7 @@ def _at_large_facets(tree: TreeCells, mesh: DomainMesh, faces: NDArray[np.int32]
         along = x[:, i] - x[:, j]
         length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
         leaf = located(tree.grid, np.clip((x[:, i] + x[:, j]) / 2, low, high))
-        large |= length > LONG_EDGE * np.asarray(tree.sides)[leaf]
+        large |= length > LONG_AT_LEAF * np.asarray(tree.sides)[leaf]
     return np.flatnonzero(faces_of_cells(mesh.simplices, faces[large], len(mesh.points)).any(axis=1))
 
 
