@@ -1,4 +1,4 @@
-"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and any chosen leaves."""
+"""Hexahedra, pyramids and tetrahedra of leaves: conforming for any balanced octree and choice of leaves."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from unstruct import IncompleteWarning, Mesh, check, octree
 from unstruct.generate.hexahedra.pattern import (
-    CENTER_FAN,
+    FAN_OF_LEAF,
     NOT_CHOSEN,
-    WHOLE_CUBE,
+    WHOLE,
     cubes_as_cells,
     kinds_of_leaves,
     leaves_at_ends,
@@ -46,7 +46,7 @@ def test_whole_boxes(seed: int, balance: str) -> None:
     assert mesh.volume == pytest.approx(8.0, rel=1e-14)
     whole = len(mesh.cells.get("hexahedron", ()))
     assert whole + np.count_nonzero(
-        _kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == CENTER_FAN
+        _kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == FAN_OF_LEAF
     ) == len(tree)
 
 
@@ -112,7 +112,7 @@ def test_components_and_ends(seed: int) -> None:
 
 def test_one_level_is_hexahedra_only() -> None:
     tree = octree([[0, 0, 0], [1, 1, 1]], 0.25)
-    assert (_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == WHOLE_CUBE).all()
+    assert (_kinds(tree, np.ones(len(tree), dtype=bool), bare=True) == WHOLE).all()
     mesh = tree.mesh("hexahedra")
     assert list(mesh.cells) == ["hexahedron"]
     assert mesh.size == 64

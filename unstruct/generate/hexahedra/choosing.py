@@ -17,7 +17,7 @@ from ...predicates.batch import power_of_two
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_INSIDE
 from ..tree.vertices import Vertices
-from .pattern import WHOLE_CUBE, kinds_of_leaves, linked
+from .pattern import WHOLE, kinds_of_leaves, linked
 
 __all__ = ["Kinds", "clear_leaves", "must_be_octree", "with_hexahedra"]
 
@@ -113,6 +113,6 @@ def with_hexahedra(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_
     kind = kinds_of_leaves(tree.grid, vertices, chosen, bare=bare)
     root = linked(tree.grid, chosen)
     some = np.zeros(len(root), dtype=bool)
-    some[root[kind == WHOLE_CUBE]] = True
+    some[root[kind == WHOLE]] = True
     kept = chosen & some[root]
     return Kinds(np.where(kept, kind, np.int8(0)), np.where(kept, root, -1))

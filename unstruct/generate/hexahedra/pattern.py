@@ -20,9 +20,9 @@ from ..tree.lookup import Grid, entries, leaf_of
 from ..tree.vertices import Vertices
 
 __all__ = [
-    "CENTER_FAN",
+    "FAN_OF_LEAF",
     "NOT_CHOSEN",
-    "WHOLE_CUBE",
+    "WHOLE",
     "Cubes",
     "cubes_as_cells",
     "kinds_of_leaves",
@@ -30,7 +30,7 @@ __all__ = [
     "linked",
 ]
 
-NOT_CHOSEN, CENTER_FAN, WHOLE_CUBE = 0, 1, 2  # what becomes of a leaf
+NOT_CHOSEN, FAN_OF_LEAF, WHOLE = 0, 1, 2  # what becomes of a leaf
 AROUND_CUBE = (0, 1, 3, 2, 4, 5, 7, 6)  # corners of a leaf in VTK's order
 
 
@@ -97,13 +97,13 @@ def _kinds(grid, shift, vertex, chosen, bare, kind):
                 whole &= other >= 0 and chosen[other]
             if not whole:
                 break
-        kind[leaf] = WHOLE_CUBE if whole else CENTER_FAN
+        kind[leaf] = WHOLE if whole else FAN_OF_LEAF
 
 
 def kinds_of_leaves(
     grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool
 ) -> NDArray[np.int8]:
-    """What becomes of each leaf: `WHOLE_CUBE`, `CENTER_FAN` or, if it is not chosen, `NOT_CHOSEN`.
+    """What becomes of each leaf: `WHOLE`, `FAN_OF_LEAF` or, if it is not chosen, `NOT_CHOSEN`.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def kinds_of_leaves(
 
 @inline
 def _quadrilateral(kind, other, bare):
-    return (other >= 0 and kind[other] == WHOLE_CUBE) or (bare and (other < 0 or kind[other] == NOT_CHOSEN))
+    return (other >= 0 and kind[other] == WHOLE) or (bare and (other < 0 or kind[other] == NOT_CHOSEN))
 
 
 @inline
@@ -228,13 +228,13 @@ def _cells(grid, shift, vertex, kind, bare, centers, made, count):
     at = np.empty(4, dtype=np.int64)
     center = centers
     for leaf in range(len(kind)):
-        if kind[leaf] == WHOLE_CUBE:
+        if kind[leaf] == WHOLE:
             if count[0] < len(made.hexahedra):
                 for k in range(8):
                     made.hexahedra[count[0], k] = vertex[leaf, AROUND_CUBE[k]]
                 made.of_hexahedron[count[0]] = leaf
             count[0] += 1
-        elif kind[leaf] == CENTER_FAN:
+        elif kind[leaf] == FAN_OF_LEAF:
             at[0], at[2] = leaf, center
             _fan(grid, shift, vertex, kind, bare, at, made, count)
             center += 1
@@ -252,7 +252,7 @@ def cubes_as_cells(grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, ba
     bare : bool
         As there.
     """
-    fans = np.flatnonzero(kind == CENTER_FAN)
+    fans = np.flatnonzero(kind == FAN_OF_LEAF)
     count = np.zeros(4, dtype=np.int64)
     shift, start = entries(grid.depth, 3), len(vertices.points)
     made = _room(count)
