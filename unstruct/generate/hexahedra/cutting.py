@@ -22,7 +22,7 @@ __all__ = ["crossings", "cut_cells", "positive_places"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 NEAREST_CUT = 1.0 / 32  # how near to an end an edge is cut; unit: its length
-EDGES_AT_ONCE = 1 << 16  # to bound the memory
+EDGES_CUT_AT_ONCE = 1 << 16  # to bound the memory
 VERTEX_IN, VERTEX_ON, VERTEX_OUT = 1, 0, -1
 
 # For numbers of corners (inside, on the surface): the kind of cell, and its corners as corners of the
@@ -149,10 +149,10 @@ def crossings(points: Array, ends: Rows, corners: Array, triangles: NDArray[np.i
     rows = triangles.astype(np.int64) + len(points)
     tree = BoxTree(*bounding_boxes(xyz[rows]))
     place = np.full(len(ends), np.inf)
-    for i in range(0, len(ends), EDGES_AT_ONCE):
-        part = ends[i : i + EDGES_AT_ONCE]
+    for i in range(0, len(ends), EDGES_CUT_AT_ONCE):
+        part = ends[i : i + EDGES_CUT_AT_ONCE]
         query, hit = tree.pairs(*bounding_boxes(xyz[part]))
-        _cross(xyz, part, rows, query, hit, place[i : i + EDGES_AT_ONCE])
+        _cross(xyz, part, rows, query, hit, place[i : i + EDGES_CUT_AT_ONCE])
     return np.where(np.isfinite(place), place, 0.5).clip(NEAREST_CUT, 1.0 - NEAREST_CUT)
 
 
