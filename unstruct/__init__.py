@@ -6,6 +6,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
 `advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `improve`.
+Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
 `CurvedMesh`.
@@ -52,6 +53,9 @@ from .generate.front.advancing_front import advancing_front as advancing_front
 from .generate.front.delaunay_front import front_delaunay as front_delaunay
 from .generate.improve.smoothing import smooth as smooth
 from .generate.layers.advancing_layers import advancing_layers as advancing_layers
+from .generate.planting.planting import octree as octree
+from .generate.planting.planting import quadtree as quadtree
+from .generate.planting.tree import Tree as Tree
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.volume.improving import improve as improve
@@ -83,6 +87,7 @@ __all__ = [
     "MeshError",
     "Report",
     "Spacing",
+    "Tree",
     "Triangulation",
     "UnstructError",
     "Voronoi",
@@ -101,8 +106,10 @@ __all__ = [
     "insert",
     "interpolate",
     "join",
+    "octree",
     "plain",
     "predicates",
+    "quadtree",
     "refine",
     "second_order",
     "simplex",
