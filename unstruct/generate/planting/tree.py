@@ -111,9 +111,8 @@ class Tree(TreeCells):
             if kind != "hex-dominant":
                 raise InputError(f'split_boundary goes with "hex-dominant", not with {kind!r}')
         if kind in (FROM_OCTREES if self.dimension == 2 else FROM_QUADTREES):
-            raise InputError(
-                f"{kind!r} meshes are made from {'octrees' if kind in FROM_OCTREES else 'quadtrees'}"
-            )
+            places = "octrees; this is a quadtree" if kind in FROM_OCTREES else "quadtrees, not in space"
+            raise InputError(f"{kind!r} meshes are made from {places}")
         if kind in FROM_QUADTREES:
             if self.domain is None:
                 raise InputError(
