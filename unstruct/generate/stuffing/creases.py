@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import IncompleteWarning, InputError
+from ...base.errors import DomainError, IncompleteWarning
 from ...domain.domain import Domain
 from ...geometry.segment_tree import SegmentTree
 from ...geometry.triangle_tree import TriangleTree
@@ -24,11 +24,11 @@ from ...sizing.field import SizeField
 from ..bodies.tetrahedralize import tetrahedralize
 from ..rebay.voronoi_segment import voronoi_segment
 from .ending import boundary_faces
+from .flat_parts import FLAT_PART, flat_parts
 
 __all__ = ["Creases", "Filled", "creases_of", "with_creases"]
 
 Array = NDArray[np.float64]
-FLAT_PART = 1e-9  # of the extent of a body: how far the corners of a flat part may be from a plane
 SEEDS = 4  # with which the strip is filled, until it is filled exactly
 STRIP_WIDTH = 1.0  # of a cell: cells with a vertex so near to a crease are taken out
 
@@ -46,12 +46,18 @@ class Creases(NamedTuple):
         The flat part of each triangle.
     parts : (s, 2) int64
         The flat parts on both sides of each segment.
+    frames : list of (origin, axes)
+        A point of the plane of each part, and two directions in it.
+    deviation : float
+        How far corners are from the planes of their parts.
     """
 
     points: Array
     segments: NDArray[np.int64]
     part: NDArray[np.int64]
     parts: NDArray[np.int64]
+    frames: list[tuple[Array, list[Array]]]
+    deviation: float
 
 
 class Filled(NamedTuple):
@@ -79,62 +85,12 @@ def creases_of(domain: Domain, angle: float, field: SizeField) -> Creases:
     Raises
     ------
     InputError
-        If the parts of the surface between them are not flat.
+        If the parts of the surface between them are not flat, up to 1e-6 of the extent.
     """
-    shell = domain.triangulated
-    x, rows = shell.points, shell.bounding.astype(np.int64)
-    p = x[rows]
-    u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    normal = np.stack([u[:, a - 2] * v[:, a - 1] - u[:, a - 1] * v[:, a - 2] for a in range(3)], axis=1)
-    normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
-    ends = np.concatenate([rows[:, [1, 2]], rows[:, [2, 0]], rows[:, [0, 1]]])
-    owner = np.tile(np.arange(len(rows)), 3)
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    order = np.lexsort((owner, high, low))
-    keys = low[order] * len(x) + high[order]
-    first = np.flatnonzero(np.append(True, keys[1:] != keys[:-1]))
-    if (np.diff(np.append(first, len(keys))) != 2).any():
-        raise InputError("features needs a surface on which two facets meet at each edge")
-    one, two = owner[order[first]], owner[order[first + 1]]
-    same_way = ends[order[first], 0] == ends[order[first + 1], 0]
-    cosine = (normal[one] * normal[two]).sum(axis=1) * np.where(same_way, -1.0, 1.0)
-    sharp = cosine < np.cos(np.deg2rad(angle))
-    part = _parts(len(rows), one[~sharp], two[~sharp])
-    _must_be_flat(domain, x, rows, normal, part, angle)
-    begin, end = low[order[first]][sharp], high[order[first]][sharp]
-    points, segments, edge = _divided(x, begin, end, field)
-    return Creases(points, segments, part, np.stack([part[one[sharp]], part[two[sharp]]], axis=1)[edge])
-
-
-def _parts(count: int, one: NDArray[np.int64], two: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Triangles that are joined over edges that are not sharp have the same number."""
-    label = np.arange(count)
-    while True:
-        least = np.minimum(label[one], label[two])
-        new = label.copy()
-        np.minimum.at(new, one, least)
-        np.minimum.at(new, two, least)
-        new = new[new]
-        if np.array_equal(new, label):
-            return np.unique(label, return_inverse=True)[1]
-        label = new
-
-
-def _must_be_flat(
-    domain: Domain, x: Array, rows: NDArray[np.int64], normal: Array, part: NDArray[np.int64], angle: float
-) -> None:
-    leader = np.unique(part, return_index=True)[1][part]
-    gap = x[rows] - x[rows[leader, 0]][:, None, :]
-    height = np.abs((gap * normal[leader][:, None, :]).sum(axis=2)).max(axis=1)
-    low, high = domain.bounds
-    bad = height > FLAT_PART * float((high - low).max())
-    if bad.any():
-        place = x[rows[int(np.argmax(bad))]].mean(axis=0).tolist()
-        raise InputError(
-            f"between edges of {angle:g} degrees or more the surface must be flat; near {place} it is "
-            "not: take a smaller angle, or tetrahedralize(body, size, split_boundary=True), which keeps "
-            "all edges"
-        )
+    flat = flat_parts(domain, angle)
+    begin, end = flat.edges.T
+    points, segments, edge = _divided(domain.triangulated.points, begin, end, field)
+    return Creases(points, segments, flat.part, flat.beside[edge], flat.frames, flat.deviation)
 
 
 def _divided(
@@ -187,13 +143,19 @@ def with_creases(
     offset = len(creases.points)
     everything = np.concatenate([creases.points, points])
     triangles = [faces[~outer].astype(np.int64) + offset]
-    for k in range(int(creases.part.max()) + 1):
+    for k in range(len(creases.frames)):
         covered = faces[outer & (part[faces[:, 0]] == k)].astype(np.int64) + offset
-        found, more = _between(domain, creases, k, covered, everything, size[0])
+        try:
+            found, more = _between(creases, k, covered, everything, size[0])
+        except DomainError:  # rounding of the input makes the outline cross itself
+            return None, gone
         triangles.append(found)
         everything = np.concatenate([everything, more])
     used, number = np.unique(np.concatenate(triangles), return_inverse=True)
-    strip = Domain(everything[used], number.reshape(-1, 3))
+    try:
+        strip = Domain(everything[used], number.reshape(-1, 3))
+    except DomainError:
+        return None, gone
     for seed in range(SEEDS):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", IncompleteWarning)
@@ -201,7 +163,7 @@ def with_creases(
         whole = filled.counts["missing triangles"] == 0 and filled.counts["missing segments"] == 0
         if whole and not len(filled.steiner):
             rows = kept.astype(np.int64) + offset
-            return _joined(everything, rows, used, filled, len(domain.points)), gone
+            return _joined(everything, rows, used, filled, creases.deviation, len(domain.points)), gone
     return None, gone
 
 
@@ -264,7 +226,7 @@ def _among(faces: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.bo
 
 
 def _between(
-    domain: Domain, creases: Creases, k: int, covered: NDArray[np.int64], points: Array, field: SizeField
+    creases: Creases, k: int, covered: NDArray[np.int64], points: Array, field: SizeField
 ) -> tuple[NDArray[np.int64], Array]:
     """Triangles of the flat part k around those that cells cover already, and further points for them.
 
@@ -275,7 +237,7 @@ def _between(
     here = creases.parts == k
     facets = np.concatenate([creases.segments[here.sum(axis=1) == 1], edges[count == 1]])
     inner = creases.segments[here.all(axis=1)]
-    origin, axes = _frame(domain, creases, k)
+    origin, axes = creases.frames[k]
     used, number = np.unique(np.concatenate([facets, inner]), return_inverse=True)
     number = number.reshape(-1, 2)
     gap = points[used] - origin
@@ -288,7 +250,9 @@ def _between(
     def lifted(q: Array) -> Array:
         return origin + q[:, :1] * axes[0] + q[:, 1:] * axes[1]
 
-    mesh = voronoi_segment(flat, lambda q: field(lifted(q)), split_boundary=False)
+    with warnings.catch_warnings():  # of triangles beside creases; the cells over them are judged later
+        warnings.simplefilter("ignore", IncompleteWarning)
+        mesh = voronoi_segment(flat, lambda q: field(lifted(q)), split_boundary=False)
     back = np.asarray(mesh.origin)
     new = np.flatnonzero(back < 0)
     vertex = np.where(back < 0, 0, used[back])
@@ -296,18 +260,13 @@ def _between(
     return vertex[mesh.simplices], lifted(mesh.points[new])
 
 
-def _frame(domain: Domain, creases: Creases, k: int) -> tuple[Array, list[Array]]:
-    """A corner of a flat part, and two perpendicular directions in it of length 1."""
-    shell = domain.triangulated
-    corner = shell.points[shell.bounding[int(np.argmax(creases.part == k))]]
-    u, v = corner[1] - corner[0], corner[2] - corner[0]
-    u = u / np.sqrt((u * u).sum())
-    v = v - (u * v).sum() * u
-    return corner[0], [u, v / np.sqrt((v * v).sum())]
-
-
 def _joined(
-    everything: Array, kept: NDArray[np.int64], used: NDArray[np.int64], filled: DomainMesh, given: int
+    everything: Array,
+    kept: NDArray[np.int64],
+    used: NDArray[np.int64],
+    filled: DomainMesh,
+    deviation: float,
+    given: int,
 ) -> Filled:
     """The cells that were kept and those of the strip, whose vertices ``used`` has."""
     origin = np.asarray(filled.origin)
@@ -318,7 +277,7 @@ def _joined(
     cells = np.concatenate([kept, vertex[filled.simplices]])
     found = np.concatenate([everything, filled.points[new]])
     strip = np.arange(len(cells)) >= len(kept)
-    thin = FLAT_PART * float(np.ptp(found, axis=0).max())
+    thin = FLAT_PART * float(np.ptp(found, axis=0).max()) + 2.0 * deviation
     while True:
         flat = _flat_on_surface(found, cells, strip, thin)
         if not flat.any():
@@ -334,19 +293,16 @@ def _flat_on_surface(
 ) -> NDArray[np.bool_]:
     """Cells of the strip in a flat part of the surface, to which rounding has given a volume.
 
-    Without them, the flat part is divided into triangles in another way.
+    They have a face at the boundary, over which they are lower than `thin`. Without them, the flat part is
+    divided into triangles in another way.
     """
-    rows = np.flatnonzero(strip)
-    p = points[cells[rows]]
-    u, v, w = (p[:, k] - p[:, 0] for k in (1, 2, 3))
-    normal = np.stack([u[:, a - 2] * v[:, a - 1] - u[:, a - 1] * v[:, a - 2] for a in range(3)], axis=1)
-    volume = np.abs((normal * w).sum(axis=1))
-    longest = np.sqrt(
-        np.max([((p[:, i] - p[:, j]) ** 2).sum(axis=1) for i in range(4) for j in range(i)], axis=0)
-    )
-    low = rows[volume <= thin * longest * longest]
     flat = np.zeros(len(cells), dtype=bool)
-    if len(low):
-        _, owner = boundary_faces(cells.astype(np.int32), np.ones(len(points), dtype=bool))
-        flat[low] = np.bincount(owner, minlength=len(cells))[low] > 0
+    faces, owner = boundary_faces(cells.astype(np.int32), np.ones(len(points), dtype=bool))
+    faces, owner = faces[strip[owner]], owner[strip[owner]]
+    fourth = cells[owner].sum(axis=1) - faces.sum(axis=1, dtype=np.int64)
+    p = points[faces]
+    u, v, w = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], points[fourth] - p[:, 0]
+    normal = np.stack([u[:, a - 2] * v[:, a - 1] - u[:, a - 1] * v[:, a - 2] for a in range(3)], axis=1)
+    area = np.sqrt((normal * normal).sum(axis=1))
+    flat[owner[np.abs((normal * w).sum(axis=1)) <= thin * area]] = True
     return flat

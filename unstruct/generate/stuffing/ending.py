@@ -14,6 +14,7 @@ from ...base.jit import kernel
 from ...geometry.triangle_tree import TriangleTree, onto
 from ...mesh.grouping import group_rows, sort_rows
 from ...mesh.manifold import fans_of_faces
+from ...predicates.batch import power_of_two
 
 __all__ = ["boundary_faces", "missing_parts", "nearest_on", "pinched_vertices"]
 
@@ -110,8 +111,9 @@ def missing_parts(
     x, side = samples
     corners = points[faces]
     which, weight = TriangleTree(corners).nearest(x)
-    gap = x - (weight[:, :, None] * corners[which]).sum(axis=1)
-    distance = np.sqrt((gap * gap).sum(axis=1)) / side
+    factor = power_of_two(x)  # squares in very small units would be zero
+    gap = (x - (weight[:, :, None] * corners[which]).sum(axis=1)) * factor
+    distance = np.sqrt((gap * gap).sum(axis=1)) / (side * factor)
     found: dict[int, tuple[float, Array]] = {}
     for i in np.flatnonzero(distance > limit).tolist():
         owner = int(cell[which[i]])

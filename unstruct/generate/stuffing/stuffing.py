@@ -17,6 +17,7 @@ from ...geometry.triangle_tree import TriangleTree
 from ...mesh import topology
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
+from ...predicates.batch import power_of_two
 from ...sizing.field import as_size
 from ..tree.growing import MOST_LEAVES, as_box
 from .creases import creases_of, with_creases
@@ -29,6 +30,7 @@ from .surfaces import laid_in_surface
 __all__ = ["isosurface_stuffing"]
 
 ZERO_TOLERANCE = 1e-10  # of the zeros on edges, as a share of the edge
+MOST_COORDINATE = 2.0**128  # its fourth power and that of its inverse are doubles, with much room
 FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer (see the tests)
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
@@ -54,7 +56,7 @@ def isosurface_stuffing(
     ----------
     body : callable, Domain in space, or Mesh of triangles that close
         A function takes points (k, 3) and returns k finite numbers, positive inside, negative outside, zero
-        on the surface; it needs a `box`.
+        on the surface only; it needs a `box`.
     size : number, function (k, 3) -> (k,), or size field
         The long edges of the lattice; the short ones are sqrt(3)/2 as long. All cells along the surface have
         one size, the smallest that is asked for in the body or near it; those inside become larger, by
@@ -69,8 +71,10 @@ def isosurface_stuffing(
     graded : bool
         Whether cells along the surface follow the size, too. Their angles are then measured, not proved.
     features : float, optional
-        For a surface that is flat between its sharp edges: degrees. Edges at which the normals of facets
-        differ by at least so much are kept: each is a chain of edges of the mesh, from corner to corner.
+        For a surface that is flat between its sharp edges, up to 1e-6 of its extent, as of a file in single
+        precision: degrees. Edges at which the normals of facets differ by at least so much are kept: each is
+        a chain of edges of the mesh, from corner to corner. Triangles that are so thin that single precision
+        can turn their normals by the angle do not decide.
     tolerance : float or None
         For a function: to what share of an edge zeros are found. None: those of the linear interpolation
         between the ends of the edge are taken.
@@ -94,7 +98,9 @@ def isosurface_stuffing(
     ------
     InputError
         For other arguments; if the function raises an error, or returns anything but finite numbers; if it is
-        positive at the sides of the box; if nothing is inside, or the budget is exceeded.
+        positive at the sides of the box, or exactly 0 in whole cells beside the body, as functions are that
+        are 1 inside and 0 outside; if nothing is inside, or the budget is exceeded; with `features`, if the
+        surface is not flat between sharp edges.
     DomainError
         For a Mesh that is no closed surface.
 
@@ -109,7 +115,9 @@ def isosurface_stuffing(
     and the surface is a body of its own. Its flat sides are divided by `voronoi_segment`, with the creases
     cut at the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in
     the strip are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees.
-    Then the mesh has exactly the volume of the body, up to rounding.
+    Then the mesh has exactly the volume of the body, up to rounding, and to how far its sides are from flat.
+    Edges within flat sides are not kept: where those are given in triangles, `check(mesh, domain=...)` passes
+    for the body with each side as one polygon; `check(mesh)` and the volume are for any body.
 
     Vertices on the boundary are on the surface up to the tolerance, or, for surfaces of triangles, up to
     rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell.
@@ -190,10 +198,16 @@ def _made(laid: Laid) -> Made:
 
 def _with_creases(made: Made, domain: Domain, angle: float, laid: Laid, progress: bool) -> Made:
     """The same with the sharp edges of a domain."""
-    creases = creases_of(domain, angle, laid.field)
-    mesh = (made.points, made.cells, made.on_surface)
-    cell = float(laid.grid.side[0]) * 0.5**laid.grid.depth
-    filled, gone = with_creases(domain, creases, mesh, (laid.field, cell), progress)
+    cell, field, unit = float(laid.grid.side[0]) * 0.5**laid.grid.depth, laid.field, 1.0
+    if (
+        not 1.0 / MOST_COORDINATE <= float(np.abs(domain.points).max()) <= MOST_COORDINATE
+    ):  # volumes would not be doubles
+        unit = power_of_two(domain.points)
+        domain = Domain(domain.points * unit, domain.facets)
+        field = as_size(lambda x: laid.field(x / unit) * unit)
+    creases = creases_of(domain, angle, field)
+    mesh = (made.points * unit, made.cells, made.on_surface)
+    filled, gone = with_creases(domain, creases, mesh, (field, cell * unit), progress)
     if filled is None:
         reasons = made.reasons | dict.fromkeys(np.flatnonzero(gone).tolist(), LOST_CREASE)
         return made._replace(reasons=reasons)
@@ -202,7 +216,7 @@ def _with_creases(made: Made, domain: Domain, angle: float, laid: Laid, progress
     everywhere = np.ones(len(filled.points), dtype=bool)
     on_surface[boundary_faces(filled.cells, everywhere)[0].ravel()] = True
     return Made(
-        filled.points,
+        filled.points / unit,
         filled.cells,
         on_surface,
         filled.origin,
