@@ -149,6 +149,50 @@ def test_functions_that_are_none(body, message: str) -> None:
         isosurface_stuffing(body, 0.3, box=BOX)
 
 
+def slab(x: np.ndarray) -> np.ndarray:
+    return 0.5 - np.abs(x).max(axis=1)
+
+
+@pytest.mark.parametrize("graded", [False, True])
+@pytest.mark.parametrize(
+    "body",
+    [
+        lambda x: (ball(x) > 0).astype(float),
+        lambda x: (slab(x) > 0).astype(np.int64),
+        lambda x: np.maximum(ball(x), 0.0),
+        lambda x: np.where(x[:, 0] > 0, ball(x), np.maximum(ball(x), 0.0)),
+    ],
+    ids=["indicator", "whole numbers", "density", "one half"],
+)
+def test_zero_outside_is_refused(body, graded: bool) -> None:
+    size = (lambda x: 0.2 + 0 * x[:, 0]) if graded else 0.2
+    with pytest.raises(InputError, match="exactly 0 at"):
+        isosurface_stuffing(body, size, box=BOX, graded=graded)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        lambda x: np.where(ball(x) > 0, 1.0, -1.0),
+        lambda x: (ball(x) > 0) - 0.5,
+        lambda x: np.where(ball(x) < -0.8, 0.0, ball(x)),  # zero far away, as in narrow bands
+        slab,  # zero on planes of the lattice
+        lambda x: np.where(ball(x) > 0, ball(x), np.minimum(slab(x), 0)),
+    ],
+    ids=["signs", "half less", "band", "planes", "kink"],
+)
+def test_zeros_elsewhere_are_not(body) -> None:
+    mesh = isosurface_stuffing(body, 0.25, box=[(-1.5,) * 3, (1.5,) * 3])
+    assert mesh.complete
+    assert check(mesh)
+
+
+def test_zeros_inside_a_body_fill_no_cell() -> None:
+    mesh = isosurface_stuffing(lambda x: slab(x) * x[:, 0] ** 2, 0.25, box=[(-1,) * 3, (1,) * 3])
+    assert mesh.complete
+    assert mesh.volume == 1.0
+
+
 def test_other_refusals() -> None:
     with pytest.raises(InputError, match="needs a box"):
         isosurface_stuffing(ball, 0.3)

@@ -146,12 +146,38 @@ def laid_in_level_set(
         vertices = lattice_vertices(grid)
         values, sign = _looked_up(frame, samples, grid, vertices[1])
     points = vertices[0]
+    _refuse_masses_of_zeros(points, vertices[2].corners, sign)
 
     def shares(edges: Edges) -> Array:
         ends = points[edges.inner], points[edges.outer]
         return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
 
     return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field)
+
+
+def _refuse_masses_of_zeros(points: Array, corners: NDArray[np.int32], sign: NDArray[np.int8]) -> None:
+    """Raise if a function is zero in whole leaves beside the body, and negative nowhere near.
+
+    Zeros are taken to be on the surface, so that the body would grow by up to a cell. Zeros that are on a
+    surface have negative neighbors; those between two parts of the body fill no leaf; and a function may be
+    zero far from the body.
+    """
+    centers = len(sign) - len(corners)
+    low = np.minimum(sign[corners].min(axis=1), sign[centers:])
+    high = np.maximum(sign[corners].max(axis=1), sign[centers:])
+    zero = (low == 0) & (high == 0)
+    if not zero.any():
+        return
+    flags = np.zeros((3, centers), dtype=bool)  # of corners: in a leaf of zeros, by a positive, by a negative
+    for flag, leaves in zip(flags, (zero, high > 0, low < 0), strict=True):
+        flag[corners[leaves].ravel()] = True
+    bad = np.flatnonzero(flags[0] & flags[1] & ~flags[2])
+    if len(bad):
+        raise InputError(
+            f"the function of the body is exactly 0 at {points[bad[0]].tolist()} and in a whole cell beside "
+            "it, next to the body: it must be negative outside, and 0 on the surface only; of a function "
+            "that is 1 inside and 0 outside, subtract 0.5"
+        )
 
 
 def _cell_of_level_set(body: LevelSet, field: SizeField) -> float:
