@@ -76,13 +76,13 @@ def test_surfaces_through_vertices_of_the_lattice() -> None:
 
 
 def test_larger_cells_inside() -> None:
-    even = isosurface_stuffing(ball, 0.05, box=BOX)
+    even = isosurface_stuffing(ball, 0.08, box=BOX)
     mesh = isosurface_stuffing(
-        ball, lambda x: 0.05 + 0.5 * np.maximum(0, 0.8 - np.sqrt((x * x).sum(1))), box=BOX
+        ball, lambda x: 0.08 + 0.5 * np.maximum(0, 0.8 - np.sqrt((x * x).sum(1))), box=BOX
     )
     assert mesh.complete
     assert check(mesh)
-    assert mesh.size < 0.75 * even.size
+    assert mesh.size < 0.85 * even.size
     assert np.array_equal(
         np.unique(even.points[even.boundary], axis=0), np.unique(mesh.points[mesh.boundary], axis=0)
     )
