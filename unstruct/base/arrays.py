@@ -206,13 +206,15 @@ _FIRST = frozen(np.arange(COUNTED_ONCE, dtype=np.int32))
 
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:
     """The attributes of an unpickled object, its arrays read-only again: pickle restores them writable."""
-    return {
-        name: value.of(refrozen(value))
-        if isinstance(value, CheckedDict)
-        else refrozen(value)
-        if isinstance(value, dict)
-        else frozen(value)
-        if isinstance(value, np.ndarray)
-        else value
-        for name, value in state.items()
-    }
+    return {name: _refrozen(value) for name, value in state.items()}
+
+
+def _refrozen(value: Any) -> Any:
+    if isinstance(value, CheckedDict):
+        return value.of(refrozen(value))
+    if isinstance(value, dict):
+        return refrozen(value)
+    if isinstance(value, tuple):  # named tuples take their entries one by one
+        entries = map(_refrozen, value)
+        return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
+    return frozen(value) if isinstance(value, np.ndarray) else value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import in_order, leaves, planted, unpacked
 
-from unstruct import Domain, InputError, Tree, quadtree
+from unstruct import Domain, InputError, Tree, octree, quadtree
 from unstruct.generate.tree.cells import TreeCells, as_across
 from unstruct.plain import tree as plain
 
@@ -68,6 +69,29 @@ def test_arrays_are_read_only_and_lengths_fit() -> None:
             assert len(array) == n
     for array in (*tree.corners, *tree.nodes):
         assert not array.flags.writeable
+
+
+def arrays_of(value) -> list[np.ndarray]:
+    """All arrays in tuples."""
+    if isinstance(value, tuple):
+        return [array for entry in value for array in arrays_of(entry)]
+    return [value] if isinstance(value, np.ndarray) else []
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_no_array_of_a_record_can_be_written(d: int) -> None:
+    """Kernels trust them: a key of a leaf that was written over ended the process."""
+    domain = Domain.disc() if d == 2 else Domain.box()
+    make = quadtree if d == 2 else octree
+    tree = make(domain, boundary_size=0.3)
+    _ = tree.leaves, tree.grid, tree.nodes, tree.corners, tree.hanging
+    unbalanced = make(domain, boundary_size=0.3, balance=None)
+    others = [tree.refined([0]), tree.coarsened([0]), tree.prefix(2), tree.union(tree), unbalanced]
+    for one in (tree, *others, pickle.loads(pickle.dumps(tree)), copy.deepcopy(tree), copy.copy(tree)):
+        names = ("linear", "leaves", "grid", "nodes", "boundary", "corners", "hanging")
+        for name in names:
+            arrays = arrays_of(getattr(one, name))
+            assert arrays and not any(array.flags.writeable for array in arrays), name
 
 
 def test_pickling() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import as_flag
-from ...base.arrays import flagged
+from ...base.arrays import flagged, frozen
 from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh, noticed
@@ -173,7 +173,7 @@ class Tree(TreeCells):
         number = np.cumsum(used, dtype=np.int32) - np.int32(1)
         found = self._hanging
         parents = np.where(found.parents < 0, np.int32(-1), number[found.parents])
-        return Hanging(number[found.vertices], parents, found.weights)
+        return Hanging(frozen(number[found.vertices]), frozen(parents), frozen(found.weights))
 
     def plot(
         self,

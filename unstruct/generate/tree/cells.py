@@ -91,13 +91,16 @@ class TreeCells:
 
     @cached_property
     def leaves(self) -> Leaves:
+        """The leaves as three arrays: their keys, their levels, and the keys of their first deepest cells."""
         return leaves_of(self.linear)
 
     @cached_property
     def grid(self) -> Grid:
+        """The leaves and the box as kernels read them."""
         leaves, d = self.leaves, self.dimension
         entry = table_of(leaves.first, self.depth, d)
-        return Grid(leaves.first, leaves.levels, entry, self.box[0], self.box[1] - self.box[0], self.depth)
+        side = frozen(self.box[1] - self.box[0])
+        return Grid(leaves.first, leaves.levels, entry, self.box[0], side, self.depth)
 
     @property
     def levels(self) -> NDArray[np.int8]:
