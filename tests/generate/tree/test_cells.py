@@ -180,6 +180,21 @@ def test_equality() -> None:
         hash(tree)
 
 
+def test_trees_over_different_domains_do_not_go_together() -> None:
+    """Unions over a disc and a square compared as equal, and had meshes of different area."""
+    disc = quadtree(Domain.disc(), 0.2)
+    square = quadtree(Domain.rectangle((-0.5, -0.5), (0.5, 0.5)), 0.2, box=disc.box)
+    bare = quadtree(disc.box, 0.2)
+    for combine in (Tree.union, Tree.intersection):
+        with pytest.raises(InputError, match="only trees over one domain can be combined"):
+            combine(disc, square)
+        one, two = combine(disc, bare), combine(bare, disc)
+        assert one == two and one.domain is two.domain is disc.domain
+        assert one.mesh("fitted").volume == two.mesh("fitted").volume
+        assert combine(disc, quadtree(Domain.disc(), 0.2)) == disc
+    assert bare.union(disc) != bare.union(square)
+
+
 def test_text() -> None:
     assert repr(quadtree([(0, 0), (1, 1)], 0.3)) == "<quadtree: 16 leaves, depth 2, balanced across corners>"
     assert repr(planted({(0, 0, 0, 0)}, 3)) == "<octree: 1 leaves, depth 0, not balanced>"
@@ -194,6 +209,8 @@ TREE = planted(plain.build(2, lambda cell: cell[1:] == (0, 0), 3), 2)
         (lambda: TREE.locate([1.0, 2.0, 3.0]), r"x must have shape \(\.\.\., 2\), not \(3,\)"),
         (lambda: TREE.locate([[0, 0], [np.nan, 1]]), r"x\[1\]"),
         (lambda: TREE.locate("x"), "x must be"),
+        (lambda: TREE.locate(["1", "2"]), "x must be real numbers"),
+        (lambda: TREE.nearest(np.ma.array([0.1, 0.2], mask=[True, False])), "x has masked entries"),
         (lambda: TREE.in_box([0, 0], [[1, 1], [2, 2]]), r"low and high must have shape \(2,\)"),
         (lambda: TREE.in_box([1, 0], [0, 1]), r"low\[0\] = 1.0 exceeds high\[0\] = 0.0"),
         (lambda: TREE.nearest([0, 0], among=[99]), r"among\[0\] = 99 is no leaf; there are 10"),
