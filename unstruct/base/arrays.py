@@ -153,9 +153,19 @@ def as_weights(weights: Any, count: int) -> np.ndarray:
 def as_numbers(values: Any, name: str) -> np.ndarray:
     """Return ``values`` as a float64 array of any shape; otherwise raise an error that names it ``name``."""
     try:
-        return np.array(values, dtype=np.float64)
+        array = np.asanyarray(values)
+        if array.dtype.kind in "USMmc" or (array.dtype == object and _holds_text(array)):
+            raise TypeError
+        result = np.array(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be real numbers in an array") from None
+    if np.ma.isMaskedArray(array) and np.ma.getmaskarray(array).any():
+        raise InputError(f"{name} has masked entries; fill or drop them first")
+    return result
+
+
+def _holds_text(array: np.ndarray) -> bool:
+    return any(isinstance(entry, str | bytes) for entry in array.ravel().tolist())
 
 
 def distinct(values: Any) -> np.ndarray:

@@ -117,8 +117,8 @@ def quadtree(
     -----
     Whether the boundary meets a cell is exact for straight pieces. Curves are cut into chords that are nearer
     to them than 1/64 of the smallest cell (and of no less than 1/64 of a cell of level 24); if cells become
-    smaller than was foreseen, curves are cut, and the tree is grown, again. For `turning` they are cut into no
-    more than 32 chords for each leaf that `budget` and `max_level` allow (4096 at least).
+    smaller than was foreseen, curves are cut, and the tree is grown, again. For `turning` they are cut into
+    at most 32 chords for each leaf that `budget` and `max_level` allow (or 4096).
 
     O(n log n) for n leaves; rules are called once a level. Ten million leaves that a size asks for take
     0.13 GB while the tree grows, 27 MB when it is finished (11 in space), and 17 bytes for each leaf when
@@ -262,7 +262,8 @@ def _rules_of_boundary(
 
 
 def _counted(d: int, root: Array, deepest: int, points: ArrayLike, most: Any) -> Rule:
-    x = as_points(points)
+    none = getattr(points, "shape", None) == (0,) or (isinstance(points, list | tuple) and not points)
+    x = np.empty((0, d)) if none else as_points(points)
     if x.shape[1] != d:
         raise InputError(f"points must have shape (k, {d}), not {x.shape}")
     outside = ((x < root[0]) | (x > root[1])).any(axis=1)
