@@ -323,15 +323,9 @@ class TreeCells:
             raise InputError(
                 f"only trees over one box can be combined, not {self.box.tolist()} and {other.box.tolist()}"
             )
-        if (
-            self.domain is not None
-            and other.domain is not None
-            and not same_domain(self.domain, other.domain)
-        ):
-            raise InputError(
-                "only trees over one domain can be combined, not over two different ones; a tree over the "
-                "box alone goes with each: quadtree(tree.box, ...)"
-            )
+        both = self.domain is not None and other.domain is not None
+        if both and not same_domain(self.domain, other.domain):
+            raise InputError("only trees over one domain, or one and its box alone, can be combined")
         return other
 
     def _combined(self, split: list[Keys], other: TreeCells) -> Self:
