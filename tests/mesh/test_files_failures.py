@@ -146,6 +146,29 @@ def test_markers_in_xdmf(tmp_path: Path) -> None:
         assert again.markers["region"].tolist() == [4, 7] and again.markers["wall"].tolist() == [[0, 1]]
 
 
+@pytest.mark.parametrize("suffix", ["xdmf", "xmf"])
+def test_single_vertices_are_left_out_of_xdmf(tmp_path: Path, suffix: str) -> None:
+    """meshio wrote them, and raised KeyError when it read the file; `.vtu` keeps them."""
+    markers = {"region": [4, 7], "hanging": [[0], [3]], "none": np.empty((0, 1), dtype=int), "wall": [[0, 1]]}
+    mesh = Mesh(SQUARE.points, SQUARE.simplices, markers=markers)
+    path = tmp_path / f"a.{suffix}"
+    for binary in (False, True):
+        with pytest.warns(UserWarning, match="not written: 'hanging'; meshio cannot read single vertices"):
+            mesh.write(path, binary=binary)
+        again = Mesh.read(path)
+        assert again.markers.keys() == {"region", "none", "wall"} and "hanging" in mesh.markers
+        assert again.markers["none"].shape == (0, 1) and again.markers["region"].tolist() == [4, 7]
+    mesh.write(tmp_path / "a.vtu")
+    assert Mesh.read(tmp_path / "a.vtu").markers["hanging"].tolist() == [[0], [3]]
+
+
+def test_xdmf_of_others_with_single_vertices_says_why_it_is_not_read(tmp_path: Path) -> None:
+    theirs = meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]]), ("vertex", [[0], [2]])])
+    meshio.write(tmp_path / "a.xdmf", theirs, data_format="XML")
+    with pytest.raises(InputError, match="meshio reads none with single vertices beside other cells"):
+        Mesh.read(tmp_path / "a.xdmf")
+
+
 def test_second_order_of_other_formats(tmp_path: Path) -> None:
     points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, 0, 0], [0.5, 0.5, 0], [0, 0.5, 0]]
     meshio.Mesh(points, {"triangle6": [[0, 1, 2, 3, 4, 5]]}).write(tmp_path / "a.vtu")

@@ -153,9 +153,19 @@ def as_weights(weights: Any, count: int) -> np.ndarray:
 def as_numbers(values: Any, name: str) -> np.ndarray:
     """Return ``values`` as a float64 array of any shape; otherwise raise an error that names it ``name``."""
     try:
-        return np.array(values, dtype=np.float64)
+        array = np.asanyarray(values)
+        if array.dtype.kind in "USMmc" or (array.dtype == object and _holds_text(array)):
+            raise TypeError
+        result = np.array(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be real numbers in an array") from None
+    if np.ma.isMaskedArray(array) and np.ma.getmaskarray(array).any():
+        raise InputError(f"{name} has masked entries; fill or drop them first")
+    return result
+
+
+def _holds_text(array: np.ndarray) -> bool:
+    return any(isinstance(entry, str | bytes) for entry in array.ravel().tolist())
 
 
 def distinct(values: Any) -> np.ndarray:
@@ -206,13 +216,15 @@ _FIRST = frozen(np.arange(COUNTED_ONCE, dtype=np.int32))
 
 def refrozen(state: dict[str, Any]) -> dict[str, Any]:
     """The attributes of an unpickled object, its arrays read-only again: pickle restores them writable."""
-    return {
-        name: value.of(refrozen(value))
-        if isinstance(value, CheckedDict)
-        else refrozen(value)
-        if isinstance(value, dict)
-        else frozen(value)
-        if isinstance(value, np.ndarray)
-        else value
-        for name, value in state.items()
-    }
+    return {name: _refrozen(value) for name, value in state.items()}
+
+
+def _refrozen(value: Any) -> Any:
+    if isinstance(value, CheckedDict):
+        return value.of(refrozen(value))
+    if isinstance(value, dict):
+        return refrozen(value)
+    if isinstance(value, tuple):  # named tuples take their entries one by one
+        entries = map(_refrozen, value)
+        return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
+    return frozen(value) if isinstance(value, np.ndarray) else value

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.arrays import frozen
 from ..base.jit import inline, kernel
 from ..predicates.kernels import orient2, orient3
 
@@ -128,5 +129,6 @@ def pieces_in_boxes(
         Exact.
     """
     meets = np.empty(len(piece), dtype=np.bool_)
-    _pieces_in_boxes(xyz, pieces, piece, low, high, meets)
+    # Read-only or not, so that the kernel is compiled once.
+    _pieces_in_boxes(frozen(xyz), frozen(pieces), piece, low, high, meets)
     return meets

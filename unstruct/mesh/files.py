@@ -53,6 +53,7 @@ __all__ = ["meant", "read", "to_meshio", "to_skfem", "write"]
 LINES_BEYOND = 10  # after so many empty answers a reader has not noticed that a file has ended
 OWN_SUFFIXES = (".msh", ".su2", ".mesh", ".node", ".ele")  # formats that are written without meshio
 EXPONENTIAL = rb"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+"
+XDMF = (".xdmf", ".xmf")
 MESHIO_READS_MSH = ("4.0", "4")  # versions of Gmsh's format that are left to meshio
 
 
@@ -177,6 +178,8 @@ def _padded(points: np.ndarray) -> np.ndarray:
 def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | None, fields: Fields) -> None:
     meshio = _meshio_for(path)
     options = meshio_options(suffix, binary)
+    if suffix in XDMF:
+        mesh = _without_vertices(mesh, suffix)
     other = exchange_of(mesh)
     other.points = as_stored(_padded(other.points), suffix)
     if suffix not in WITH_FIELDS:
@@ -192,7 +195,7 @@ def _write_by_meshio(mesh: CellComplex, path: Path, suffix: str, binary: bool | 
         if suffix != ".vtk":  # VTK itself has these codes
             names = [*mesh.markers, *fields.points, *fields.cells]
             say_renamed({name: codes(name) for name in names}, suffix)
-    if suffix in (".xdmf", ".xmf"):  # it has no short integers
+    if suffix in XDMF:  # it has no short integers
         other.point_data = {name: _widened(v) for name, v in other.point_data.items()}
         other.cell_data = {name: [_widened(v) for v in part] for name, part in other.cell_data.items()}
     if suffix in NEED_PACKAGE and options.get("data_format") != "XML":
@@ -245,6 +248,16 @@ def _drop_whole(mesh: CellComplex) -> None:
     named = named_faces(mesh)
     whole = [name for name, rows in mesh.markers.items() if rows.ndim == 2 and name not in named]
     drop(mesh, "markers of faces have 1 to 4 vertices, and lower dimension than the cells", whole)
+
+
+def _without_vertices(mesh: CellComplex, suffix: str) -> CellComplex:
+    """The mesh without its markers of vertices: meshio writes such blocks, and cannot read the file then."""
+    vertices = [name for name, rows in named_faces(mesh).items() if rows.shape[1] == 1 and len(rows)]
+    if vertices:
+        drop(mesh, f"meshio cannot read single vertices in {suffix}; .vtu stores all", vertices)
+        mesh = copy(mesh)
+        mesh.markers = {name: rows for name, rows in mesh.markers.items() if name not in vertices}
+    return mesh
 
 
 def _with_brief_names(mesh: CellComplex, fields: Fields) -> tuple[CellComplex, str, Fields]:
@@ -320,7 +333,7 @@ def _read_by_meshio(path: Path, file_format: str | None) -> Exchange:
             f"{path.name} cannot be read: no format has the suffix {suffix!r}; there are .node, .msh, .su2, "
             f"{', '.join(sorted(meshio.extension_to_filetypes))}"
         )
-    if suffix in NEED_PACKAGE and not (suffix in (".xdmf", ".xmf") and b'Format="HDF"' not in data):
+    if suffix in NEED_PACKAGE and not (suffix in XDMF and b'Format="HDF"' not in data):
         optional(NEED_PACKAGE[suffix], f"reading {path.name}")
     said = StringIO()
     try:

@@ -63,6 +63,7 @@ NOT_MESHES = {
 MAY_BE_DOMAINS = {
     ".dat": "(The coordinates of an airfoil are read by Domain.read.)",
     ".wkt": "(Polygons are read by Domain.read.)",
+    **dict.fromkeys([".xdmf", ".xmf"], "(meshio reads none with single vertices beside other cells.)"),
 }
 # Keywords of meshio for files that are binary, and for those that are text.
 BINARY_OPTIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {

@@ -31,8 +31,8 @@ def test_roots() -> None:
 def test_pieces() -> None:
     ball, disc = Domain.ball(size=1.0), Domain.disc()
     root = np.array([[-2.0] * 3, [2.0] * 3])
-    boundary = bounded(ball, root, 0.1, np.inf)
+    boundary = bounded(ball, root, 0.1, np.inf, 1000)
     assert boundary.pieces.shape == (len(ball.facets), 3) and boundary.deviation == 0
     assert np.abs(boundary.points).max() <= 1 and boundary.factor == 0.25
-    boundary = bounded(disc, root[:, :2], 1e-3, np.inf)
+    boundary = bounded(disc, root[:, :2], 1e-3, np.inf, 1000)
     assert boundary.deviation == 1e-3 and boundary.contains(np.zeros((1, 2))).all()

@@ -13,6 +13,12 @@ from trees import BOXES, unpacked
 from unstruct import Domain, InputError, Mesh, Tree, UnstructError, octree, quadtree, sizing
 from unstruct.plain import tree as plain
 
+
+def raising(centers: np.ndarray, sides: np.ndarray) -> list[bool]:
+    """A function that fails at some cells of level 3."""
+    return [1 / (x - 0.5625) > 1e9 for x in centers[:, 0].tolist()]
+
+
 UNIT = {2: [(0.0, 0.0), (1.0, 1.0)], 3: [(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)]}
 PLANT = {2: quadtree, 3: octree}
 
@@ -68,7 +74,7 @@ def test_the_root_of_a_domain_is_a_square_around_it() -> None:
     box = [[-1.0, -1.0], [4.0, 3.0]]
     assert quadtree(tree.domain, 0.5, box=box).box.tolist() == box
     sampled = tree.domain.sampled(0.3)
-    assert quadtree(sampled, 0.5) == tree
+    assert quadtree(sampled, 0.5).keys.tolist() == tree.keys.tolist()
     ball = Domain.ball(size=0.5)
     surface = Mesh(ball.points, ball.facets)
     assert octree(surface, 0.5) == octree(ball, 0.5)
@@ -134,11 +140,33 @@ SQUARE = Domain.polygon([(0, 0), (1, 0), (1, 1), (0, 1)])
         (lambda: quadtree(SQUARE, turning=np.nan), "turning = nan must be positive"),
         (lambda: quadtree(SQUARE, progress=1), "progress must be True or False"),
         (lambda: octree(Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])), "."),
+        (lambda: quadtree([["0", "0"], ["1", "1"]]), "a Domain or a box of two corners is needed, not list"),
+        (lambda: quadtree([[False, False], [True, True]]), "a box of two corners is needed, not bools"),
+        (lambda: quadtree(np.ma.array(UNIT[2], mask=[(1, 0), (0, 0)])), "the box has masked entries"),
+        (lambda: quadtree(SQUARE, box=[[b"0", 0], [1, 1]]), "a box of two corners is needed, not list"),
+        (lambda: quadtree(UNIT[2], divide=lambda c, s: 1 / 0), r"divide raised ZeroDivisionError \(division"),
+        (lambda: quadtree(UNIT[2], divide=lambda c: c), r"divide raised TypeError .* takes centers \(k, 2\)"),
+        (lambda: quadtree(UNIT[2], divide=lambda c, s: [[1], [1, 2]]), "divide raised ValueError"),
+        (
+            lambda: quadtree(UNIT[2], divide=lambda c, s: np.ma.array(s > 0, mask=s > 0)),
+            "divide must return plain bools, not a masked array",
+        ),
+        (
+            lambda: quadtree(UNIT[2], min_level=3, divide=raising),
+            r"divide raised ZeroDivisionError .* for the cell about \[0\.5625, 0\.0625\], of side 0\.125",
+        ),
     ],
 )
 def test_errors(call, says: str) -> None:
     with pytest.raises(UnstructError, match=says):
         call()
+
+
+@pytest.mark.parametrize("none", [[], (), np.empty(0), np.empty((0, 2))])
+def test_no_points_divide_nothing(none) -> None:
+    assert len(quadtree(UNIT[2], points=none)) == 1
+    with pytest.raises(InputError, match=r"shape \(k, 2\), not \(0, 3\)"):
+        quadtree(UNIT[2], points=np.empty((0, 3)))
 
 
 def test_an_open_surface_is_refused_by_name() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from trees import leaves, planted
 
-from unstruct import Domain, InputError, Mesh, check, octree, quadtree
+from unstruct import Domain, InputError, Mesh, check, constrained_delaunay, octree, quadtree
 from unstruct.generate.planting.tree import KINDS_OF_MESHES
 
 
@@ -94,3 +94,28 @@ def test_vertices_are_shared_and_found_once() -> None:
     tree = octree([(0, 0, 0), (1, 1, 1)], 0.26)
     assert len(tree.mesh().points) == 5**3 and len(tree.hanging.vertices) == 0
     assert tree.hanging.parents.shape == (0, 4)
+
+
+def test_angles_of_templates_need_a_square_box() -> None:
+    square = quadtree(Domain.disc(), 0.2).mesh("conforming").quality("min_angle")
+    assert np.allclose(square, 45.0)
+    long = quadtree([(0, 0), (1, 10)], 0.3).mesh("conforming").quality("min_angle")
+    assert np.allclose(long.min(), np.degrees(np.arctan(0.1)))
+
+
+def test_leaves_that_meet_at_a_corner_only_are_pinched_and_check_tells() -> None:
+    """As the domain is itself, where two holes touch; with a gap, smaller leaves part them."""
+    sides, low = [(0, 0), (1, 0), (1, 1), (0, 1)], [(0.25, 0.25), (0.5, 0.25), (0.5, 0.5), (0.25, 0.5)]
+    touching = Domain.polygon(sides, holes=[low, [(x + 0.25, y + 0.25) for x, y in low]])
+    for mesh in (quadtree(touching, 0.13).mesh("conforming"), constrained_delaunay(touching)):
+        assert [problem.kind for problem in check(mesh).problems] == ["pinched vertex"]
+    apart = Domain.polygon(sides, holes=[low, [(x + 0.26, y + 0.26) for x, y in low]])
+    assert check(quadtree(apart, 0.004, box=[[0, 0], [1, 1]]).mesh("conforming"))
+
+
+def test_which_meshes_tell_of_leaves() -> None:
+    tree = quadtree(Domain.disc(), 0.3)
+    for kind in ("cells", "conforming"):
+        assert {"leaf", "level", "state"} <= tree.mesh(kind).markers.keys()
+    for kind in ("fitted", "quads", "warped"):
+        assert tree.mesh(kind).markers.keys() == {"facets", "inner", "region"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import in_order, leaves, planted, unpacked
 
-from unstruct import Domain, InputError, Tree, quadtree
+from unstruct import Domain, InputError, Tree, octree, quadtree
 from unstruct.generate.tree.cells import TreeCells, as_across
 from unstruct.plain import tree as plain
 
@@ -68,6 +69,29 @@ def test_arrays_are_read_only_and_lengths_fit() -> None:
             assert len(array) == n
     for array in (*tree.corners, *tree.nodes):
         assert not array.flags.writeable
+
+
+def arrays_of(value) -> list[np.ndarray]:
+    """All arrays in tuples."""
+    if isinstance(value, tuple):
+        return [array for entry in value for array in arrays_of(entry)]
+    return [value] if isinstance(value, np.ndarray) else []
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_no_array_of_a_record_can_be_written(d: int) -> None:
+    """Kernels trust them: a key of a leaf that was written over ended the process."""
+    domain = Domain.disc() if d == 2 else Domain.box()
+    make = quadtree if d == 2 else octree
+    tree = make(domain, boundary_size=0.3)
+    _ = tree.leaves, tree.grid, tree.nodes, tree.corners, tree.hanging
+    unbalanced = make(domain, boundary_size=0.3, balance=None)
+    others = [tree.refined([0]), tree.coarsened([0]), tree.prefix(2), tree.union(tree), unbalanced]
+    for one in (tree, *others, pickle.loads(pickle.dumps(tree)), copy.deepcopy(tree), copy.copy(tree)):
+        names = ("linear", "leaves", "grid", "nodes", "boundary", "corners", "hanging")
+        for name in names:
+            arrays = arrays_of(getattr(one, name))
+            assert arrays and not any(array.flags.writeable for array in arrays), name
 
 
 def test_pickling() -> None:
@@ -156,6 +180,21 @@ def test_equality() -> None:
         hash(tree)
 
 
+def test_trees_over_different_domains_do_not_go_together() -> None:
+    """Unions over a disc and a square compared as equal, and had meshes of different area."""
+    disc = quadtree(Domain.disc(), 0.2)
+    square = quadtree(Domain.rectangle((-0.5, -0.5), (0.5, 0.5)), 0.2, box=disc.box)
+    bare = quadtree(disc.box, 0.2)
+    for combine in (Tree.union, Tree.intersection):
+        with pytest.raises(InputError, match="only trees over one domain, or one and its box"):
+            combine(disc, square)
+        one, two = combine(disc, bare), combine(bare, disc)
+        assert one == two and one.domain is two.domain is disc.domain
+        assert one.mesh("fitted").volume == two.mesh("fitted").volume
+        assert combine(disc, quadtree(Domain.disc(), 0.2)) == disc
+    assert bare.union(disc) != bare.union(square)
+
+
 def test_text() -> None:
     assert repr(quadtree([(0, 0), (1, 1)], 0.3)) == "<quadtree: 16 leaves, depth 2, balanced across corners>"
     assert repr(planted({(0, 0, 0, 0)}, 3)) == "<octree: 1 leaves, depth 0, not balanced>"
@@ -170,6 +209,8 @@ TREE = planted(plain.build(2, lambda cell: cell[1:] == (0, 0), 3), 2)
         (lambda: TREE.locate([1.0, 2.0, 3.0]), r"x must have shape \(\.\.\., 2\), not \(3,\)"),
         (lambda: TREE.locate([[0, 0], [np.nan, 1]]), r"x\[1\]"),
         (lambda: TREE.locate("x"), "x must be"),
+        (lambda: TREE.locate(["1", "2"]), "x must be real numbers"),
+        (lambda: TREE.nearest(np.ma.array([0.1, 0.2], mask=[True, False])), "x has masked entries"),
         (lambda: TREE.in_box([0, 0], [[1, 1], [2, 2]]), r"low and high must have shape \(2,\)"),
         (lambda: TREE.in_box([1, 0], [0, 1]), r"low\[0\] = 1.0 exceeds high\[0\] = 0.0"),
         (lambda: TREE.nearest([0, 0], among=[99]), r"among\[0\] = 99 is no leaf; there are 10"),

@@ -7,7 +7,8 @@ import pytest
 
 from unstruct import Domain, quadtree
 from unstruct.domain.plane.prescribed import Spacing
-from unstruct.generate.tree_regions.cutting import MOST_OVER, cut_by_leaves, leaf_size
+from unstruct.domain.plane.sample import TURN, assemble, fine_chains, turning
+from unstruct.generate.tree_regions.cutting import MOST_OVER, cut_by_leaves, leaf_size, safe_and_round
 from unstruct.generate.tree_regions.near import leaves_along
 
 
@@ -48,3 +49,19 @@ def test_pieces_that_have_their_points_get_no_others():
     sampled = cut_by_leaves(quadtree(square, 0.05), square)
     assert (sampled.piece == 0).sum() == 2
     assert (sampled.piece == 1).sum() > 15
+
+
+@pytest.mark.parametrize(
+    "domain",
+    [Domain.disc(), Domain.naca("2412"), Domain.disc().with_holes(Domain.disc((0, 0), 0.995))],
+    ids=["disc", "airfoil", "thin annulus"],
+)
+def test_curves_are_no_coarser_than_by_themselves(domain):
+    """One leaf around a circle: `sampled` with a size makes four chords of it."""
+    whole = np.arange(len(domain.pieces))
+    rough = assemble(domain, whole, np.zeros(len(whole)), np.ones(len(whole)))
+    for sampled in (cut_by_leaves(quadtree(domain), domain), safe_and_round(domain, rough)):
+        rows = np.flatnonzero(np.isin(sampled.piece, list(domain.curves)))
+        assert turning(fine_chains(domain, sampled, rows)).max() <= TURN * (1 + 1e-9)
+    for kind in ("fitted", "quads", "warped"):
+        assert quadtree(domain).mesh(kind).volume / domain.area == pytest.approx(1.0, abs=0.1)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from unstruct import Domain, InputError, octree, quadtree, view
+from unstruct.view.draw.histograms import plot_quality
 from unstruct.view.draw.trees import plot_tree
 
 
@@ -48,3 +49,15 @@ def test_errors() -> None:
         tree.plot(section=("x", 0.5))
     with pytest.raises(InputError, match="plot_tree draws a Tree, not a int"):
         plot_tree(3)
+
+
+@pytest.mark.parametrize("ax", [5, "x", [1], object()])
+def test_axes_that_are_none_are_refused(ax) -> None:
+    """Every function that draws asks here; an AttributeError said nothing of `ax`."""
+    tree = quadtree([[0, 0], [1, 1]], 0.5)
+    cubes = octree([[0, 0, 0], [1, 1, 1]], 0.6)
+    mesh = tree.mesh()
+    draws = [tree.plot, cubes.plot, mesh.plot, cubes.mesh().plot, Domain.disc().plot]
+    for draw_in in [*draws, lambda ax: plot_quality(mesh, ax=ax)]:
+        with pytest.raises(InputError, match="ax must be matplotlib axes, such as"):
+            draw_in(ax)

@@ -49,12 +49,12 @@ def root_of(value: Any, domain: Domain | None, box: Any, d: int) -> Array:
     return root
 
 
-def bounded(domain: Domain, root: Array, deviation: float, turn: float) -> Boundary:
+def bounded(domain: Domain, root: Array, deviation: float, turn: float, most: int) -> Boundary:
     """The pieces of the domain's boundary; curves are cut as `chords.straightened` says."""
     if domain.dimension == 3:
         shell = domain.triangulated
         return boundary_of(shell.points, shell.bounding, root, domain.contains)
     if not domain.curves:
         return boundary_of(domain.points, domain.facets, root, domain.contains)
-    straight = straightened(domain, deviation, turn).domain
+    straight = straightened(domain, deviation, turn, most).domain
     return boundary_of(straight.points, straight.facets, root, straight.contains, deviation)

@@ -19,6 +19,7 @@ from ...domain.domain import Domain
 from ...sizing.field import as_size
 from ..tree.balancing import balanced
 from ..tree.cells import as_across
+from ..tree.chords import MOST_CHORDS
 from ..tree.contacts import Boundary
 from ..tree.criteria import Rule, by_boundary, by_count, by_distance, by_function, by_size
 from ..tree.growing import MOST_LEAVES, Growth, Limits, deepest_level, grow
@@ -38,6 +39,9 @@ DEVIATION_BITS = 6  # chords deviate from curves by this many halvings less than
 FINEST_BITS = 30  # and by no fewer halvings than this of the root
 CUTS_OF_CURVES = 5  # how often they are cut, at most
 CHORDS_PER_ANGLE = 8  # a chord turns by at most this part of the angle that is asked for
+# If the leaves that are allowed have more chords than this each, on average, the angle asks for more leaves.
+CHORDS_PER_LEAF = 2 * 2 * CHORDS_PER_ANGLE
+FEWEST_CHORDS = 4096
 
 
 def quadtree(
@@ -113,7 +117,8 @@ def quadtree(
     -----
     Whether the boundary meets a cell is exact for straight pieces. Curves are cut into chords that are nearer
     to them than 1/64 of the smallest cell (and of no less than 1/64 of a cell of level 24); if cells become
-    smaller than was foreseen, curves are cut, and the tree is grown, again.
+    smaller than was foreseen, curves are cut, and the tree is grown, again. For `turning` they are cut into
+    at most 32 chords for each leaf that `budget` and `max_level` allow (or 4096).
 
     O(n log n) for n leaves; rules are called once a level. Ten million leaves that a size asks for take
     0.13 GB while the tree grows, 27 MB when it is finished (11 in space), and 17 bytes for each leaf when
@@ -208,9 +213,11 @@ def _grown_within(
     angle = options["turning"]
     turn = np.inf if angle is None else float(np.deg2rad(min(positive(angle, "turning"), 360.0)))
     level = limits.most if limits.most <= DIRECT_LEVEL else SMOOTH_LEVEL
+    leaves = min(limits.cells, 1 << (2 * min(limits.most, MOST_CHORDS.bit_length())))
+    chords = min(max(CHORDS_PER_LEAF * leaves, FEWEST_CHORDS), MOST_CHORDS)
     for _ in range(CUTS_OF_CURVES):
         bits = min(level + DEVIATION_BITS, FINEST_BITS)
-        boundary = bounded(domain, root, side / (1 << bits), turn / CHORDS_PER_ANGLE)
+        boundary = bounded(domain, root, side / (1 << bits), turn / CHORDS_PER_ANGLE, chords)
         inner = [*rules, *_rules_of_boundary(boundary, domain, turn, options)]
         growth = grow(root, inner, limits, boundary=boundary, progress=options["progress"])
         if not boundary.deviation or bits == FINEST_BITS or growth.tree.depth <= level:
@@ -255,7 +262,8 @@ def _rules_of_boundary(
 
 
 def _counted(d: int, root: Array, deepest: int, points: ArrayLike, most: Any) -> Rule:
-    x = as_points(points)
+    none = getattr(points, "shape", None) == (0,) or (isinstance(points, list | tuple) and not points)
+    x = np.empty((0, d)) if none else as_points(points)
     if x.shape[1] != d:
         raise InputError(f"points must have shape (k, {d}), not {x.shape}")
     outside = ((x < root[0]) | (x > root[1])).any(axis=1)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import as_flag
-from ...base.arrays import flagged
+from ...base.arrays import flagged, frozen
 from ...base.doors import door
 from ...base.errors import InputError
 from ...mesh.domain_mesh import DomainMesh, noticed
@@ -51,8 +51,10 @@ class Tree(TreeCells):
         ----------
         kind : str
             - "cells": squares or cubes as they are, with hanging vertices.
-            - "conforming": triangles with angles of 45 and 90 degrees, or tetrahedra with dihedral angles
-              from 19.4 to 144.8 degrees.
+            - "conforming": triangles, with angles of 45 and 90 degrees if the box is a square, or tetrahedra,
+              with dihedral angles from 19.4 to 144.8 degrees if it is a cube; a longer box stretches them.
+              Where leaves meet at a corner only (or at an edge, in space), the mesh is pinched, which `check`
+              tells: smaller leaves part them, unless the domain touches itself there.
             - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices,
               pieces, markers and regions. Its pieces are cut by the leaves, on their true curves; inside are
               the triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does:
@@ -78,9 +80,10 @@ class Tree(TreeCells):
         Returns
         -------
         DomainMesh
-            Its markers tell of each cell the number of its "leaf", its "level", and its "state": 1 inside of
-            the domain, 0 if the boundary meets the leaf. Of "cells", the marker "hanging" has the vertices
-            that hang, as rows of one. A mesh "hex-dominant" has all that `tetrahedralize` tells, and in
+            Markers of "cells" and "conforming" tell of each cell the number of its "leaf", its "level", and
+            its "state": 1 inside of the domain, 0 if the boundary meets the leaf. Of "cells", the marker
+            "hanging" has the vertices that hang, as rows of one. Other kinds have the markers of the domain.
+            A mesh "hex-dominant" has all that `tetrahedralize` tells, and in
             ``figures`` the "share of hexahedra" in the volume; "hexahedra" has the "share of volume" of all
             cells. Cells of a mesh "cut" near which a part of the body, thinner than leaves, is lost are in
             ``unrefined``; its faces have the names of the nearest pieces.
@@ -173,7 +176,7 @@ class Tree(TreeCells):
         number = np.cumsum(used, dtype=np.int32) - np.int32(1)
         found = self._hanging
         parents = np.where(found.parents < 0, np.int32(-1), number[found.parents])
-        return Hanging(number[found.vertices], parents, found.weights)
+        return Hanging(frozen(number[found.vertices]), frozen(parents), frozen(found.weights))
 
     def plot(
         self,

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import frozen
 from ...base.jit import kernel
 from .keys import Keys, compacted, interleaved
 from .linear import Linear, linear_of
@@ -106,10 +107,10 @@ def _divided_too(tree_level: Keys, keys: Keys, level: int, dimension: int, most:
     """The nodes of level - 1 that are divided when those of `keys` are: `tree_level`, and what these want."""
     parents = 1 + np.count_nonzero(np.diff(keys >> np.uint64(dimension)))
     wanted = np.empty(parents * (3**dimension), dtype=np.uint64)
-    count = _wanted(keys, level, dimension, most, wanted)
+    count = _wanted(frozen(keys), level, dimension, most, wanted)
     room = 2 * (len(tree_level) + count) + 2
     table = np.full(1 << int(room - 1).bit_length(), np.iinfo(np.uint64).max, dtype=np.uint64)
-    new = _new(tree_level, wanted, count, table)
+    new = _new(frozen(tree_level), wanted, count, table)
     if not new:
         return tree_level
     return np.sort(np.concatenate([tree_level, wanted[:new]]))

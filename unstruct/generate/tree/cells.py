@@ -23,6 +23,7 @@ from .keys import Keys, coordinates_of
 from .linear import Leaves, Linear, leaves_of, linear_of, merged
 from .lookup import Grid, corners, in_box, located, nearest, table_of
 from .nodes import TreeNodes, all_nodes, states_of
+from .same import same_domain
 from .touching import neighbor_pairs, rows_of_pairs
 
 __all__ = ["TreeCells", "as_across"]
@@ -91,13 +92,16 @@ class TreeCells:
 
     @cached_property
     def leaves(self) -> Leaves:
+        """The leaves as three arrays: their keys, their levels, and the keys of their first deepest cells."""
         return leaves_of(self.linear)
 
     @cached_property
     def grid(self) -> Grid:
+        """The leaves and the box as kernels read them."""
         leaves, d = self.leaves, self.dimension
         entry = table_of(leaves.first, self.depth, d)
-        return Grid(leaves.first, leaves.levels, entry, self.box[0], self.box[1] - self.box[0], self.depth)
+        side = frozen(self.box[1] - self.box[0])
+        return Grid(leaves.first, leaves.levels, entry, self.box[0], side, self.depth)
 
     @property
     def levels(self) -> NDArray[np.int8]:
@@ -251,7 +255,10 @@ class TreeCells:
         linear = linear_of(split, self.dimension)
         if self.balance is not None:
             linear = balanced(linear, self.balance)
-        result = type(self)(linear, self.box, self.balance)
+        return self._of(linear, self.balance)
+
+    def _of(self, linear: Linear, balance: str | None) -> Self:
+        result = type(self)(linear, self.box, balance)
         result.domain, result.boundary = self.domain, self.boundary
         return result
 
@@ -300,9 +307,7 @@ class TreeCells:
         there are (D. Moore, *The cost of balancing generalized quadtrees*, 1995). Book: 4a.
         """
         across = as_across(across, self.dimension)
-        result = type(self)(balanced(self.linear, across), self.box, across)
-        result.domain, result.boundary = self.domain, self.boundary
-        return result
+        return self._of(balanced(self.linear, across), across)
 
     def is_balanced(self, across: str = "corners") -> bool:
         """Whether leaves that are neighbors differ by at most one level."""
@@ -311,38 +316,51 @@ class TreeCells:
         levels = self.levels.astype(np.int64)
         return bool((np.abs(levels[pairs[:, 0]] - levels[pairs[:, 1]]) <= 1).all())
 
-    def _same_box(self, other: Any) -> TreeCells:
+    def _fitting(self, other: Any) -> TreeCells:
         if not isinstance(other, TreeCells):
             raise InputError(f"a Tree is needed, not {type(other).__name__}")
         if self.box.shape != other.box.shape or not np.array_equal(self.box, other.box):
             raise InputError(
                 f"only trees over one box can be combined, not {self.box.tolist()} and {other.box.tolist()}"
             )
+        both = self.domain is not None and other.domain is not None
+        if both and not same_domain(self.domain, other.domain):
+            raise InputError("only trees over one domain, or one and its box alone, can be combined")
         return other
 
+    def _combined(self, split: list[Keys], other: TreeCells) -> Self:
+        """The tree of these cells, over the domain of one of the two."""
+        result = self._with(split)
+        if self.domain is None:
+            result.domain, result.boundary = other.domain, other.boundary
+        return result
+
     def union(self, other: TreeCells) -> Self:
-        """The tree whose cells are divided where one of the two divides them: nowhere coarser than either."""
-        other = self._same_box(other)
+        """The tree whose cells are divided where one of the two divides them: nowhere coarser than either.
+
+        Raises
+        ------
+        InputError
+            For trees over different boxes or different domains. One of them may be over the box alone.
+        """
+        other = self._fitting(other)
         most, split = max(self.depth, other.depth), []
         none = np.empty(0, dtype=np.uint64)
         for level in range(most):
             ours = self.linear.split[level] if level < self.depth else none
             split.append(merged(ours, other.linear.split[level] if level < other.depth else none))
-        return self._with(split)
+        return self._combined(split, other)
 
     def intersection(self, other: TreeCells) -> Self:
-        """The tree whose cells are divided where both divide them: nowhere finer than either."""
-        other = self._same_box(other)
+        """The tree whose cells are divided where both divide them: nowhere finer than either; see `union`."""
+        other = self._fitting(other)
         pairs = zip(self.linear.split, other.linear.split, strict=False)
-        return self._with([np.intersect1d(a, b, assume_unique=True) for a, b in pairs])
+        return self._combined([np.intersect1d(a, b, assume_unique=True) for a, b in pairs], other)
 
     def prefix(self, level: int) -> Self:
         """The tree as it was before any cell of this level was divided: its first levels."""
-        result = type(self)(
-            linear_of(self.linear.split[: as_count(level, "level")], self.dimension), self.box, self.balance
-        )
-        result.domain, result.boundary = self.domain, self.boundary
-        return result
+        split = self.linear.split[: as_count(level, "level")]
+        return self._of(linear_of(split, self.dimension), self.balance)
 
     # ------------------------------------------------------------------ inside and outside
 
@@ -365,11 +383,10 @@ class TreeCells:
         self.__dict__.update(refrozen(state))
 
     def __eq__(self, other: object) -> bool:
-        if (
-            not isinstance(other, TreeCells)
-            or not np.array_equal(self.box, other.box)
-            or self.depth != other.depth
-        ):
+        """Whether boxes, cells and domains are equal."""
+        if not isinstance(other, TreeCells) or not np.array_equal(self.box, other.box):
+            return False
+        if self.depth != other.depth or not same_domain(self.domain, other.domain):
             return False
         return all(map(np.array_equal, self.linear.split, other.linear.split))
 

@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...domain.domain import Domain, as_domain
 from ...domain.plane.sample import assemble, fine_chains, halve, safe, turning
 
-__all__ = ["Straight", "straightened"]
+__all__ = ["MOST_CHORDS", "Straight", "straightened"]
 
 MOST_CUTS = 48  # a curve that is still rough has a kink
 MOST_CHORDS = 1 << 22
@@ -36,7 +37,7 @@ class Straight(NamedTuple):
     piece: NDArray[np.int32]
 
 
-def straightened(domain: Domain, deviation: float, turn: float = np.inf) -> Straight:
+def straightened(domain: Domain, deviation: float, turn: float = np.inf, most: int = MOST_CHORDS) -> Straight:
     """A planar domain with its curves cut into chords; straight pieces stay whole.
 
     Parameters
@@ -46,6 +47,8 @@ def straightened(domain: Domain, deviation: float, turn: float = np.inf) -> Stra
         No chord is farther from its curve than this, at eight places of each chord.
     turn : float
         No curve turns by more than this over a chord, in radians.
+    most : int
+        Beyond so many chords they are not halved for the sake of `turn`.
 
     Raises
     ------
@@ -53,13 +56,14 @@ def straightened(domain: Domain, deviation: float, turn: float = np.inf) -> Stra
         If curves are not smooth, so that this takes more than four million chords.
     """
     sampled = domain.sampled()
-    bent = np.zeros(len(domain.pieces), dtype=bool)
-    bent[list(domain.curves)] = True
-    rows = np.flatnonzero(bent[sampled.piece])
+    rows = np.flatnonzero(flagged(len(domain.pieces), list(domain.curves))[sampled.piece])
     for _ in range(MOST_CUTS):
         chains = fine_chains(domain, sampled, rows)
         rough = np.zeros(len(sampled.ends), dtype=bool)
-        rough[rows] = (_heights(chains) > deviation) | (turning(chains) > turn)
+        far, bent = _heights(chains) > deviation, turning(chains) > turn
+        if len(rough) + int((far | bent).sum()) > most < MOST_CHORDS:
+            turn, bent = np.inf, np.zeros(len(rows), dtype=bool)
+        rough[rows] = far | bent
         if not rough.any():
             break
         if len(rough) + int(rough.sum()) > MOST_CHORDS:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import frozen
 from ...geometry.box_contact import pieces_in_boxes
 from ...predicates.batch import power_of_two
 
@@ -82,7 +83,7 @@ def boundary_of(
     """The record for points in the units of the domain; the box (2, d) is the root of the tree."""
     factor = power_of_two(np.concatenate([points, box]))
     rows = np.ascontiguousarray(pieces, dtype=np.int64)
-    return Boundary(points * factor, rows, factor, contains, deviation)
+    return Boundary(frozen(points * factor), frozen(rows), factor, contains, deviation)
 
 
 def at_root(boundary: Boundary, low: NDArray[np.float64], high: NDArray[np.float64]) -> Contacts:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...geometry.segment_tree import SegmentTree
 from ...geometry.triangle_tree import TriangleTree
-from ...sizing.field import SizeField
+from ...sizing.field import SizeField, first_to_raise
 from .contacts import CUT, Boundary, Contacts
 from .keys import Keys
 from .lookup import boxes_of, centers_of
@@ -123,11 +123,26 @@ def by_function(function: Callable[[Array, Array], Any], name: str = "divide") -
     Raises
     ------
     InputError
-        If it returns anything but n flags.
+        If it raises an error, with the first cell concerned, or returns anything but n flags.
     """
 
     def rule(nodes: Level) -> NDArray[np.bool_]:
-        answer = np.asarray(function(nodes.centers, np.full(len(nodes), nodes.side)))
+        def asked(centers: Array) -> Any:
+            raw = function(centers, np.full(len(centers), nodes.side))
+            return raw if isinstance(raw, np.ma.MaskedArray) else np.asarray(raw)
+
+        try:
+            answer = asked(nodes.centers)
+        except InputError:  # of this package; it names the fault
+            raise
+        except Exception as error:
+            place = nodes.centers[first_to_raise(asked, nodes.centers)].tolist()
+            raise InputError(
+                f"{name} raised {type(error).__name__} ({error}) for the cell about {place}, of side "
+                f"{nodes.side:g}; it takes centers (k, {nodes.dimension}) and edges (k,), and returns k bools"
+            ) from error
+        if isinstance(answer, np.ma.MaskedArray):
+            raise InputError(f"{name} must return plain bools, not a masked array; fill it first")
         if answer.shape != (len(nodes),) or answer.dtype != np.bool_:
             raise InputError(
                 f"{name} must return one bool for each of {len(nodes)} cells, not an array of "

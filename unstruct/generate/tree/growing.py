@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import as_numbers
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from .contacts import ALL_OUTSIDE, Boundary, at_root, handed_down
@@ -125,9 +126,12 @@ def as_box(box: object, dimension: int) -> Array:
         For anything else, and for a box that is empty.
     """
     try:
-        corners_given = np.array(box, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"a Domain or a box of two corners is needed, not {type(box).__name__}") from None
+        corners_given = as_numbers(box, "the box")
+    except InputError as error:
+        what = f"a Domain or a box of two corners is needed, not {type(box).__name__}"
+        raise InputError(f"{what}: {error}") from None
+    if np.asarray(box).dtype == np.bool_:
+        raise InputError("a box of two corners is needed, not bools")
     if corners_given.shape != (2, dimension):
         raise InputError(f"the box must be two corners, shape (2, {dimension}), not {corners_given.shape}")
     if not np.isfinite(corners_given).all():

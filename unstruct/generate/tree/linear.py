@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import distinct
+from ...base.arrays import distinct, frozen
 from ...base.jit import kernel
 from .keys import DEEPEST_LEVEL, Keys
 
@@ -38,7 +38,7 @@ class Linear(NamedTuple):
 
 
 class Leaves(NamedTuple):
-    """The leaves in the order of the depth-first walk.
+    """The leaves in the order of the depth-first walk; all arrays are read-only.
 
     Attributes
     ----------
@@ -55,11 +55,11 @@ class Leaves(NamedTuple):
 
 
 def linear_of(split: Sequence[Keys], dimension: int) -> Linear:
-    """The record, without levels at the end on which no node is divided."""
+    """The record, read-only, without levels at the end on which no node is divided."""
     levels = list(split)
     while levels and not len(levels[-1]):
         levels.pop()
-    return Linear(tuple(levels), dimension)
+    return Linear(tuple(map(frozen, levels)), dimension)
 
 
 def children_of(keys: Keys, dimension: int) -> Keys:
@@ -116,4 +116,4 @@ def leaves_of(tree: Linear) -> Leaves:
     keys, levels = np.empty(n, dtype=np.uint64), np.empty(n, dtype=np.int8)
     first = np.empty(n, dtype=np.uint64)
     _walk(split, start.astype(np.int64), d, keys, levels, first)
-    return Leaves(keys, levels, first)
+    return Leaves(frozen(keys), frozen(levels), frozen(first))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import frozen
 from ...base.jit import inline, kernel
 from ...predicates.batch import power_of_two
 from .keys import Keys, compacted, interleaved
@@ -85,7 +86,7 @@ def table_of(first: Keys, depth: int, dimension: int) -> NDArray[np.int64]:
     """The table over the leading bits of keys, from which binary searches start."""
     shift = np.uint64(entries(depth, dimension))
     count = 1 << min(dimension * depth, TABLE_BITS)
-    return np.searchsorted(first >> shift, np.arange(count + 1, dtype=np.uint64)).astype(np.int64)
+    return frozen(np.searchsorted(first >> shift, np.arange(count + 1, dtype=np.uint64)).astype(np.int64))
 
 
 @kernel

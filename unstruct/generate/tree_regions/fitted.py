@@ -114,8 +114,9 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     -----
     The pieces are cut by the leaves. Corners of leaves become vertices, except near pieces, and so do centers
     of leaves with hanging vertices. So the triangles inside are those of the templates, with angles of 45 and
-    90 degrees. Triangles along the pieces are improved as by `unstruct.voronoi_segment`, which may add
-    vertices for the sake of angles; no other vertex of the tree moves. O(n log n).
+    90 degrees if the box is a square. Triangles along the pieces are improved as by
+    `unstruct.voronoi_segment`, which may add vertices for the sake of angles; no other vertex of the tree
+    moves. O(n log n).
     """
     if cells.balance != "corners":
         cells = cells.balanced("corners")

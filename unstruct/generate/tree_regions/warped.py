@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import flagged
 from ...domain.domain import Domain
-from ...domain.plane.sample import Sampled, safe
+from ...domain.plane.sample import Sampled, assemble
 from ...geometry.boxes import BoxTree, bounding_boxes
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.constrained import complex_of
@@ -21,7 +21,7 @@ from ..front.made_mesh import quality_figures
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE
 from ..tree.templates import squares_as_triangles
-from .cutting import cut_by_leaves
+from .cutting import cut_by_leaves, safe_and_round
 from .fitted import Spots, states_for
 from .near import nearness
 from .thinning import thinned
@@ -111,7 +111,7 @@ def _thinned(domain: Domain, sampled: Sampled, marks: Marks) -> tuple[Sampled, M
     order = np.lexsort((t0, owner))
     owner, t0 = owner[order], t0[order]
     t1 = np.where(np.append(owner[1:] == owner[:-1], False), np.append(t0[1:], 1.0), 1.0)
-    return safe(domain, owner, t0, t1, np.inf), both
+    return safe_and_round(domain, assemble(domain, owner, t0, t1)), both
 
 
 def warped(cells: TreeCells, domain: Domain) -> DomainMesh:

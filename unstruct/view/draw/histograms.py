@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.transforms import ScaledTranslation
@@ -14,6 +13,7 @@ from ...base.errors import InputError
 from ...geometry.simplex import dihedral_angles
 from .colors import line_style
 from .colors import role as style_of
+from .strips import axes_for
 
 __all__ = ["plot_dihedrals", "plot_quality"]
 
@@ -83,8 +83,7 @@ def _stairs(
 ) -> Axes:
     """Histograms over common bins, and a legend below with the extremes or the mean."""
     finite = {key: v[np.isfinite(v)] for key, v in values.items()}
-    if ax is None:
-        ax = plt.subplots(figsize=(5.2, 3.0))[1]
+    ax = axes_for(ax, (5.2, 3.0))
     for number, (key, v) in enumerate(finite.items()):
         style = ROLE_ORDER[number % len(ROLE_ORDER)]
         text = f"{key + ': ' if key else ''}minimum {v.min():.3g}, "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,7 +18,7 @@ from ...base.errors import InputError
 from . import frames as fr
 from .colors import PAPER, ROLES, line_style, role
 
-__all__ = ["draw", "draw_items", "fit", "flat_axes", "label", "marks", "strip"]
+__all__ = ["axes_for", "draw", "draw_items", "fit", "flat_axes", "label", "marks", "strip"]
 
 CIRCLE = 0.06  # the largest opacity inside circles, because they overlap
 HALO = [patheffects.Stroke(linewidth=2.2, foreground=PAPER)]
@@ -187,10 +188,18 @@ def strip(
     return figure
 
 
+def axes_for(ax: Any, size: tuple[float, float]) -> Axes:
+    """The axes that are given, or those of a new figure of this size in inches."""
+    if ax is None:
+        return plt.subplots(figsize=size)[1]
+    if not isinstance(ax, Axes):
+        raise InputError(f"ax must be matplotlib axes, such as plt.subplots()[1], not {type(ax).__name__}")
+    return ax
+
+
 def flat_axes(ax: Axes | None) -> Axes:
     """Axes for geometry, with equal scales and without ticks, because coordinates do not matter."""
-    if ax is None:
-        ax = plt.subplots(figsize=(4.6, 3.6))[1]
+    ax = axes_for(ax, (4.6, 3.6))
     ax.set_aspect("equal")
     ax.set_axis_off()
     return ax

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
+from ...base.arrays import as_numbers
 from ...base.errors import InputError
 from .coloring import COLOR_MAP
 from .colors import PAPER, line_style
@@ -53,7 +54,7 @@ def plot_tree(
     """
     if not (hasattr(tree, "corners") and hasattr(tree, "levels")):
         raise InputError(f"plot_tree draws a Tree, not a {type(tree).__name__}")
-    number = np.asarray(tree.levels if values is None else values, dtype=float)
+    number = as_numbers(tree.levels if values is None else values, "values")
     if number.shape != (len(tree),):
         raise InputError(f"values must have one entry per leaf, shape ({len(tree)},), not {number.shape}")
     label = label or ("level" if values is None else "")
