@@ -16,6 +16,7 @@ def test_ball() -> None:
     mesh = octree(body, 0.2).mesh("cut")
     assert check(mesh)
     assert mesh.complete
+    assert mesh.figures["cells missed"] < 0.1
     assert mesh.volume == pytest.approx(body.volume, rel=2e-2)
     away = np.abs(np.linalg.norm(mesh.points[np.unique(mesh.boundary)], axis=1) - 1)
     assert away.max() < 0.02
@@ -59,6 +60,44 @@ def test_thin_parts_are_told() -> None:
     assert check(mesh)
     assert not mesh.complete
     assert mesh.points[mesh.simplices[mesh.unrefined]][..., 0].max() > 0.8
+
+
+def sector(degrees: float) -> Domain:
+    """A wedge of a prism with this angle."""
+    a = np.radians(degrees)
+    return Domain.extruded(Domain.polygon([[0, 0], [1, 0], [np.cos(a), np.sin(a)]]), 1)
+
+
+def test_the_tip_of_a_thin_wedge_is_told() -> None:
+    """A fifth of the volume was lost, two leaves deep, and nothing was said."""
+    body = sector(5)
+    with pytest.warns(IncompleteWarning, match="thinner than the leaves, and lost or filled"):
+        mesh = octree(body, 0.1).mesh("cut")
+    assert mesh.volume < 0.8 * body.volume
+    assert mesh.figures["cells missed"] > 2
+    assert mesh.points[mesh.simplices[mesh.unrefined]][..., 0].min() < 0.15
+    assert "near (0, 0, " in " ".join(mesh.reasons.tolist())
+
+
+@pytest.mark.parametrize("width", [0.01, 0.05])
+def test_a_filled_slit_is_told(width: float) -> None:
+    """Only vertices in the slit were free, each in a cavity of its own: no place is far from one."""
+    low, high = 0.47 - width / 2, 0.47 + width / 2
+    plan = [[0, 0], [1, 0], [1, 1], [high, 1], [high, 0.1], [low, 0.1], [low, 1], [0, 1]]
+    body = Domain.extruded(Domain.polygon(plan), 0.5)
+    with pytest.warns(IncompleteWarning, match="components and Euler characteristic"):
+        mesh = octree(body, 0.12).mesh("cut")
+    assert check(mesh)
+    assert not mesh.complete
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_right_angles_that_are_cut_off_are_no_loss(seed: int) -> None:
+    turn, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    turn[:, 0] *= np.sign(np.linalg.det(turn))
+    mesh = octree(Domain(UNIT @ turn.T, SIDES), 0.2).mesh("cut")
+    assert mesh.complete
+    assert 0 < mesh.figures["cells missed"] < 0.7
 
 
 @settings(max_examples=10, deadline=None)

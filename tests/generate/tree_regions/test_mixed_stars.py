@@ -55,6 +55,19 @@ def test_the_worst_corner_rises_and_all_stay_positive(seed, scale):
     assert moves > 0 or before.min() > 0.7
 
 
+def test_a_triangle_does_not_gain_by_a_poor_quadrilateral():
+    """A vertex between a flat triangle, which gains as it goes up, and a quadrilateral that loses by it."""
+    points = np.array([[0.0, 0], [2, 0], [1, 0.1], [2, 0.9], [0.6, 1.0], [0, 1]])
+    cells = np.array([[0, 1, 2, -1], [1, 3, 4, 2], [0, 2, 4, 5]], dtype=np.int32)
+    for x in np.linspace(0.5, 1.5, 21):
+        points[2, 0] = x
+        before, signs = corners(points, cells)
+        found, _ = smoothed(points, cells, np.arange(6) == 2)
+        after, _ = corners(found, cells)
+        assert signs.all() and after.min() >= before.min()
+        assert before[3:].min() < 0.63 or after[3:].min() >= 0.63
+
+
 def test_good_cells_stay():
     points, cells, free = grid(3)
     found, moves = smoothed(points, cells, free)

@@ -22,6 +22,7 @@ from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.vertices import numbered
 from .choosing import must_be_octree
 from .cutting import VERTEX_IN, VERTEX_ON, VERTEX_OUT, crossings, cut_cells, positive_places
+from .missing import lost_or_filled
 from .numbering import named_parts
 from .pinches import pinched_vertices
 
@@ -29,8 +30,6 @@ __all__ = ["cut_cubes"]
 
 Array = NDArray[np.float64]
 VERTEX_UNKNOWN = 2  # the side of vertices at which all is inside
-FAR_FROM_LEAF = 2.0  # sides of a cut leaf from its center to the mesh's boundary, beyond which part is lost
-LOST_NEAR = "a part of the body that is thinner than the leaves near here is lost"
 
 
 class _Kept(NamedTuple):
@@ -56,7 +55,10 @@ def cut_cubes(tree: TreeCells) -> DomainMesh:
     number = np.full(len(found.points), -1, dtype=np.int32)
     number[used] = np.arange(len(used))
     x, border = found.points[used], number[found.border]
-    at = _lost(tree, x, border, np.nonzero(found.neighbors < 0)[0])
+    shell = domain.triangulated
+    cell = np.nonzero(found.neighbors < 0)[0]
+    reasons, most = lost_or_filled(tree, (shell.points, shell.bounding), (x, border, cell))
+    rows = sorted(reasons)
     mesh = DomainMesh(
         x,
         number[found.simplices],
@@ -64,9 +66,10 @@ def cut_cubes(tree: TreeCells) -> DomainMesh:
         origin=np.full(len(x), -1, dtype=np.int32),
         markers=_markers(domain, x, border) | {"region": region},
         regions={name: k for k, name in enumerate(domain.regions)},
-        unrefined=at,
-        reasons=np.full(len(at), LOST_NEAR),
+        unrefined=np.array(rows, dtype=np.int32),
+        reasons=[reasons[row] for row in rows],
         counts=found.counts,
+        figures={"cells missed": most},
     )
     return noticed(mesh)
 
@@ -148,18 +151,3 @@ def _markers(domain: Domain, points: Array, border: NDArray[np.int32]) -> dict[s
         piece = shell.piece[outer[near]]
         markers |= {name: border[np.isin(piece, rows)] for name, rows in domain.markers.items()}
     return markers
-
-
-def _lost(
-    tree: TreeCells, points: Array, border: NDArray[np.int32], cell: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """The cells nearest to leaves that the surface meets, and from which the mesh's boundary is far."""
-    met = np.flatnonzero(tree.states == CUT)
-    center = np.asarray(tree.centers)[met]
-    corners = points[border]
-    which, place = TriangleTree(corners).nearest(center)
-    off = center - (place[:, :, None] * corners[which]).sum(axis=1)
-    far = (
-        off[:, 0] ** 2 + off[:, 1] ** 2 + off[:, 2] ** 2 > (FAR_FROM_LEAF * np.asarray(tree.sides)[met]) ** 2
-    )
-    return np.unique(cell[which[far]])

@@ -16,9 +16,10 @@ from ...mesh.grouping import group_rows, sort_rows
 from ...mesh.manifold import fans_of_faces
 from ...predicates.batch import power_of_two
 
-__all__ = ["boundary_faces", "missing_parts", "nearest_on", "pinched_vertices"]
+__all__ = ["FAR_FROM_MESH", "boundary_faces", "missing_parts", "nearest_on", "pinched_vertices"]
 
 Array = NDArray[np.float64]
+FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer (see the tests)
 OPPOSITE = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # the faces of a tetrahedron, seen from outside
 
 

@@ -21,7 +21,7 @@ from ...predicates.batch import power_of_two
 from ...sizing.field import as_size
 from ..tree.growing import MOST_LEAVES, as_box
 from .creases import creases_of, with_creases
-from .ending import boundary_faces, missing_parts, pinched_vertices
+from .ending import FAR_FROM_MESH, boundary_faces, missing_parts, pinched_vertices
 from .filling import Background, Filling, background_of, filled_background
 from .laying import Laid, laid_in_level_set
 from .sampling import LevelSet
@@ -31,7 +31,6 @@ __all__ = ["isosurface_stuffing"]
 
 ZERO_TOLERANCE = 1e-10  # of the zeros on edges, as a share of the edge
 MOST_COORDINATE = 2.0**128  # its fourth power and that of its inverse are doubles, with much room
-FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer (see the tests)
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
 LOST_CREASE = "a sharp edge is not kept here: the strip along it could not be filled; try another size"

@@ -19,6 +19,8 @@ __all__ = ["cells_at", "smoothed"]
 GOOD = 0.75  # vertices all of whose corners are better stay
 EQUILATERAL = 2.0 / math.sqrt(3.0)
 HALVED_STEPS = 6  # lengths of steps, each half of the one before, from a quarter of the shortest edge on
+QUAD_SINE = 0.63  # the least of a corner of a quadrilateral: between 39.05 and 140.95 degrees
+BEYOND = 2.0  # what a smaller sine of a quadrilateral counts less: no triangle is worth it
 SINE_GAIN = 1e-3  # by which the worst corner has to improve
 
 
@@ -38,8 +40,9 @@ def _corner(xy, a, b, c):
 
 
 @inline
-def _worst(xy, cells, members, start, stop):
-    """The least sine of a corner of these cells; that of triangles in units of 60 degrees."""
+def _worst(xy, cells, members, start, stop, less):
+    """The least sine of a corner of these cells; that of triangles in units of 60 degrees, that of
+    quadrilaterals beyond their limit counts as so much less."""
     worst = 1.0
     for m in range(start, stop):
         t = members[m]
@@ -47,7 +50,10 @@ def _worst(xy, cells, members, start, stop):
         unit = 1.0 if sides == 4 else EQUILATERAL
         for k in range(sides):
             a, b, c = cells[t, (k + sides - 1) % sides], cells[t, k], cells[t, (k + 1) % sides]
-            worst = min(worst, unit * _corner(xy, a, b, c))
+            sine = _corner(xy, a, b, c)
+            if sides == 4 and sine < QUAD_SINE:
+                sine -= less
+            worst = min(worst, unit * sine)
     return worst
 
 
@@ -76,7 +82,11 @@ def _smooth(xy, cells, indptr, members, free, rounds):
             if not todo[v] or start == stop:
                 continue
             todo[v] = False
-            old = _worst(xy, cells, members, start, stop)
+            less = BEYOND
+            old = _worst(xy, cells, members, start, stop, less)
+            if old < 0.0:  # one is beyond already
+                less = 0.0
+                old = _worst(xy, cells, members, start, stop, less)
             if old >= GOOD:
                 continue
             x, y = xy[v, 0], xy[v, 1]
@@ -92,7 +102,7 @@ def _smooth(xy, cells, indptr, members, free, rounds):
                 for direction in range(9):
                     dx, dy = direction % 3 - 1, direction // 3 - 1
                     xy[v, 0], xy[v, 1] = cx + step * dx, cy + step * dy
-                    new = _worst(xy, cells, members, start, stop)
+                    new = _worst(xy, cells, members, start, stop, less)
                     if new > best:
                         best, bx, by = new, xy[v, 0], xy[v, 1]
                 step *= 0.5
@@ -127,7 +137,8 @@ def smoothed(
     Returns
     -------
     points : (n, 2) float64
-        All cells are still convex, exactly. The least sine of the corners around a vertex never falls.
+        All cells are still convex, exactly. The least sine of the corners around a vertex never falls, and
+        no quadrilateral leaves 39 to 141 degrees so that a triangle gains, unless one there has already.
     moves : int
     """
     xy, exact = scaled(points)

@@ -48,7 +48,8 @@ def quads(cells: TreeCells, domain: Domain) -> DomainMesh:
     The triangles of `fitted` are paired across sides that are on no piece: squares of leaves first, then what
     is nearest to right angles, none with an angle beyond 39.6 and 140.4 degrees; exchanges along alternating
     paths make more pairs. Then vertices on no piece are moved to where the worst corner around them is
-    better. All quadrilaterals are convex, by exact signs: their Jacobians are positive everywhere.
+    better; also after that no angle of a quadrilateral is outside of 39 to 141 degrees. All quadrilaterals
+    are convex, by exact signs: their Jacobians are positive everywhere.
     O(n log n).
     """
     mesh = fitted(cells, domain)
