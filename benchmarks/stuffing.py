@@ -1,8 +1,8 @@
 """Isosurface stuffing: smooth bodies, and random fields of one level, against the bounds of the theorem.
 
 ``python -m benchmarks.stuffing --fields 1000`` prints the extreme dihedral angles and the speed without the
-function, and for the fields whether all cells are positive and all boundaries closed. A thousand fields take a
-few minutes.
+function, and for the fields whether all cells are positive and all boundaries closed. A thousand fields take
+a few minutes.
 """
 
 from __future__ import annotations
@@ -94,7 +94,10 @@ def main(arguments: list[str] | None = None) -> int:
             speed = max(speed, mesh.size / (time.process_time() - start - asked[0]))
         least, most = angles(mesh)
         good &= least >= SMOOTH_BOUNDS[0] and most <= SMOOTH_BOUNDS[1] and is_closed(mesh)
-        print(f"{name:14} {mesh.size:9,} cells  {least:6.2f} to {most:6.2f} degrees  {speed / 1e6:5.2f} M cells/s")
+        print(
+            f"{name:14} {mesh.size:9,} cells  {least:6.2f} to {most:6.2f} degrees  "
+            f"{speed / 1e6:5.2f} M cells/s"
+        )
     worst, inverted, opened, pinched, cells = [180.0, 0.0], 0, 0, 0, 0
     for body, box, size, tolerance in fields(count):
         mesh = unstruct.isosurface_stuffing(body, size, box=box, cap=True, tolerance=tolerance)
@@ -106,8 +109,8 @@ def main(arguments: list[str] | None = None) -> int:
         cells += mesh.size
     good &= worst[0] >= BOUNDS[0] and worst[1] <= BOUNDS[1] and not inverted and not opened
     print(
-        f"{count} fields    {cells:9,} cells  {worst[0]:6.2f} to {worst[1]:6.2f} degrees  {inverted} inverted, "
-        f"{opened} not closed, {pinched} touch themselves"
+        f"{count} fields    {cells:9,} cells  {worst[0]:6.2f} to {worst[1]:6.2f} degrees  "
+        f"{inverted} inverted, {opened} not closed, {pinched} touch themselves"
     )
     return 0 if good else 1
 

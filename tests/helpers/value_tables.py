@@ -11,7 +11,8 @@ KINDS = ("normal", "integers", "wide", "near zero", "equal")
 
 
 class Table:
-    """A function with given values at corners (n + 1,)^3 and centers (n,)^3 of unit cubes; negative around."""
+    """A function with given values at corners (n + 1,)^3 and centers (n,)^3 of unit cubes; negative
+    around."""
 
     def __init__(self, seed: int, n: int = 5, kind: str = "normal"):
         rng = np.random.default_rng(seed)

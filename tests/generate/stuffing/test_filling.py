@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.helpers.value_tables import KINDS, Table, assert_sound, dihedral_range
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.helpers import value_tables
+from tests.helpers.value_tables import KINDS, Table, assert_sound
 from unstruct import InputError, check, isosurface_stuffing
 from unstruct.generate.stuffing.filling import background_of, filled_background
 from unstruct.generate.stuffing.laying import laid_in_level_set
@@ -26,7 +27,7 @@ def test_any_values_keep_the_bounds(seed: int, n: int, kind: str) -> None:
     except InputError as error:  # nothing is inside, or all that is has moved onto the surface
         assert "thinner than a cell" in str(error)
         return
-    least, most = dihedral_range(mesh)
+    least, most = value_tables.dihedral_range(mesh)
     assert 10.7 <= least
     assert most <= 164.8
     assert_sound(mesh)

@@ -23,7 +23,7 @@ def ring(x: np.ndarray) -> np.ndarray:
 
 def two_balls(x: np.ndarray) -> np.ndarray:
     return np.maximum(
-        0.4 - np.abs(x - [0.7, 0, 0]).max(axis=1), 0.45 - np.sqrt(((x + [0.6, 0, 0]) ** 2).sum(1))
+        0.4 - np.abs(x - [0.7, 0, 0]).max(axis=1), 0.45 - np.sqrt(((x - [-0.6, 0, 0]) ** 2).sum(1))
     )
 
 

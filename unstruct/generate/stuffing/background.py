@@ -1,11 +1,11 @@
 """The background of tetrahedra over an octree: pieces of body-centered cubic lattices.
 
-Vertices are the corners and the centers of leaves. Two leaves of one size share four tetrahedra, one over each
-edge of their common face: with the two centers and the ends of the edge. Where all leaves have one size these
-fill a body-centered cubic lattice: each has two edges of the length of a side, opposite and perpendicular, and
-four shorter ones; its dihedral angles are 60 and 90 degrees. An edge with a hanging vertex halves its
-tetrahedron. Where a leaf meets a larger one, its face is two triangles, and the middle of the larger one's face
-is a vertex. All dihedral angles lie between 45 and 120 degrees. See the book, chapter 4c.
+Vertices are the corners and the centers of leaves. Two leaves of one size share four tetrahedra, one over
+each edge of their common face: with the two centers and the ends of the edge. Where all leaves have one size
+these fill a body-centered cubic lattice: each has two edges of the length of a side, opposite and
+perpendicular, and four shorter ones; its dihedral angles are 60 and 90 degrees. An edge with a hanging vertex
+halves its tetrahedron. Where a leaf meets a larger one, its face is two triangles, and the middle of the
+larger one's face is a vertex. All dihedral angles lie between 45 and 120 degrees. See the book, chapter 4c.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """A proof, by computing with intervals, that stuffed tetrahedra of one level have bounded dihedral angles.
 
-What a stencil makes of a tetrahedron of the lattice depends on few numbers: each cut point lies on its edge, not
-within the share alpha of either end, and a vertex on the surface has moved along one of its 14 edges, by less
-than alpha. So every corner is p + s v with a number s from an interval; normals of faces and the volume are
-linear in each of these numbers, and with the two normals m, n of an edge, the angle there is between the bounds
-if ``cos(bound)**2 |m|**2 |n|**2 - (m n)**2`` is positive. This polynomial is written in Bernstein's form. If
-all of its coefficients are positive, so is the polynomial; otherwise the box of parameters is halved. The
-coefficients are computed with intervals that are rounded outward. See the book, chapter 4c.
+What a stencil makes of a tetrahedron of the lattice depends on few numbers: each cut point lies on its edge,
+not within the share alpha of either end, and a vertex on the surface has moved along one of its 14 edges, by
+less than alpha. So every corner is p + s v with a number s from an interval; normals of faces and the volume
+are linear in each of these numbers, and with the two normals m, n of an edge, the angle there is between the
+bounds if ``cos(bound)**2 |m|**2 |n|**2 - (m n)**2`` is positive. This polynomial is written in Bernstein's
+form. If all of its coefficients are positive, so is the polynomial; otherwise the box of parameters is
+halved. The coefficients are computed with intervals that are rounded outward. See the book, chapter 4c.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ __all__ = ["Interval", "StuffingBounds", "stuffing_bounds"]
 
 Array = NDArray[np.float64]
 # A tetrahedron of the lattice, in halves of the long edges; these join vertices 0, 1 and vertices 2, 3.
-REFERENCE = np.array([(2, 0, 0), (0, 0, 0), (1, 1, 1), (1, 1, -1)])
-LONG_EDGES = ({0, 1}, {2, 3})
-MOST_HALVINGS = 40
+REFERENCE_CELL = np.array([(2, 0, 0), (0, 0, 0), (1, 1, 1), (1, 1, -1)])
+LONG_SIDES = ({0, 1}, {2, 3})
+HALVINGS_OF_BOXES = 40
 BOXES_AT_ONCE = 1 << 12
-ULPS = 4  # by which the squares of cosines are rounded down
+COSINE_ULPS = 4  # by which the squares of cosines are rounded down
 
 
 class Interval(NamedTuple):
@@ -107,7 +107,7 @@ def stuffing_bounds(
     *,
     alpha: tuple[float, float] = ALPHA,
     stencils: str | None = None,
-    halvings: int = MOST_HALVINGS,
+    halvings: int = HALVINGS_OF_BOXES,
 ) -> StuffingBounds:
     """Prove bounds for the dihedral angles of isosurface stuffing at one level.
 
@@ -118,7 +118,7 @@ def stuffing_bounds(
     alpha : (float, float)
         The shares of long and of short edges within which a cut point moves a vertex.
     stencils : str, optional
-        The signs of one kind of tetrahedron, such as "++--" or "+00-"; by default all ten kinds are looked at.
+        The signs of one kind of tetrahedron, such as "++--" or "+00-"; by default all ten.
     halvings : int
         A box of parameters that has been halved so often is given up.
 
@@ -159,7 +159,7 @@ def stuffing_bounds(
 
 
 def _down_by(x: float) -> float:
-    for _ in range(ULPS):
+    for _ in range(COSINE_ULPS):
         x = float(np.nextafter(x, 0.0))
     return x
 
@@ -207,7 +207,7 @@ def _cases(kind: str, alpha: tuple[float, ...]) -> Iterator[Case]:
 
 def _symmetries() -> list[tuple[int, ...]]:
     """The permutations of vertices that keep the long edges."""
-    return [turn for turn in permutations(range(4)) if {turn[0], turn[1]} in LONG_EDGES]
+    return [turn for turn in permutations(range(4)) if {turn[0], turn[1]} in LONG_SIDES]
 
 
 def _pieces(signs: NDArray[np.int8], mirror: NDArray[np.int64], alpha: tuple[float, ...]) -> Iterator[Case]:
@@ -218,16 +218,16 @@ def _pieces(signs: NDArray[np.int8], mirror: NDArray[np.int64], alpha: tuple[flo
     cells = np.arange(4, dtype=np.int32)[None]
     if not mirror[0] > 0:
         cells = cells[:, [0, 1, 3, 2]]
-    pieces, _ = stenciled(np.ascontiguousarray(cells), signs, REFERENCE * mirror, Cuts(keys, 4))
+    pieces, _ = stenciled(np.ascontiguousarray(cells), signs, REFERENCE_CELL * mirror, Cuts(keys, 4))
     for piece in pieces:
         base, velocity, low, high = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros(4), np.zeros(4)
         for k, vertex in enumerate(piece.tolist()):
             if vertex < 4:
-                base[k] = REFERENCE[vertex]
+                base[k] = REFERENCE_CELL[vertex]
                 continue
             i, j = cut[vertex - 4]
-            share = alpha[0] if {i, j} in LONG_EDGES else alpha[1]
-            base[k], velocity[k] = REFERENCE[i], REFERENCE[j] - REFERENCE[i]
+            share = alpha[0] if {i, j} in LONG_SIDES else alpha[1]
+            base[k], velocity[k] = REFERENCE_CELL[i], REFERENCE_CELL[j] - REFERENCE_CELL[i]
             low[k], high[k] = share, 1.0 - share
         free = [k for k, vertex in enumerate(piece.tolist()) if vertex < 4 and signs[vertex] == 0]
         for moves in product(_steps(), repeat=len(free)):
@@ -248,9 +248,11 @@ def _steps() -> list[tuple[int, ...]]:
 
 def _possible(signs: NDArray[np.int8], moves: dict[int, tuple[int, ...]]) -> bool:
     """Whether vertices may move so at the same time: see `stuffing_bounds`."""
-    place = {tuple(row): i for i, row in enumerate(REFERENCE.tolist())}
+    place = {tuple(row): i for i, row in enumerate(REFERENCE_CELL.tolist())}
     toward = {
-        v: place[end] for v, move in moves.items() if (end := tuple((REFERENCE[v] + move).tolist())) in place
+        v: place[end]
+        for v, move in moves.items()
+        if (end := tuple((REFERENCE_CELL[v] + move).tolist())) in place
     }
     if any(toward.get(w) == v for v, w in toward.items()):
         return False
@@ -326,12 +328,12 @@ def _judged(
     normal, volume = _normals(points, (len(b),) + (2,) * count)
     good = (_least(volume) > 0.0) | (_greatest(volume) < 0.0)
     square = [_inner(n, n) for n in normal]
-    ends_of = (slice(None), *np.ix_(*[(0, 2)] * count)) if count else (slice(None),)
+    ends_of: Any = (slice(None), *np.ix_(*[(0, 2)] * count)) if count else (slice(None),)
     least, most = 180.0, 0.0
     for i, j in combinations(range(4), 2):
         inner = _inner(normal[i], normal[j])
         both, whole = _times(square[i], square[j]), _times(inner, inner)
-        above, below = (_least(both * Interval(c, c) - whole) > 0.0 for c in map(np.float64, squares))
+        above, below = (_least(both * Interval(c, c) - whole) > 0.0 for c in map(np.array, squares))
         # normals that point to different sides make an acute angle, which has no upper bound to keep
         good &= (above & below) | (above & (_greatest(inner) <= 0.0)) | (below & (_least(inner) >= 0.0))
         cosine = -inner.low[ends_of] / np.sqrt(square[i].low[ends_of] * square[j].low[ends_of])

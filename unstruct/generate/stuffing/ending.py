@@ -24,7 +24,8 @@ OPPOSITE = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # the faces of a tetrah
 def boundary_faces(
     cells: NDArray[np.int32], on_surface: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """The faces of one cell only, seen from outside, and their cells: all their vertices are on the surface."""
+    """The faces of one cell only, seen from outside, and their cells: all their vertices are on the
+    surface."""
     flags = on_surface[cells]
     rows = np.flatnonzero(flags.sum(axis=1) >= 3)
     faces, owner = [], []

@@ -132,7 +132,8 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
 
 @kernel
 def _look(cells, place, least, mixed):
-    """The square of the shortest edge at each vertex; whether a cell there is none of a lattice of one level."""
+    """The square of the shortest edge at each vertex; whether a cell there is none of a lattice of one
+    level."""
     for row in range(len(cells)):
         short, long = np.int64(1) << 62, np.int64(0)
         for i in range(4):

@@ -1,4 +1,5 @@
-"""The finest lattice over a box, where a function is asked, and the octree that is fine where its sign changes.
+"""The finest lattice over a box, where a function is asked, and the octree that is fine where its sign
+changes.
 
 See the book, chapter 4c.
 """
@@ -32,14 +33,14 @@ class Frame(NamedTuple):
     root : (2, 3) float64
     level : int
         The level whose cells have the wanted size.
-    first, count : (3,) int64
-        The cells of that level that cover the box: ``first[a], ..., first[a] + count[a] - 1`` along axis a.
+    first, cells : (3,) int64
+        The cells of that level that cover the box: ``first[a], ..., first[a] + cells[a] - 1`` along axis a.
     """
 
     root: Array
     level: int
     first: NDArray[np.int64]
-    count: NDArray[np.int64]
+    cells: NDArray[np.int64]
 
 
 class Samples(NamedTuple):
@@ -47,7 +48,7 @@ class Samples(NamedTuple):
 
     Attributes
     ----------
-    corner_values, center_values : float64, of shapes count + 3 and count + 2
+    corner_values, center_values : float64, of shapes cells + 3 and cells + 2
     corner_signs, center_signs : int8
         1 inside, 0 on the surface, -1 outside.
     """
@@ -94,7 +95,7 @@ def samples_of(body: LevelSet, frame: Frame) -> Samples:
     for more, half in ((3, 0.0), (2, 0.5)):
         axes = []
         for a in range(3):
-            i = frame.first[a] - 1 + np.arange(frame.count[a] + more)
+            i = frame.first[a] - 1 + np.arange(frame.cells[a] + more)
             x = corners(low[a], side[a], i, frame.level)
             if half:
                 x = x + 0.5 * (corners(low[a], side[a], i + 1, frame.level) - x)
@@ -211,8 +212,8 @@ def marked_cells(frame: Frame, samples: Samples, everywhere: bool) -> tuple[Keys
     """Which cells of the frame's level a tree must have, and which have a vertex inside: two sorted arrays.
 
     A tetrahedron with a vertex on the surface, or at an edge that the surface crosses, lies in two cells of
-    the first kind. So vertices that may move are vertices of the finest lattice alone. With `everywhere`, these
-    are all cells with a tetrahedron that has a vertex inside.
+    the first kind. So vertices that may move are vertices of the finest lattice alone. With `everywhere`,
+    these are all cells with a tetrahedron that has a vertex inside.
     """
     shape = samples.center_signs.shape
     inside = np.zeros(shape, dtype=np.bool_)

@@ -28,7 +28,7 @@ from .warping import Edges
 __all__ = ["Laid", "coarse_places", "grid_of", "laid_in_level_set", "refused_leaves", "smallest_size"]
 
 Array = NDArray[np.float64]
-SLACK = 1.1  # a size may be so much smaller than a cell that nothing is told
+SIZE_SLACK = 1.1  # a size may be so much smaller than a cell that nothing is told
 COARSE_GRID = 33  # vertices along each side of a box, where a size is asked before there is a lattice
 
 
@@ -45,6 +45,7 @@ class Laid(NamedTuple):
         Where the surface cuts edges.
     refused : (k,) int64
         Leaves that the size would have divided.
+    field : SizeField
     samples : (x, side), optional
         Points of the surface (q, 3), and the sides of the leaves there (q,).
     """
@@ -54,6 +55,7 @@ class Laid(NamedTuple):
     sign: NDArray[np.int8]
     shares: Callable[[Edges], Array]
     refused: NDArray[np.int64]
+    field: SizeField
     samples: tuple[Array, Array] | None = None
 
 
@@ -90,7 +92,7 @@ def refused_leaves(growth: Growth, grid: Grid, field: SizeField) -> NDArray[np.i
     rows = np.flatnonzero(np.isin(grid.first, np.concatenate(first)))
     side = float(grid.side[0]) * 0.5 ** grid.levels[rows].astype(np.float64)
     low = corners(grid.low, grid.side, coordinates_of(grid.first[rows], 3), grid.depth)
-    return rows[side > SLACK * field(low + 0.5 * side[:, None])]
+    return rows[side > SIZE_SLACK * field(low + 0.5 * side[:, None])]
 
 
 def smallest_size(field: SizeField, places: Array) -> float:
@@ -133,7 +135,7 @@ def laid_in_level_set(
         vertices = lattice_vertices(grid)
         values, sign = _asked_at(body, vertices[0])
     else:
-        _within_budget(float(np.prod(frame.count.astype(np.float64))), budget, cell)
+        _within_budget(float(np.prod(frame.cells.astype(np.float64))), budget, cell)
         samples = samples_of(body, frame)
         wanted, inside = marked_cells(frame, samples, field.constant is not None)
         rules = [_with_keys(wanted, frame.level)]
@@ -149,7 +151,7 @@ def laid_in_level_set(
         ends = points[edges.inner], points[edges.outer]
         return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
 
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field))
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field)
 
 
 def _cell_of_level_set(body: LevelSet, field: SizeField) -> float:

@@ -17,7 +17,7 @@ __all__ = ["CALLED_AT_ONCE", "LevelSet"]
 
 Array = NDArray[np.float64]
 CALLED_AT_ONCE = 1 << 18  # points in one call, to bound its memory
-MOST_STEPS = 100  # of the search for zeros; halving alone would take 53
+MOST_ZERO_STEPS = 100  # of the search for zeros; halving alone would take 53
 
 
 class LevelSet:
@@ -103,8 +103,8 @@ class LevelSet:
 
         Notes
         -----
-        Inverse quadratic interpolation where it is safe, and halving (T. R. Chandrupatla, Adv. Eng. Softw. 28,
-        1997, 145-149). Of several zeros on an edge, one is found.
+        Inverse quadratic interpolation where it is safe, and halving (T. R. Chandrupatla, Adv. Eng. Softw.
+        28, 1997, 145-149). Of several zeros on an edge, one is found.
         """
         if tolerance is None:
             return _linear(high, low)
@@ -114,7 +114,7 @@ class LevelSet:
         step = _linear(high, low)
         where = np.where(np.abs(fa) < np.abs(fb), a, b)
         active = np.arange(e)
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_ZERO_STEPS):
             if not len(active):
                 break
             k = active
@@ -141,7 +141,8 @@ def _linear(high: Array, low: Array) -> Array:
 
 
 def _step(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -> Array:
-    """The next place in the bracket, 0 at a and 1 at b: by interpolation where that is safe, else one half."""
+    """The next place in the bracket, 0 at a and 1 at b: by interpolation where that is safe, else one
+    half."""
     with np.errstate(all="ignore"):
         xi = (a - b) / (c - b)
         phi = (fa - fb) / (fc - fb)

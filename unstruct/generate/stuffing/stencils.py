@@ -1,12 +1,12 @@
 """The stencils: what of a tetrahedron lies inside, as one, two or three tetrahedra.
 
-Vertices are inside (+), on the surface (0) or outside (-); an edge from + to - has a cut point. What lies inside
-is a tetrahedron, a pyramid or a prism. Its quadrilaterals in faces of the tetrahedron are divided by a rule
-that looks at the face alone, so that both sides agree: the corners are two vertices p, q inside and the cut
-points of their edges to a vertex d outside, and the diagonal begins at that of p and q whose edge to d is
-shorter. So it ends at the cut point of the long edge. If both edges are equally long, it begins at that of p, q
-which has a larger coordinate than d along an even number of axes (the *parity rule*). The third diagonal of a
-prism has an end in common with another one. See the book, chapter 4c.
+Vertices are inside (+), on the surface (0) or outside (-); an edge from + to - has a cut point. What lies
+inside is a tetrahedron, a pyramid or a prism. Its quadrilaterals in faces of the tetrahedron are divided by a
+rule that looks at the face alone, so that both sides agree: the corners are two vertices p, q inside and the
+cut points of their edges to a vertex d outside, and the diagonal begins at that of p and q whose edge to d is
+shorter. So it ends at the cut point of the long edge. If both edges are equally long, it begins at that of p,
+q which has a larger coordinate than d along an even number of axes (the *parity rule*). The third diagonal of
+a prism has an end in common with another one. See the book, chapter 4c.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ...base.jit import inline, kernel, lean
 
 __all__ = ["Cuts", "stenciled"]
 
-MOST_PIECES = 3  # of a tetrahedron
+PIECES_OF_A_CELL = 3  # of a tetrahedron
 
 
 class Cuts(NamedTuple):
@@ -194,7 +194,7 @@ def stenciled(
     """
     signs = sign[cells]
     mixed = (signs > 0).any(axis=1) & (signs < 0).any(axis=1)
-    room = len(cells) + (MOST_PIECES - 1) * int(np.count_nonzero(mixed))
+    room = len(cells) + (PIECES_OF_A_CELL - 1) * int(np.count_nonzero(mixed))
     out, owner = np.empty((room, 4), dtype=np.int32), np.empty(room, dtype=np.int64)
     count = int(_stencils(cells, sign, place, cuts, out, owner))
     return out[:count], owner[:count]

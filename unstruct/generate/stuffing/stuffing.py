@@ -5,12 +5,12 @@ See the book, chapter 4c.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...base.arguments import as_count, as_flag, positive
+from ...base.arguments import as_count, as_flag, finite, positive
 from ...base.errors import InputError
 from ...domain.domain import Domain, as_domain
 from ...geometry.triangle_tree import TriangleTree
@@ -19,6 +19,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing.field import as_size
 from ..tree.growing import MOST_LEAVES, as_box
+from .creases import creases_of, with_creases
 from .ending import boundary_faces, missing_parts, pinched_vertices
 from .filling import Background, Filling, background_of, filled_background
 from .laying import Laid, laid_in_level_set
@@ -31,7 +32,8 @@ ZERO_TOLERANCE = 1e-10  # of the zeros on edges, as a share of the edge
 FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer (see the tests)
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
-TOO_SMALL = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
+LOST_CREASE = "a sharp edge is not kept here: the strip along it could not be filled; try another size"
+NOTHING_INSIDE = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
 
 
 def isosurface_stuffing(
@@ -41,6 +43,7 @@ def isosurface_stuffing(
     box: ArrayLike | None = None,
     cap: bool = False,
     graded: bool = False,
+    features: float | None = None,
     tolerance: float | None = ZERO_TOLERANCE,
     budget: int = MOST_LEAVES,
     progress: bool = False,
@@ -50,21 +53,24 @@ def isosurface_stuffing(
     Parameters
     ----------
     body : callable, Domain in space, or Mesh of triangles that close
-        A function takes points (k, 3) and returns k finite numbers, positive inside, negative outside, zero on
-        the surface; it needs a `box`.
+        A function takes points (k, 3) and returns k finite numbers, positive inside, negative outside, zero
+        on the surface; it needs a `box`.
     size : number, function (k, 3) -> (k,), or size field
         The long edges of the lattice; the short ones are sqrt(3)/2 as long. All cells along the surface have
-        one size, the smallest that is asked for in the body or near it; those inside become larger, by factors
-        of two, as the size allows.
+        one size, the smallest that is asked for in the body or near it; those inside become larger, by
+        factors of two, as the size allows.
     box : array_like, shape (2, 3), optional
         For a function: two opposite corners of the box in which the body lies. The function is never asked
-        outside of it, and must not be positive at its sides, unless `cap` is set. By default ``body.box``, which the bodies of
-        `examples` have.
+        outside of it, and must not be positive at its sides, unless `cap` is set. By default ``body.box``,
+        which the bodies of `examples` have.
     cap : bool
         Whether the body ends at the sides of the box, where the function is positive there. Cells are flat
         there if the box has a whole number of them along each axis; otherwise its edges are cut off.
     graded : bool
         Whether cells along the surface follow the size, too. Their angles are then measured, not proved.
+    features : float, optional
+        For a surface that is flat between its sharp edges: degrees. Edges at which the normals of facets
+        differ by at least so much are kept: each is a chain of edges of the mesh, from corner to corner.
     tolerance : float or None
         For a function: to what share of an edge zeros are found. None: those of the linear interpolation
         between the ends of the edge are taken.
@@ -75,12 +81,14 @@ def isosurface_stuffing(
     Returns
     -------
     DomainMesh
-        ``counts`` has the numbers of vertices that were "moved" onto the surface, of "cut points", of "values"
-        of the function, and of "pinched" vertices; ``figures``, for a surface, the largest distance of a place
-        of it from the mesh, in "cells missed". For a Domain, ``markers`` has for each of its names the faces
-        that are nearest to facets of that name, and "region" the number of each cell if regions have names.
-        ``unrefined`` has cells where the boundary touches itself, cells next to which a part of the surface is
-        missing, by more than 0.8 of a cell, and cells larger than wanted; ``reasons`` tell the place.
+        ``counts`` has the numbers of vertices that were "moved" onto the surface, of "cut points", of
+        "values" of the function, and of "pinched" vertices; with `features`, of the cells of the "strip",
+        which are the last ones, and of parts "on creases". For a surface, ``figures`` has the largest
+        distance of a place of it from the mesh, "cells missed". For a Domain, ``markers`` has for each of its
+        names the faces that are nearest to facets of that name, and "region" the number of each cell if
+        regions have names. ``unrefined`` has cells where the boundary touches itself, cells next to which a
+        part of the surface is missing, by more than 0.8 of a cell, and cells larger than wanted; ``reasons``
+        tell the place.
 
     Raises
     ------
@@ -94,15 +102,21 @@ def isosurface_stuffing(
     -----
     With one size along the surface all dihedral angles are between 10.7 and 164.8 degrees, whatever the body:
     `studies.stuffing_bounds` proves it by intervals. In smooth bodies that are much larger than the size they
-    are between 15 and 152 degrees. Graded surfaces were never found below 8 degrees. `improve` raises the least
-    angles further: ``improve(mesh)`` keeps the boundary.
+    are between 15 and 152 degrees. Graded surfaces were never found below 8 degrees. `improve` raises the
+    least angles further: ``improve(mesh)`` keeps the boundary.
+
+    With `features` the cells within one cell of sharp edges are taken out. What is left between the others
+    and the surface is a body of its own. Its flat sides are divided by `voronoi_segment`, with the creases
+    cut at the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in
+    the strip are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees.
+    Then the mesh has exactly the volume of the body, up to rounding.
 
     Vertices on the boundary are on the surface up to the tolerance, or, for surfaces of triangles, up to
-    rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell. Whether
-    a vertex of the lattice is inside of a surface, outside or on it is decided exactly. Only what the vertices
-    of the lattice see is there: where the body or a gap is thinner than a cell, it may be lacking, or the
-    boundary may touch itself. For surfaces all this is found; a function may have parts between all places at
-    which it is asked. Each vertex of the lattice is asked once, in calls of up to 262,144 points.
+    rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell.
+    Whether a vertex of the lattice is inside of a surface, outside or on it is decided exactly. Only what the
+    vertices of the lattice see is there: where the body or a gap is thinner than a cell, it may be lacking,
+    or the boundary may touch itself. For surfaces all this is found; a function may have parts between all
+    places at which it is asked. Each vertex of the lattice is asked once, in calls of up to 262,144 points.
 
     O(n log n) for n leaves. Source: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral meshes
     with good dihedral angles*, ACM Trans. Graph. 26(3), 2007; the shares of edges within which vertices are
@@ -112,6 +126,8 @@ def isosurface_stuffing(
     graded, progress, cap = as_flag(graded, "graded"), as_flag(progress, "progress"), as_flag(cap, "cap")
     if tolerance is not None:
         tolerance = positive(tolerance, "tolerance")
+    if features is not None:
+        features = finite(features, "features")
     if isinstance(body, Mesh) and body.points.shape[1] == 3 and body.dimension == 2:
         body = Domain.surface(body)
     limits = (budget, progress)
@@ -121,8 +137,15 @@ def isosurface_stuffing(
             raise InputError("a box goes with a function; a surface has its own")
         if len(body.inner):
             raise InputError("inner pieces are not kept by stuffing; use tetrahedralize, or leave them out")
+        if features is not None and not 0.0 < features < 180.0:
+            raise InputError(f"features = {features} must be an angle between 0 and 180 degrees")
         laid = laid_in_surface(body, field, graded, limits)
-        return noticed(_finished(laid, body, {}))
+        made = _made(laid)
+        if features is not None:
+            made = _with_creases(made, body, features, laid, progress)
+        return noticed(_finished(laid, made, body, 0))
+    if features is not None:
+        raise InputError("features are kept of a surface: give a Domain in space or a Mesh of triangles")
     if not callable(body):
         raise InputError(
             f"a function, a Domain in space or a Mesh of triangles is needed, not {type(body).__name__}"
@@ -132,55 +155,94 @@ def isosurface_stuffing(
         raise InputError("a function needs a box: two opposite corners of a box around the body")
     level_set = LevelSet(body, as_box(box, 3), cap)
     laid = laid_in_level_set(level_set, field, graded, tolerance, limits)
-    return noticed(_finished(laid, None, {}, level_set))
+    made = _made(laid)
+    return noticed(_finished(laid, made, None, level_set.called))
 
 
-def _finished(
-    laid: Laid, domain: Domain | None, counts: dict[str, int], level_set: LevelSet | None = None
-) -> DomainMesh:
-    """The mesh, with names and an account of what is not as asked for."""
+class Made(NamedTuple):
+    """Vertices, cells, the points of the domain among the vertices, reasons by cell, and counts."""
+
+    points: NDArray[np.float64]
+    cells: NDArray[np.int32]
+    on_surface: NDArray[np.bool_]
+    origin: NDArray[np.int32]
+    reasons: dict[int, str]
+    counts: dict[str, int]
+
+
+def _made(laid: Laid) -> Made:
+    """What is stuffed."""
     background = background_of(laid.grid, laid.vertices, laid.sign)
     if not len(background.cells):
-        raise InputError(TOO_SMALL)
+        raise InputError(NOTHING_INSIDE)
     filling = filled_background(background, laid.shares)
     if not len(filling.cells):
-        raise InputError(TOO_SMALL)
-    faces, cell = boundary_faces(filling.cells, filling.on_surface)
-    pinched = pinched_vertices(faces, len(filling.points))
-    reasons: dict[int, str] = _too_coarse(laid, background, filling)
-    for vertex in pinched.tolist():
-        for row in cell[(faces == vertex).any(axis=1)].tolist():
-            reasons[row] = PINCHED
+        raise InputError(NOTHING_INSIDE)
+    return Made(
+        filling.points,
+        filling.cells,
+        filling.on_surface,
+        np.full(len(filling.points), -1, dtype=np.int32),
+        _too_coarse(laid, background, filling),
+        {"moved": filling.moved, "cut points": filling.cut},
+    )
+
+
+def _with_creases(made: Made, domain: Domain, angle: float, laid: Laid, progress: bool) -> Made:
+    """The same with the sharp edges of a domain."""
+    creases = creases_of(domain, angle, laid.field)
+    mesh = (made.points, made.cells, made.on_surface)
+    cell = float(laid.grid.side[0]) * 0.5**laid.grid.depth
+    filled, gone = with_creases(domain, creases, mesh, (laid.field, cell), progress)
+    if filled is None:
+        reasons = made.reasons | dict.fromkeys(np.flatnonzero(gone).tolist(), LOST_CREASE)
+        return made._replace(reasons=reasons)
+    rank = np.cumsum(~gone) - 1
+    on_surface = np.zeros(len(filled.points), dtype=bool)
+    everywhere = np.ones(len(filled.points), dtype=bool)
+    on_surface[boundary_faces(filled.cells, everywhere)[0].ravel()] = True
+    return Made(
+        filled.points,
+        filled.cells,
+        on_surface,
+        filled.origin,
+        {int(rank[row]): why for row, why in made.reasons.items() if not gone[row]},
+        made.counts | {"strip": int(filled.strip.sum()), "on creases": len(creases.segments)},
+    )
+
+
+def _finished(laid: Laid, made: Made, domain: Domain | None, called: int) -> DomainMesh:
+    """The mesh, with names and an account of what is not as asked for."""
+    faces, cell = boundary_faces(made.cells, made.on_surface)
+    pinched = pinched_vertices(faces, len(made.points))
+    reasons = dict(made.reasons)
+    for row in cell[np.isin(faces, pinched).any(axis=1)].tolist():
+        reasons[row] = PINCHED
     figures = {}
     if laid.samples is not None:
-        missing, most = missing_parts(laid.samples, filling.points, faces, cell, FAR_FROM_MESH)
+        missing, most = missing_parts(laid.samples, made.points, faces, cell, FAR_FROM_MESH)
         figures["cells missed"] = most
         for row, (gap, place) in missing.items():
             at = ", ".join(f"{x:.6g}" for x in place)
             reasons[row] = f"the body is thinner than a cell, and missing, near ({at}), {gap:.2f} cells away"
     rows = sorted(reasons)
-    markers, regions = _names(domain, filling, faces)
+    markers, regions = _names(domain, made, faces)
     return DomainMesh(
-        filling.points,
-        filling.cells,
-        origin=np.full(len(filling.points), -1, dtype=np.int32),
+        made.points,
+        made.cells,
+        origin=made.origin,
         markers=markers,
         regions=regions,
         unrefined=np.array(rows, dtype=np.int32) if rows else None,
         reasons=[reasons[row] for row in rows] if rows else None,
-        counts={
-            "moved": filling.moved,
-            "cut points": filling.cut,
-            "pinched": len(pinched),
-            "values": 0 if level_set is None else level_set.called,
-            **counts,
-        },
+        counts=made.counts | {"pinched": len(pinched), "values": called},
         figures=figures,
     )
 
 
 def _too_coarse(laid: Laid, background: Background, filling: Filling) -> dict[int, str]:
-    """The cells in leaves that the size would have divided; their background begins with the leaf's center."""
+    """The cells in leaves that the size would have divided; their background begins with the leaf's
+    center."""
     if not len(laid.refused):
         return {}
     leaf = background.cells[filling.owner, 0] - (len(background.points) - len(laid.grid.first))
@@ -188,7 +250,7 @@ def _too_coarse(laid: Laid, background: Background, filling: Filling) -> dict[in
 
 
 def _names(
-    domain: Domain | None, filling: Filling, faces: NDArray[np.int32]
+    domain: Domain | None, filling: Made, faces: NDArray[np.int32]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, int]]:
     """Markers of boundary faces by the nearest facets, and the regions of cells by the seeds in them."""
     if domain is None:

@@ -31,11 +31,11 @@ from .warping import Edges
 __all__ = ["laid_in_surface"]
 
 Array = NDArray[np.float64]
-# A vertex that may move is the end of a crossed edge, of the length of a side; the leaves of its tetrahedra are
-# at most so many sides away from the surface, along each axis.
-REACH = 1.51
+# A vertex that may move is the end of a crossed edge, of the length of a side; the leaves of its tetrahedra
+# are at most so many sides away from the surface, along each axis.
+REACH_OF_MOVES = 1.51
 TOUCH = 0.01  # the share of the smallest side by which the surface may be beside a leaf where sizes vary
-ROUNDING = 1e-9  # by which a cut point may lie outside of a triangle, as a share of its height
+CROSSING_ROUNDING = 1e-9  # by which a cut point may lie outside of a triangle, as a share of its height
 
 
 class Crossings(NamedTuple):
@@ -64,12 +64,13 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
     if graded:
         boundary = boundary._replace(margin=TOUCH * cell)
     else:
-        boundary = boundary._replace(margin=REACH * cell)
+        boundary = boundary._replace(margin=REACH_OF_MOVES * cell)
         rules.append(_cut_above(frame.level))
     growth = grow(frame.root, rules, Limits(0, frame.level, budget), boundary=boundary, progress=progress)
     if growth.reason.startswith("budget"):
         raise InputError(
-            f"size = {cell:.6g} needs more leaves of the octree than the budget of {budget:,}; take a larger size"
+            f"size = {cell:.6g} needs more leaves of the octree than the budget of {budget:,}; take a "
+            "larger size"
         )
     grid = grid_of(balanced(growth.tree, "edges"), frame.root)
     vertices = lattice_vertices(grid)
@@ -79,7 +80,7 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
         return _shares(points[triangles], vertices[0][edges.inner], vertices[0][edges.outer])
 
     samples = _surface_samples(points[triangles], met, grid)
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), samples)
+    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field, samples)
 
 
 def _cut_above(level: int) -> Rule:
@@ -158,9 +159,10 @@ def _cross(u: Array, v: Array) -> Array:
 
 
 def _shares(corners: Array, begin: Array, end: Array) -> Array:
-    """For each edge the first crossing, from its beginning; that which is least outside, if none is inside."""
+    """For each edge the first crossing, from its beginning; that which is least outside, if none is
+    inside."""
     found = _crossings(corners, begin, end)
-    outside = np.where(found.inside >= -ROUNDING, 0.0, -found.inside)
+    outside = np.where(found.inside >= -CROSSING_ROUNDING, 0.0, -found.inside)
     order = np.lexsort((found.share, outside, found.edge))
     edge, first = np.unique(found.edge[order], return_index=True)
     result = np.full(len(begin), 0.5)

@@ -1,0 +1,90 @@
+"""Sharp edges kept: chains of edges of the mesh, exactly, on boxes, notches and wedges."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.helpers.value_tables import assert_sound, dihedral_range
+from unstruct import Domain, InputError, check, examples, isosurface_stuffing
+
+TURN = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+
+
+def wedge(angle: float) -> Domain:
+    c, s = np.cos(angle), np.sin(angle)
+    points = np.array([(0, 0, 0), (1, 0, 0), (c, s, 0), (0, 0, 1), (1, 0, 1), (c, s, 1)])
+    return Domain(points, [[0, 2, 1], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]])
+
+
+def turned(body: Domain) -> Domain:
+    return Domain(body.points @ TURN, body.facets)
+
+
+BODIES = {
+    "box": (Domain.box(), 0.21, 12),
+    "turned box": (turned(Domain.box()), 0.15, 12),
+    "notch": (examples.notched_box(), 0.3, 21),
+    "turned notch": (turned(examples.notched_box()), 0.25, 21),
+    "wedge of 45 degrees": (turned(wedge(np.pi / 4)), 0.12, 9),
+    "wedge of 20 degrees": (wedge(np.pi / 9), 0.07, 9),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_each_crease_is_a_chain_of_edges(name: str) -> None:
+    body, size, creases = BODIES[name]
+    mesh = isosurface_stuffing(body, size, features=30)
+    assert mesh.complete
+    assert check(mesh)
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(body.volume, rel=1e-12)
+    assert 0 < mesh.counts["strip"] < mesh.size
+    origin = np.asarray(mesh.origin)
+    assert np.array_equal(np.sort(origin[origin >= 0]), np.arange(len(body.points)))
+    assert np.array_equal(mesh.points[origin >= 0], body.points[origin[origin >= 0]])
+
+    sides = {tuple(sorted(pair)) for row in body.facets for pair in zip(row, [*row[1:], row[0]], strict=True)}
+    assert len(sides) == creases
+    edges = set(map(tuple, np.asarray(mesh.edges).tolist()))
+    total = 0
+    for i, j in sides:
+        a, b = body.points[i], body.points[j]
+        along = b - a
+        share = ((mesh.points - a) * along).sum(axis=1) / (along**2).sum()
+        off = np.abs(mesh.points - a - share[:, None] * along).max(axis=1)
+        on = np.flatnonzero((off < 1e-14) & (share > -1e-14) & (share < 1 + 1e-14))
+        chain = on[np.argsort(share[on])].tolist()
+        assert {origin[chain[0]], origin[chain[-1]]} == {i, j}
+        assert all(tuple(sorted(pair)) in edges for pair in pairwise(chain))
+        total += len(chain) - 1
+    assert total == mesh.counts["on creases"]
+
+    least, most = dihedral_range(mesh)
+    assert least >= 8
+    assert most <= 164.8
+
+
+def test_the_other_cells_are_stuffed() -> None:
+    body = turned(Domain.box())
+    plain, mesh = isosurface_stuffing(body, 0.12), isosurface_stuffing(body, 0.12, features=30)
+    count = mesh.size - mesh.counts["strip"]
+    kept = {frozenset(map(tuple, x)) for x in mesh.points[mesh.simplices[:count]].tolist()}
+    assert kept < {frozenset(map(tuple, x)) for x in plain.points[plain.simplices].tolist()}
+
+
+def test_names_stay() -> None:
+    mesh = isosurface_stuffing(Domain.box(), 0.3, features=30)
+    assert sum(map(len, mesh.markers.values())) == len(mesh.boundary)
+    assert (np.abs(mesh.points[mesh.markers["left"]][:, :, 0]) < 1e-15).all()
+
+
+def test_refusals() -> None:
+    with pytest.raises(InputError, match="must be flat"):
+        isosurface_stuffing(Domain.cylinder(size=0.4), 0.2, features=50)
+    with pytest.raises(InputError, match="features are kept of a surface"):
+        isosurface_stuffing(examples.sphere(), 0.3, features=30)
+    with pytest.raises(InputError, match="between 0 and 180"):
+        isosurface_stuffing(Domain.box(), 0.3, features=200.0)
