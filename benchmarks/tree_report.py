@@ -52,7 +52,7 @@ def table(rows: list[Row], work: str) -> str:
 
 def summary(rows: list[Row]) -> str:
     """A line for each case: our speed, and this by that of each peer, **bold** if a peer is faster."""
-    cases = {key: case for key, case in times(rows).items() if OURS in case}
+    cases = {key: case for key, case in times(rows).items() if OURS in case and key[0] in TITLES}
     peers = list(dict.fromkeys(name for case in cases.values() for name in case if not name.startswith(OURS)))
     lines = []
     for (work, kind, n), case in cases.items():

@@ -103,7 +103,7 @@ def test_the_commands_run_in_a_light_installation(tmp_path: Path) -> None:
 
 
 def test_the_taste_runs(tmp_path: Path) -> None:
-    code, _, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     assert 8 <= len([line for line in code.splitlines() if line.strip()]) <= 13
     result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
@@ -114,7 +114,7 @@ def test_the_taste_runs(tmp_path: Path) -> None:
 
 
 def test_the_body_is_filled(tmp_path: Path) -> None:
-    *_, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    _, _, code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     degrees, faces = re.search(r"([\d.]+) (\d+) faces on top", result.stdout).groups()  # type: ignore[union-attr]
@@ -123,13 +123,22 @@ def test_the_body_is_filled(tmp_path: Path) -> None:
 
 
 def test_the_region_is_meshed() -> None:
-    _, code, _ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    _, code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     *figures, last = result.stdout.splitlines()
     assert any(line.startswith("mean 2r/R") and float(line.split()[-1]) > 0.95 for line in figures)
     complete, degrees = last.split()
     assert complete == "True" and float(degrees) >= 30.0
+
+
+def test_the_trees_grow() -> None:
+    *_, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    tree, counts, ball = result.stdout.splitlines()
+    assert tree.startswith("<quadtree: ") and "leaf of the center" in tree and "leaves inside" in counts
+    assert ball.startswith("<octree: ") and "hexahedra" in ball and "complete" not in ball
 
 
 def test_links_lead_somewhere() -> None:

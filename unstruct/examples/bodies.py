@@ -241,15 +241,16 @@ def noisy_ball(seed: int = 0, *, height: float = 0.15, waves: int = 24, shortest
     Returns
     -------
     LevelSet
-        Moves are at most 0.9.
+        Moves are at most three times the height, and at most 0.9.
     """
     h = finite(height, "height")
     if not 0.0 <= h < 0.5:
         raise InputError(f"height = {h:g} must be at least 0 and less than 0.5")
     field = noise(seed, waves=waves, shortest=shortest)
 
-    def function(x: Array) -> Array:
-        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -0.9, 0.9)
+    most = min(0.9, 3.0 * h)
 
-    most = min(0.9, h * float(np.sqrt(2.0 * waves)))
+    def function(x: Array) -> Array:
+        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -most, most)
+
     return LevelSet(f"noisy ball, seed {seed}", function, _room(1.0 + most), 1.0 + h * field.change)

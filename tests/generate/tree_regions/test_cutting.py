@@ -7,7 +7,7 @@ import pytest
 
 from unstruct import Domain, quadtree
 from unstruct.domain.plane.prescribed import Spacing
-from unstruct.generate.tree_regions.cutting import MOST_LEAVES, cut_by_leaves, leaf_size
+from unstruct.generate.tree_regions.cutting import MOST_OVER, cut_by_leaves, leaf_size
 from unstruct.generate.tree_regions.near import leaves_along
 
 
@@ -27,7 +27,7 @@ def test_a_circle_is_cut_on_its_true_curve(side):
     tree = quadtree(disc, side)
     sampled = cut_by_leaves(tree, disc)
     assert np.abs(np.hypot(*sampled.points.T) - 1).max() < 1e-15
-    assert 0.4 < lengths(tree, sampled).min() and lengths(tree, sampled).max() < MOST_LEAVES
+    assert 0.4 < lengths(tree, sampled).min() and lengths(tree, sampled).max() < MOST_OVER
 
 
 def test_small_leaves_between_the_places_that_are_looked_at():
@@ -40,7 +40,7 @@ def test_small_leaves_between_the_places_that_are_looked_at():
     tree = quadtree(square, min_level=7, divide=divide, box=[[-0.2, -0.3], [1.3, 1.2]])
     plain = square.sampled(leaf_size(tree))
     assert lengths(tree, plain).max() > 4
-    assert lengths(tree, cut_by_leaves(tree, square)).max() <= MOST_LEAVES
+    assert lengths(tree, cut_by_leaves(tree, square)).max() <= MOST_OVER
 
 
 def test_pieces_that_have_their_points_get_no_others():

@@ -87,7 +87,7 @@ def _roots_of_areas(x: NDArray[np.float64]) -> NDArray[np.float64]:
 def _without_met(
     tree: TreeCells, margin: float, given: tuple[Array, NDArray[np.int64], Array], factor: float, clear: Any
 ) -> None:
-    """Take away the leaves near which pieces are: points, their rows, and how far away larger ones must be."""
+    """Take away leaves near pieces: `given` has points, rows, and how far away larger ones must be."""
     points, pieces, reach = given
     first, last = bounding_boxes(points[pieces])
     boxes = BoxTree(first - reach[:, None], last + reach[:, None])

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
@@ -51,14 +52,14 @@ def cut_cubes(tree: TreeCells) -> DomainMesh:
         raise InputError('"cut" needs the tree of a body with facets')
     found = _kept(tree, domain)
     region = _regions(domain, found)
-    used, rows = np.unique(found.simplices, return_inverse=True)
-    number = np.full(len(found.points), -1, dtype=np.int64)
+    used = np.flatnonzero(flagged(len(found.points), found.simplices))
+    number = np.full(len(found.points), -1, dtype=np.int32)
     number[used] = np.arange(len(used))
-    x, border = found.points[used], number[found.border].astype(np.int32)
+    x, border = found.points[used], number[found.border]
     at = _lost(tree, x, border, np.nonzero(found.neighbors < 0)[0])
     mesh = DomainMesh(
         x,
-        rows.reshape(-1, 4).astype(np.int32),
+        number[found.simplices],
         neighbors=found.neighbors,
         origin=np.full(len(x), -1, dtype=np.int32),
         markers=_markers(domain, x, border) | {"region": region},
@@ -77,7 +78,7 @@ def _kept(tree: TreeCells, domain: Domain) -> _Kept:
     met = np.asarray(tree.states)[leaf] == CUT
     side = np.full(len(points), UNKNOWN, dtype=np.int8)
     while True:
-        _look(shell, points, np.unique(cells[met]), side)
+        _look(shell, points, np.flatnonzero(flagged(len(points), cells[met])), side)
         whole, cut = _sorted_out(domain, points, cells[met], side)
         parts, edges = cut_cells(cut, side, len(points))
         simplices = np.concatenate([cells[~met], whole, parts])
@@ -123,14 +124,18 @@ def _regions(domain: Domain, found: _Kept) -> NDArray[np.int32]:
     inside = np.zeros(len(found.points), dtype=bool)
     inside[: len(found.side)] = (found.side == IN) | (found.side == UNKNOWN)
     corner = found.simplices[np.arange(len(found.simplices)), inside[found.simplices].argmax(axis=1)]
-    asked, back = np.unique(corner, return_inverse=True)
-    part = np.zeros(len(asked), dtype=np.int64) if len(parts.walls) == 1 else parts.locate(found.points[asked])
+    asked = np.flatnonzero(flagged(len(found.points), corner))
+    part = (
+        np.zeros(len(asked), dtype=np.int64) if len(parts.walls) == 1 else parts.locate(found.points[asked])
+    )
     seeds = np.concatenate([np.empty((0, 3)), *domain.regions.values()])
     of_seed = parts.locate(seeds)
     used = np.unique(part)
     place = np.searchsorted(used, of_seed).clip(max=len(used) - 1)
     numbers = named_parts(domain, np.arange(len(used)), place, used[place] == of_seed)
-    return numbers[np.searchsorted(used, part)][back.ravel()].astype(np.int32)
+    of_vertex = np.full(len(found.points), -1, dtype=np.int32)
+    of_vertex[asked] = numbers[np.searchsorted(used, part)]
+    return of_vertex[corner]
 
 
 def _markers(domain: Domain, points: Array, border: NDArray[np.int32]) -> dict[str, NDArray[np.int32]]:
@@ -154,5 +159,7 @@ def _lost(
     corners = points[border]
     which, place = TriangleTree(corners).nearest(center)
     off = center - (place[:, :, None] * corners[which]).sum(axis=1)
-    far = off[:, 0] ** 2 + off[:, 1] ** 2 + off[:, 2] ** 2 > (FAR_FROM_LEAF * np.asarray(tree.sides)[met]) ** 2
+    far = (
+        off[:, 0] ** 2 + off[:, 1] ** 2 + off[:, 2] ** 2 > (FAR_FROM_LEAF * np.asarray(tree.sides)[met]) ** 2
+    )
     return np.unique(cell[which[far]])

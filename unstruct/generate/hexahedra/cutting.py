@@ -37,9 +37,7 @@ PATTERNS: dict[tuple[int, int], tuple[str, list[tuple[int, int]]]] = {
 }
 
 
-def cut_cells(
-    cells: NDArray[np.int32], side: NDArray[np.int8], n: int
-) -> tuple[NDArray[np.int32], Rows]:
+def cut_cells(cells: NDArray[np.int32], side: NDArray[np.int8], n: int) -> tuple[NDArray[np.int32], Rows]:
     """What is left of tetrahedra on the inner side.
 
     Parameters

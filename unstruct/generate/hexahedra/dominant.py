@@ -29,7 +29,11 @@ from .together import of_cubes, together
 
 __all__ = ["hexahedra_and_others"]
 
-MARGINS = (0.5, 1.0, 2.0)  # sides of a leaf between it and the surface; the next if the strip cannot be filled
+MARGINS = (
+    0.5,
+    1.0,
+    2.0,
+)  # sides of a leaf between it and the surface; the next if the strip cannot be filled
 STRIP_EDGES = 1.1  # the wanted length of edges in the strip; unit: the side of the leaf there
 NO_HEXAHEDRA = (
     "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller size "

@@ -8,18 +8,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...domain.space.parts import parts_in_space
 from ...mesh.domain_mesh import DomainMesh
-from ...mesh.mesh import Mesh
 from ...mesh.split import simplices_of_cells
 from ..tree.cells import TreeCells
 from ..tree.vertices import Vertices, numbered
 from .choosing import clear_leaves, must_be_octree
 from .numbering import named_parts
-from .pattern import UNUSED, Cubes, cubes_as_cells, kinds_of_leaves, linked
+from .pattern import UNUSED, Cubes, cubes_as_cells, kinds_of_leaves, leaves_at_ends, linked
 from .pinches import pinched_vertices
-from .together import of_cubes
+from .together import KINDS_OF_CELLS, of_cubes
 
 __all__ = ["inner_hexahedra"]
 
@@ -46,9 +46,7 @@ def inner_hexahedra(tree: TreeCells) -> DomainMesh:
     return of_cubes(cubes, {"region": region}, names, counts, figures)
 
 
-def _apart(
-    tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_]
-) -> tuple[NDArray[np.bool_], Cubes]:
+def _apart(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Cubes]:
     """Without leaves that touch others at edges or corners only."""
     chosen = chosen.copy()
     while True:
@@ -56,16 +54,27 @@ def _apart(
         cubes = cubes_as_cells(tree.grid, vertices, kind, bare=True)
         if not (kind != UNUSED).any():
             return chosen, cubes
-        blocks = {"hexahedron": cubes.hexahedra, "pyramid": cubes.pyramids, "tetra": cubes.tetrahedra}
-        cells = {name: rows for name, rows in blocks.items() if len(rows)}
-        border = np.asarray(Mesh(cubes.points, None, cells=cells).boundary)
-        bad = pinched_vertices(simplices_of_cells(cells)[0], border[border >= 0], len(cubes.points))
+        near = leaves_at_ends(tree.grid, chosen)
+        cells, rest = _cells_of_leaves(cubes, near), _cells_of_leaves(cubes, ~near)
+        many = len(cubes.points)  # all cells at a vertex of the boundary are of leaves at ends
+        border = flagged(many, *cells.values()) & ~flagged(many, *rest.values())
+        bad = pinched_vertices(simplices_of_cells(cells)[0], np.flatnonzero(border), many)
         pinched = np.zeros(len(cubes.points), dtype=bool)
         pinched[bad] = True
         drop = chosen & pinched[vertices.corners].any(axis=1)
         if not drop.any():
             return chosen, cubes
         chosen &= ~drop
+
+
+def _cells_of_leaves(cubes: Cubes, which: NDArray[np.bool_]) -> dict[str, NDArray[np.int32]]:
+    """The cells by kind of some leaves, (n,) bool."""
+    cells, begin = {}, 0
+    blocks = (cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
+    for name, rows in zip(KINDS_OF_CELLS, blocks, strict=True):
+        cells[name] = rows[which[cubes.leaf[begin : begin + len(rows)]]]
+        begin += len(rows)
+    return cells
 
 
 def _regions(tree: TreeCells, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -19,7 +19,7 @@ from ..tree.keys import compacted, interleaved
 from ..tree.lookup import Grid, entries, leaf_of
 from ..tree.vertices import Vertices
 
-__all__ = ["FAN", "UNUSED", "WHOLE", "Cubes", "cubes_as_cells", "kinds_of_leaves", "linked"]
+__all__ = ["FAN", "UNUSED", "WHOLE", "Cubes", "cubes_as_cells", "kinds_of_leaves", "leaves_at_ends", "linked"]
 
 UNUSED, FAN, WHOLE = 0, 1, 2  # what becomes of a leaf
 AROUND_CUBE = (0, 1, 3, 2, 4, 5, 7, 6)  # corners of a leaf in VTK's order
@@ -268,6 +268,35 @@ def _room(count: NDArray[np.int64]) -> _Made:
     sizes = tuple(count.tolist())
     rows = [np.empty((n, width), dtype=np.int32) for n, width in zip(sizes, (8, 5, 4, 3), strict=True)]
     return _Made(*rows, *(np.empty(n, dtype=np.int64) for n in sizes))
+
+
+@kernel
+def _at_ends(grid, shift, chosen, at_end):
+    """Mark chosen leaves at others and at the box's sides; pairs are found from the smaller leaf."""
+    low, q = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64)
+    side = np.int64(1) << np.int64(grid.depth)
+    for leaf in range(len(chosen)):
+        _low_of(grid, leaf, low)
+        width = np.int64(1) << np.int64(grid.depth - grid.levels[leaf])
+        for code in range(27):
+            rest, inside = code, True
+            for a in range(3):
+                q[a] = low[a] + (rest % 3 - 1) * width
+                rest //= 3
+                inside = inside and 0 <= q[a] < side
+            if not inside:
+                at_end[leaf] |= chosen[leaf]
+                continue
+            other = leaf_of(grid.first, grid.entry, shift, interleaved(q[0], q[1], q[2], 3))
+            if grid.levels[other] <= grid.levels[leaf] and chosen[other] != chosen[leaf]:
+                at_end[leaf if chosen[leaf] else other] = True
+
+
+def leaves_at_ends(grid: Grid, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which chosen leaves touch leaves that are not chosen, or the sides of the box: (n,)."""
+    at_end = np.zeros(len(chosen), dtype=np.bool_)
+    _at_ends(grid, entries(grid.depth, 3), chosen, at_end)
+    return at_end
 
 
 @kernel

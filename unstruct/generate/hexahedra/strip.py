@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...domain.domain import Domain
 from ...geometry.polygons import Polygons
 from ...mesh.domain_mesh import DomainMesh
@@ -57,11 +58,11 @@ class Strip(NamedTuple):
 
 def strip_of(body: Domain, cubes: Cubes, parts: Divided | None, field: SizeField) -> Strip:
     """Fill what is between the surface of a body and cubes within; names of pieces are those of `parts`."""
-    vertex, rows = np.unique(cubes.outer, return_inverse=True)
     many, facets = len(body.points), len(body.facets)
+    vertex = np.flatnonzero(flagged(len(cubes.points), cubes.outer))
     domain = body
     if len(vertex):
-        rows = (rows.reshape(-1, 3) + many).astype(np.int32)
+        rows = (np.searchsorted(vertex, cubes.outer) + many).astype(np.int32)
         every = Polygons.joined(Polygons.of(body.facets), Polygons.of_rows(rows))
         domain = Domain(np.concatenate([body.points, cubes.points[vertex]]), every, inner=body.inner)
 

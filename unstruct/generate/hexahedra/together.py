@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..bodies.dividing import Divided
@@ -18,7 +19,7 @@ from .numbering import numbered_parts
 from .pattern import Cubes
 from .strip import Strip
 
-__all__ = ["of_cubes", "together"]
+__all__ = ["KINDS_OF_CELLS", "of_cubes", "together"]
 
 LONG_EDGE = 2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
 LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
@@ -30,8 +31,10 @@ def of_cubes(
 ) -> DomainMesh:
     """The mesh of these cells only."""
     blocks = (cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
-    used = np.unique(np.concatenate([rows.ravel() for rows in blocks]))
-    cells = [np.searchsorted(used, rows).astype(np.int32) for rows in blocks]
+    used = np.flatnonzero(flagged(len(cubes.points), *blocks))
+    number = np.full(len(cubes.points), -1, dtype=np.int32)
+    number[used] = np.arange(len(used))
+    cells = [number[rows] for rows in blocks]
     return DomainMesh(
         cubes.points[used],
         None,
@@ -53,9 +56,7 @@ def _counts(blocks: Any) -> dict[str, int]:
     return {f"cells: {name}": len(rows) for name, rows in zip(KINDS_OF_CELLS, blocks, strict=True)}
 
 
-def together(
-    tree: TreeCells, parts: Divided | None, strip: Strip, cubes: Cubes, kinds: Kinds
-) -> DomainMesh:
+def together(tree: TreeCells, parts: Divided | None, strip: Strip, cubes: Cubes, kinds: Kinds) -> DomainMesh:
     """One mesh of the kernel and the strip around it.
 
     Parameters
@@ -99,9 +100,8 @@ def _numbers(strip: Strip, cubes: Cubes) -> tuple[NDArray[np.int64], NDArray[np.
     number = np.full(len(cubes.points), -1, dtype=np.int64)
     at = np.flatnonzero(origin >= strip.points)
     number[strip.vertex[origin[at] - strip.points]] = at
-    used = np.unique(np.concatenate([rows.ravel() for rows in (cubes.hexahedra, cubes.pyramids)]))
-    used = np.union1d(used, cubes.tetrahedra)
-    new = used[number[used] < 0]
+    used = flagged(len(number), cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
+    new = np.flatnonzero(used & (number < 0))
     number[new] = len(strip.mesh.points) + np.arange(len(new))
     return number, new
 

@@ -81,7 +81,8 @@ def quadtree(
         their cell ends at the deepest level, and is reported.
     most_points : int
     boundary_size : float, optional
-        Cells that the boundary of the domain cuts are divided while their longest edge exceeds this.
+        Cells that the boundary of the domain cuts are divided while their longest edge exceeds this. Inner
+        pieces do not count: for cells along these see `sizing.lines`.
     growth : float, optional
         With it all cells are divided whose longest edge exceeds `boundary_size` plus `growth` times their
         distance from the boundary. For other sizes by distance see `sizing.sources`.

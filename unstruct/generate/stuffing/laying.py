@@ -173,7 +173,12 @@ def _cell_of_level_set(body: LevelSet, field: SizeField) -> float:
 
 def _meeting(box: Array, rule: Rule) -> Rule:
     """The rule, for nodes that meet a box."""
-    return lambda nodes: rule(nodes) & ((nodes.low <= box[1]) & (nodes.high >= box[0])).all(axis=1)
+
+    def both(nodes: Level) -> NDArray[np.bool_]:
+        low, high = nodes.boxes
+        return rule(nodes) & ((low <= box[1]) & (high >= box[0])).all(axis=1)
+
+    return both
 
 
 def _inner(keys: Keys, level: int, rule: Rule) -> Rule:

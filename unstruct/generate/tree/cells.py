@@ -50,6 +50,8 @@ class TreeCells:
     dimension : int
     balance : str or None
         Across what leaves differ by at most one level: "faces", "edges" or "corners"; None: not balanced.
+    domain : Domain or None
+        Over which the tree was made.
     complete : bool
         Whether every cell is divided for which a rule asked.
     unfinished : (k,) int64

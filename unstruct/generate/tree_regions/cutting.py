@@ -17,7 +17,7 @@ from .near import leaves_along
 
 __all__ = ["cut_by_leaves", "leaf_size"]
 
-MOST_LEAVES = 1.6  # a subsegment over more leaves than this is halved
+MOST_OVER = 1.6  # a subsegment over more leaves than this is halved
 
 
 def leaf_size(cells: TreeCells) -> SizeField:
@@ -33,7 +33,7 @@ def cut_by_leaves(cells: TreeCells, domain: Domain) -> Sampled:
     """The pieces of a domain cut into subsegments about as long as the leaves that they are in.
 
     `Domain.sampled` looks at some places of each piece only. Small leaves may lie between them: subsegments
-    over more than `MOST_LEAVES` leaves are halved until there are none, except on pieces that must have
+    over more than `MOST_OVER` leaves are halved until there are none, except on pieces that must have
     certain points.
     """
     sampled = domain.sampled(leaf_size(cells))
@@ -41,8 +41,11 @@ def cut_by_leaves(cells: TreeCells, domain: Domain) -> Sampled:
     changed = False
     for _ in range(HALVINGS):
         ends = sampled.points[sampled.ends].reshape(-1, 4)
-        long = (leaves_along(cells.grid, ends) > MOST_LEAVES) & ~held[sampled.piece]
+        long = (leaves_along(cells.grid, ends) > MOST_OVER) & ~held[sampled.piece]
         if not long.any():
             break
         changed, sampled = True, assemble(domain, *halve(sampled, long))
-    return safe(domain, sampled.piece, *sampled.span.T.copy(), np.inf) if changed else sampled
+    if not changed:
+        return sampled
+    first, last = sampled.span.T.copy()
+    return safe(domain, sampled.piece, first, last, np.inf)

@@ -18,8 +18,8 @@ __all__ = ["cells_at", "smoothed"]
 
 GOOD = 0.75  # vertices all of whose corners are better stay
 EQUILATERAL = 2.0 / math.sqrt(3.0)
-STEPS = 6  # lengths of steps, each half of the one before, from a quarter of the shortest edge on
-GAIN = 1e-3  # by which the worst corner has to improve
+HALVED_STEPS = 6  # lengths of steps, each half of the one before, from a quarter of the shortest edge on
+SINE_GAIN = 1e-3  # by which the worst corner has to improve
 
 
 def cells_at(cells: NDArray[np.int32], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -87,7 +87,7 @@ def _smooth(xy, cells, indptr, members, free, rounds):
                     if w >= 0 and w != v:
                         shortest = min(shortest, (xy[w, 0] - x) ** 2 + (xy[w, 1] - y) ** 2)
             step, best, bx, by = 0.25 * math.sqrt(shortest), old, x, y
-            for _ in range(STEPS):
+            for _ in range(HALVED_STEPS):
                 cx, cy = bx, by
                 for direction in range(9):
                     dx, dy = direction % 3 - 1, direction // 3 - 1
@@ -97,7 +97,7 @@ def _smooth(xy, cells, indptr, members, free, rounds):
                         best, bx, by = new, xy[v, 0], xy[v, 1]
                 step *= 0.5
             xy[v, 0], xy[v, 1] = bx, by
-            if best < old + GAIN or not _valid(xy, cells, members, start, stop):
+            if best < old + SINE_GAIN or not _valid(xy, cells, members, start, stop):
                 xy[v, 0], xy[v, 1] = x, y
                 continue
             moves += 1

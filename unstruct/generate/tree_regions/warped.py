@@ -5,11 +5,12 @@ See the book, chapter 4b.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...domain.domain import Domain
 from ...domain.plane.sample import Sampled, safe
 from ...geometry.boxes import BoxTree, bounding_boxes
@@ -29,8 +30,8 @@ __all__ = ["warped"]
 
 Array = NDArray[np.float64]
 WARPED = 0.45  # of the least leaf around a vertex: nearer to a piece than this it moves
-APART = 0.35  # of that leaf: points along a piece are not nearer to each other
-LOOKED_AT = 3.0  # leaves with a vertex nearer than this may be cut
+ROOM_ALONG = 0.35  # of that leaf: points along a piece are not nearer to each other
+MAY_BE_CUT = 3.0  # leaves with a vertex nearer than this may be cut
 CUT_RANK, WARPED_RANK, GIVEN_RANK = 0, 1, 2
 
 
@@ -50,11 +51,11 @@ class Marks(NamedTuple):
         Where the vertex was, twice, or both ends of the edge that is cut.
     """
 
-    piece: NDArray[np.int64]
-    t: Array
-    size: Array
-    rank: NDArray[np.int64]
-    start: Array
+    piece: NDArray[Any]
+    t: NDArray[Any]
+    size: NDArray[Any]
+    rank: NDArray[Any]
+    start: NDArray[Any]
 
 
 def _marks(
@@ -102,7 +103,7 @@ def _thinned(domain: Domain, sampled: Sampled, marks: Marks) -> tuple[Sampled, M
     both = Marks(*(column[order] for column in both))
     x = domain.points_at(both.piece, both.t)
     ends = domain.points[domain.pieces].reshape(-1, 4)
-    stays = thinned(both.piece, ends, x, APART * both.size, both.rank)
+    stays = thinned(both.piece, ends, x, ROOM_ALONG * both.size, both.rank)
     stays &= np.append(True, (np.diff(both.piece) != 0) | (np.diff(both.t) > 0))[: len(stays)]
     both = Marks(*(column[stays] for column in both))
     many = np.arange(len(domain.pieces))
@@ -151,7 +152,7 @@ def warped(cells: TreeCells, domain: Domain) -> DomainMesh:
 
     def away_from(pieces: Sampled) -> Array:
         ends = np.concatenate([pieces.points[pieces.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
-        return nearness(cells.grid, ends, LOOKED_AT, spots.of_leaf, spots.points, spots.sizes)
+        return nearness(cells.grid, ends, MAY_BE_CUT, spots.of_leaf, spots.points, spots.sizes)
 
     away, which, place = away_from(sampled).T
     near = away < WARPED * WARPED
@@ -160,8 +161,9 @@ def warped(cells: TreeCells, domain: Domain) -> DomainMesh:
         sampled, which[moved].astype(np.int64), place[moved], spots.sizes[moved], WARPED_RANK,
         spots.points[moved, None].repeat(2, axis=1),
     )  # fmt: skip
-    leaves = (np.append(away, np.inf)[spots.of_leaf] < LOOKED_AT * LOOKED_AT).any(axis=1)
-    _, triangles, _ = squares_as_triangles(cells.grid, spots.vertices, leaves)
+    leaves = np.flatnonzero((np.append(away, np.inf)[spots.of_leaf] < MAY_BE_CUT * MAY_BE_CUT).any(axis=1))
+    chosen = flagged(len(cells), leaves)
+    _, triangles, _ = squares_as_triangles(cells.grid, spots.vertices, chosen)
     edges = np.sort(
         np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
     )
