@@ -196,7 +196,7 @@ def stencil_angles(signs: str, shares: list[float]) -> tuple[Any, Any]:
     shares : list of float
         Where the edges are cut, from their ends inside; in the order of the edges, the last for all others.
     """
-    sign = {v: "-0+".index(s) - 1 for v, s in zip(CELL, signs, strict=True)}
+    sign: dict[tuple[int, ...], int] = {v: "-0+".index(s) - 1 for v, s in zip(CELL, signs, strict=True)}
     place: dict[Any, Any] = {v: np.array(v, dtype=float) for v in CELL}
     cut = [(p, q) for p in CELL for q in CELL if sign[p] > 0 > sign[q]]
     for k, (p, q) in enumerate(cut):
