@@ -54,9 +54,9 @@ def fields(count: int) -> Iterator[tuple[Callable, np.ndarray, float, float | No
         rng = np.random.default_rng(seed)
         if seed % 2:
             body = examples.noise(seed)
-            yield body, body.box, float(rng.uniform(0.25, 0.8)), 1e-10
+            yield body, body.box, float(rng.uniform(0.5, 1.0)), 1e-10
             continue
-        n = 12
+        n = 8
         corners, centers = rng.normal(size=(n + 1,) * 3), rng.normal(size=(n,) * 3)
 
         def table(x: np.ndarray, corners: Any = corners, centers: Any = centers) -> np.ndarray:

@@ -61,8 +61,10 @@ class Planted(NamedTuple):
 
     def size(self, x: Array) -> Array:
         """The wanted edge length."""
-        away = x - CENTER[: self.dimension]
-        return self.growth * (NEAREST + np.sqrt((away * away).sum(axis=1)))
+        square = np.zeros(len(x))
+        for column, middle in zip(x.T, CENTER):
+            square += (column - middle) ** 2
+        return self.growth * (NEAREST + np.sqrt(square))
 
 
 def _plant(given: Planted, balance: str | None) -> Any:

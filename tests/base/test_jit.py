@@ -423,3 +423,37 @@ def test_kernels_from_the_disk_can_be_copied_into_new_ones(tmp_path):
         for _ in range(2):
             run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=600)
             assert run.stdout.split() == ["2.0", "10.0"], run.stderr
+
+
+LENT = """
+from typing import NamedTuple
+import numpy as np
+from unstruct.base.jit import inline, kernel, lean, lending
+
+class Pair(NamedTuple):
+    xs: np.ndarray
+    y: float
+
+@{decorator}
+def paired(xs):
+    return Pair(xs, 1.0)
+
+@{caller}
+def total(xs):
+    pair = paired(xs)
+    return pair.xs[1] + pair.y
+
+print(total(np.arange(4.0)))
+"""
+
+
+@pytest.mark.skipif(unstruct.base.jit.numba is None or not KNOWN, reason="only a numba we know is told so")
+@pytest.mark.parametrize(("decorator", "caller"), [("inline", "kernel"), ("lending", "lean")])
+def test_helpers_that_count_no_references_return_no_records_of_arrays(
+    tmp_path: Path, decorator: str, caller: str
+) -> None:
+    """The caller, if it counts references, would count one too few."""
+    (tmp_path / "lent.py").write_text(LENT.format(decorator=decorator, caller=caller))
+    script = "try:\n    import lent\nexcept TypeError as error:\n    print(error)"
+    found = run(script, tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+    assert found.strip() == ("2.0" if decorator == "lending" else "paired returns an array: make it a kernel")

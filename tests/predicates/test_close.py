@@ -16,6 +16,8 @@ D = {"orient2": (2, 3), "incircle": (2, 4), "orient3": (3, 4), "insphere": (3, 5
 
 def call(module, prefix, name, points):
     function = getattr(module, f"{prefix}_{name}")
+    if function is close.close_orient3:
+        return function(tuple(points.ravel().tolist()))
     return function(*points.ravel()) if points.shape[1] == 2 else function(points.ravel().copy())
 
 

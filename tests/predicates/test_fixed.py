@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from unstruct.predicates import close, fixed
 from unstruct.predicates.close import close_incircle, close_orient2
-from unstruct.predicates.kernels import incircle, orient2
+from unstruct.predicates.kernels import incircle, orient2, orient3
 
 MOST = 2**57 - 1
 STEPS = (0.1, 1 / 3, 0.7, 1e-3, np.pi)
@@ -68,6 +68,42 @@ digits = st.one_of(
         [s * (x + e) for s in (1, -1) for x in (2**28, 2**29, 2**56, MOST - 1) for e in (-1, 0, 1)]
     ),
 )
+
+
+def volume(a, b, c):
+    return sign(a[0] * cross(b[1:], c[1:]) + a[1] * cross(b[2::-2], c[2::-2]) + a[2] * cross(b[:2], c[:2]))
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.tuples(*[digits] * 9))
+def test_digits_in_space_are_integers_of_any_length(v):
+    assert fixed.fixed_orient3(*v) == volume(v[:3], v[3:6], v[6:])
+    assert (
+        fixed.fixed_orient3(*v[:6], *[x + y for x, y in zip(v[:3], v[3:6])]) == 0 or max(map(abs, v)) > 2**55
+    )
+
+
+def test_the_largest_integers_in_space():
+    for code in range(3**9):
+        v = [(code // 3**i % 3 - 1) * (MOST - (i * code) % 2) for i in range(9)]
+        assert fixed.fixed_orient3(*v) == volume(v[:3], v[3:6], v[6:])
+
+
+def test_points_of_turned_planes_need_few_limbs():
+    """Near ties in space: with and without the filter they are rational arithmetic."""
+    rng = np.random.default_rng(5)
+    signs = []
+    for k in range(600):
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        flat = rng.uniform(-0.5, 0.5, (4, 3)) * (1, 1, 0) + (0, 0, 0.3)
+        points = (flat[:, :, None] * turn[None]).sum(axis=1) * 2.0 ** -(k % 40)
+        if k % 3 == 0:
+            points[3] = points[0] + (points[1] - points[0]) / 2
+        rows = [[Fraction(float(x)) - Fraction(float(y)) for x, y in zip(p, points[3])] for p in points[:3]]
+        expected = volume(*rows)
+        signs.append(close.close_orient3(tuple(points.ravel().tolist())))
+        assert signs[-1] == expected == -orient3(*points.ravel().tolist())
+    assert set(signs) >= {-1, 1}
 
 
 @settings(max_examples=400, deadline=None)

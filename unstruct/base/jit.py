@@ -30,7 +30,7 @@ try:
 except ImportError:  # the kernels then run as plain Python
     numba = None  # type: ignore[assignment]
 
-__all__ = ["apart", "inline", "kernel", "lean"]
+__all__ = ["apart", "inline", "inline_with_arrays", "kernel", "lean", "lending"]
 
 
 def kernel(function: Callable) -> Any:
@@ -56,8 +56,23 @@ def apart(function: Callable) -> Any:
 
 
 def inline(function: Callable) -> Any:
-    """Compile a small helper, inlined by LLVM into every kernel that calls it."""
-    return _compiled(function, False, forceinline=True)
+    """Compile a small helper, inlined by LLVM into every kernel that calls it; as `lean`, without arrays.
+
+    If the option were not set, the first kernel to call it would decide whether references are counted.
+    """
+    return _compiled(function, False, forceinline=True, _nrt=False)
+
+
+def inline_with_arrays(function: Callable) -> Any:
+    """Like `inline`, for a helper that creates arrays."""
+    return _compiled(function, False, forceinline=True, _nrt=True)
+
+
+def lending(function: Callable) -> Any:
+    """Like `inline`, for a helper that returns arrays of its arguments; its callers count no references."""
+    found = inline(function)
+    found.lends = True
+    return found
 
 
 def _compiled(function: Callable, apart: bool, **options: Any) -> Any:
@@ -111,6 +126,9 @@ class _Inner:
 
     def add_overload(self, result: Any) -> None:
         """Take a compiled form, from the compiler or from the disk; give it an address if it stays apart."""
+        lends = self.options["_nrt"] or getattr(self.outer, "lends", False)
+        if not lends and "array(" in str(result.signature.return_type):  # the caller would count one too few
+            raise TypeError(f"{self.outer.py_func.__name__} returns an array: make it a kernel")
         # numba forgets the references of what it has read from the disk, but these are needed if it is copied
         result.library._reload_init.update(result.reload_init)
         if self.apart and self._can_be_found():

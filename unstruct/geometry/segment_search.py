@@ -214,7 +214,7 @@ def _answer(point, packed, numbers, home, known, waiting):
 
 
 @lean
-def search(x, packed, growth, waiting, best, which):
+def search(x, factor, packed, growth, waiting, best, which):
     """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
 
     A box is skipped if its minimum weight at its nearest point would not be lower. Most are skipped by
@@ -222,7 +222,8 @@ def search(x, packed, growth, waiting, best, which):
     answer of the previous query is tried first. If it is better than what is known, the search goes up from
     there, and down only into those other children that are near enough: mostly none is. In the plane a point
     is a pair, and loops over coordinates, which take longer, are written out.
-    ``waiting`` is room for 128 nodes, and for what they give.
+    ``x`` times ``factor`` are places in the units of the tree; ``waiting`` is room for 128 nodes, and for
+    what they give.
     """
     order = packed.order
     home, found = np.int64(-1), np.int64(-1)
@@ -230,7 +231,7 @@ def search(x, packed, growth, waiting, best, which):
     numbers = growth, inverse, depth_of(packed.boxes.shape[0] // 2)
     for q in range(x.shape[0]):
         if x.shape[1] == 2:
-            point = x[q, 0], x[q, 1]
+            point = factor * x[q, 0], factor * x[q, 1]
             best[q], found, home = _answer(point, packed, numbers, home, best[q], waiting)
         else:
             best[q], found, home = _answer(x[q], packed, numbers, home, best[q], waiting)

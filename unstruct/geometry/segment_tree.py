@@ -255,9 +255,11 @@ class SegmentTree:
         if points.shape[1] != self.segments.shape[2]:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         which = np.empty(len(points), dtype=np.int64)
-        scaled = points if self.factor == 1.0 else np.ascontiguousarray(points * self.factor)
         waiting = np.empty(128, dtype=np.int64), np.empty(128)
-        search(scaled, self.packed, growth / self.factor, waiting, best, which)
+        places = np.ascontiguousarray(points)
+        if places.shape[1] != 2:  # in the plane they are scaled as they are read
+            places = places * self.factor
+        search(places, self.factor, self.packed, growth / self.factor, waiting, best, which)
         return which
 
     def distance(self, x: ArrayLike) -> Array:

@@ -120,7 +120,7 @@ class DomainMesh(Mesh):
         cls,
         points: NDArray[np.float64],
         origin: NDArray[np.int32],
-        cells: tuple[NDArray[np.int32], NDArray[np.int32]],
+        cells: tuple[NDArray[np.int32], NDArray[np.int32] | None],
         markers: dict[str, NDArray],
         subsegments: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]],
         *,
@@ -138,7 +138,8 @@ class DomainMesh(Mesh):
         points, origin : ndarray
             Views of them become read-only.
         cells : tuple of ndarray
-            ``simplices`` and ``neighbors``. These become read-only themselves, as do the following arrays.
+            ``simplices`` and ``neighbors``, which may be None. These become read-only themselves, as do the
+            following arrays.
         markers : dict of str to ndarray
         subsegments : tuple of ndarray
             ``segments``, ``piece`` and ``span``.
@@ -149,12 +150,14 @@ class DomainMesh(Mesh):
         """
         mesh = cls.__new__(cls)
         for array in (*cells, *markers.values(), *subsegments):
-            array.setflags(write=False)
+            if array is not None:
+                array.setflags(write=False)
         mesh.points, mesh.origin, mesh.duplicates = frozen(points), frozen(origin), NO_PAIRS
         mesh.dimension, mesh.cells = 2, {"triangle": cells[0]}
         mesh.markers = checked_markers(markers, mesh)
         mesh.regions = checked_regions(dict(regions or {}))
-        mesh.__dict__["neighbors"] = cells[1]
+        if cells[1] is not None:
+            mesh.__dict__["neighbors"] = cells[1]
         mesh.segments, mesh.piece, mesh.span = subsegments
         mesh.faces, mesh.face_piece = NO_FACES, NO_CELLS
         mesh._take_account(unrefined, reasons, counts, figures, steps)

@@ -5,26 +5,30 @@ There are up to three stages before `unstruct.predicates.exact`. Coordinates are
 * *Short* differences. On lattices and other rounded data the coordinate differences are exact, and they are
   multiples, by integers of few bits, of one power of two. Then plain floating point makes no error at
   all, and the sign is exact, ties included.
-* In the plane, *whole* differences: integers below 2^57 times one power of two, as mirrored points and
-  lattices with steps such as 0.1 have them. The sign is exact, ties included (`unstruct.predicates.fixed`).
+* *Whole* differences: integers below 2^57 times one power of two, as mirrored points, lattices with steps
+  such as 0.1 and most points of a turned plane have them. The sign is exact, ties included
+  (`unstruct.predicates.fixed`); not for `close_insphere`, whose integers would be too long.
 * Double-double arithmetic: numbers are sums of two doubles, and differences are exact. With u = 2^-53, a
   product errs by at most 7 u^2 and a sum by 3 u^2 (M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous
   error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44, 2017). This adds up to
-  33 u^2 of the permanent for `close_incircle` and 52 u^2 for `close_insphere`; the bounds used below are
-  64 u^2 and 128 u^2.
+  33 u^2 of the permanent for `close_incircle`, 23 u^2 for `close_orient3` and 52 u^2 for `close_insphere`;
+  the bounds used below are 64 u^2, 64 u^2 and 128 u^2.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ..base.jit import inline, kernel
 from .exact import exact_incircle, exact_insphere, exact_orient2, exact_orient3
 from .filters import TINY
-from .fixed import WHOLE_BITS, fixed_incircle, fixed_orient2, whole
+from .fixed import WHOLE_BITS, fixed_incircle, fixed_orient2, fixed_orient3, whole
 
 SPLITTER = 2.0**27 + 1.0
 INCIRCLE_CLOSE = 2.0**-100
+ORIENT3_CLOSE = 2.0**-100
 INSPHERE_CLOSE = 2.0**-99
 # A difference d with |d| <= M is short if adding s = 1.5 * 2^k M and subtracting it again leaves d unchanged.
 # Then d is a multiple of a power of two above 2^(k - 53) M. In units of that power, the differences are
@@ -178,23 +182,55 @@ def _lifted(xh, xl, yh, yl, ch, cl):
 @kernel
 def close_orient3(x):
     """Sign of the determinant of rows a - d, b - d, c - d, if the filter leaves it open."""
-    e = x[:9].copy()
-    most, short = 0.0, True
-    for i in range(9):
-        e[i], tail = _two_difference(x[i], x[9 + i % 3])
-        most = max(most, abs(e[i]))
-        short = short and tail == 0.0
+    e0, t0 = _two_difference(x[0], x[9])
+    e1, t1 = _two_difference(x[1], x[10])
+    e2, t2 = _two_difference(x[2], x[11])
+    e3, t3 = _two_difference(x[3], x[9])
+    e4, t4 = _two_difference(x[4], x[10])
+    e5, t5 = _two_difference(x[5], x[11])
+    e6, t6 = _two_difference(x[6], x[9])
+    e7, t7 = _two_difference(x[7], x[10])
+    e8, t8 = _two_difference(x[8], x[11])
+    one = max(abs(e0), abs(e3), abs(e6))
+    two = max(abs(e1), abs(e4), abs(e7))
+    three = max(abs(e2), abs(e5), abs(e8))
+    if one == 0.0 or two == 0.0 or three == 0.0:
+        return 0  # in a plane of constant coordinate
+    most = max(one, two, three)
     s = SHORT_ORIENT3 * most
-    short = short and most > LEAST_SAFE
-    for i in range(9):
-        short = short and (e[i] + s) - s == e[i]
-    if short:
-        return _sign(
-            e[0] * (e[4] * e[8] - e[5] * e[7])
-            - e[1] * (e[3] * e[8] - e[5] * e[6])
-            + e[2] * (e[3] * e[7] - e[4] * e[6])
-        )
-    return exact_orient3(x)
+    if (
+        most > LEAST_SAFE
+        and _short(e0, t0, s) and _short(e1, t1, s) and _short(e2, t2, s)
+        and _short(e3, t3, s) and _short(e4, t4, s) and _short(e5, t5, s)
+        and _short(e6, t6, s) and _short(e7, t7, s) and _short(e8, t8, s)
+    ):  # fmt: skip
+        return _sign(e0 * (e4 * e8 - e5 * e7) + e1 * (e5 * e6 - e3 * e8) + e2 * (e3 * e7 - e4 * e6))
+    if most > LEAST_SAFE:
+        s = math.ldexp(1.0, WHOLE_BITS - math.frexp(most)[1])
+        w0, r0 = whole(e0, t0, s)
+        w1, r1 = whole(e1, t1, s)
+        w2, r2 = whole(e2, t2, s)
+        w3, r3 = whole(e3, t3, s)
+        w4, r4 = whole(e4, t4, s)
+        w5, r5 = whole(e5, t5, s)
+        w6, r6 = whole(e6, t6, s)
+        w7, r7 = whole(e7, t7, s)
+        w8, r8 = whole(e8, t8, s)
+        if r0 + r1 + r2 + r3 + r4 + r5 + r6 + r7 + r8 == 0.0:
+            return fixed_orient3(w0, w1, w2, w3, w4, w5, w6, w7, w8)
+    permanent = (
+        abs(e0) * (abs(e4 * e8) + abs(e5 * e7))
+        + abs(e1) * (abs(e5 * e6) + abs(e3 * e8))
+        + abs(e2) * (abs(e3 * e7) + abs(e4 * e6))
+    )
+    high, low = _times(e0, t0, *_cross(e4, t4, e5, t5, e7, t7, e8, t8))
+    h, t = _times(e1, t1, *_cross(e5, t5, e3, t3, e8, t8, e6, t6))
+    high, low = _plus(high, low, h, t)
+    h, t = _times(e2, t2, *_cross(e3, t3, e4, t4, e6, t6, e7, t7))
+    high, low = _plus(high, low, h, t)
+    if abs(high) > ORIENT3_CLOSE * permanent + TINY:
+        return _sign(high)
+    return exact_orient3(np.array(x))
 
 
 @kernel

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.jit import inline, kernel
+from ..base.jit import inline, inline_with_arrays, kernel
 from .close import close_incircle, close_insphere, close_orient2, close_orient3
 from .filters import (
     UNDECIDED,
@@ -38,16 +38,16 @@ def incircle(ax, ay, bx, by, cx, cy, px, py):
     return close_incircle(ax, ay, bx, by, cx, cy, px, py)
 
 
-@inline
+@inline_with_arrays
 def orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     """Sign of the determinant of rows b - a, c - a, d - a; exact for |coordinates| <= 1."""
     sign = filter_orient3(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
     if sign != UNDECIDED:
         return sign
-    return -close_orient3(np.array([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]))
+    return -close_orient3((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz))
 
 
-@inline
+@inline_with_arrays
 def insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz):
     """Positive if p is strictly inside the sphere of a, b, c, d with orient3 > 0; |coordinates| <= 1."""
     sign = filter_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, px, py, pz)

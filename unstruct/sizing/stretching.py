@@ -180,6 +180,8 @@ class Layers:
 
 def _values(value: Any, name: str) -> Array:
     """A positive number or one for each place, as an array of one or more rows."""
+    if type(value) is float and 0.0 < value < np.inf:
+        return np.array([value])
     try:
         if isinstance(value, str | bytes | bool):
             raise TypeError
@@ -233,7 +235,7 @@ def _resolved(given: dict[str, Any], function: Any) -> Stretching:
     for name, value in arrays.items():
         if len(value) not in (1, rows):
             raise InputError(f"{name} has {len(value)} values, and another value {rows}: give equally many")
-        arrays[name] = np.broadcast_to(value, rows).astype(np.float64)
+        arrays[name] = value.copy() if len(value) == rows else np.broadcast_to(value, rows).astype(np.float64)
     n: Any = given.get("count")
     first: Any = arrays.get("first")
     thickness: Any = arrays.get("thickness")

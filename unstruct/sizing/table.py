@@ -31,6 +31,7 @@ SIDE = 1 << FIRST_LEVELS
 ABOVE = (SIDE * SIDE - 1) // 3 - 1
 LAST_FULL = ABOVE + SIDE * SIDE - 3
 DEEPEST = 50  # the largest number of levels for which places are exact in doubles
+MOST_PLACES = 1 << DEEPEST  # along a side of the box
 RESOLVED = 0.25  # a leaf no larger than this many wanted edge lengths is small enough
 
 # Where the field is sampled in a leaf, in coordinates of the leaf. FRESH are the places that are new when the
@@ -57,23 +58,21 @@ def leaf_at(child, box, x, y):
     width, height = box[2] - box[0], box[3] - box[1]
     u = min(max((x - box[0]) / width, 0.0), 1.0) if width > 0.0 else 0.0
     v = min(max((y - box[1]) / height, 0.0), 1.0) if height > 0.0 else 0.0
-    node = np.int64(0)
+    # Bits of the places, as integers, lead down without comparisons, whose outcome cannot be predicted.
+    i = min(int(MOST_PLACES * u), MOST_PLACES - 1) if u >= 0.0 else 0
+    j = min(int(MOST_PLACES * v), MOST_PLACES - 1) if v >= 0.0 else 0
+    node, shift = np.int64(0), DEEPEST
     # If the first levels are full, one step leads to the node at depth FIRST_LEVELS.
-    if len(child) > ABOVE and child[ABOVE] == LAST_FULL and u >= 0.0 and v >= 0.0:
-        i, j = min(int(SIDE * u), SIDE - 1), min(int(SIDE * v), SIDE - 1)
-        node = np.int64(ABOVE + 1 + spaced(i) + 2 * spaced(j))
-        u, v = SIDE * u - i, SIDE * v - j
-    while child[node] >= 0:
-        node = np.int64(child[node])
-        u *= 2.0
-        v *= 2.0
-        if u >= 1.0:
-            u -= 1.0
-            node += 1
-        if v >= 1.0:
-            v -= 1.0
-            node += 2
-    return node, u, v
+    if len(child) > ABOVE and child[ABOVE] == LAST_FULL:
+        shift = DEEPEST - FIRST_LEVELS
+        node = np.int64(ABOVE + 1 + spaced(i >> shift) + 2 * spaced(j >> shift))
+    below = child[node]
+    while below >= 0:
+        shift -= 1
+        node = np.int64(below + (i >> shift & 1) + 2 * (j >> shift & 1))
+        below = child[node]
+    times = float(1 << DEEPEST - shift)
+    return node, times * u - (i >> shift), times * v - (j >> shift)
 
 
 @inline

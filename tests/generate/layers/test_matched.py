@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import sizing
+from unstruct.generate.layers import matched
 from unstruct.generate.layers.matched import COARSE, FILL_GROWTH, is_behind, matched_size
 from unstruct.geometry.parity import even_odd
 
@@ -70,3 +71,27 @@ def test_edges_too_far_to_matter_change_no_table(seed: int, edges: int, most: fl
     size.most = np.inf
     other = matched_size(size, points, top).table(LOWER, UPPER).nodes
     assert np.array_equal(one.child, other.child) and np.array_equal(one.values, other.values)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(5, 60), st.sampled_from(["number", "sources"]))
+def test_middles_that_are_not_asked_change_no_table(seed: int, edges: int, kind: str) -> None:
+    rng = np.random.default_rng(seed)
+    points, top = ring(rng, edges)
+    size = 0.2 if kind == "number" else sizing.sources(rng.random((5, 2)), 0.01, growth=0.3, far=0.2)
+    one = matched_size(size, points, top).table(LOWER, UPPER)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(matched, "_doubtful", all_in_doubt)
+        other = matched_size(size, points, top).table(LOWER, UPPER)
+    assert np.array_equal(one.child, other.child) and np.array_equal(one.values, other.values)
+    assert one.error <= other.error
+
+
+def all_in_doubt(
+    level: matched.Level, box: np.ndarray, side: float, growth: float, tolerance: float,
+    rows: np.ndarray, x: np.ndarray,
+) -> int:  # fmt: skip
+    """As `_doubtful`, for every leaf."""
+    rows[:] = np.arange(len(rows))
+    x[:] = np.minimum(box[0] + (level.place + 0.5) * side * (box[1] - box[0]), box[1])
+    return len(rows)

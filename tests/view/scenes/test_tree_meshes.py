@@ -7,7 +7,7 @@ import pytest
 from unstruct.errors import InputError
 from unstruct.plain import tree, tree_templates
 from unstruct.view import check_frame
-from unstruct.view.scenes.tree_meshes import CUTS, cut_state, template_frames
+from unstruct.view.scenes.tree_meshes import CUT_BOUNDARIES, cut_state, template_frames
 
 
 def test_each_square_gets_its_triangles_once() -> None:
@@ -30,7 +30,7 @@ def test_leaves_that_are_not_balanced_are_refused() -> None:
         template_frames(leaves)
 
 
-@pytest.mark.parametrize("boundary", CUTS)
+@pytest.mark.parametrize("boundary", CUT_BOUNDARIES)
 def test_the_whole_range(boundary: str) -> None:
     for offset in (-0.1, -0.06, -0.02, 0.0, 0.02, 0.06, 0.1):
         for threshold in (0.0, 0.2, 0.4):

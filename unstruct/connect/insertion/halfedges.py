@@ -43,15 +43,21 @@ class HalfEdges(NamedTuple):
 
 
 @inline
+def _corner(e):
+    """e modulo 3 for 0 <= e < 2^31: without what a remainder does for negative numbers."""
+    return e - 3 * (int(e) * 2863311531 >> 33)
+
+
+@inline
 def next_edge(e):
     """The half-edge after e in its triangle, counterclockwise."""
-    return e - 2 if e % 3 == 2 else e + 1
+    return e - 2 if _corner(e) == 2 else e + 1
 
 
 @inline
 def prev_edge(e):
     """The half-edge before e in its triangle."""
-    return e + 2 if e % 3 == 0 else e - 1
+    return e + 2 if _corner(e) == 0 else e - 1
 
 
 @inline

@@ -203,11 +203,12 @@ def star_of(xy, vertex, twin, first, ring, places):
     ``places[:k + 1]`` gets the points where they begin, the first one once more at the end.
     """
     e, k = np.int64(first), 0
+    n = next_edge(e)
     while True:
-        n = next_edge(e)
         a = vertex[n]
         ring[k], places[k, 0], places[k, 1] = e, xy[a, 0], xy[a, 1]
-        e, k = next_edge(np.int64(twin[n])), k + 1  # opposite the same vertex in the next triangle
+        beyond, k = np.int64(twin[n]), k + 1
+        e, n = next_edge(beyond), prev_edge(beyond)  # opposite the same vertex, and the one after
         if e == first:
             places[k, 0], places[k, 1] = places[0, 0], places[0, 1]
             return k
@@ -228,39 +229,56 @@ def measures(ax, ay, bx, by, cx, cy):
 
 
 @inline
+def _rated(places, i, x, y, ux, uy, u, judge):
+    """The quality of triangle i of a star, the squared sine, and the vector to its second place, squared.
+
+    ``ux, uy, u`` are the vector from (x, y) to its first place and the square. The sine is 1 if it does not
+    matter; the quality is -1 if the triangle is not counterclockwise.
+    """
+    vx, vy = places[i + 1, 0] - x, places[i + 1, 1] - y
+    wx, wy = vx - ux, vy - uy
+    v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
+    around, below = u + v + w, u * v * w
+    quality = angle = 0.0
+    if (
+        double <= CERTAIN * around + TINY_AREA  # otherwise the sign is certain
+        and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
+    ):
+        quality = -1.0
+    elif below > 0.0 and double > 0.0:
+        if judge == ROUNDNESS:
+            a, b, c = sqrt(u), sqrt(v), sqrt(w)
+            quality = 4.0 * double * double / ((a + b + c) * a * b * c)
+        else:
+            quality = TWICE_ROOT3 * double / around
+            # the sine opposite the shortest side is twice the area over the product of the other two
+            angle = double * double * min(u, min(v, w)) / below if quality < EASY else 1.0
+    return quality, angle, vx, vy, v
+
+
+@inline
+def _judged(places, k, x, y, floor, judge):
+    """`star_measures`, and a triangle whose quality is not above ``floor``, or 0 if there is none."""
+    least, sine, total = 2.0, 1.0, 0.0
+    ux, uy = places[0, 0] - x, places[0, 1] - y
+    u = ux * ux + uy * uy
+    for i in range(k):
+        quality, angle, ux, uy, u = _rated(places, i, x, y, ux, uy, u, judge)
+        if quality < 0.0 or quality <= floor:
+            return -1.0, -1.0, -1.0, i
+        sine = min(sine, angle)
+        least, total = min(least, quality), total + quality
+    return least, sine, total, 0
+
+
+@inline
 def star_measures(places, k, x, y, floor, judge):
     """The smallest quality and squared sine, and the sum of the qualities, in a star with its vertex at x, y.
 
     All three are -1 if a triangle is not counterclockwise or its quality is not above ``floor``. The sine is
     1 if it does not matter.
     """
-    least, sine, total = 2.0, 1.0, 0.0
-    ux, uy = places[0, 0] - x, places[0, 1] - y
-    u = ux * ux + uy * uy
-    for i in range(k):
-        vx, vy = places[i + 1, 0] - x, places[i + 1, 1] - y
-        wx, wy = vx - ux, vy - uy
-        v, w, double = vx * vx + vy * vy, wx * wx + wy * wy, ux * vy - uy * vx
-        around, below = u + v + w, u * v * w
-        if (
-            double <= CERTAIN * around + TINY_AREA  # otherwise the sign is certain
-            and orient2(places[i, 0], places[i, 1], places[i + 1, 0], places[i + 1, 1], x, y) <= 0
-        ):
-            return -1.0, -1.0, -1.0
-        quality = angle = 0.0
-        if below > 0.0 and double > 0.0:
-            if judge == ROUNDNESS:
-                a, b, c = sqrt(u), sqrt(v), sqrt(w)
-                quality = 4.0 * double * double / ((a + b + c) * a * b * c)
-            else:
-                quality = TWICE_ROOT3 * double / around
-                # the sine opposite the shortest side is twice the area over the product of the other two
-                angle = double * double * min(u, min(v, w)) / below if quality < EASY else 1.0
-        if quality <= floor:
-            return -1.0, -1.0, -1.0
-        sine = min(sine, angle)
-        least, total = min(least, quality), total + quality
-        ux, uy, u = vx, vy, v
+    least, sine, total, _ = _judged(places, k, x, y, floor, judge)
     return least, sine, total
 
 
@@ -293,15 +311,23 @@ def search(places, k, x, y, old, judge):
     """
     step = 0.25 * sqrt((places[0, 0] - x) ** 2 + (places[0, 1] - y) ** 2)
     smallest = step / 64.0
-    left = MOST_STEPS
+    left, poor = MOST_STEPS, 0
     while step > smallest and left > 0:
         found = False
         left -= 1
+        floor = floor_for(old[0], judge)
         for dx, dy in COMPASS:
-            new = star_measures(places, k, x + step * dx, y + step * dy, floor_for(old[0], judge), judge)
+            to_x, to_y = x + step * dx, y + step * dy
+            # The triangle by which another place was refused is looked at first: it mostly refuses this one.
+            ux, uy = places[poor, 0] - to_x, places[poor, 1] - to_y
+            if _rated(places, poor, to_x, to_y, ux, uy, ux * ux + uy * uy, judge)[0] <= floor:
+                continue
+            least, sine, total, at = _judged(places, k, to_x, to_y, floor, judge)
+            new = least, sine, total
             if better(new, old, judge):
-                x, y, old, found = x + step * dx, y + step * dy, new, True
+                x, y, old, found = to_x, to_y, new, True
                 break
+            poor = at if least < 0.0 else poor
         if not found:
             step /= 2.0
     return x, y

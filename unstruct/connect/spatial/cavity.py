@@ -24,11 +24,13 @@ from .records import (
 from .refill import FILLED, UNFILLED, set_code
 
 __all__ = [
+    "IN_CELL",
     "beside",
     "commit",
     "corner",
     "draw",
     "failed",
+    "find_guards",
     "grow",
     "load",
     "new_slot",
@@ -251,7 +253,7 @@ def load(solid, held, r):
             r.edge[min(x, y) * n + max(x, y)] |= IN_CELL
             r.edge[min(y, z) * n + max(y, z)] |= IN_CELL
             r.edge[min(z, x) * n + max(z, x)] |= IN_CELL
-    _find_guards(solid, held, r)
+    find_guards(solid, held, r)
     for i in range(r.size[OLD_CELLS]):
         t = r.cells[i]
         a, b = _local(r, n, solid.vertex[4 * t]), _local(r, n, solid.vertex[4 * t + 1])
@@ -270,7 +272,7 @@ def load(solid, held, r):
 
 
 @lean
-def _find_guards(solid, held, r):
+def find_guards(solid, held, r):
     """List the held edges inside the cavity."""
     n, count = r.size[LOCALS], 0
     for i in range(n):

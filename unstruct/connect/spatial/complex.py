@@ -21,7 +21,7 @@ from .release import Release
 
 __all__ = ["RESTARTS", "Recovered", "SpatialComplex", "SpatialMesh"]
 
-WORTH_ANOTHER = 30  # with more than this missing or in parts, more effort, or a third seed, would not help
+WORTH_ANOTHER = 40  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
 SHAKEN = 10  # stars of points that are left, at each further level
 RESTARTS = 3  # how many seeds are tried when something is left over

@@ -82,10 +82,12 @@ def _append(solid, cells, count, entry):
 def note_refill(solid, r):
     """Begin the event of a refill with what is sought, and with the cells that will be removed."""
     size = r.size
-    open_event(
-        solid, size[EVENT], size[TARGET], size[TARGET + 1], size[TARGET + 2], size[WAY_COUNT],
-        size[TARGET] if size[EVENT] == EVENT_FEWER else -1,
-    )  # fmt: skip
+    a, point = size[TARGET], -1
+    if size[EVENT] == EVENT_FEWER:
+        point = a
+    elif size[EVENT] == EVENT_REMOVED:
+        a, point = -1, a
+    open_event(solid, size[EVENT], a, size[TARGET + 1], size[TARGET + 2], size[WAY_COUNT], point)
     _append(solid, r.cells, r.size[OLD_CELLS], 6)
 
 

@@ -19,7 +19,7 @@ from .lookup import look_up
 from .records import RESUMED, SEED, new_local
 from .recovery import SPARE_SLOTS, STOP, recover_all, survey
 from .signs import DISJOINT, meets
-from .steiner import distance, insert_around, insert_between, off_plane, on_plane, places
+from .steiner import distance, insert_around, insert_between, insert_within, off_plane, on_plane, places
 
 __all__ = ["MORE_EFFORT", "Recovery"]
 
@@ -32,6 +32,7 @@ EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
 FACES_ROOM = 64  # faces that a segment meets; more where that is not enough
+BETWEEN = (0.5, 0.25, 0.75, 0.1, 0.9)  # where on a segment points may be if none of its crossings is possible
 PART_ROUNDS = 8  # how often parts of a segment are split
 
 
@@ -217,7 +218,8 @@ class Recovery:
         """Insert a point where the segment crosses a face or an edge; -1 for none.
 
         Points in the middle of all crossings are tried first: of two parts with half of the crossings each,
-        both are found more easily than what is left behind the first crossing.
+        both are found more easily than what is left behind the first crossing. Where flat cells see none of
+        them, as they are in planes up to rounding, points between crossings are tried.
         """
         if not self._next_vertex():
             return -1
@@ -238,6 +240,14 @@ class Recovery:
                     cells.size += 1
                     cells.name_point((a, b, -1), count)
                     return p
+        ends = [0.0, *sorted(where for where, _ in found), 1.0]
+        between = sorted(((u + v) / 2 for u, v in pairwise(ends)), key=lambda where: abs(where - 0.5))
+        for where in dict.fromkeys((*between, *BETWEEN)):
+            p = self._place(start + where * (end - start))
+            if insert_within(cells.solid(), self.held, cells.found, goal, p, WIDER):
+                cells.size += 1
+                cells.name_point((a, b, -1), count)
+                return p
         return -1
 
     def _insert_at(self, face: int, corners: list[int], crossed: list[int], p: int, more: int) -> bool:

@@ -8,10 +8,11 @@ improved, refills of equal cost (*shakes*) lead to other cavities, as long as th
 from __future__ import annotations
 
 from ...base.jit import apart, kernel
-from ..insertion.engine import COUNT, FREE
-from .cavity import beside, commit, draw, failed, grow, load, remember_failure, unwritten
-from .costs import EDGE, FACE, NEVER, face_cost, unpacked_face
+from ..insertion.engine import COUNT, FREE, STAMP
+from .cavity import beside, commit, corner, draw, failed, grow, load, remember_failure, unwritten
+from .costs import EDGE, FACE, NEVER
 from .crossing import cells_around, classify, crossings, mark_face, star
+from .flips import flip
 from .held import hold
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
 from .records import (
@@ -32,6 +33,8 @@ from .signs import ON_EDGE, meets, side
 __all__ = ["MOST_WANTED", "SHAKES", "SPARE_SLOTS", "STOP", "recover_all", "survey"]
 
 SPARE_SLOTS = 128  # slots that a refill may need
+SHAKING = 8  # the noise by which cavities grow that are refilled at equal cost
+MUCH_SHAKEN = 10  # so many shakes are for the last few goals, which get more effort otherwise, too
 FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
@@ -45,45 +48,71 @@ STOP = 4  # 1 to stop at the first goal that is left
 
 
 @apart
-def _passes(xyz, r, faces):
-    """Whether the segment passes the cavity through two faces that no tetrahedron has both.
+def _hopeless(solid, r, found):
+    """Whether it is seen at once that no refill of the cavity has fewer faces in the way of the segment.
 
-    Then there is a face in its way in every refill.
+    Where the segment enters the cavity by one face and leaves it by another, n tetrahedra in a row have at
+    most n + 3 vertices. So with one face in the way now, all vertices of both faces must be those of one
+    tetrahedron; with two, they must be at most five. Where the segment begins or ends in the cavity, its end
+    takes the place of a face.
     """
-    n, found, first = r.size[LOCALS], 0, 0
-    if r.goal[0] < n or r.goal[1] < n:
+    stamp, inner, ends = 2 * solid.state[STAMP], 0, 0
+    first = second = -1
+    for i in range(r.size[WAY_COUNT]):
+        face = found.faces[i]
+        over = solid.across[face]
+        here, there = solid.stamp[face >> 2] == stamp, solid.stamp[over >> 2] == stamp
+        if here and there:
+            inner += 1
+        elif here or there:
+            if ends == 0:
+                first = face if here else over
+            elif ends == 1:
+                second = face if here else over
+            ends += 1
+    if inner > 2 or ends == 0 or ends > 2:
         return False
-    for i in range(faces):
-        _, x, y, z = unpacked_face(r.front[i])
-        if face_cost(xyz, r, x, y, z) == 0.0:
-            continue
-        mask = 1 << x | 1 << y | 1 << z
-        if found == 0:
-            first = mask
-        elif found == 1:
-            common = first & mask
-            if common & (common - 1):
-                return False
-        found += 1
-    return found == 2
+    corners, size = r.label, 0
+    t, k = first >> 2, first & 3
+    v = solid.vertex[4 * t : 4 * t + 4]
+    x, y, z = v[corner(k, 0)], v[corner(k, 1)], v[corner(k, 2)]
+    if ends == 1:
+        if inner > 1:
+            return False
+        a, b, n = r.size[TARGET], r.size[TARGET + 1], r.size[LOCALS]
+        has_a = has_b = False
+        for i in range(n):
+            has_a |= corners[i] == a
+            has_b |= corners[i] == b
+        if has_a == has_b:
+            return False
+        apex = a if has_a else b
+        return side(solid.xyz, x, y, z, apex) <= 0
+    t, k, apex = second >> 2, second & 3, -1
+    for i in range(3):
+        v = solid.vertex[4 * t + corner(k, i)]
+        if v != x and v != y and v != z:
+            size += 1
+            apex = v
+    if inner == 2:
+        return size == 3
+    return size != 1 or side(solid.xyz, x, y, z, apex) <= 0
 
 
 @apart
-def _attempt(solid, held, r, count, wanted, options, noise, equal):
+def _attempt(solid, held, r, found, count, wanted, nodes, noise):
     """Refill a cavity grown from ``count`` cells at lower (or equal) cost; True if that is done."""
     r.size[WORK_DONE] += WORK_OF_A_STEP
+    equal = noise == SHAKING
     if not grow(solid, r, count, wanted, noise):
         return False
-    if not equal and failed(solid, r, options[SEARCH_NODES]):
+    if not equal and r.size[COST_KIND] == EDGE and _hopeless(solid, r, found):
+        return False
+    if not equal and failed(solid, r, nodes):
         return False
     faces, cost = load(solid, held, r)
     limit, goal = (cost + 0.5, cost) if equal else (cost, 0.0)
-    if (
-        cost >= NEVER
-        or limit <= 0.0
-        or (r.size[COST_KIND] == EDGE and cost == 1.0 and not equal and _passes(solid.xyz, r, faces))
-        or refill(solid.xyz, r, solid.state, faces, limit, goal, options[SEARCH_NODES]) >= NEVER
-    ):
+    if cost >= NEVER or limit <= 0.0 or refill(solid.xyz, r, solid.state, faces, limit, goal, nodes) >= NEVER:
         if not equal:
             remember_failure(r)
         return False
@@ -93,15 +122,21 @@ def _attempt(solid, held, r, count, wanted, options, noise, equal):
 
 
 @apart
-def _lower(solid, held, r, found, count, options):
+def _lower(solid, held, r, found, count, goal, options):
     """Try all faces in the way, with larger and larger cavities; True at the first success."""
-    for wanted in range(FEWEST_CORNERS, options[MOST_WANTED] + 1):
+    if r.size[COST_KIND] == EDGE:
+        for j in range(count):
+            r.size[WORK_DONE] += WORK_OF_A_STEP
+            if flip(solid, held, r, goal, found.faces[j]):
+                return True
+    first = FEWEST_CORNERS + (1 if r.size[COST_KIND] == EDGE else 0)
+    for wanted in range(first, options[MOST_WANTED] + 1):
         start = draw(solid.state, count)
         for j in range(count):
             if r.size[NODES] > options[TOTAL]:
                 return False
             if beside(solid, r, found.faces[(start + j) % count]):
-                if _attempt(solid, held, r, 2, wanted, options, 2, False):
+                if _attempt(solid, held, r, found, 2, wanted, options[SEARCH_NODES], 2):
                     return True
     return False
 
@@ -127,7 +162,7 @@ def _lower_around(solid, held, r, found, count, goal, options):
             if side(solid.xyz, goal[0], goal[1], p, q) != 0:
                 continue
             size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
-            if size > 0 and _attempt(solid, held, r, size, size + 2, options, 0, False):
+            if size > 0 and _attempt(solid, held, r, found, size, size + 2, options[SEARCH_NODES], 0):
                 return True
     return False
 
@@ -141,7 +176,7 @@ def _lower_all(solid, held, r, found, options):
     for wanted in range(6, LOCAL_ROOM + 1):
         for i in range(count):
             r.cells[i] = found.cells[i]
-        if _attempt(solid, held, r, count, wanted, options, 4, False):
+        if _attempt(solid, held, r, found, count, wanted, options[SEARCH_NODES], 4):
             return True
     return False
 
@@ -171,9 +206,9 @@ def recover_one(solid, held, r, found, kind, goal, options):
             return count
         if kind == EDGE and _lower_around(solid, held, r, found, count, goal, options):
             continue
-        if _lower(solid, held, r, found, count, options):
+        if _lower(solid, held, r, found, count, goal, options):
             continue
-        if _lower_all(solid, held, r, found, options):
+        if options[SHAKES] >= MUCH_SHAKEN and _lower_all(solid, held, r, found, options):
             continue
         if size[SHAKES_LEFT] == 0:
             return count
@@ -181,7 +216,8 @@ def recover_one(solid, held, r, found, kind, goal, options):
         for _ in range(4):
             wanted = 5 + draw(solid.state, options[MOST_WANTED] - 4)
             face = _wander(solid, found.faces[draw(solid.state, count)])
-            if beside(solid, r, face) and _attempt(solid, held, r, 2, wanted, options, 8, True):
+            nodes = options[SEARCH_NODES]
+            if beside(solid, r, face) and _attempt(solid, held, r, found, 2, wanted, nodes, SHAKING):
                 break
 
 

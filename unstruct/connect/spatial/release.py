@@ -8,133 +8,36 @@ inside takes its place (`sectors`).
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
-from ...base.jit import kernel
-from ..insertion.engine import COUNT, FREE
+from ..insertion.engine import grown
 from .arrays import CellArrays
-from .cavity import (
-    beside,
-    commit,
-    draw,
-    failed,
-    grow,
-    load,
-    remember_failure,
-    reset,
-    unwritten,
-    wall,
-)
-from .costs import ANY, DEGREE, EDGE, NEVER
-from .crossing import star
+from .costs import ANY, EDGE
+from .dropping import drop, lower_degree, shake_star
 from .exchange import exchange
 from .given import Given, Split, edge
 from .held import holds
 from .journal import (
-    EVENT_FEWER,
     EVENT_MOVED,
     EVENT_RELEASED,
-    EVENT_REMOVED,
     EVENT_ROOM,
-    EVENT_SHAKE,
 )
-from .records import COST_KIND, EVENT, HASH, LOCAL_ROOM, LOCALS, NEW_CELLS, TARGET, WAY_COUNT, Local
+from .leaving import MOST_LEFT, NODES_WITHOUT, leave, refill_walls
+from .records import COST_KIND, LOCAL_ROOM, NEW_CELLS, TARGET, Local
 from .recover import Recovery
 from .recovery import SPARE_SLOTS
-from .refill import refill
-from .sectors import POSITIVE, Cell, Face, cancelled, link_of, moved, turned, widened
+from .sectors import POSITIVE, Cell, Face, cancelled, growing, link_of, moved, steps_off, turned, widened
 
 __all__ = ["Release"]
 
-NODES_FEWER = 200  # of the search for a refill with fewer cells at a point
-NODES_WITHOUT = 4000  # of the search for a sector without its point
+NODES_BESIDE = 100  # of the search for a sector with a new point
+PARTS_BESIDE = (0.25, 0.015625, 0.000244140625)  # of the way to where it may be: powers of 1/4
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
 SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
+FEW_WALLS = 100  # the same, for the kernel that needs no more
 WALLS = 400  # faces of the largest star that is looked at
-
-
-@kernel
-def refill_walls(solid, r, walls, budget):
-    """Refill what these oriented triangles bound; False if that is not found or has too many vertices."""
-    n = 0
-    local = np.empty((walls.shape[0], 3), dtype=np.int64)
-    for i in range(walls.shape[0]):
-        for k in range(3):
-            place = 0
-            while place < n and r.label[place] != walls[i, k]:
-                place += 1
-            if place == n:
-                if n == LOCAL_ROOM:
-                    return False
-                r.label[n] = walls[i, k]
-                n += 1
-            local[i, k] = place
-    r.size[LOCALS] = n
-    reset(r)
-    length = 0
-    for i in range(walls.shape[0]):
-        length = wall(r, length, local[i, 0], local[i, 1], local[i, 2])
-    r.size[HASH] = -1
-    return refill(solid.xyz, r, solid.state, length, 0.5, 0.0, budget) < NEVER
-
-
-@kernel
-def lower_degree(solid, held, r, found, goal, enough):
-    """Refill around vertex goal[0] so that ``enough`` or fewer cells have it, as long as that is possible.
-
-    If the point is on a segment, its ends are the other entries, and nothing gets in its way. Returns how
-    many cells have the vertex in the end, which are in ``found``; -1 if the record has no room, to be called
-    again.
-    """
-    p = goal[0]
-    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = DEGREE, EVENT_FEWER, 0
-    for k in range(3):
-        r.size[TARGET + k] = goal[k]
-    while True:
-        size = star(solid, found, p)
-        if size <= enough or solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0]:
-            return size
-        if unwritten(solid):
-            return -1
-        before = size
-        for wanted in range(5, 9):
-            for i in range(4 * size):
-                face = 4 * found.cells[i >> 2] + (i & 3)
-                if solid.vertex[face] == p or solid.mark[face] >= 0 or not beside(solid, r, face):
-                    continue
-                if not grow(solid, r, 2, wanted, 2) or failed(solid, r, NODES_FEWER):
-                    continue
-                faces, cost = load(solid, held, r)
-                if cost < NEVER and refill(solid.xyz, r, solid.state, faces, cost, 0.0, NODES_FEWER) < NEVER:
-                    commit(solid, r)
-                    before = -1
-                    break
-                remember_failure(r)
-            if before < 0:
-                break
-        if before >= 0:
-            return size
-
-
-@kernel
-def shake_star(solid, held, r, found, p, count):
-    """Refill ``count`` cavities at vertex p by chance, whatever they cost; -1 if room is lacking."""
-    r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = ANY, EVENT_SHAKE, 0
-    r.size[TARGET], r.size[TARGET + 1], r.size[TARGET + 2] = p, -1, -1
-    for _ in range(count):
-        if solid.state[COUNT] - solid.state[FREE] + SPARE_SLOTS > solid.stamp.shape[0] or unwritten(solid):
-            return -1
-        size = star(solid, found, p)
-        face = 4 * found.cells[draw(solid.state, size)] + draw(solid.state, 4)
-        if solid.mark[face] >= 0 or not beside(solid, r, face):
-            continue
-        if grow(solid, r, 2, 5 + draw(solid.state, 4), 8):
-            faces, _ = load(solid, held, r)
-            if refill(solid.xyz, r, solid.state, faces, 0.5, 0.0, NODES_FEWER) < NEVER:
-                commit(solid, r)
-    return 0
 
 
 class Release:
@@ -159,6 +62,8 @@ class Release:
         self.local: Local = recovery.local
         self.kept: list[Split] = []
         self.inner: list[int] = []
+        self.free = np.zeros(len(self.cells.xyz), dtype=np.bool_)  # the same, by vertex
+        self.gone = np.empty(4 * FEW_WALLS + 2, dtype=np.int32)
 
     def run(self, shakes: int = 0) -> None:
         """Release all points, the last first; then try to do without those that were moved.
@@ -172,11 +77,13 @@ class Release:
         self.kept.reverse()
         self.recovery.splits = self.kept
         self.inner = [p for p in self.inner if not self._remove(p)]
+        self.free[:] = False
+        self.free[self.inner] = True
 
     # ------------------------------------------------------------------ one point
 
-    def _star(self, p: int, segment: tuple[int, int] | None) -> list[int]:
-        """The cells at p, after refills that have made them few."""
+    def _lowered(self, p: int, segment: tuple[int, int] | None) -> int:
+        """How many cells at p there are in ``found``, after refills that have made them few."""
         goal = np.array([p, *(segment or (-1, -1))], dtype=np.int32)
         self.cells.reserve(self.cells.size + 8, self.cells.slots + 8 * SPARE_SLOTS)
         cells, held = self.cells, self.recovery.held
@@ -185,7 +92,36 @@ class Release:
             size = lower_degree(cells.solid(), held, self.local, cells.found, goal, FEW_AT_POINT)
             if size < 0:
                 cells.reserve_events()
-        return cells.found.cells[:size].tolist()
+        return size
+
+    def _leaves(self, split: Split, size: int) -> bool:
+        """Release a point by one kernel, or move it; most can."""
+        cells, given, p = self.cells, self.recovery.given, split.point
+        cells.reserve(cells.size + 8, cells.slots + MOST_LEFT)
+        cells.reserve_events(5 * (FEW_WALLS + MOST_LEFT) + EVENT_ROOM)
+        if len(self.free) < len(cells.xyz):
+            self.free = grown(self.free, len(cells.xyz))
+        a, b = split.segment or (-1, -1)
+        row = (p, a, b, cells.size, len(split.children), len(split.parents), *split.children, *split.parents)
+        around = cells.found.cells[:size].copy()
+        new = leave(
+            cells.solid(), self.recovery.held, self.local, around, np.array(row, dtype=np.int32),
+            given.corner, self.free, self.gone,
+        )  # fmt: skip
+        if new < 0:
+            cells.found.cells[:size] = around
+            return False
+        cells.size += new
+        self._done(split, self.gone[1 : 1 + self.gone[0]].tolist(), list(range(cells.size - new, cells.size)))
+        return True
+
+    def _done(self, split: Split, gone: list[int], added: list[int]) -> None:
+        """Write down what a release has changed."""
+        self.inner = [v for v in self.inner if v not in gone] + added
+        self.recovery.drop(split)
+        self.cells.at[gone] = -1
+        self.free[gone] = False
+        self.free[added] = True
 
     def _shaken(self, split: Split) -> bool:
         """Change what is around a point by chance, and try to release it."""
@@ -210,7 +146,10 @@ class Release:
         if not self._ready(split):
             return False
         given, p = self.recovery.given, split.point
-        around = self._star(p, split.segment)
+        size = self._lowered(p, split.segment)
+        if size <= FEW_WALLS and self._leaves(split, size):
+            return True
+        around = self.cells.found.cells[:size].tolist()
         marks = self.cells.rows(self.cells.mark, around)
         there = (marks >= 0) & (self.cells.rows(self.cells.vertex, around) != p)
         if set(marks[there].tolist()) != set(split.children) or len(around) > WALLS:
@@ -230,9 +169,7 @@ class Release:
         if gone is None or not self._replace(sorted(claimed), tets, restored, event):
             self.cells.size = before
             return False
-        self.inner = [v for v in self.inner if v not in gone] + added
-        self.recovery.drop(split)
-        self.cells.at[gone] = -1
+        self._done(split, gone, added)
         return True
 
     def _filled(self, sector: list[int], split: Split, claimed: set[int]) -> list[Cell] | None:
@@ -242,6 +179,10 @@ class Release:
         found = self._without(link + whole, None if split.children else split.segment)
         if found is None and split.children:
             found = moved(self.cells, link, whole, p)
+        if found is None and split.children:
+            found = self._grown(sector, self._restored(sector, split), p, claimed)
+        if found is None and split.children:
+            found = self._beside(link + whole, len(link), p)
         if found is None and split.children:
             wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
             if wide is not None:
@@ -263,12 +204,11 @@ class Release:
 
     def _remove(self, p: int) -> bool:
         """Take a point away that is not on the surface."""
-        around = self._star(p, None)
-        found = self._without(list(link_of(self.cells, around, p)), None)
-        if found is None or not self._replace(around, found, {}, (EVENT_REMOVED, -1, -1, -1, 0, p)):
-            return False
-        self.cells.at[p] = -1
-        return True
+        self._lowered(p, None)
+        cells = self.cells
+        cells.reserve(cells.size, cells.slots + SPARE_SLOTS)
+        cells.reserve_events()
+        return bool(drop(cells.solid(), self.recovery.held, self.local, cells.found, p))
 
     def _sectors(self, around: list[int], p: int) -> list[list[int]]:
         """The cells of a star, in parts that hang together through faces that are not marked."""
@@ -323,8 +263,38 @@ class Release:
         if segment is not None and not there >= set(segment):
             return None  # a part of it is not there
         rows = np.array(walls, dtype=np.int32)
-        if len(there) > LOCAL_ROOM or not refill_walls(self.cells.solid(), self.local, rows, NODES_WITHOUT):
-            return None
+        found = len(there) <= LOCAL_ROOM and refill_walls(
+            self.cells.solid(), self.local, rows, -1, NODES_WITHOUT
+        )
+        return self._found() if found else None
+
+    def _beside(self, walls: list[Face], around: int, p: int) -> list[Cell] | None:
+        """As `moved`, where some walls do not see the new point: these may get other tetrahedra.
+
+        The first walls are ``around`` the point.
+        """
+        rows, cells = np.array(walls, dtype=np.int32), self.cells
+        self.local.size[COST_KIND] = ANY
+        q, here = cells.size, cells.xyz[p].copy()
+        for part, way in product(PARTS_BESIDE, steps_off(cells, rows, around, p)):
+            cells.xyz[q] = here + part * way
+            if refill_walls(cells.solid(), self.local, rows, q, NODES_BESIDE):
+                cells.size += 1
+                return self._found()
+        return None
+
+    def _grown(self, sector: list[int], whole: list[Face], p: int, claimed: set[int]) -> list[Cell] | None:
+        """As `_without`, with cells beyond the walls, which are claimed then."""
+        for walls, more in growing(self.cells, sector, whole, p, claimed):
+            found = self._without(walls, None)
+            if found is not None:
+                claimed |= set(more)
+                return found
+        return None
+
+    def _found(self) -> list[Cell]:
+        """The tetrahedra of the best refill."""
+        size = self.local.size
         return [tuple(row) for row in self.local.label[self.local.best[: size[NEW_CELLS]]].tolist()]
 
     def _replace(

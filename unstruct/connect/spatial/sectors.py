@@ -8,6 +8,7 @@ stay.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -18,21 +19,28 @@ from ...geometry.edge_vectors import cross, lengths
 from ..insertion.engine import STAMP
 from .arrays import CellArrays
 from .cavity import corner
+from .leaving import NEAR_WALLS, put_back, ways_off
 from .signs import side
-from .steiner import sees
 
-__all__ = ["POSITIVE", "Cell", "Face", "cancelled", "link_of", "moved", "turned", "widened"]
+__all__ = [
+    "POSITIVE",
+    "Cell",
+    "Face",
+    "cancelled",
+    "growing",
+    "link_of",
+    "moved",
+    "steps_off",
+    "turned",
+    "widened",
+]
 
 Cell = tuple[int, int, int, int]
 Face = tuple[int, int, int]
-STEPS_BACK = 50  # how often a point is moved half of the way back to the surface
-WIDE_STEPS = 10  # the same, by quarters, where the cavity may grow
-NEAR_WALLS = (
-    0.0,
-    1e-9,
-    1e-4,
-    1e-2,
-)  # heights over walls from which a point moves away; unit: the mean distance
+WIDE_STEPS = 10  # how often a point is moved by quarters back to the surface, where the cavity may grow
+GROWING_STEPS = 4  # steps in which a sector may grow
+FLAT_WALL = 1e-9  # how far off a wall a point is in its plane; unit: the mean distance
+TURNED_AWAY = -0.99  # inner products of unit normals below are those of opposite ones
 MOST_TAKEN = 200  # cells that are taken into a cavity
 NO_WALL = -2  # for the place of what is no wall
 
@@ -64,86 +72,85 @@ def link_of(cells: CellArrays, sector: list[int], p: int) -> dict[Face, int]:
     return walls
 
 
-@lean
-def _inward(normals, height, most, way):
-    """Write a direction with a positive product with all normals at such a height, if that is found soon."""
-    n = normals.shape[0]
-    way[0] = way[1] = way[2] = 0.0
-    for i in range(n):
-        if height[i] <= most:
-            for j in range(3):
-                way[j] += normals[i, j]
-    for _ in range(50):
-        least, chosen = np.inf, -1
-        for i in range(n):
-            if height[i] <= most:
-                product = normals[i, 0] * way[0] + normals[i, 1] * way[1] + normals[i, 2] * way[2]
-                if product < least:
-                    least, chosen = product, i
-        if chosen < 0 or least > 0:
-            break
-        for j in range(3):
-            way[j] += normals[chosen, j]
-    length = max(np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]), 1e-300)
-    for j in range(3):
-        way[j] /= length
+def steps_off(cells: CellArrays, walls: NDArray[np.int32], around: int, p: int) -> NDArray[np.float64]:
+    """See `ways_off`."""
+    ways = np.empty((len(NEAR_WALLS) + 1, 3))
+    return ways[: ways_off(cells.xyz, walls, around, p, ways)]
 
 
-@kernel
-def _ways_off(normals, height, scale, ways):
-    """Write ways off all normals at walls lower than each of NEAR_WALLS; how many different ones."""
-    count, before = 0, 0
-    for near in NEAR_WALLS:
-        flat = 0
-        for i in range(height.shape[0]):
-            flat += height[i] <= near * scale
-        if flat > before:
-            before = flat
-            _inward(normals, height, near * scale, ways[count])
-            for j in range(3):
-                ways[count, j] *= scale
-            count += 1
-    return count
-
-
-def _steps(cells: CellArrays, walls: NDArray[np.int32], link: int, p: int) -> NDArray[np.float64]:
-    """Ways from p into its sector: away from the triangles and from walls nearly at p; to the middle.
-
-    The first ``link`` walls are those around p, the others are whole triangles.
-    """
+def _looking_away(cells: CellArrays, walls: NDArray[np.int32], around: int, p: int) -> NDArray[np.bool_]:
+    """Which of the first ``around`` walls are nearly in the plane of a whole triangle, and turned away."""
     corners = cells.xyz[walls]
     first = corners[:, 0]
     normals = cross(corners[:, 1] - first, corners[:, 2] - first)
     normals /= np.maximum(lengths(normals), 1e-300)[:, None]
-    away = corners.reshape(-1, 3) - cells.xyz[p]
-    scale = float(lengths(away).mean())
+    scale = float(lengths(corners.reshape(-1, 3) - cells.xyz[p]).mean())
     height = np.abs(((cells.xyz[p] - first) * normals).sum(axis=1))
-    height[link:] = 0.0
-    ways = np.empty((len(NEAR_WALLS) + 1, 3))
-    count = _ways_off(normals, height, scale, ways)
-    ways[count] = away.mean(axis=0)
-    return ways[: count + 1]
+    against = (normals[:around, None] * normals[None, around:]).sum(axis=2).min(axis=1, initial=1.0)
+    return (height[:around] <= FLAT_WALL * scale) & (against < TURNED_AWAY)
 
 
-@kernel
-def _back(xyz, walls, p, q, ways):
-    """Put q off p along one of these ways, so near that all walls see it; False if none is found."""
-    for i in range(ways.shape[0]):
-        length = 1.0
-        for _ in range(STEPS_BACK):
-            for j in range(3):
-                xyz[q, j] = xyz[p, j] + length * ways[i, j]
-            if sees(xyz, walls, walls.shape[0], q):
-                return True
-            length /= 2
-    return False
+def growing(
+    cells: CellArrays, sector: list[int], whole: list[Face], p: int, claimed: set[int]
+) -> Iterator[tuple[list[Face], list[int]]]:
+    """The walls of a sector with more and more cells beyond them, and these cells.
+
+    First those beyond walls that look away, where flat cells turn the sector inside out; then, vertex by
+    vertex, those whose vertex is there already, or that is beyond most walls. Claimed cells must stay.
+    """
+    walls = link_of(cells, sector, p)
+    rows = np.array([*walls, *whole], dtype=np.int32)
+    away = _looking_away(cells, rows, len(walls), p)
+    places = [place for place, is_away in zip(walls.values(), away, strict=True) if is_away]
+    for x, y, z in whole:
+        if walls.pop((x, z, y), None) is None:
+            walls[x, y, z] = NO_WALL
+    more: list[int] = []
+    for _ in range(GROWING_STEPS):
+        for place in places:
+            over = int(cells.across[place])
+            if cells.mark[place] >= 0 or over < 0 or over >> 2 in claimed or over >> 2 in more:
+                continue
+            more.append(over >> 2)
+            if not _take_in(cells, walls, over >> 2):
+                return
+        if more:
+            yield list(walls), more
+        places = _beyond_most(cells, walls, claimed)
+        if not places:
+            return
+
+
+def _take_in(cells: CellArrays, walls: dict[Face, int], u: int) -> bool:
+    """Add a cell to those within the walls; False if a face must stay."""
+    vertices = cells.vertex[4 * u : 4 * u + 4].tolist()
+    for k in range(4):
+        x, y, z = turned([vertices[i] for i in POSITIVE[k]])
+        before = walls.pop((x, z, y), None)
+        if before is None:
+            walls[x, y, z] = 4 * u + k
+        elif before < 0 or cells.mark[before] >= 0:
+            return False
+    return True
+
+
+def _beyond_most(cells: CellArrays, walls: dict[Face, int], claimed: set[int]) -> list[int]:
+    """The walls that have the same vertex beyond: one of theirs if there is such a one, or else most."""
+    there = set().union(*walls)
+    votes: dict[tuple[bool, int], list[int]] = {}
+    for place in walls.values():
+        over = int(cells.across[place]) if place >= 0 and cells.mark[place] < 0 else -1
+        if over >= 0 and over >> 2 not in claimed:
+            apex = int(cells.vertex[over])
+            votes.setdefault((apex in there, apex), []).append(place)
+    return max(votes.items(), key=lambda item: (item[0][0], len(item[1])))[1] if votes else []
 
 
 def moved(cells: CellArrays, link: list[Face], whole: list[Face], p: int) -> list[Cell] | None:
     """The star of the next vertex, close to p, that sees all walls, those around p and whole triangles."""
     walls, q = link + whole, cells.size
     rows = np.array(walls, dtype=np.int32)
-    if not _back(cells.xyz, rows, p, q, _steps(cells, rows, len(link), p)):
+    if not put_back(cells.xyz, rows, p, q, steps_off(cells, rows, len(link), p)):
         return None
     cells.size += 1
     return [(*face, q) for face in walls]
@@ -161,7 +168,7 @@ def widened(
     rows = np.array([*link, *whole], dtype=np.int32)
     start = np.column_stack([rows, np.full(len(rows), -1, dtype=np.int32)])
     start[: len(link), 3] = list(link.values())
-    solid, ways = cells.solid(), _steps(cells, rows, len(link), p)
+    solid, ways = cells.solid(), steps_off(cells, rows, len(link), p)
     walls = np.empty((len(rows) + 4 * MOST_TAKEN, 4), dtype=np.int32)
     taken = np.empty(MOST_TAKEN, dtype=np.int32)
     stay = np.array(sorted(claimed), dtype=np.int32)

@@ -16,12 +16,21 @@ from ..insertion.engine import STAMP
 from ..insertion.stars import Space, star3
 from .cavity import corner
 from .costs import EDGE
-from .crossing import crossings, ring
+from .crossing import crossings, ring, star
 from .held import holds
 from .journal import EVENT_POINT, close_event, old_cells, open_event
 from .signs import COPLANAR, ON_EDGE, meets, side
 
-__all__ = ["distance", "insert_around", "insert_between", "off_plane", "on_plane", "places", "sees"]
+__all__ = [
+    "distance",
+    "insert_around",
+    "insert_between",
+    "insert_within",
+    "off_plane",
+    "on_plane",
+    "places",
+    "sees",
+]
 
 Row = NDArray[np.float64]  # a point
 
@@ -151,6 +160,37 @@ def insert_between(solid, held, found, face, p, more):
         return False
     found.cells[0], found.cells[1] = face >> 2, solid.across[face] >> 2
     return _star(solid, held, found, 2, p, more)
+
+
+@apart
+def _contains(solid, t, p):
+    """Whether vertex p is in a closed cell."""
+    for k in range(4):
+        u, v = solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)]
+        if side(solid.xyz, u, v, solid.vertex[4 * t + corner(k, 2)], p) < 0:
+            return False
+    return True
+
+
+@kernel
+def insert_within(solid, held, found, goal, p, more):
+    """Insert vertex p, which is on a segment, into the cells that contain it, if all walls there see it.
+
+    The cells are looked for among those that the segment meets, then at its ends.
+    """
+    for k in range(3):
+        if k > 0:
+            size = star(solid, found, goal[k - 1])
+        else:
+            size = found.sizes[0] if crossings(solid, EDGE, goal, found) > 0 else 0
+        kept = 0
+        for i in range(size):
+            if _contains(solid, found.cells[i], p):
+                found.cells[kept] = found.cells[i]
+                kept += 1
+        if kept > 0:
+            return _star(solid, held, found, kept, p, more)
+    return False
 
 
 @kernel

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.arrays import flagged
 from ...base.elementary import turns
 from ...geometry.outline import Outline
 
@@ -71,10 +72,12 @@ def _blur(away: np.ndarray, difference: np.ndarray, scale: float) -> np.ndarray:
 
 def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of pieces with a common vertex, an arc among them and no other curve; the vertex of each pair."""
-    kind = outline.cuts().kind
+    kind, arc = outline.cuts()
     is_arc, other = kind == 1, kind == 2
-    touched = np.zeros(len(outline.points), dtype=bool)
-    touched[outline.pieces[is_arc].ravel()] = True
+    touched = flagged(len(outline.points), outline.pieces[is_arc])
+    circle = arc[:, :3]
+    if not touched[outline.pieces[kind == 0]].any() and (circle[is_arc] == circle[is_arc][:1]).all():
+        return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)  # a circle, and what is apart
     piece, column = np.nonzero(touched[outline.pieces] & ~other[:, None])
     vertex = outline.pieces[piece, column]
     order = np.lexsort((piece, vertex))
@@ -83,7 +86,6 @@ def _pairs(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     i = np.repeat(np.arange(len(vertex)), rest)
     j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(rest) - rest, rest)
     keep = (is_arc[piece[i]] | is_arc[piece[j]]) & (piece[i] != piece[j])
-    circle = outline.cuts().arc[:, :3]
     keep &= (circle[piece[i]] != circle[piece[j]]).any(axis=1)  # arcs of one circle do not meet again
     return np.column_stack([piece[i], piece[j]])[keep].astype(np.int64), vertex[i][keep].astype(np.int64)
 

@@ -21,16 +21,16 @@ from ..tree.contacts import ALL_OUTSIDE, CUT
 from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.vertices import numbered
 from .choosing import must_be_octree
-from .cutting import IN, ON, OUT, crossings, cut_cells, positive_places
+from .cutting import VERTEX_IN, VERTEX_ON, VERTEX_OUT, crossings, cut_cells, positive_places
 from .numbering import named_parts
 from .pinches import pinched_vertices
 
 __all__ = ["cut_cubes"]
 
 Array = NDArray[np.float64]
-UNKNOWN = 2  # the side of vertices at which all is inside
+VERTEX_UNKNOWN = 2  # the side of vertices at which all is inside
 FAR_FROM_LEAF = 2.0  # sides of a cut leaf from its center to the mesh's boundary, beyond which part is lost
-LOST = "a part of the body that is thinner than the leaves near here is lost"
+LOST_NEAR = "a part of the body that is thinner than the leaves near here is lost"
 
 
 class _Kept(NamedTuple):
@@ -65,7 +65,7 @@ def cut_cubes(tree: TreeCells) -> DomainMesh:
         markers=_markers(domain, x, border) | {"region": region},
         regions={name: k for k, name in enumerate(domain.regions)},
         unrefined=at,
-        reasons=np.full(len(at), LOST),
+        reasons=np.full(len(at), LOST_NEAR),
         counts=found.counts,
     )
     return noticed(mesh)
@@ -76,7 +76,7 @@ def _kept(tree: TreeCells, domain: Domain) -> _Kept:
     shell = domain.triangulated
     points, cells, leaf = cubes_as_tetrahedra(tree.grid, numbered(tree.grid), tree.states > ALL_OUTSIDE)
     met = np.asarray(tree.states)[leaf] == CUT
-    side = np.full(len(points), UNKNOWN, dtype=np.int8)
+    side = np.full(len(points), VERTEX_UNKNOWN, dtype=np.int8)
     while True:
         _look(shell, points, np.flatnonzero(flagged(len(points), cells[met])), side)
         whole, cut = _sorted_out(domain, points, cells[met], side)
@@ -91,19 +91,19 @@ def _kept(tree: TreeCells, domain: Domain) -> _Kept:
         bad = pinched_vertices(simplices, border, len(every))
         bad = bad[bad < len(points)]
         _look(shell, points, bad, side)
-        bad = bad[side[bad] == ON]
+        bad = bad[side[bad] == VERTEX_ON]
         if len(bad) == 0:
             counts = {"cut edges": len(edges), "cut in the middle": moved}
             return _Kept(every, simplices, neighbors, border, side, counts)
-        side[bad] = OUT
-        met |= (side[cells] == OUT).any(axis=1)
+        side[bad] = VERTEX_OUT
+        met |= (side[cells] == VERTEX_OUT).any(axis=1)
 
 
 def _look(shell: Shell, points: Array, rows: NDArray[np.integer], side: NDArray[np.int8]) -> None:
     """Find on which side of the surface some vertices are that are not known yet; exact."""
-    asked = rows[side[rows] == UNKNOWN]
+    asked = rows[side[rows] == VERTEX_UNKNOWN]
     odd, on = even_odd_in_space(shell.points, shell.bounding, points[asked])
-    side[asked] = np.where(on, ON, np.where(odd, IN, OUT))
+    side[asked] = np.where(on, VERTEX_ON, np.where(odd, VERTEX_IN, VERTEX_OUT))
 
 
 def _sorted_out(
@@ -111,10 +111,10 @@ def _sorted_out(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The cells that stay whole, and those to be cut."""
     least, most = side[cells].min(axis=1), side[cells].max(axis=1)
-    whole = (least >= ON) & (most > ON)
-    flat = np.flatnonzero((least == ON) & (most == ON))  # all corners on the surface
+    whole = (least >= VERTEX_ON) & (most > VERTEX_ON)
+    flat = np.flatnonzero((least == VERTEX_ON) & (most == VERTEX_ON))  # all corners on the surface
     whole[flat] = domain.contains(points[cells[flat]].mean(axis=1))
-    return cells[whole], cells[(least < ON) & (most > ON)]
+    return cells[whole], cells[(least < VERTEX_ON) & (most > VERTEX_ON)]
 
 
 def _regions(domain: Domain, found: _Kept) -> NDArray[np.int32]:
@@ -122,7 +122,7 @@ def _regions(domain: Domain, found: _Kept) -> NDArray[np.int32]:
     shell = domain.triangulated
     parts = parts_in_space(shell.points, shell.triangles)
     inside = np.zeros(len(found.points), dtype=bool)
-    inside[: len(found.side)] = (found.side == IN) | (found.side == UNKNOWN)
+    inside[: len(found.side)] = (found.side == VERTEX_IN) | (found.side == VERTEX_UNKNOWN)
     corner = found.simplices[np.arange(len(found.simplices)), inside[found.simplices].argmax(axis=1)]
     asked = np.flatnonzero(flagged(len(found.points), corner))
     part = (

@@ -22,8 +22,8 @@ __all__ = ["crossings", "cut_cells", "positive_places"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 NEAREST_CUT = 1.0 / 32  # how near to an end an edge is cut; unit: its length
-EDGES_AT_ONCE = 1 << 16  # to bound the memory
-IN, ON, OUT = 1, 0, -1
+EDGES_CUT_AT_ONCE = 1 << 16  # to bound the memory
+VERTEX_IN, VERTEX_ON, VERTEX_OUT = 1, 0, -1
 
 # For numbers of corners (inside, on the surface): the kind of cell, and its corners as corners of the
 # tetrahedron (k, k) or as cuts of its edges (i, j). The corners inside come first, then those on the surface.
@@ -45,7 +45,7 @@ def cut_cells(cells: NDArray[np.int32], side: NDArray[np.int8], n: int) -> tuple
     cells : (t, 4) int32
         Positive tetrahedra with corners inside and outside.
     side : (n,) int8
-        `IN`, `ON` or `OUT` for each vertex.
+        `VERTEX_IN`, `VERTEX_ON` or `VERTEX_OUT` for each vertex.
     n : int
         The number of vertices; cuts of edges are numbered from there on.
 
@@ -59,7 +59,7 @@ def cut_cells(cells: NDArray[np.int32], side: NDArray[np.int8], n: int) -> tuple
     order = np.argsort(rank, axis=1, kind="stable")
     rows = np.take_along_axis(cells, order, axis=1).astype(np.int64)
     _make_even(rows, order, np.take_along_axis(rank, order, axis=1))
-    inside, on = (side[cells] == IN).sum(axis=1), (side[cells] == ON).sum(axis=1)
+    inside, on = (side[cells] == VERTEX_IN).sum(axis=1), (side[cells] == VERTEX_ON).sum(axis=1)
     ends, corners = [np.empty((0, 2), dtype=np.int64)], []
     for (k, m), (kind, pattern) in PATTERNS.items():
         which = np.flatnonzero((inside == k) & (on == m))
@@ -149,10 +149,10 @@ def crossings(points: Array, ends: Rows, corners: Array, triangles: NDArray[np.i
     rows = triangles.astype(np.int64) + len(points)
     tree = BoxTree(*bounding_boxes(xyz[rows]))
     place = np.full(len(ends), np.inf)
-    for i in range(0, len(ends), EDGES_AT_ONCE):
-        part = ends[i : i + EDGES_AT_ONCE]
+    for i in range(0, len(ends), EDGES_CUT_AT_ONCE):
+        part = ends[i : i + EDGES_CUT_AT_ONCE]
         query, hit = tree.pairs(*bounding_boxes(xyz[part]))
-        _cross(xyz, part, rows, query, hit, place[i : i + EDGES_AT_ONCE])
+        _cross(xyz, part, rows, query, hit, place[i : i + EDGES_CUT_AT_ONCE])
     return np.where(np.isfinite(place), place, 0.5).clip(NEAREST_CUT, 1.0 - NEAREST_CUT)
 
 

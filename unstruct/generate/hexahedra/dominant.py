@@ -23,7 +23,7 @@ from ..tree.vertices import numbered
 from ..volume.coarse import CoarseFacets, coarse_facets
 from ..volume.lacking import what_is_missing
 from .choosing import clear_leaves, must_be_octree, with_hexahedra
-from .pattern import UNUSED, cubes_as_cells
+from .pattern import NOT_CHOSEN, cubes_as_cells
 from .strip import strip_of
 from .together import of_cubes, together
 
@@ -33,11 +33,11 @@ MARGINS = (
     0.5,
     1.0,
     2.0,
-)  # sides of a leaf between it and the surface; the next if the strip cannot be filled
+)  # sides of a leaf from it to the surface; the next if the strip cannot be filled
 STRIP_EDGES = 1.1  # the wanted length of edges in the strip; unit: the side of the leaf there
 NO_HEXAHEDRA = (
-    "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller size "
-    "helps, and where facets are larger than leaves split_boundary=True"
+    "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller "
+    "size helps, and where facets are larger than leaves split_boundary=True"
 )
 MUCH_LARGER_CELLS = 1.5  # the size near a coarse facet over the side of leaves, from which these are no cubes
 
@@ -71,7 +71,7 @@ def hexahedra_and_others(tree: TreeCells, split_boundary: bool | None = None) ->
         kinds = with_hexahedra(tree, vertices, chosen, bare=False)
         cubes = cubes_as_cells(tree.grid, vertices, kinds.kind, bare=False)
         strip = strip_of(body, cubes, parts, field)
-        last = not (kinds.kind != UNUSED).any()
+        last = not (kinds.kind != NOT_CHOSEN).any()
         if last or (strip.mesh.complete and strip.keeps_kernel):
             break
     if last:

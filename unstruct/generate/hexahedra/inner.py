@@ -17,7 +17,7 @@ from ..tree.cells import TreeCells
 from ..tree.vertices import Vertices, numbered
 from .choosing import clear_leaves, must_be_octree
 from .numbering import named_parts
-from .pattern import UNUSED, Cubes, cubes_as_cells, kinds_of_leaves, leaves_at_ends, linked
+from .pattern import NOT_CHOSEN, Cubes, cubes_as_cells, kinds_of_leaves, leaves_at_ends, linked
 from .pinches import pinched_vertices
 from .together import KINDS_OF_CELLS, of_cubes
 
@@ -52,7 +52,7 @@ def _apart(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_]) -> tu
     while True:
         kind = kinds_of_leaves(tree.grid, vertices, chosen, bare=True)
         cubes = cubes_as_cells(tree.grid, vertices, kind, bare=True)
-        if not (kind != UNUSED).any():
+        if not (kind != NOT_CHOSEN).any():
             return chosen, cubes
         near = leaves_at_ends(tree.grid, chosen)
         cells, rest = _cells_of_leaves(cubes, near), _cells_of_leaves(cubes, ~near)

@@ -1,9 +1,9 @@
 """Hexahedra, pyramids and tetrahedra of leaves of an octree that is balanced across edges: conforming.
 
-A leaf without hanging vertices is a hexahedron, if its faces may be quadrilaterals. Another is a fan about its
-center: over a quadrilateral of a hexahedron a pyramid, over all else tetrahedra, whose triangles are those of
-`generate.tree.cubes`. A leaf with smaller ones beyond a face is a fan over their faces, so that they may be
-hexahedra. See the book, chapter 4c.
+A leaf without hanging vertices is a hexahedron, if its faces may be quadrilaterals. Another is a fan about
+its center: over a quadrilateral of a hexahedron a pyramid, over all else tetrahedra, whose triangles are
+those of `generate.tree.cubes`. A leaf with smaller ones beyond a face is a fan over their faces, so that they
+may be hexahedra. See the book, chapter 4c.
 """
 
 from __future__ import annotations
@@ -19,9 +19,18 @@ from ..tree.keys import compacted, interleaved
 from ..tree.lookup import Grid, entries, leaf_of
 from ..tree.vertices import Vertices
 
-__all__ = ["FAN", "UNUSED", "WHOLE", "Cubes", "cubes_as_cells", "kinds_of_leaves", "leaves_at_ends", "linked"]
+__all__ = [
+    "FAN_OF_LEAF",
+    "NOT_CHOSEN",
+    "WHOLE",
+    "Cubes",
+    "cubes_as_cells",
+    "kinds_of_leaves",
+    "leaves_at_ends",
+    "linked",
+]
 
-UNUSED, FAN, WHOLE = 0, 1, 2  # what becomes of a leaf
+NOT_CHOSEN, FAN_OF_LEAF, WHOLE = 0, 1, 2  # what becomes of a leaf
 AROUND_CUBE = (0, 1, 3, 2, 4, 5, 7, 6)  # corners of a leaf in VTK's order
 
 
@@ -38,7 +47,7 @@ class Cubes(NamedTuple):
     leaf : (h + p + t,) int64
         The leaf of each cell.
     outer : (f, 3) int32
-        The triangles in which the chosen leaves end, outward; none where they may end at quadrilaterals.
+        The triangles at which the chosen leaves end, outward; quadrilaterals are not among them.
     outer_leaf : (f,) int64
     """
 
@@ -74,7 +83,7 @@ def _beyond(grid, shift, low, width, face, quarter, q):
 def _kinds(grid, shift, vertex, chosen, bare, kind):
     low, ring, q = np.empty(3, dtype=np.int64), np.empty(9, dtype=np.int64), np.empty(3, dtype=np.int64)
     for leaf in range(len(grid.first)):
-        kind[leaf] = UNUSED
+        kind[leaf] = NOT_CHOSEN
         if not chosen[leaf]:
             continue
         _low_of(grid, leaf, low)
@@ -88,13 +97,13 @@ def _kinds(grid, shift, vertex, chosen, bare, kind):
                 whole &= other >= 0 and chosen[other]
             if not whole:
                 break
-        kind[leaf] = WHOLE if whole else FAN
+        kind[leaf] = WHOLE if whole else FAN_OF_LEAF
 
 
 def kinds_of_leaves(
     grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool
 ) -> NDArray[np.int8]:
-    """What becomes of each leaf: `WHOLE`, `FAN` or, if it is not chosen, `UNUSED`.
+    """What becomes of each leaf: `WHOLE`, `FAN_OF_LEAF` or, if it is not chosen, `NOT_CHOSEN`.
 
     Parameters
     ----------
@@ -111,7 +120,7 @@ def kinds_of_leaves(
 
 @inline
 def _quadrilateral(kind, other, bare):
-    return (other >= 0 and kind[other] == WHOLE) or (bare and (other < 0 or kind[other] == UNUSED))
+    return (other >= 0 and kind[other] == WHOLE) or (bare and (other < 0 or kind[other] == NOT_CHOSEN))
 
 
 @inline
@@ -172,7 +181,7 @@ def _divided_face(grid, shift, kind, bare, at, ring, made, count):
             four[0], four[1], four[2], four[3] = 2 * k, after, 8, before
             _pyramid(ring, four, at, made, count)
             continue
-        end = other < 0 or kind[other] == UNUSED
+        end = other < 0 or kind[other] == NOT_CHOSEN
         _tetrahedron(ring[8], ring[before], ring[2 * k], at, end, made, count)
         _tetrahedron(ring[8], ring[2 * k], ring[after], at, end, made, count)
 
@@ -207,7 +216,7 @@ def _fan(grid, shift, vertex, kind, bare, at, made, count):
             continue
         if n == 4:
             start = ((low[(a + 1) % 3] >> up) ^ (low[(a + 2) % 3] >> up)) & 1
-        end = other < 0 or kind[other] == UNUSED
+        end = other < 0 or kind[other] == NOT_CHOSEN
         for t in range(n - 2):
             second, third = outline[(start + 1 + t) % n], outline[(start + 2 + t) % n]
             _tetrahedron(outline[start], second, third, at, end, made, count)
@@ -225,7 +234,7 @@ def _cells(grid, shift, vertex, kind, bare, centers, made, count):
                     made.hexahedra[count[0], k] = vertex[leaf, AROUND_CUBE[k]]
                 made.of_hexahedron[count[0]] = leaf
             count[0] += 1
-        elif kind[leaf] == FAN:
+        elif kind[leaf] == FAN_OF_LEAF:
             at[0], at[2] = leaf, center
             _fan(grid, shift, vertex, kind, bare, at, made, count)
             center += 1
@@ -243,7 +252,7 @@ def cubes_as_cells(grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, ba
     bare : bool
         As there.
     """
-    fans = np.flatnonzero(kind == FAN)
+    fans = np.flatnonzero(kind == FAN_OF_LEAF)
     count = np.zeros(4, dtype=np.int64)
     shift, start = entries(grid.depth, 3), len(vertices.points)
     made = _room(count)

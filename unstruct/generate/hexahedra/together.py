@@ -21,7 +21,9 @@ from .strip import Strip
 
 __all__ = ["KINDS_OF_CELLS", "of_cubes", "together"]
 
-LONG_EDGE = 2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
+LONG_AT_LEAF = (
+    2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
+)
 LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
@@ -108,11 +110,11 @@ def _numbers(strip: Strip, cubes: Cubes) -> tuple[NDArray[np.int64], NDArray[np.
 
 def _pieces(parts: Divided | None, strip: Strip) -> dict[str, Any]:
     """Which faces and edges lie on which pieces of the domain."""
-    mesh, kernel = strip.mesh, len(strip.domain.facets) - strip.facets
+    mesh, many = strip.mesh, len(strip.domain.facets) - strip.facets
     own = ~strip.of_kernel
     face_piece = np.asarray(mesh.face_piece)[own]
-    face_piece = np.where(face_piece < strip.facets, face_piece, face_piece - kernel)
-    piece, span = np.asarray(mesh.piece) - kernel, np.asarray(mesh.span)
+    face_piece = np.where(face_piece < strip.facets, face_piece, face_piece - many)
+    piece, span = np.asarray(mesh.piece) - many, np.asarray(mesh.span)
     if parts is not None:
         low, high = parts.span[piece].T
         span = low[:, None] + span * (high - low)[:, None]
@@ -146,7 +148,7 @@ def _at_large_facets(tree: TreeCells, mesh: DomainMesh, faces: NDArray[np.int32]
         along = x[:, i] - x[:, j]
         length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
         leaf = located(tree.grid, np.clip((x[:, i] + x[:, j]) / 2, low, high))
-        large |= length > LONG_EDGE * np.asarray(tree.sides)[leaf]
+        large |= length > LONG_AT_LEAF * np.asarray(tree.sides)[leaf]
     return np.flatnonzero(faces_of_cells(mesh.simplices, faces[large], len(mesh.points)).any(axis=1))
 
 

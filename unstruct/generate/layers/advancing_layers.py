@@ -203,11 +203,18 @@ def _mesh(run: LayersRun, triangles: bool) -> DomainMesh:
     }
     stopped = np.bincount(reason, minlength=len(STOP_REASONS)).tolist()
     counts |= {f"stopped: {name}": stopped[i] for i, name in enumerate(STOP_REASONS)}
-    mesh = DomainMesh(
-        union.points, None, cells=union.cells, origin=union.origin, markers=markers, segments=segments,
-        piece=piece, span=union.span, regions=run.complex.regions, steps=steps, counts=counts,
-        unrefined=union.fill[run.filled.unrefined], reasons=run.filled.reasons,
-    )  # fmt: skip
+    account: dict[str, Any] = {
+        "regions": run.complex.regions, "steps": steps, "counts": counts,
+        "unrefined": union.fill[run.filled.unrefined], "reasons": run.filled.reasons,
+    }  # fmt: skip
+    if set(union.cells) == {"triangle"}:
+        cells, parts = (union.cells["triangle"], None), (segments, piece, union.span)
+        mesh = DomainMesh.of_triangles(union.points, union.origin, cells, markers, parts, **account)
+    else:
+        mesh = DomainMesh(
+            union.points, None, cells=union.cells, origin=union.origin, markers=markers, segments=segments,
+            piece=piece, span=union.span, **account,
+        )  # fmt: skip
     mesh.figures.update(
         {"minimum angle of the rest": run.least, "largest angle": extreme_angle(mesh, False) or 0.0}
     )

@@ -12,19 +12,22 @@ cells with small angles. There, too, the fronts step back.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import flagged
-from ...base.elementary import turns
-from ...geometry.boxes import BoxTree, bounding_boxes
+from ...base.elementary import angle_of
+from ...base.jit import inline, lean
+from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
 from .facing import mark_crowded
 from .rays import Rays
 from .scene import Scene, rest_of
 from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
-from .strips import Numbering, numbered, positive, tops
+from .strips import Numbering, last_point, numbered, positive, tops
 
 __all__ = ["freed", "short_fans"]
 
@@ -35,6 +38,7 @@ LEAST_ROOM = 0.6  # of the length of an edge: how far an opposing edge must be a
 LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless the wall's own angle is smaller
 SAME_OPENING = 0.93  # ... by this factor
 SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
+WITHOUT_TREE = 64  # for so few vertices no tree is made
 ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
 
 
@@ -122,14 +126,11 @@ def _swallowed(
     asked[scene.walls.ends], asked[one] = False, True
     vertices = np.flatnonzero(asked[: len(scene.walls.points)])
     i, j = rays.left[strip], rays.right[strip]
-    tips = numbers.points[np.stack([
-        numbers.at(i, level[i]), numbers.at(j, level[j]), rays.base[i], rays.base[j]
-    ], axis=1)]  # fmt: skip
-    tree = BoxTree(*bounding_boxes(tips))
-    x = numbers.points[vertices]
-    query, hit = tree.pairs(x, x)
+    x, low, high = numbers.points[vertices], *np.empty((2, len(strip), 2))
+    _enclose_strips(numbers.points, (numbers.start, rays.base, i, j), level, low, high)
+    query, hit = _in_boxes(x, low, high) if len(x) <= WITHOUT_TREE else BoxTree(low, high).pairs(x, x)
     away = (vertices[query] != rays.base[i[hit]]) & (vertices[query] != rays.base[j[hit]])
-    found = []
+    found: list[int] = []
     for q, h in zip(query[away].tolist(), hit[away].tolist()):
         up, back = np.arange(level[j[h]] + 1), np.arange(level[i[h]], -1, -1)
         ring = numbers.points[np.concatenate([
@@ -142,35 +143,62 @@ def _swallowed(
     return np.unique(np.array(found, dtype=np.int64))
 
 
+@lean
+def _enclose_strips(x, front, level, low, high):
+    """Write the boxes of the bases and tips of strips."""
+    start, base, left, right = front
+    for s in range(len(left)):
+        i, j = left[s], right[s]
+        a, b, c, d = base[i], base[j], last_point(start, base, i, level), last_point(start, base, j, level)
+        for k in range(2):
+            low[s, k] = min(x[a, k], x[b, k], x[c, k], x[d, k])
+            high[s, k] = max(x[a, k], x[b, k], x[c, k], x[d, k])
+
+
+def _in_boxes(x: Array, low: Array, high: Array) -> tuple[Integers, Integers]:
+    """Pairs of a point and a box that holds it, for few points."""
+    held = (low <= x[:, None]) & (x[:, None] <= high)
+    query, hit = np.nonzero(held[..., 0] & held[..., 1])
+    return query, hit
+
+
 def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lower: Integers) -> None:
     """Lower rays beside a vertex at which two edges of the envelope open too little."""
-    n = len(rays.base)
-    before, after = rays.before, rays.after
-    v = np.flatnonzero((before >= 0) & (after >= 0))
-    p, q = before[v], after[v]
-    at = numbers.at(np.arange(n), level)
-    angle = _opening(x[at[p]] - x[at[v]], x[at[q]] - x[at[v]])
-    own = _opening(x[rays.base[p]] - x[rays.base[v]], x[rays.base[q]] - x[rays.base[v]])
-    own = np.where((rays.base[p] == rays.base[v]) | (rays.base[q] == rays.base[v]), np.pi, own)
-    top = np.maximum(level[v], np.maximum(level[p], level[q])) > 0
-    sharp = top & (angle < np.minimum(LEAST_OPENING, SAME_OPENING * own))
-    v, p, q = v[sharp], p[sharp], q[sharp]
-    higher = np.zeros(len(v), dtype=bool)
-    for other in (p, q):
-        up = level[other] > level[v]
-        np.minimum.at(lower, other[up], np.maximum(level[v][up], 1))
-        higher |= up
-    alone = ~higher
-    for row in (v[alone], p[alone], q[alone]):
-        some = row[level[row] > 1]
-        np.minimum.at(lower, some, level[some] - 1)
+    at = numbers.at(np.arange(len(level)), level)
+    _lower_sharp(x, at, rays.base, (rays.before, rays.after), level, lower)
 
 
-def _opening(back: Array, out: Array) -> Array:
-    """The angle clockwise from ``back`` to ``out``."""
-    cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
-    angle = turns(cross, (back * out).sum(axis=1))
-    return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
+@inline
+def _opening(x, p, v, q):
+    """The angle clockwise from the edge from v to p to that from v to q."""
+    ux, uy, vx, vy = x[p, 0] - x[v, 0], x[p, 1] - x[v, 1], x[q, 0] - x[v, 0], x[q, 1] - x[v, 1]
+    angle = angle_of(uy * vx - ux * vy, ux * vx + uy * vy)
+    return angle + 2 * math.pi if angle <= 0.0 else angle
+
+
+@lean
+def _lower_sharp(x, at, base, around, level, lower):
+    """`_open_angles`: ``at`` are the vertices of the envelope."""
+    before, after = around
+    for v in range(len(level)):
+        p, q = before[v], after[v]
+        if p < 0 or q < 0 or max(level[v], level[p], level[q]) == 0:
+            continue
+        angle = _opening(x, at[p], at[v], at[q])
+        if not angle < LEAST_OPENING:
+            continue
+        fan = base[p] == base[v] or base[q] == base[v]
+        own = math.pi if fan else _opening(x, base[p], base[v], base[q])
+        if not angle < SAME_OPENING * own:
+            continue
+        for other in (p, q):
+            if level[other] > level[v]:
+                lower[other] = min(lower[other], max(level[v], 1))
+        if level[p] > level[v] or level[q] > level[v]:
+            continue
+        for row in (v, p, q):
+            if level[row] > 1:
+                lower[row] = min(lower[row], level[row] - 1)
 
 
 def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:

@@ -132,14 +132,21 @@ def _lay_straight(x, direction, heights, places):
 @kernel
 def _distances(places, kind, before, after, steps, apart):
     """Fill ``steps`` and ``apart`` of `Fronts`. Tapered rays are no neighbors."""
+    following = np.empty(apart.shape)  # the distance to the ray after each
     for r in range(places.shape[0]):
         for k in range(places.shape[1]):
-            x, y = places[r, k, 0], places[r, k, 1]
+            x, y, o = places[r, k, 0], places[r, k, 1], after[r]
             if k > 0:
                 steps[r, k - 1] = math.hypot(x - places[r, k - 1, 0], y - places[r, k - 1, 1])
-            total, count = 0.0, 0
-            for other in (before[r], after[r]):
-                if other >= 0 and kind[other] != TAPER_RAY:
-                    total += math.hypot(x - places[other, k, 0], y - places[other, k, 1])
-                    count += 1
-            apart[r, k] = total / count if count else np.inf
+            following[r, k] = math.hypot(x - places[o, k, 0], y - places[o, k, 1]) if o >= 0 else 0.0
+    for r in range(places.shape[0]):
+        p, q = before[r], after[r]
+        one, two = p >= 0 and kind[p] != TAPER_RAY, q >= 0 and kind[q] != TAPER_RAY
+        for k in range(places.shape[1]):
+            total = 0.0
+            if one and after[p] == r:
+                total += following[p, k]
+            elif one:
+                total += math.hypot(places[r, k, 0] - places[p, k, 0], places[r, k, 1] - places[p, k, 1])
+            total += following[r, k] if two else 0.0
+            apart[r, k] = total / (int(one) + int(two)) if one or two else np.inf

@@ -21,6 +21,8 @@ Integers = NDArray[np.int64]
 FILL_GROWTH = 0.2  # of the size with the distance from the envelope
 COARSE = 0.15  # the relative tolerance of a table of the matched size
 BROADEST = 2.0  # wanted edge lengths: larger leaves are divided in any case
+WITHIN_ROUNDING = 1.0 - 1e-9  # far more than rounding
+SPREAD = 73856093, 19349663  # numbers that spread places over a table
 
 
 class MatchedSize(SizeField):
@@ -52,10 +54,11 @@ class MatchedSize(SizeField):
         """As `SizeField.table`, but coarser, and from fewer values.
 
         The size changes by no more than its growth in a unit of length. So a leaf that is not larger than
-        some wanted edge lengths cannot hide much, and it is judged by its middle alone. Only leaves that are
-        divided need values at other places, and the given size is asked for only where it may be less than
-        that of the envelope. Edges so far away that they give more than the given size can be anywhere are
-        not looked for. Leaves within layers or bodies stay large.
+        some wanted edge lengths cannot hide much, and it is judged by its middle alone; where its corners
+        tell that any middle would do, not even by that. (`error` is the largest one that was seen.) Only
+        leaves that are divided need values at other places, once for two neighbors, and the given size is
+        asked for only where it may be less than that of the envelope. Edges so far away that they give more
+        than the given size can be anywhere are not looked for. Leaves within layers or bodies stay large.
         """
         tolerance = max(tolerance, COARSE)
         if self.growth is None:
@@ -63,12 +66,11 @@ class MatchedSize(SizeField):
                 lower, upper, factor=factor, tolerance=tolerance, max_depth=max_depth, max_nodes=max_nodes
             )
         box = box_of(lower, upper, factor, tolerance)
-        diagonal = float(np.hypot(*(box[1] - box[0])))
-        change = self.given.growth or 0.0
-        both = FILL_GROWTH + change
-        blocks, child, level = self._first(box, both * diagonal)
+        span, change = box[1] - box[0], self.given.growth or 0.0
+        far = (FILL_GROWTH + change) * float(np.hypot(*span))
+        away = change * np.hypot(*((FRESH - 0.5) * span).T)
+        blocks, child, level = self._first(box, far, tolerance)
         count, worst = sum(map(len, blocks)), np.zeros(1)
-        away = change * np.hypot(*((FRESH - 0.5) * (box[1] - box[0])).T)
         for depth in range(FIRST_LEVELS, max_depth + 1):
             side = 0.5**depth
             most = 0 if depth == max_depth else (max_nodes - count) // 4
@@ -80,30 +82,55 @@ class MatchedSize(SizeField):
                 many = _judge(*asked)
             if not many:
                 break
-            rows, x, bound, made = rows[:many], np.empty((8 * many, 2)), np.empty(8 * many), _level(4 * many)
-            _probe(level, rows, box, side, away, x, bound)
-            found, edge = self._least(x, bound, both * diagonal * side / 4)
-            _divide(level, rows, (found, bound, edge), made)
-            level = made
+            level = self._divided(level, rows[:many], (box, side, away), far, tolerance)
             blocks.append(level.values)
             child.append(np.empty(4 * many, dtype=np.int64))
             count += 4 * many
         capped = {"resolved": 0, "depth": 0, "nodes": 0}
         return table_of(blocks, np.concatenate(child), box, factor, float(worst[0]), capped)
 
-    def _least(self, x: Array, bound: Array, far: float) -> tuple[Array, Integers]:
-        """The sizes of the envelope at eight points of each leaf, and their edges; ``bound`` is improved.
+    def _divided(
+        self, level: Level, rows: Integers, frame: tuple[Array, float, Array], far: float, tolerance: float
+    ) -> Level:
+        """The children of some leaves.
+
+        ``frame`` is the box, their side, and how much the given size may change from their middles to the
+        places `FRESH`, in units of the side.
+        """
+        box, side, away = frame
+        many = 4 * len(rows)
+        x, bound, same = np.empty((many, 2)), np.empty(many), np.empty(many, dtype=np.int64)
+        seen = np.full(1 << (2 * many).bit_length(), -1, dtype=np.int64)
+        n = _probe(level, rows, box, side, away, x, bound, (same, seen))
+        found, bound, _ = self._least(x[:n], bound[:n], 0.0)
+        made = _level(many)
+        _divide(level, rows, (found, bound, same), side, away, made)
+        self._ask_middles(made, box, side / 2, far * side / 4, tolerance)
+        return made
+
+    def _ask_middles(self, level: Level, box: Array, side: float, reach: float, tolerance: float) -> None:
+        """Find the sizes at the middles of leaves, but for those that stay whatever they are."""
+        many = len(level.place)
+        rows, x = np.empty(many, dtype=np.int64), np.empty((many, 2))
+        n = _doubtful(level, box, side, self.growth, tolerance, rows, x)
+        rows = rows[:n]
+        found, bound, edge = self._least(x[:n], level.bound[rows], reach)
+        level.middle[rows], level.bound[rows], level.edge[rows] = np.minimum(found, bound), bound, edge
+
+    def _least(self, x: Array, bound: Array, far: float) -> tuple[Array, Array, Integers]:
+        """The sizes of the envelope at some points, what the given size is at least there, and the edges.
 
         The given size is at least ``bound``. It is not asked for where that is not less than the size of the
         envelope; where it is more by ``far``, which is enough for all of a leaf, it is not needed exactly.
-        The first four points of each leaf are not the middles of leaves.
         """
         found, edge = self._of_edges(x, self.given.most)
         ask, enough = np.empty(len(x), dtype=np.int64), np.empty(len(x))
         many = _ask(found, bound, far, ask, enough)
-        ask = ask[:many]
-        bound[ask] = self.given.below(x[ask], enough[:many])
-        return found, edge
+        if many == len(x):
+            bound = self.given.below(x, enough)
+        elif many:
+            bound[ask[:many]] = self.given.below(x[ask[:many]], enough[:many])
+        return found, bound, edge
 
     def _of_edges(self, x: Array, most: float) -> tuple[Array, Integers]:
         """The sizes that the edges give, up to ``most``, and the edges that give them; -1 for no edge."""
@@ -116,23 +143,20 @@ class MatchedSize(SizeField):
         middle = box[0] + (level.place[rows] + 0.5) * side * (box[1] - box[0])
         level.edge[rows] = self._of_edges(middle, np.inf)[1]
 
-    def _first(self, box: Array, far: float) -> tuple[list[Array], list[Integers], Level]:
+    def _first(self, box: Array, far: float, tolerance: float) -> tuple[list[Array], list[Integers], Level]:
         """The first levels: values and children by level; and the last one."""
         many = 1 << FIRST_LEVELS
-        lattice = np.arange(2 * many + 1) / (2 * many)
-        sizes = []
-        for t, reach in ((lattice[::2], 0.0), (lattice[1::2], far / 2 / many)):
-            x = np.empty((len(t) * len(t), 2))
-            _lattice(box, t, x)
-            found, edge = self._of_edges(x, self.given.most)
-            bound = self.given.below(x, found + reach)
-            sizes.append((np.minimum(found, bound), bound, edge))
+        x = np.empty(((many + 1) * (many + 1), 2))
+        _lattice(box, np.arange(many + 1) / many, x)
+        found, bound, _ = self._least(x, np.zeros(len(x)), 0.0)
+        sizes = np.minimum(found, bound)
         levels = [_level(4**depth) for depth in range(FIRST_LEVELS + 1)]
         child, count = [], 0
         for depth, level in enumerate(levels):
-            _lay_out(levels[max(depth - 1, 0)], depth, sizes[0][0], sizes[1], level)
+            _lay_out(levels[max(depth - 1, 0)], depth, sizes, level)
             count += len(level.place)
             child.append(count + 4 * np.arange(len(level.place)))
+        self._ask_middles(levels[-1], box, 1.0 / many, far / 2 / many, tolerance)
         return [level.values for level in levels], child, levels[-1]
 
 
@@ -146,7 +170,8 @@ class Level(NamedTuple):
     values : (m, 4) float64
         Sizes at the corners.
     middle, bound : (m,) float64
-        The size at the middle, and what the given size is at least there.
+        The size at the middle, and what the given size is at least there. The first is 0 where it is not
+        known because the leaf stays whatever it is.
     edge : (m,) int64
         The edge that the middle has its size from; -1 if all give more than the given size can be.
     """
@@ -177,9 +202,8 @@ def _lattice(box, t, x):
 
 
 @kernel
-def _lay_out(above, depth, corners, centers, level):
-    """Fill a level of the first ones from the level above, and from lattices of corners and middles."""
-    middle, bound, edge = centers
+def _lay_out(above, depth, corners, level):
+    """Fill a level of the first ones from the level above, and from a lattice of corners."""
     shift = FIRST_LEVELS - depth
     side = 1 << FIRST_LEVELS
     for i in range(len(level.place)):
@@ -188,9 +212,7 @@ def _lay_out(above, depth, corners, centers, level):
         u, v = level.place[i, 0], level.place[i, 1]
         for k in range(4):
             level.values[i, k] = corners[(u + (k & 1) << shift) * (side + 1) + (v + (k >> 1) << shift)]
-        if shift == 0:
-            j = u * side + v
-            level.middle[i], level.bound[i], level.edge[i] = middle[j], bound[j], edge[j]
+        level.bound[i] = 0.0
 
 
 @inline
@@ -215,6 +237,8 @@ def _error(level, i):
 @inline
 def _must_divide(level, i, box, side, ends, tolerance):
     """Whether a leaf is to be divided."""
+    if level.middle[i] == 0.0:
+        return False
     wide, tall = box[1, 0] - box[0, 0], box[1, 1] - box[0, 1]
     length, far, middle = side * max(wide, tall), side / 2 * math.hypot(wide, tall), level.middle[i]
     if not (length > BROADEST * middle or _error(level, i) > tolerance):
@@ -254,19 +278,68 @@ def _judge(level, box, side, ends, tolerance, numbers, child, found):
             child[i] = count + 4 * next_row
             next_row += 1
         else:
-            child[i], worst[0] = -1, max(worst[0], _error(level, i))
+            child[i] = -1
+            if level.middle[i] > 0.0:
+                worst[0] = max(worst[0], _error(level, i))
     return many
 
 
 @lean
-def _probe(level, rows, box, side, away, x, bound):
-    """Write the places `FRESH` of leaves that are divided, and what the given size is at least there."""
+def _doubtful(level, box, side, growth, tolerance, rows, x):
+    """Write the leaves that some middle would divide, and their middles; returns how many there are.
+
+    The others get the size 0 there.
+    """
+    wide, tall = box[1, 0] - box[0, 0], box[1, 1] - box[0, 1]
+    length, reach = side * max(wide, tall), growth * side / 2 * math.hypot(wide, tall)
+    many = 0
+    for i in range(len(level.place)):
+        values = level.values
+        mean = (0.0 + values[i, 0] + values[i, 1] + values[i, 2] + values[i, 3]) / 4
+        low = min(values[i, 0], values[i, 1], values[i, 2], values[i, 3])
+        least, most = max(values[i, 0], values[i, 1], values[i, 2], values[i, 3]) - reach, low + reach
+        even = (
+            length <= WITHIN_ROUNDING * BROADEST * least
+            and mean <= WITHIN_ROUNDING * (1.0 + tolerance) * least
+        )
+        small = length <= WITHIN_ROUNDING * RESOLVED * min(low, least)
+        if small or (even and WITHIN_ROUNDING * mean >= (1.0 - tolerance) * most):
+            level.middle[i] = 0.0
+            continue
+        rows[many] = i
+        for j in range(2):
+            place = (level.place[i, j] + 0.5) * side
+            x[many, j] = min(box[0, j] + place * (box[1, j] - box[0, j]), box[1, j])
+        many += 1
+    return many
+
+
+@lean
+def _probe(level, rows, box, side, away, x, bound, numbers):
+    """Write the middles of the sides of leaves that are divided, and what the given size is at least there.
+
+    A side that two of them have is written once; returns how many there are. ``numbers`` are the number of
+    the middle for each side of each leaf, which is written, and room to look middles up, filled with -1.
+    """
+    same, seen = numbers
+    many, last = 0, len(seen) - 1
     for r in range(len(rows)):
-        for k in range(8):
-            for j in range(2):
-                place = (level.place[rows[r], j] + FRESH[k, j]) * side
-                x[8 * r + k, j] = min(box[0, j] + place * (box[1, j] - box[0, j]), box[1, j])
-            bound[8 * r + k] = level.bound[rows[r]] - side * away[k]
+        i = rows[r]
+        for k in range(4):
+            u, v = level.place[i, 0] + FRESH[k, 0], level.place[i, 1] + FRESH[k, 1]
+            u_at = min(box[0, 0] + u * side * (box[1, 0] - box[0, 0]), box[1, 0])
+            v_at = min(box[0, 1] + v * side * (box[1, 1] - box[0, 1]), box[1, 1])
+            at = (int(2.0 * u) * SPREAD[0] ^ int(2.0 * v) * SPREAD[1]) & last
+            while seen[at] >= 0 and (x[seen[at], 0] != u_at or x[seen[at], 1] != v_at):
+                at = (at + 1) & last
+            least = level.bound[i] - side * away[k]
+            if seen[at] < 0:
+                seen[at] = many
+                x[many, 0], x[many, 1], bound[many] = u_at, v_at, least
+                many += 1
+            same[4 * r + k] = seen[at]
+            bound[seen[at]] = max(bound[seen[at]], least)
+    return many
 
 
 @lean
@@ -275,26 +348,28 @@ def _ask(found, bound, far, ask, enough):
     many = 0
     for i in range(len(found)):
         if bound[i] < found[i]:
-            ask[many], enough[many] = i, found[i] + (far if i % 8 >= 4 else 0.0)
+            ask[many], enough[many] = i, found[i] + far
             many += 1
     return many
 
 
 @kernel
-def _divide(level, rows, probed, made):
-    """Fill the leaves that some leaves are divided into, from both sizes at the places `FRESH`."""
-    found, bound, edge = probed
+def _divide(level, rows, probed, side, away, made):
+    """Fill the leaves that some leaves are divided into, but for what is known from their middles.
+
+    ``probed`` are both sizes at the middles of sides, and the numbers that `_probe` has written.
+    """
+    found, bound, same = probed
     known = np.empty(9)
-    for r in range(8 * len(rows)):
-        found[r] = min(found[r], bound[r])
     for r in range(len(rows)):
         i = rows[r]
         for k in range(4):
-            known[k], known[5 + k] = level.values[i, k], found[8 * r + k]
+            j = same[4 * r + k]
+            known[k], known[5 + k] = level.values[i, k], min(found[j], bound[j])
         known[4] = level.middle[i]
         for c in range(4):
-            child, probe = 4 * r + c, 8 * r + 4 + c
-            made.middle[child], made.bound[child], made.edge[child] = found[probe], bound[probe], edge[probe]
+            child = 4 * r + c
+            made.bound[child], made.edge[child] = level.bound[i] - side * away[4 + c], -1
             for k in range(4):
                 made.values[child, k] = known[CHILD[c, k]]
             for j in range(2):

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 
-__all__ = ["AHEAD", "meet", "nearest_stops", "spring_force", "spring_stops"]
+__all__ = ["is_ahead", "meet", "nearest_stops", "spring_force", "spring_stops"]
 
 Array = NDArray[np.float64]
 NEAR_STEPS = 2.0  # by the nearest point: so many steps and ...
 NEAR_SPACINGS = 1.0  # ... so many spacings away an opposing point is near
+PLAINLY = 1.0 + 1e-9  # far beyond rounding
 AHEAD = 0.1  # the sine of the angle above a wall from which on a place is ahead
 
 
@@ -38,8 +39,20 @@ def _by_springs(a, b, new_a, new_b, x):
 
 @inline
 def _by_distance(new, step, apart, x):
-    """`nearest_stops` for one point."""
-    return math.hypot(x[0] - new[0], x[1] - new[1]) < NEAR_STEPS * step + NEAR_SPACINGS * apart
+    """`nearest_stops` for one point. Most are told without a root."""
+    u, v, reach = abs(x[0] - new[0]), abs(x[1] - new[1]), NEAR_STEPS * step + NEAR_SPACINGS * apart
+    if max(u, v) > PLAINLY * reach:
+        return False
+    return math.hypot(u, v) < reach
+
+
+@inline
+def is_ahead(x, y, direction, r):
+    """Whether a place (x, y) away is more ahead of ray r than beside it. Most are told without a root."""
+    ahead = x * direction[r, 0] + y * direction[r, 1]
+    if not ahead > 0.0 or ahead > PLAINLY * AHEAD * (abs(x) + abs(y)):
+        return ahead > 0.0
+    return ahead > AHEAD * math.hypot(x, y)
 
 
 def spring_force(x: Array, a: Array, b: Array, rest: Array) -> Array:
@@ -133,8 +146,7 @@ def meet(tables, rays, pairs, others, spring, level, stopped):
             kept += 1
             x = places[o, min(k, level[o])] if o < n else others[o - n]
             here, new = places[r, k], places[r, k + 1]
-            dx, dy = x[0] - here[0], x[1] - here[1]
-            if not dx * direction[r, 0] + dy * direction[r, 1] > AHEAD * math.hypot(dx, dy):
+            if not is_ahead(x[0] - here[0], x[1] - here[1], direction, r):
                 continue
             hit = False
             if spring:

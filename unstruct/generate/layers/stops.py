@@ -13,7 +13,7 @@ from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField
 from .heights import Fronts
 from .rays import FAN_RAY, SLIDING_RAY, TAPER_RAY, Rays
-from .spring import AHEAD, meet
+from .spring import is_ahead, meet
 
 __all__ = [
     "BY_COUNT",
@@ -257,12 +257,6 @@ def _candidates(
 
 
 @inline
-def _ahead(x, y, direction, r):
-    """Whether a place (x, y) away is more ahead than beside, or both sides of a thin wall would stop."""
-    return x * direction[r, 0] + y * direction[r, 1] > AHEAD * math.hypot(x, y)
-
-
-@inline
 def _along(chain, place, around, i, j):
     """How many vertices of the wall two rays of one chain are apart; many for rays of different chains."""
     if chain[i] != chain[j]:
@@ -289,8 +283,8 @@ def _may_meet(p, q, front, slides, piece, sliding, kept):
             x, y = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1]
             kept[row] = (
                 _along(chain, place, around, i, j) > OWN_VERTICES
-                and _ahead(x, y, direction, i)
-                and _ahead(-x, -y, direction, j)
+                and is_ahead(x, y, direction, i)  # or both sides of a thin wall would stop
+                and is_ahead(-x, -y, direction, j)
             )
             continue
         for s in sliding:

@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, kernel
+from ...base.jit import inline, lean
 from ...predicates.batch import orient_rows, scaled
 from ...predicates.kernels import orientation
 from .heights import Fronts
 from .rays import Rays
 from .stops import BY_EXACTNESS, Stops, leveled
 
-__all__ = ["Cells", "Numbering", "cells_of", "numbered", "positive", "tops"]
+__all__ = ["Cells", "Numbering", "cells_of", "last_point", "numbered", "positive", "tops"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -66,7 +66,13 @@ def _point(start, base, ray, layer):
     return start[ray] + layer - 1 if layer > 0 else base[ray]
 
 
-@kernel
+@inline
+def last_point(start, base, ray, level):
+    """The number of the last point of a ray."""
+    return _point(start, base, ray, level[ray])
+
+
+@lean
 def _write_places(places, level, start, every):
     for r in range(len(level)):
         for k in range(level[r]):
@@ -95,7 +101,7 @@ def cells_of(rays: Rays, level: Integers, numbers: Numbering) -> Cells:
     return Cells(rows[0], quad[:, 0], quad[:, 1], rows[1], triangle[:, 0], triangle[:, 1])
 
 
-@kernel
+@lean
 def _write_cells(front, rows, sources, counts):
     """Count the cells, and write as many as fit with their strips and layers; `cells_of` says which they are.
 
@@ -141,7 +147,7 @@ def tops(rays: Rays, level: Integers, numbers: Numbering) -> tuple[Integers, Int
     return strip, np.column_stack([numbers.at(i, level[i]), numbers.at(j, level[j])])
 
 
-@kernel
+@lean
 def _good_layers(xy, start, base, left, right, whole):
     """Lower ``whole``, the number of layers of each strip, to those before the first bad cell."""
     for s in range(len(whole)):
@@ -156,6 +162,16 @@ def _good_layers(xy, start, base, left, right, whole):
             if not good:
                 whole[s] = m
                 break
+
+
+@lean
+def _bad_ramps(xy, front, ramp, up, layer, bad):
+    """Whether the triangles where levels differ are not positive."""
+    start, base, left, right = front
+    for s in range(len(ramp)):
+        a = _point(start, base, left[ramp[s]], layer[s])
+        b = _point(start, base, right[ramp[s]], layer[s])
+        bad[s] = orientation(xy, a, b, _point(start, base, up[s], layer[s] + 1)) <= 0
 
 
 def _good_rows(numbers: Numbering, rays: Rays, lower: Integers, whole: Integers) -> None:
@@ -196,8 +212,12 @@ def positive(points: Array, rays: Rays, fronts: Fronts, stops: Stops) -> Stops:
         ramp = np.flatnonzero((level[left] != level[right]) & (rays.base[left] != rays.base[right]))
         up = np.where(level[left[ramp]] > level[right[ramp]], left[ramp], right[ramp])
         m = low[ramp]
-        top = np.column_stack([numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)])
-        bad = orient_rows(numbers.points, top) <= 0
+        if kept:
+            bad = np.empty(len(ramp), dtype=bool)
+            _bad_ramps(xy, (numbers.start, rays.base, left, right), ramp, up, m, bad)
+        else:
+            ends = numbers.at(left[ramp], m), numbers.at(right[ramp], m), numbers.at(up, m + 1)
+            bad = orient_rows(numbers.points, np.column_stack(ends)) <= 0
         if not bad.any() and not (low > whole).any():
             return stops
         level, reason = stops.level.copy(), stops.reason.copy()

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 TELLING = 0.99999  # cosines up to this one tell angles apart
 ROUNDED_SQUARE = 1e-14  # above the rounding errors of sums of squares
+LONGER = 1.0 + 1e-6  # ratio of squared edges: far beyond rounding
 MEASURED_EDGE = 1e-70  # products of squares of edges above it are far above the least doubles
 
 
@@ -81,13 +82,13 @@ def _cosine(points, a, b, c):
 
 @inline
 def _least_cosine(points, a, b, c):
-    """The cosine of the largest angle. One that is not acute is found without any root."""
-    one, two, three = _dot(points, a, b, c), _dot(points, b, c, a), _dot(points, c, a, b)
-    if one <= 0.0 < min(two, three):
+    """The cosine of the largest angle; where one edge is clearly the longest, that is opposite."""
+    one, two, three = _square(points, b, c), _square(points, c, a), _square(points, a, b)
+    if one > LONGER * max(two, three):  # the angle opposite the longest edge
         return _cosine(points, a, b, c)
-    if two <= 0.0 < min(one, three):
+    if two > LONGER * max(one, three):
         return _cosine(points, b, c, a)
-    if three <= 0.0 < min(one, two):
+    if three > LONGER * max(one, two):
         return _cosine(points, c, a, b)
     return min(_cosine(points, a, b, c), _cosine(points, b, c, a), _cosine(points, c, a, b))
 

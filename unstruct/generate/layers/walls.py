@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import distinct
 from ...base.errors import InputError
-from ...base.jit import kernel
-from ...connect.insertion.halfedges import next_edge, prev_edge
+from ...base.jit import lean
+from ...connect.insertion.halfedges import end_of, next_edge, prev_edge, start_of
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...domain.plane.matching import pieces_of
@@ -66,21 +67,42 @@ def wall_pieces(domain: Domain, which: Any, name: str) -> Integers:
     except TypeError:
         raise InputError(f"{name} must be names of markers or piece numbers, not {which!r:.60}") from None
     found = [pieces_of(domain, part, name) for part in parts]
-    return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found])).astype(np.int64)
+    return distinct(np.concatenate([np.empty(0, dtype=np.int64), *found])).astype(np.int64)
 
 
-@kernel
-def _turn(mark, twin, half, after, before):
-    """The first half-edges on subsegments when one turns inside around the end, and the start, of each."""
+@lean
+def _sides(where, twin, region, pieces, wall, half, number):
+    """Write the half-edges on walls inside, and their numbers; returns how many there are."""
+    many, count = len(pieces), 0
+    for i in range(2 * many):
+        e = np.int64(where[i % many])
+        if i >= many:
+            e = np.int64(twin[e])
+        if wall[pieces[i % many]] and region[e // 3] >= 0:
+            half[count], number[e] = e, count
+            count += 1
+    return count
+
+
+@lean
+def _turn(mesh, half, number, ends, columns):
+    """Write ``ends`` and six other columns of `Walls`, in its order.
+
+    The side, or subsegment, that follows is the first one when one turns inside around the end of a side.
+    """
+    vertex, twin, mark, region = mesh
     for i in range(len(half)):
-        e = next_edge(half[i])
-        while mark[e] < 0:
-            e = next_edge(np.int64(twin[e]))
-        after[i] = e
-        e = prev_edge(half[i])
-        while mark[e] < 0:
-            e = prev_edge(np.int64(twin[e]))
-        before[i] = e
+        e = half[i]
+        ends[i, 0], ends[i, 1] = start_of(vertex, e), end_of(vertex, e)
+        columns[0, i], columns[1, i] = mark[e], region[e // 3]
+        after, before = next_edge(e), prev_edge(e)
+        while mark[after] < 0:
+            after = next_edge(np.int64(twin[after]))
+        while mark[before] < 0:
+            before = prev_edge(np.int64(twin[before]))
+        columns[2, i], columns[3, i] = number[after], number[before]
+        columns[4, i] = mark[after] if number[after] < 0 else -1
+        columns[5, i] = mark[before] if number[before] < 0 else -1
 
 
 def walls_of(c: PlanarComplex, points: NDArray[np.float64], wall: Any, wake: Any) -> Walls:
@@ -96,26 +118,11 @@ def walls_of(c: PlanarComplex, points: NDArray[np.float64], wall: Any, wake: Any
         Which pieces are walls, wakes included, and which are wakes.
     """
     pieces = c.piece[: c.segments]
-    first = c.where[: c.segments].astype(np.int64)
-    half = np.concatenate([first, c.twin[first].astype(np.int64)])
-    keep = np.tile(wall[pieces], 2) & (c.region[half // 3] >= 0)
-    half = half[keep]
-    third = half - half % 3
-    ends = c.vertex[np.column_stack([third + (half + 1) % 3, third + (half + 2) % 3])].astype(np.int64)
-    segment = c.mark[half].astype(np.int64)
-    number = np.full(len(c.mark), -1, dtype=np.int64)
-    number[half] = np.arange(len(half))
-    after, before = np.empty((2, len(half)), dtype=np.int64)
-    _turn(c.mark, c.twin, half, after, before)
-    next_side, last_side = number[after], number[before]
+    half, number = np.empty(2 * c.segments, dtype=np.int64), np.full(len(c.mark), -1, dtype=np.int64)
+    half = half[: _sides(c.where, c.twin, c.region, pieces, wall, half, number)]
+    columns, ends = np.empty((6, len(half)), dtype=np.int64), np.empty((len(half), 2), dtype=np.int64)
+    _turn((c.vertex, c.twin, c.mark, c.region), half, number, ends, columns)
+    segment, region, after, before, bound_after, bound_before = columns
     return Walls(
-        points,
-        ends,
-        segment,
-        c.region[half // 3].astype(np.int64),
-        next_side,
-        last_side,
-        np.where(next_side < 0, c.mark[after], -1).astype(np.int64),
-        np.where(last_side < 0, c.mark[before], -1).astype(np.int64),
-        wake[pieces[segment]],
+        points, ends, segment, region, after, before, bound_after, bound_before, wake[pieces[segment]]
     )

@@ -32,9 +32,9 @@ from . import card
 
 __all__ = ["Tree"]
 
-IN_THE_PLANE = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
-IN_SPACE = ("hexahedra", "hex-dominant", "cut")  # of an octree over a domain
-KINDS_OF_MESHES = ("cells", "conforming", *IN_THE_PLANE, *IN_SPACE)
+FROM_QUADTREES = {"fitted": fitted, "quads": quads, "warped": warped}  # of a quadtree over a domain
+FROM_OCTREES = ("hexahedra", "hex-dominant", "cut")  # of an octree over a domain
+KINDS_OF_MESHES = ("cells", "conforming", *FROM_QUADTREES, *FROM_OCTREES)
 # Bit a of a tree's corner tells on which side it lies along axis a; meshes go around a square.
 AROUND_CELL = [0, 1, 3, 2, 4, 5, 7, 6]
 
@@ -54,17 +54,17 @@ class Tree(TreeCells):
             - "conforming": triangles with angles of 45 and 90 degrees, or tetrahedra with dihedral angles
               from 19.4 to 144.8 degrees.
             - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices,
-              pieces, markers and regions. Its pieces are cut by the leaves, on their true curves; inside are the
-              triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does: their
-              angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
+              pieces, markers and regions. Its pieces are cut by the leaves, on their true curves; inside are
+              the triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does:
+              their angles are at least 25 degrees, except in those that ``unrefined`` lists, with the reason.
             - "quads", for the same and as complete: those triangles paired to convex quadrilaterals with
               angles from 39 to 141 degrees, squares inside; a few triangles remain.
             - "warped", for the same and as complete: vertices near pieces move onto them, edges that still
               cross them are cut. The classical way, with poor angles (some 24 degrees in circles, 3 along
               rough boundaries); ``steps`` says what moved and what was cut.
-            - "hexahedra": in space, the leaves inside of the domain as hexahedra, with pyramids and tetrahedra
-              where levels change, so that all cells meet in whole faces. Leaves that touch others at edges or
-              corners only are left out.
+            - "hexahedra": in space, the leaves inside of the domain as hexahedra, with pyramids and
+              tetrahedra where levels change, so that all cells meet in whole faces. Leaves that touch others
+              at edges or corners only are left out.
             - "hex-dominant": in space, a mesh of the whole body. Leaves far enough from the surface are
               hexahedra. Where levels change there are pyramids and tetrahedra, and tetrahedra to the surface,
               of which the triangles are kept, and polygons divided. All cells meet in whole faces.
@@ -89,18 +89,20 @@ class Tree(TreeCells):
         ------
         InputError
             If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
-            balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over a
-            box, and if no leaf is inside for "hexahedra".
+            balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over
+            a box, and if no leaf is inside for "hexahedra".
 
         Notes
         -----
-        O(n log n) for n leaves. In a "hex-dominant" mesh a leaf without hanging vertices is a hexahedron if
-        all its neighbors are chosen, too; other chosen leaves are fans about their centers. The space from
-        these to the surface is filled as `tetrahedralize` does it, with sides of leaves for the size. If that
-        fails, leaves farther from the surface are chosen, and in the end none. Every hexahedron is a box, and
-        all cells are positive. Cuts of edges are at least 1/32 of their length from the ends. Source of "cut": M. A.
-        Yerry, M. S. Shephard, *Automatic three-dimensional mesh generation by the modified-octree technique*,
-        Int. J. Numer. Methods Eng. 20 (1984). Book: 4a, 4c.
+        O(n log n) for n leaves. In a mesh "hex-dominant" a leaf without hanging vertices is a hexahedron if
+        all its neighbors are far enough from the surface, too; others that are so are fans about their
+        centers. The space from these to the surface is filled as `tetrahedralize` does it, with sides of
+        leaves for the size. If that fails, leaves farther from the surface are chosen, and in the end none.
+        Every hexahedron is a box, and all cells are positive.
+
+        Edges are cut at least 1/32 of their length from their ends. Source of "cut": M. A. Yerry, M. S.
+        Shephard, *Automatic three-dimensional mesh generation by the modified-octree technique*, Int. J.
+        Numer. Methods Eng. 20 (1984) 1965-1990. Book: 4a, 4c.
         """
         if not isinstance(kind, str) or kind not in KINDS_OF_MESHES:
             raise InputError(f"kind must be one of {', '.join(map(repr, KINDS_OF_MESHES))}, not {kind!r}")
@@ -108,16 +110,15 @@ class Tree(TreeCells):
             split_boundary = as_flag(split_boundary, "split_boundary")
             if kind != "hex-dominant":
                 raise InputError(f'split_boundary goes with "hex-dominant", not with {kind!r}')
-        if kind in (IN_SPACE if self.dimension == 2 else IN_THE_PLANE):
-            raise InputError(
-                f"{kind!r} meshes are made from {'octrees' if kind in IN_SPACE else 'quadtrees'}"
-            )
-        if kind in IN_THE_PLANE:
+        if kind in (FROM_OCTREES if self.dimension == 2 else FROM_QUADTREES):
+            places = "octrees; this is a quadtree" if kind in FROM_OCTREES else "quadtrees, not in space"
+            raise InputError(f"{kind!r} meshes are made from {places}")
+        if kind in FROM_QUADTREES:
             if self.domain is None:
                 raise InputError(
                     f"a {kind!r} mesh is one of a domain, but this tree is over a box: quadtree(domain, ...)"
                 )
-            return noticed(IN_THE_PLANE[kind](self, self.domain))
+            return noticed(FROM_QUADTREES[kind](self, self.domain))
         if kind == "hex-dominant":
             return hexahedra_and_others(self, split_boundary)
         if kind in ("hexahedra", "cut"):

@@ -136,7 +136,7 @@ def next_slot(links, gates, turn):
     if turn[0] == 1:
         end_batch(links, gates, turn)
     for b in range(half - 1, -1, -1):
-        if gates[half + b, 0] >= 0:
+        if turn[1] > 0 and gates[half + b, 0] >= 0:
             turn[0] -= 1
             return gates[half + b, 0]
         if gates[b, 0] >= 0:

@@ -42,10 +42,9 @@ COUNT_NAMES = (
 FINISH_NAMES = ("moves", "swaps", "points again", "patches", "angle points", "angle splits", "removed")
 FRONT_STEPS_A_CALL = 50_000  # steps of one kernel call, a fraction of a second: Ctrl-C works between calls
 TOLERANCE = 0.04  # the relative tolerance of the size table
+AT_FIRST = 6  # times as many vertices as there are: there is room for these before the first points
 BUCKETS = 12  # for R / f: two buckets an octave of its square; the last one takes all above 8 delta
 ORDER_BUCKETS = 96  # for any other measure
-
-
 RENUMBERED_FROM = 1 << 14  # new vertices: smaller meshes are in the processor's cache anyway
 MOST_GROWTH, SPARE_POINTS = 16, 1000  # of vertices, by points that finishing adds for the angle
 
@@ -100,6 +99,7 @@ class VoronoiSegmentRun:
         self.ask = np.zeros(1, dtype=np.int64)
         self.first = complex_.size  # vertices from here on are new
         self.numbers_now: NDArray[np.int32] | None = None  # of the vertices, once they have been renumbered
+        self.seen = np.zeros(0, dtype=bool)  # vertices whose triangles have been classified; none at first
         self.history, self.spent = history, False
         self.log, self.numbers = np.zeros((0, 5), dtype=np.int32), np.zeros((0, 6))
         # Make room for all points at once where their number can be estimated; unused memory costs nothing.
@@ -109,7 +109,7 @@ class VoronoiSegmentRun:
             expected = 1.2 * _area(complex_) * 2.0 / k.ROOT3 / h / h
         if not np.isfinite(expected):  # the area is beyond all doubles
             expected = 0.0
-        self.reserve(complex_.size + 1000 + int(min(expected, 1e7)))
+        self.reserve(AT_FIRST * complex_.size + 1000 + int(min(expected, 1e7)))
 
     def reserve(self, vertices: int) -> None:
         """Make room for so many vertices in all, and for a few more subsegments."""
@@ -196,6 +196,13 @@ class VoronoiSegmentRun:
     def start(self, moved: NDArray[np.bool_]) -> None:
         """Classify all triangles that have a corner among these as accepted or waiting."""
         k.start(self.complex.plane(), self.front(), moved)
+        self.seen = moved | self._seen() if len(self.seen) else moved
+
+    def _seen(self) -> NDArray[np.bool_]:
+        """The vertices all of whose triangles have been classified as they are now; new ones are such."""
+        found, many = np.ones(self.complex.size, dtype=bool), min(self.complex.size, len(self.seen))
+        found[:many] = self.seen[:many]
+        return found
 
     def restart(self) -> None:
         """Classify all triangles again, beginning with an empty queue."""
@@ -266,11 +273,15 @@ class VoronoiSegmentRun:
                 break
             since = 0 if refined else size
         if best.wanted and after["minimum angle"] <= best.angle:
-            if best.saved is not None:
-                c.restore(best.saved)
-                after = figures(c)
-            self.restart()  # all that is too large is told, also what no step has looked at
-            slots = small_angles(c, PROMISED_ANGLE).tolist()
+            # All that is too large is told, also what no step has looked at.
+            if best.saved is None and not self.spent and not done["patches"]:
+                k.classify_rest(c.plane(), self.front(), self._seen())
+            else:
+                if best.saved is not None:
+                    c.restore(best.saved)
+                    after = figures(c)
+                self.restart()
+            slots = small_angles(c, PROMISED_ANGLE).tolist() if after["minimum angle"] < HOPED_ANGLE else []
             reasons = [TEXTS[KEPT]] * len(slots)
         kept = {f"{name} before": x for name, x in before.items()}
         kept |= {f"{name} after": x for name, x in after.items()}

@@ -168,6 +168,14 @@ def start(plane, front, moved):
         join_queue(plane, front, np.int64(t))
 
 
+@lean
+def classify_rest(plane, front, seen):
+    """Classify the triangles that have no corner among those ``seen``."""
+    for t in range(plane.state[COUNT]):
+        if plane.region[t] >= 0 and not touched(plane.vertex, t, seen):
+            classify(plane, front, t)
+
+
 @inline
 def point_for(plane, front, e, counts):
     """X for the active edge on half-edge e: (x, y, f, p, q, d)."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import apart, inline, lean
+from ...base.jit import apart, inline, lean, lending
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES
 from ...connect.planar.records import Plane, Scratch
@@ -96,13 +96,13 @@ class Work(NamedTuple):
     place: NDArray[np.float64]
 
 
-@inline
+@lending
 def plane_of(w):
     """The arrays of the triangulation alone, for kernels of `connect.planar.cavity` that are not inlined."""
     return Plane(w.xy, w.vertex, w.twin, w.mark, w.region, w.where, w.ends, w.piece, w.span, w.state)
 
 
-@inline
+@lending
 def scratch_of(w):
     """The work arrays for cavities alone."""
     return Scratch(w.stack, w.cells, w.rim, w.hold, w.fresh)

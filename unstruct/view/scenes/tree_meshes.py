@@ -14,7 +14,7 @@ from ...plain import tree as plain_tree
 from ...plain import tree_regions, tree_templates
 from ..draw import frames as fr
 
-__all__ = ["CUTS", "cut_state", "template_frames"]
+__all__ = ["CUT_BOUNDARIES", "cut_state", "template_frames"]
 
 Cell = tuple[int, ...]
 Point = tuple[Any, ...]
@@ -98,7 +98,7 @@ def _disc(offset: Fraction) -> Callable[[Point], Any]:
     return lambda p: p[0] ** 2 + p[1] ** 2 - radius**2
 
 
-CUTS: dict[str, Callable[[Fraction], Callable[[Point], Any]]] = {
+CUT_BOUNDARIES: dict[str, Callable[[Fraction], Callable[[Point], Any]]] = {
     "a slope": _line(Fraction(2, 5)),
     "a steep slope": _line(Fraction(7, 3)),
     "a disc": _disc,
@@ -141,7 +141,7 @@ def cut_state(boundary: str = "a slope", offset: float = 0.0, threshold: float =
     Parameters
     ----------
     boundary : str
-        One of `CUTS`.
+        One of `CUT_BOUNDARIES`.
     offset : float
         How far the boundary is moved; a side of a square is 1/4.
     threshold : float
@@ -153,7 +153,7 @@ def cut_state(boundary: str = "a slope", offset: float = 0.0, threshold: float =
         The triangles inside, the worst one marked, the moved vertices, the boundary, and the minimum angle.
     """
     shift, share = (Fraction(value).limit_denominator(1000) for value in (offset, threshold))
-    level = CUTS[boundary](shift)
+    level = CUT_BOUNDARIES[boundary](shift)
     whole = _squares_around()
     moved, value = tree_regions.warp(whole, level, share)
     moves = sorted({(p, q) for t, s in zip(whole, moved, strict=True) for p, q in zip(t, s, strict=True)})

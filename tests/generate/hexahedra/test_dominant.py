@@ -1,0 +1,236 @@
+"""Hexahedra in a body, and all else up to its surface: valid, conforming, with all names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.helpers.random_bodies import marched
+from tests.helpers.solids import cube, schoenhardt
+from unstruct import Domain, InputError, Mesh, check, octree, quadtree
+from unstruct.generate.hexahedra import dominant
+
+UNIT = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+)
+SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+
+
+def blob(seed: int) -> Domain:
+    """A ball with waves, of some hundred triangles."""
+    rng = np.random.default_rng(seed)
+    x = np.stack(np.meshgrid(*[np.linspace(-1.4, 1.4, 8)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    f = np.linalg.norm(x, axis=1) - 1
+    for _ in range(4):
+        f = f + 0.1 * np.sin(x @ (rng.normal(size=3) * rng.uniform(1, 5)) + rng.uniform(0, 6))
+    return Domain(*marched(8, x, np.where(np.abs(x).max(axis=1) > 1.39, np.abs(f) + 0.05, f)))
+
+
+def halves(at: float = 0.45) -> Domain:
+    """A box of two regions, with names on both ends and on the wall between."""
+    points = np.concatenate([UNIT, [[at, 0, 0], [at, 1, 0], [at, 1, 1], [at, 0, 1]]])
+    facets = [[0, 8, 9, 3], [8, 1, 2, 9], [4, 11, 10, 7], [11, 5, 6, 10], [0, 8, 11, 4], [8, 1, 5, 11]]
+    facets += [[3, 9, 10, 7], [9, 2, 6, 10], [0, 3, 7, 4], [1, 2, 6, 5]]
+    return Domain(
+        points,
+        facets,
+        inner=[[8, 9, 10, 11]],
+        markers={"left": [8], "wall": [10]},
+        regions={"b": [(0.8, 0.5, 0.5)], "a": [(0.2, 0.5, 0.5)]},
+    )
+
+
+def test_ball() -> None:
+    body = Domain.ball(size=0.1)
+    mesh = octree(body, 0.1).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert mesh.complete
+    assert mesh.figures["share of hexahedra"] > 0.5
+    hexahedra = Mesh(mesh.points, None, cells={"hexahedron": mesh.cells["hexahedron"]})
+    assert (hexahedra.quality("scaled_jacobian") > 1 - 1e-12).all()
+    assert hexahedra.volume / body.volume == pytest.approx(mesh.figures["share of hexahedra"])
+    assert Mesh(mesh.points, mesh.cells["tetra"]).quality("min_dihedral").min() > 15
+    kept = np.sort(np.asarray(mesh.origin)[mesh.faces], axis=1)
+    assert {tuple(row) for row in kept.tolist()} == {tuple(sorted(row)) for row in body.facets.tolist()}
+    assert len(mesh.boundary) == len(mesh.faces)
+    with pytest.raises(InputError, match="balanced across edges"):
+        octree(body, lambda x: 0.05 + 0.5 * np.abs(x[:, 0]), balance=None).mesh("hex-dominant")
+
+
+def test_same_again() -> None:
+    body = Domain.torus(size=0.15)
+    one, two = (octree(body, 0.12).mesh("hex-dominant") for _ in range(2))
+    assert np.array_equal(one.points, two.points)
+    assert all(np.array_equal(one.cells[kind], two.cells[kind]) for kind in one.cells)
+
+
+@pytest.mark.parametrize("at", [0.45, 0.5])
+def test_names_and_regions(at: float) -> None:
+    body = halves(at)
+    tree = octree(body, 1 / 16, box=[[0, 0, 0], [1, 1, 1]])  # faces of leaves lie in the sides
+    mesh = tree.mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert mesh.regions == {"b": 0, "a": 1}
+    volumes = np.bincount(mesh.markers["region"], mesh.volumes)
+    assert volumes == pytest.approx([1 - at, at])
+    assert np.bincount(mesh.markers["region"][: len(mesh.cells["hexahedron"])]).min() > 0
+    assert (mesh.points[mesh.markers["left"]][..., 0] == 0).all()
+    assert (mesh.points[mesh.markers["wall"]][..., 0] == at).all()
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "msh"])
+def test_files(suffix: str, tmp_path: Path) -> None:
+    body = halves()
+    mesh = octree(body, 0.09).mesh("hex-dominant")
+    assert {"hexahedron", "pyramid", "tetra"} == set(mesh.cells)
+    mesh.write(tmp_path / f"a.{suffix}")
+    again = Mesh.read(tmp_path / f"a.{suffix}")
+    assert {kind: len(rows) for kind, rows in again.cells.items()} == {
+        kind: len(rows) for kind, rows in mesh.cells.items()
+    }
+    assert check(again, domain=body)
+
+
+def test_inner_segments_points_and_cavities() -> None:
+    rng = np.random.default_rng(1)
+    hole = Domain.ball(center=(0.7, 0.7, 0.7), radius=0.2, size=0.1)
+    points = np.concatenate([UNIT, [[0.2, 0.2, 0.2], [0.5, 0.4, 0.3]], rng.uniform(0.1, 0.5, (3, 3))])
+    body = Domain(points, SIDES, inner=[[8, 9]], markers={"rod": [6]}).with_holes(hole)
+    mesh = octree(body, 0.07).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert len(mesh.cells["hexahedron"]) > 100
+    assert mesh.markers["rod"].shape[1] == 2
+    assert mesh.volume == pytest.approx(body.volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("step", [[1, 1, 0], [1, 1, 1]])
+def test_bodies_that_touch(step: list[int]) -> None:
+    points, number = np.unique(np.concatenate([UNIT, UNIT + step]), axis=0, return_inverse=True)
+    body = Domain(points, number.ravel()[np.concatenate([SIDES, SIDES + 8])])
+    mesh = octree(body, 0.12).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert "hexahedron" in mesh.cells
+
+
+def test_shells_within_shells() -> None:
+    shells = [Domain.ball(radius=r, size=0.4 * r) for r in (1.0, 0.65, 0.35)]
+    start = np.cumsum([0, *(len(shell.points) for shell in shells)])
+    body = Domain(
+        np.concatenate([shell.points for shell in shells]),
+        np.concatenate([np.asarray(shell.facets) + k for shell, k in zip(shells, start, strict=False)]),
+    )
+    with pytest.warns(UserWarning, match="all cells are tetrahedra|split_boundary=True divides it"):
+        mesh = octree(body, 0.13).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert len(np.unique(mesh.markers["region"])) == 2
+
+
+@pytest.mark.parametrize("surface", [schoenhardt(), cube(1)])
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+def test_large_facets(surface: tuple[np.ndarray, np.ndarray]) -> None:
+    body = Domain(*surface)
+    tree = octree(body, (body.bounds[1] - body.bounds[0]).max() / 10)
+    with pytest.warns(UserWarning, match="all cells are tetrahedra"):
+        mesh = tree.mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert not mesh.complete
+    divided = tree.mesh("hex-dominant", split_boundary=True)
+    assert check(divided, domain=body)
+    assert divided.complete
+    assert "hexahedron" in divided.cells
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_thin_and_coarse() -> None:
+    plate = Domain.box((0, 0, 0), (1, 1, 0.04))
+    for tree in (octree(plate, 0.1), octree(plate, max_level=0), octree(Domain.ball(size=0.4), 3.0)):
+        mesh = tree.mesh("hex-dominant")
+        assert list(mesh.cells) == ["tetra"]
+        assert mesh.figures["share of hexahedra"] == 0
+        assert check(mesh, domain=tree.domain)
+
+
+def test_graded() -> None:
+    body = Domain.ball(size=0.2)
+    for tree in (
+        octree(body, lambda x: 0.06 + 0.2 * np.abs(x[:, 0])),
+        octree(body, lambda x: 0.05 + 0.15 * np.abs(x[:, 2]), balance="edges"),
+    ):
+        mesh = tree.mesh("hex-dominant", split_boundary=False)
+        assert check(mesh, domain=body)
+        low, high = mesh.points[mesh.cells["hexahedron"][:, [0, 6]]].transpose(1, 0, 2)
+        assert len(np.unique(np.round((high - low)[:, 0], 9))) > 1
+
+
+def test_scaled_and_moved() -> None:
+    body = Domain(1e3 + 1e-3 * UNIT, SIDES)
+    mesh = octree(body, 1.5e-4).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+    assert "hexahedron" in mesh.cells
+
+
+@settings(max_examples=3, deadline=None)
+@given(st.integers(0, 1000), st.sampled_from([8, 14]), st.sampled_from(["edges", "corners"]))
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_random_bodies(seed: int, parts: int, balance: str) -> None:
+    body = blob(seed)
+    tree = octree(body, (body.bounds[1] - body.bounds[0]).max() / parts, balance=balance)
+    mesh = tree.mesh("hex-dominant")
+    assert check(mesh, domain=body)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.tuples(*[st.integers(0, 5)] * 3), min_size=2, max_size=2, unique=True), st.integers(0, 9))
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_random_boxes(ends: list[tuple[int, int, int]], seed: int) -> None:
+    """Boxes whose sides lie in faces of leaves, or do not."""
+    low, high = np.minimum(*map(np.array, ends)), np.maximum(*map(np.array, ends))
+    if (low == high).any():
+        return
+    body = Domain(low + UNIT * (high - low), SIDES)
+    box = [[0, 0, 0], [8, 8, 8]] if seed % 2 else None
+    mesh = octree(body, [1.0, 0.5, 0.7][seed % 3], box=box).mesh("hex-dominant")
+    assert check(mesh, domain=body)
+
+
+def test_farther_leaves_where_the_strip_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    class Fails:
+        keeps_kernel = False
+
+        def __init__(self, strip: object):
+            self.strip = strip
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(self.strip, name)
+
+    def strip_of(*given: object) -> object:
+        tried.append(given)
+        return Fails(real(*given))
+
+    real = dominant.strip_of
+    monkeypatch.setattr(dominant, "strip_of", strip_of)
+    body = Domain.ball(size=0.2)
+    with pytest.warns(UserWarning, match="all cells are tetrahedra"):
+        mesh = octree(body, 0.12).mesh("hex-dominant")
+    assert len(tried) == 1 + len(dominant.MARGINS)
+    assert list(mesh.cells) == ["tetra"]
+    assert check(mesh, domain=body)
+
+
+def test_refused() -> None:
+    with pytest.raises(InputError, match="octrees; this is a quadtree"):
+        quadtree([[0, 0], [1, 1]], 0.3).mesh("hex-dominant")
+    with pytest.raises(InputError, match="split_boundary goes with"):
+        octree([[0, 0, 0], [1, 1, 1]]).mesh("cells", split_boundary=True)
+    with pytest.raises(InputError, match="split_boundary must be"):
+        octree([[0, 0, 0], [1, 1, 1]]).mesh("hex-dominant", split_boundary="yes")  # type: ignore[arg-type]
+    one = Domain(UNIT, SIDES, regions={"a": [(0.2, 0.5, 0.5)], "b": [(0.8, 0.1, 0.5)]})
+    for kind in ("hex-dominant", "hexahedra", "cut"):
+        with pytest.raises(InputError, match="region 'b' is in the same part as one of 'a'"):
+            octree(one, 0.12).mesh(kind)
