@@ -17,10 +17,10 @@ from .space_frames import bodies, space_frame
 __all__ = ["STENCILS", "planar_stuffing", "planar_stuffing_frames", "stencil_angles", "stencil_state"]
 
 Point = NDArray[np.float64]
-COLUMNS, ROWS = 6, 4  # of the vertices of the planar lattice
+LATTICE_COLUMNS, LATTICE_ROWS = 6, 4  # of the vertices of the planar lattice
 PLANE_WINDOW = [-0.3, 5.9, -0.25, 2.85]
 PLANE_ALPHA = 0.3  # the share of an edge within which a crossing moves a vertex
-CELL = ((2, 0, 0), (0, 0, 0), (1, 1, 1), (1, 1, -1))  # a tetrahedron of the lattice
+LATTICE_CELL = ((2, 0, 0), (0, 0, 0), (1, 1, 1), (1, 1, -1))  # a tetrahedron of the lattice
 PROVED = (10.7, 164.8)  # degrees, by `unstruct.studies.stuffing_bounds`
 STENCILS: dict[str, str] = {
     "one inside: +---": "+---",
@@ -56,11 +56,13 @@ def planar_stuffing(alpha: float = PLANE_ALPHA) -> dict[str, Any]:
         each point; ``crossings`` {(inside, outside): place}, and which are ``left``; ``moves`` [(vertex,
         place, crossings that it takes along)] in their order; and the ``pieces``, as corners.
     """
-    points = np.array([(i + j % 2 / 2, j * 0.75**0.5) for j in range(ROWS) for i in range(COLUMNS)])
+    points = np.array(
+        [(i + j % 2 / 2, j * 0.75**0.5) for j in range(LATTICE_ROWS) for i in range(LATTICE_COLUMNS)]
+    )
     triangles = []
-    for j in range(ROWS - 1):
-        for i in range(COLUMNS - 1):
-            a, b, c, d = (COLUMNS * (j + v) + i + u for v in (0, 1) for u in (0, 1))
+    for j in range(LATTICE_ROWS - 1):
+        for i in range(LATTICE_COLUMNS - 1):
+            a, b, c, d = (LATTICE_COLUMNS * (j + v) + i + u for v in (0, 1) for u in (0, 1))
             triangles += [(a, b, c), (b, d, c)] if j % 2 == 0 else [(a, b, d), (a, d, c)]
     level = np.array([_level(p) for p in points])
     edges = {tuple(sorted((t[k - 1], t[k]))) for t in triangles for k in range(3)}
@@ -196,13 +198,15 @@ def stencil_angles(signs: str, shares: list[float]) -> tuple[Any, Any]:
     shares : list of float
         Where the edges are cut, from their ends inside; in the order of the edges, the last for all others.
     """
-    sign: dict[tuple[int, ...], int] = {v: "-0+".index(s) - 1 for v, s in zip(CELL, signs, strict=True)}
-    place: dict[Any, Any] = {v: np.array(v, dtype=float) for v in CELL}
-    cut = [(p, q) for p in CELL for q in CELL if sign[p] > 0 > sign[q]]
+    sign: dict[tuple[int, ...], int] = {
+        v: "-0+".index(s) - 1 for v, s in zip(LATTICE_CELL, signs, strict=True)
+    }
+    place: dict[Any, Any] = {v: np.array(v, dtype=float) for v in LATTICE_CELL}
+    cut = [(p, q) for p in LATTICE_CELL for q in LATTICE_CELL if sign[p] > 0 > sign[q]]
     for k, (p, q) in enumerate(cut):
         s = shares[min(k, len(shares) - 1)]
         place[frozenset((p, q))] = (1 - s) * place[p] + s * place[q]
-    corners = np.array([[place[v] for v in piece] for piece in stuffing.pieces(CELL, sign)])
+    corners = np.array([[place[v] for v in piece] for piece in stuffing.pieces(LATTICE_CELL, sign)])
     return corners, np.degrees(dihedral_angles(corners))
 
 
@@ -225,7 +229,7 @@ def stencil_state(stencil: str = "one inside: +---", first: float = 0.5, others:
     signs = STENCILS[stencil]
     corners, angles = stencil_angles(signs, [first, others])
     low, high = angles.min(axis=1) < PROVED[0], angles.max(axis=1) > PROVED[1]
-    whole = np.array(CELL, dtype=float)
+    whole = np.array(LATTICE_CELL, dtype=float)
     edges = [(i, j) for i in range(4) for j in range(i)]
     kinds = {"+": "vertex", "0": "inserted", "-": "waiting"}
     scene = [item3("segments", "edge", edges, whole, opacity=0.7)]
@@ -233,7 +237,7 @@ def stencil_state(stencil: str = "one inside: +---", first: float = 0.5, others:
     for k, piece in enumerate(corners):
         scene.append(bodies("bad" if low[k] or high[k] else roles[k], [[0, 1, 2, 3]], piece, shrink=0.92))
     for s, role in kinds.items():
-        rows = [v for v, own in zip(CELL, signs, strict=True) if own == s]
+        rows = [v for v, own in zip(LATTICE_CELL, signs, strict=True) if own == s]
         if rows:
             scene.append(item3("points", role, np.array(rows, dtype=float)))
     number = f"dihedral angles from {angles.min():.1f} to {angles.max():.1f} degrees"
