@@ -87,6 +87,7 @@ def test_there_is_a_book() -> None:
         *(f"3.{n}-" for n in ("1", "2", "3", "4")),
         "4a-",
         "4b-",
+        "4c-",
     ):
         assert any(name.startswith(section) for name in names), f"no chapter {section.rstrip('-')}"
 

@@ -13,6 +13,9 @@ from typing import Any
 __all__ = ["ALPHA_LONG", "ALPHA_SHORT", "cut_places", "lattice", "pieces", "stuff", "warp"]
 
 Vertex = tuple[int, ...]
+Signs = dict[Vertex, int]
+Shares = dict[frozenset[Vertex], Any]
+Rank = Callable[[Vertex], Any]
 ALPHA_LONG, ALPHA_SHORT = 0.285, 0.3985
 
 
@@ -41,7 +44,7 @@ def is_long(v: Vertex, w: Vertex) -> bool:
     return sum(i != j for i, j in zip(v, w, strict=True)) == 1
 
 
-def cut_places(cells: list[tuple[Vertex, ...]], value: dict[Vertex, Any]) -> dict[frozenset[Vertex], Any]:
+def cut_places(cells: list[tuple[Vertex, ...]], value: dict[Vertex, Any]) -> Shares:
     """The zeros of linear interpolation: for each crossed edge the share of it, from its vertex inside."""
     share = {}
     for cell in cells:
@@ -51,18 +54,17 @@ def cut_places(cells: list[tuple[Vertex, ...]], value: dict[Vertex, Any]) -> dic
     return share
 
 
-def warp(
-    share: dict[frozenset[Vertex], Any], sign: dict[Vertex, int], rank: Callable[[Vertex], Any]
-) -> dict[Vertex, frozenset[Vertex]]:
-    """The vertices that move, and the edges to whose cut points they do; changes `sign` and `share`."""
+def warp(share: Shares, sign: Signs, rank: Rank) -> dict[Vertex, frozenset[Vertex]]:
+    """The vertices that move, and edges with their targets; changes both tables."""
     target = {}
     for v in sorted({v for edge in share for v in edge}, key=rank):
         near = []
         for edge in [edge for edge in share if v in edge]:
             (w,) = edge - {v}
             part = share[edge] if sign[v] > 0 else 1 - share[edge]
-            if part < (ALPHA_LONG if is_long(v, w) else ALPHA_SHORT):
-                near.append((part * (4 if is_long(v, w) else 12**0.5), rank(w), edge))
+            alpha, squared = (ALPHA_LONG, 4) if is_long(v, w) else (ALPHA_SHORT, 3)
+            if part < alpha:
+                near.append((part * squared**0.5, rank(w), edge))
         if near:
             target[v] = min(near, key=lambda row: row[:2])[2]
             sign[v] = 0
@@ -78,8 +80,8 @@ def begins(p: Vertex, q: Vertex, d: Vertex) -> bool:
     return sum(i > j for i, j in zip(p, d, strict=True)) % 2 == 0
 
 
-def pieces(cell: tuple[Vertex, ...], sign: dict[Vertex, int]) -> list[tuple[Any, ...]]:
-    """What of a tetrahedron is inside: corners are vertices, or edges for their cut points."""
+def pieces(cell: tuple[Vertex, ...], sign: Signs) -> list[tuple[Any, ...]]:
+    """What is inside: corners are vertices, or edges for their cut points."""
     plus, zero, minus = ([v for v in cell if sign[v] == s] for s in (1, 0, -1))
     if not plus:
         return []
@@ -105,8 +107,8 @@ def pair_and_pair(plus: list[Vertex], minus: list[Vertex]) -> list[tuple[Any, ..
     c, d = minus
     if not begins(a, b, c):
         a, b = b, a
-    if begins(a, b, d):  # for two long or two short edges to c and d this does not happen
-        raise AssertionError("the diagonals in two faces of a prism begin at different vertices")
+    if begins(a, b, d):
+        raise AssertionError("both diagonals of a prism begin at the same vertex")
     ac, ad, bc, bd = (frozenset(edge) for edge in ((a, c), (a, d), (b, c), (b, d)))
     return [(a, b, bc, ad), (a, ac, ad, bc), (b, bc, ad, bd)]
 

@@ -72,6 +72,11 @@ from .scenes.states import bowyer_watson_history as bowyer_watson_history
 from .scenes.states import bowyer_watson_state as bowyer_watson_state
 from .scenes.states import empty_circle_state as empty_circle_state
 from .scenes.states import voronoi_dual_state as voronoi_dual_state
+from .scenes.stuffing_frames import STENCILS as STENCILS
+from .scenes.stuffing_frames import planar_stuffing as planar_stuffing
+from .scenes.stuffing_frames import planar_stuffing_frames as planar_stuffing_frames
+from .scenes.stuffing_frames import stencil_angles as stencil_angles
+from .scenes.stuffing_frames import stencil_state as stencil_state
 from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
