@@ -20,7 +20,7 @@ GOOD = 0.75  # vertices all of whose corners are better stay
 EQUILATERAL = 2.0 / math.sqrt(3.0)
 HALVED_STEPS = 6  # lengths of steps, each half of the one before, from a quarter of the shortest edge on
 QUAD_SINE = 0.63  # the least of a corner of a quadrilateral: between 39.05 and 140.95 degrees
-BEYOND = 2.0  # what a smaller sine of a quadrilateral counts less: no triangle is worth it
+LESS_BEYOND = 2.0  # what a smaller sine of a quadrilateral counts less: no triangle is worth it
 SINE_GAIN = 1e-3  # by which the worst corner has to improve
 
 
@@ -82,7 +82,7 @@ def _smooth(xy, cells, indptr, members, free, rounds):
             if not todo[v] or start == stop:
                 continue
             todo[v] = False
-            less = BEYOND
+            less = LESS_BEYOND
             old = _worst(xy, cells, members, start, stop, less)
             if old < 0.0:  # one is beyond already
                 less = 0.0
