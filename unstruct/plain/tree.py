@@ -62,7 +62,7 @@ def key(cell: Cell, deepest: int) -> int:
 
 
 def build(dimension: int, wanted: Callable[[Cell], bool], deepest: int) -> Leaves:
-    """Divide cells that are `wanted`, from the root, above the level `deepest`."""
+    """Divide cells that are `wanted`, from the root, down to the level `deepest` at most."""
     leaves, waiting = set(), [(0,) * (1 + dimension)]
     while waiting:
         cell = waiting.pop()
