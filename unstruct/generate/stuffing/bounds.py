@@ -136,7 +136,7 @@ def stuffing_bounds(
     The stencils are those that meshes are made with; rounding there is not looked at, and changes angles by
     1e-13 degrees or so. Excluded are moves that cannot happen together: a vertex moves only toward vertices
     that had the opposite sign, and never two toward each other, as the first to move takes the cut point.
-    All kinds take about a minute. Sources: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral
+    All kinds take some seconds. Sources: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral
     meshes with good dihedral angles*, ACM Trans. Graph. 26(3), 2007; on Bernstein's form, G. Farin, *Curves
     and Surfaces for CAGD*, 5th ed., 2002. Book: 4c.
     """
