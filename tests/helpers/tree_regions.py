@@ -1,13 +1,12 @@
-"""Domains for meshes from quadtrees: fractal coasts by seed, one with everything that a domain can have."""
+"""A domain for meshes from quadtrees, with everything that a domain can have, and angles of meshes."""
 
 from __future__ import annotations
 
 import numpy as np
 
-import unstruct
 from unstruct import Arc, Domain
 
-__all__ = ["angles", "coast", "everything"]
+__all__ = ["angles", "everything"]
 
 
 def angles(mesh):
@@ -16,22 +15,6 @@ def angles(mesh):
     u, v = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
     cross = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     return np.degrees(np.arctan2(cross, (u * v).sum(axis=2))).min(axis=1)
-
-
-def coast(seed: int, levels: int = 6, corners: int = 6) -> Domain:
-    """A closed curve by displaced midpoints; the first seed from this one on that does not cross itself."""
-    rng = np.random.default_rng(seed)
-    while True:
-        turn = np.arange(corners) / corners * 2 * np.pi
-        ring = rng.uniform(0.6, 1, corners)[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
-        for _ in range(levels):
-            step = np.roll(ring, -1, axis=0) - ring
-            away = np.column_stack([-step[:, 1], step[:, 0]]) * rng.normal(0, 0.22, len(ring))[:, None]
-            ring = np.stack([ring, ring + step / 2 + away], axis=1).reshape(-1, 2)
-        try:
-            return Domain.polygon(ring)
-        except unstruct.UnstructError:
-            continue
 
 
 def everything(offset: float = 0.0) -> Domain:

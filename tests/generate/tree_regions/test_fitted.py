@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
-from tree_regions import angles, coast, everything
+from tree_regions import angles, everything
 
 import unstruct
+from benchmarks.tree_meshes import coast
 from unstruct import Domain, check, octree, quadtree
 from unstruct.generate.tree_regions.fitted import Spots
 
@@ -33,7 +34,7 @@ def test_circles(side):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_coasts(seed):
-    land = coast(seed)
+    land = coast(seed, levels=6)
     mesh = quadtree(land, 0.1, boundary_size=0.02).mesh("fitted")
     assert check(mesh, domain=land, delaunay="constrained")
     assert promised(mesh) >= 25

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
-from tree_regions import coast, everything
+from tree_regions import everything
 
 import unstruct
+from benchmarks.tree_meshes import coast
 from unstruct import Domain, Mesh, check, quadtree
 
 pytestmark = pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
@@ -26,7 +27,7 @@ def test_circles(side):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_coasts(seed):
-    land = coast(seed)
+    land = coast(seed, levels=6)
     mesh = quadtree(land, 0.1, boundary_size=0.02).mesh("quads")
     assert check(mesh, domain=land)
     assert mesh.figures["share of quadrilaterals"] > 0.9

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
-from tree_regions import angles, coast, everything
+from tree_regions import angles, everything
 
 import unstruct
+from benchmarks.tree_meshes import coast
 from unstruct import Domain, check, quadtree
 from unstruct.generate.tree_regions.warped import WARPED
 
@@ -27,7 +28,7 @@ def test_circles(side):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_coasts_are_valid_but_poor(seed):
-    land = coast(seed)
+    land = coast(seed, levels=6)
     tree = quadtree(land, 0.1, boundary_size=0.02)
     mesh = tree.mesh("warped")
     assert check(mesh, domain=land, delaunay="constrained")

@@ -75,6 +75,13 @@ class Spots(NamedTuple):
             np.column_stack([vertices.corners, center]),
         )
 
+    def inner(self, outside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Those of leaves of which none is outside: (v,)."""
+        chosen = np.zeros(len(self.points) + 1, dtype=bool)  # one more for the number -1
+        chosen[self.of_leaf[~outside]] = True
+        chosen[self.of_leaf[outside]] = False
+        return chosen[:-1]
+
 
 def states_for(cells: TreeCells, domain: Domain, sampled: Sampled) -> NDArray[np.int8]:
     """Where leaves lie; if the domain has curves, by these chords of them, which bound the mesh."""
@@ -125,10 +132,7 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     ends = np.concatenate([sampled.points[sampled.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
     away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)[:, 0]
     outside = states_for(cells, domain, sampled) == ALL_OUTSIDE
-    wanted = np.zeros(len(away) + 1, dtype=bool)  # one more for the number -1
-    wanted[spots.of_leaf[~outside]] = True
-    wanted[spots.of_leaf[outside]] = False
-    wanted = wanted[:-1] & (away >= NEAREST_SPOT * NEAREST_SPOT)
+    wanted = spots.inner(outside) & (away >= NEAREST_SPOT * NEAREST_SPOT)
     still = away >= STILL_FROM * STILL_FROM
     rows = np.concatenate([sampled.points, spots.points[wanted & still], spots.points[wanted & ~still]])
     origin = np.full(len(rows), -1, dtype=np.int32)
