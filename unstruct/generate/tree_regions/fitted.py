@@ -75,7 +75,7 @@ class Spots(NamedTuple):
             np.column_stack([vertices.corners, center]),
         )
 
-    def inner(self, outside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def kept(self, outside: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Those of leaves of which none is outside: (v,)."""
         chosen = np.zeros(len(self.points) + 1, dtype=bool)  # one more for the number -1
         chosen[self.of_leaf[~outside]] = True
@@ -132,7 +132,7 @@ def fitted(cells: TreeCells, domain: Domain) -> DomainMesh:
     ends = np.concatenate([sampled.points[sampled.ends].reshape(-1, 4), np.tile(loose, (1, 2))])
     away = nearness(cells.grid, ends, STILL_FROM, spots.of_leaf, spots.points, spots.sizes)[:, 0]
     outside = states_for(cells, domain, sampled) == ALL_OUTSIDE
-    wanted = spots.inner(outside) & (away >= NEAREST_SPOT * NEAREST_SPOT)
+    wanted = spots.kept(outside) & (away >= NEAREST_SPOT * NEAREST_SPOT)
     still = away >= STILL_FROM * STILL_FROM
     rows = np.concatenate([sampled.points, spots.points[wanted & still], spots.points[wanted & ~still]])
     origin = np.full(len(rows), -1, dtype=np.int32)

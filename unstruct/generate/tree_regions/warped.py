@@ -173,7 +173,7 @@ def warped(cells: TreeCells, domain: Domain) -> DomainMesh:
     final, stay = _thinned(domain, sampled, marks)
     if domain.curves:  # chords have changed
         near |= away_from(final)[:, 0] < 0.25 * WARPED * WARPED
-    rows = np.concatenate([final.points, spots.points[spots.inner(outside) & ~near]])
+    rows = np.concatenate([final.points, spots.points[spots.kept(outside) & ~near]])
     origin = np.full(len(rows), -1, dtype=np.int32)
     origin[: len(domain.points)] = np.arange(len(domain.points))
     whole = complex_of(domain, Sampled(rows, origin, final.ends, final.piece, final.span, domain))
