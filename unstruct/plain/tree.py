@@ -62,7 +62,7 @@ def key(cell: Cell, deepest: int) -> int:
 
 
 def build(dimension: int, wanted: Callable[[Cell], bool], deepest: int) -> Leaves:
-    """Divide cells that are `wanted`, from the root, down to the level `deepest` at most."""
+    """Divide `wanted` cells from the root on, down to the level `deepest` at most."""
     leaves, waiting = set(), [(0,) * (1 + dimension)]
     while waiting:
         cell = waiting.pop()
@@ -110,7 +110,7 @@ def locate(leaves: Collection[Cell], x: Sequence[Fraction | float]) -> Cell | No
 
 
 def covering(leaves: Collection[Cell], cell: Cell) -> Cell | None:
-    """The leaf that contains a cell; None if the cell is divided, or outside of the root."""
+    """The leaf that contains a cell; None if it is divided, or outside of the root."""
     if not all(0 <= i < 2 ** cell[0] for i in cell[1:]):
         return None
     while cell not in leaves:
@@ -144,7 +144,7 @@ def steps(dimension: int, across: str) -> Iterator[tuple[int, ...]]:
 
 
 def balance(leaves: Collection[Cell], across: str = "corners") -> Leaves:
-    """Divide each leaf that has a neighbor two levels deeper, until there is none."""
+    """Divide leaves that have a neighbor two levels deeper, until none has one."""
     balanced, waiting = set(leaves), list(leaves)
     while waiting:
         cell = waiting.pop()

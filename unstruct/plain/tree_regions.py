@@ -71,7 +71,7 @@ def crossed(triangles: Iterable[Triangle], value: Values) -> list[tuple[Point, P
 
 
 def cut(triangle: Triangle, value: Values) -> list[Triangle]:
-    """What of a triangle lies inside: nothing, the whole, or one or two triangles."""
+    """What of a triangle is inside: nothing, the whole, or one or two triangles."""
     if all(value[p] >= 0 for p in triangle):
         return []
     ring = []

@@ -58,13 +58,13 @@ def hanging(leaves: Collection[Cell]) -> set[Point]:
 
 
 def triangles(leaves: Collection[Cell]) -> set[Simplex]:
-    """Triangles of the leaves of a quadtree that is balanced across faces, counterclockwise."""
+    """Triangles, counterclockwise, of the leaves of a quadtree balanced across faces."""
     known = vertices(leaves)
     found: set[Simplex] = set()
     for cell in leaves:
         bounds = list(zip(*box(cell), strict=True))
         ring = outline([(bounds[0][s], bounds[1][t]) for s, t in ROUND], known)
-        if len(ring) == 4:  # the diagonals alternate, like the colors of a chessboard
+        if len(ring) == 4:  # diagonals alternate, like the colors of a chessboard
             odd = sum(cell[1:]) % 2
             ring = ring[odd:] + ring[:odd]
             found |= {(ring[0], ring[1], ring[2]), (ring[0], ring[2], ring[3])}
