@@ -58,7 +58,7 @@ def hanging(leaves: Collection[Cell]) -> set[Point]:
 
 
 def triangles(leaves: Collection[Cell]) -> set[Simplex]:
-    """Triangles, counterclockwise, of the leaves of a quadtree balanced across faces."""
+    """Triangles of the leaves of a quadtree that is balanced across faces."""
     known = vertices(leaves)
     found: set[Simplex] = set()
     for cell in leaves:
