@@ -86,8 +86,9 @@ class Tree(TreeCells):
             A mesh "hex-dominant" has all that `tetrahedralize` tells, and in
             ``figures`` the "share of hexahedra" in the volume; "hexahedra" has the "share of volume" of all
             cells. Cells of a mesh "cut" are in ``unrefined`` beside parts of the body, or gaps, that are
-            thinner than leaves and lost or filled by more than 0.8 of a leaf; and one is, if the boundary is
-            not connected as the surface (by components and Euler characteristic). ``figures`` has the largest
+            thinner than leaves and lost or filled by more than 0.8 of a leaf; and one for each component of
+            the surface beside which the boundary is not connected as it is (by components and Euler
+            characteristic). ``figures`` has the largest
             distance of a place of the surface, "cells missed". Faces have the names of the nearest pieces.
 
         Raises
