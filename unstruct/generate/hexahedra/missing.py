@@ -20,9 +20,7 @@ Array = NDArray[np.float64]
 PLACES_IN_LEAF = (0.25, 0.75)  # of a leaf along each axis: together a lattice of half the side
 
 
-def samples_of_surface(
-    tree: TreeCells, points: Array, triangles: NDArray[np.integer]
-) -> tuple[Array, Array]:
+def samples_of_surface(tree: TreeCells, points: Array, triangles: NDArray[np.integer]) -> tuple[Array, Array]:
     """Places of a surface, and the sides of the leaves that they are in.
 
     They are all vertices, and the places nearest to 8 places of each leaf that the surface meets.

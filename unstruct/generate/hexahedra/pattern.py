@@ -309,8 +309,8 @@ def leaves_at_ends(grid: Grid, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 @kernel
-def _link(grid, shift, chosen, root):
-    """Leaves that share a face have one root in the end, the least of them."""
+def _link(grid, shift, chosen, free, root):
+    """Leaves that share a face, of which one is free, have one root in the end, the least of them."""
     low, q = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64)
     for leaf in range(len(chosen)):
         if not chosen[leaf]:
@@ -321,6 +321,8 @@ def _link(grid, shift, chosen, root):
             other = _beyond(grid, shift, low, width, face, 0, q)
             if other < 0 or not chosen[other] or grid.levels[other] > grid.levels[leaf]:
                 continue  # pairs of different size are found from the smaller one
+            if not (free[leaf] or free[other]):
+                continue
             i, j = leaf, other
             while root[i] != i:
                 root[i] = root[root[i]]
@@ -333,8 +335,12 @@ def _link(grid, shift, chosen, root):
         root[leaf] = root[root[leaf]]  # roots come first
 
 
-def linked(grid: Grid, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """A number for each leaf, the same for chosen leaves that hang together over faces: (n,)."""
+def linked(grid: Grid, chosen: NDArray[np.bool_], free: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
+    """A number for each leaf, the same for chosen leaves that hang together over faces: (n,).
+
+    Two of them hang together over a face only if one is ``free``: nothing lies in the faces of such leaves.
+    By default all are.
+    """
     root = np.arange(len(chosen))
-    _link(grid, entries(grid.depth, 3), chosen, root)
+    _link(grid, entries(grid.depth, 3), chosen, chosen if free is None else free, root)
     return root

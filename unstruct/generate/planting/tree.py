@@ -29,6 +29,8 @@ from ..tree_regions.fitted import fitted
 from ..tree_regions.quads import quads
 from ..tree_regions.warped import warped
 from . import card
+from .named import names_of_leaves
+from .pinched import pinches
 
 __all__ = ["Tree"]
 
@@ -53,8 +55,9 @@ class Tree(TreeCells):
             - "cells": squares or cubes as they are, with hanging vertices.
             - "conforming": triangles, with angles of 45 and 90 degrees if the box is a square, or tetrahedra,
               with dihedral angles from 19.4 to 144.8 degrees if it is a cube; a longer box stretches them.
-              Where leaves meet at a corner only (or at an edge, in space), the mesh is pinched, which `check`
-              tells: smaller leaves part them, unless the domain touches itself there.
+              Where leaves meet at a corner only (or at an edge, in space), the mesh touches itself: these
+              cells are in ``unrefined``, with the place. Smaller leaves part them, unless the domain touches
+              itself there.
             - "fitted", for a quadtree over a domain: triangles of the domain itself, with its vertices,
               pieces, markers and regions. Its pieces are cut by the leaves, on their true curves; inside are
               the triangles of "conforming". Those along the pieces are improved as `voronoi_segment` does:
@@ -134,31 +137,46 @@ class Tree(TreeCells):
         if kind == "cells":
             block = vertices.corners[wanted][:, AROUND_CELL[: 1 << self.dimension]]
             hung = self._hanging.vertices[:, None]
-            return self._as_mesh(vertices.points, block, np.flatnonzero(wanted), hanging=hung)
+            return self._as_mesh(vertices.points, block, np.flatnonzero(wanted), {}, hanging=hung)
         across = "faces" if self.dimension == 2 else "edges"
         if not self.is_balanced(across):
             raise InputError(
                 f"a conforming mesh needs a tree that is balanced across {across}: tree.balanced({across!r})"
             )
         pattern = squares_as_triangles if self.dimension == 2 else cubes_as_tetrahedra
-        return self._as_mesh(*pattern(self.grid, vertices, wanted))
+        points, block, leaf = pattern(self.grid, vertices, wanted)
+        return noticed(self._as_mesh(points, block, leaf, pinches(points, block)))
 
     def _as_mesh(
-        self, points: NDArray[np.float64], block: NDArray[Any], leaf: NDArray[np.int64], **faces: NDArray[Any]
+        self,
+        points: NDArray[np.float64],
+        block: NDArray[Any],
+        leaf: NDArray[np.int64],
+        reasons: dict[int, str],
+        **faces: NDArray[Any],
     ) -> DomainMesh:
         """The mesh of the cells `block` of leaves, with those points only that it uses."""
         used = flagged(len(points), block)
         number = np.cumsum(used, dtype=np.int32) - np.int32(1)
         cells: dict[tuple[int, int], str] = {(2, 4): "quad", (3, 8): "hexahedron"}
         name = cells.get((self.dimension, block.shape[1]))
-        markers = {"leaf": leaf, "level": self.levels[leaf], "state": self.states[leaf]}
+        markers = {key: values[leaf] for key, values in self._names.items()}
+        markers |= {"leaf": leaf, "level": self.levels[leaf], "state": self.states[leaf]}
+        regions = {} if self.domain is None else {name: k for k, name in enumerate(self.domain.regions)}
         return DomainMesh(
             points[used],
             None if name else number[block],
             cells={name: number[block]} if name else None,
             origin=np.full(int(used.sum()), -1, dtype=np.int32),
             markers=markers | {key: number[rows] for key, rows in faces.items()},
+            regions=regions,
+            unrefined=list(reasons) if reasons else None,
+            reasons=list(reasons.values()) if reasons else None,
         )
+
+    @cached_property
+    def _names(self) -> dict[str, NDArray[Any]]:
+        return names_of_leaves(self)
 
     @cached_property
     def _vertices(self) -> Vertices:

@@ -99,7 +99,7 @@ def _components(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
 def _eulers(triangles: NDArray[np.integer], label: NDArray[np.int64]) -> NDArray[np.int64]:
     """The Euler characteristics of the components: each vertex is in one of them only."""
     count = np.bincount(label)
-    vertex, first = np.unique(triangles, return_index=True)
+    first = np.unique(triangles, return_index=True)[1]
     return np.bincount(label[first // 3], minlength=len(count)) - count // 2
 
 
