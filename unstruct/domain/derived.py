@@ -52,7 +52,7 @@ def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -
     tolerance : float, optional
         How far old and new pieces may be from each other (Hausdorff distance). As many vertices as
         possible are dropped, those with the least deviation first. In space: how far facets may be from the
-        plane of the largest one with which they are joined; by default up to rounding, 8 times 2^-53 of the
+        plane of the largest one with which they are joined; by default up to rounding, 16 times 2^-53 of the
         largest coordinate.
     size : number, function (k, 2) -> (k,), or size field, optional
         The wanted edge length: only vertices at pieces shorter than 3/4 of it are dropped. Without a

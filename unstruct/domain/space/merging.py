@@ -29,7 +29,7 @@ __all__ = ["simplified_in_space"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-ROUNDED_SIDE = 8 * 2.0**-53  # off its plane, up to which a side is flat; unit: the largest coordinate
+ROUNDED_SIDE = 16 * 2.0**-53  # off its plane, up to which a side is flat; unit: the largest coordinate
 MOST_TRIALS = 8  # sides are left as they are where polygons cross themselves; so often it is tried again
 
 
@@ -172,12 +172,10 @@ def _rings(
     bad[_with_inner_vertices(outline, facets, side, corner)] = True
     key = key[~bad[key[:, 0]]]
     start = np.searchsorted(key[:, 0], np.arange(len(side) + 1))
-    normal, view = views(x, facets)
     rings = {}
     for k in distinct(key[:, 0]).tolist():
         found = _traced(key[start[k] : start[k + 1], 1:])
-        at = x[:, [view[k] // 3, view[k] % 3]]
-        rings[k] = sorted(found, key=lambda ring, at=at: -abs(_area(at[ring])))
+        rings[k] = sorted(found, key=lambda ring: -_area(x[ring]))
     return rings, np.where(bad[side], np.arange(len(side)), side)
 
 
@@ -212,9 +210,11 @@ def _traced(edges: Numbers) -> list[NDArray[np.int32]]:
 
 
 def _area(p: Array) -> float:
+    """The square of twice the area of a polygon in space, by Newell's sum."""
     q = np.roll(p, -1, axis=0) - p[0]
     p = p - p[0]
-    return float((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())
+    total = [float((p[:, a - 2] * q[:, a - 1] - p[:, a - 1] * q[:, a - 2]).sum()) for a in range(3)]
+    return total[0] ** 2 + total[1] ** 2 + total[2] ** 2
 
 
 def _joined(
@@ -251,9 +251,7 @@ def _joined(
         "markers": {k: np.flatnonzero(np.isin(piece, v)) for k, v in outline.markers.items()},
         "regions": outline.regions,
     }
-    return Simplified(
-        parts, np.flatnonzero(kept), piece, _account(outline, facets, side, first, kept)
-    )
+    return Simplified(parts, np.flatnonzero(kept), piece, _account(outline, facets, side, first, kept))
 
 
 def _account(

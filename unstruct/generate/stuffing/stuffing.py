@@ -118,8 +118,9 @@ def isosurface_stuffing(
     cut at the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in
     the strip are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees.
     Then the mesh has exactly the volume of the body, up to rounding, and to how far its sides are from flat.
-    Edges within flat sides are not kept: where those are given in triangles, `check(mesh, domain=...)` passes
-    for the body with each side as one polygon; `check(mesh)` and the volume are for any body.
+    Edges within flat sides are not kept: where those are given in triangles, each side is a union of faces in
+    its plane, which ``check(mesh, domain=body.simplified())`` tests. In single precision sides are in no
+    plane, by more than the 64 units of rounding that `check` allows; `check(mesh)` is for any body.
 
     Vertices on the boundary are on the surface up to the tolerance, or, for surfaces of triangles, up to
     rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell.
