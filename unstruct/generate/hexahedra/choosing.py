@@ -102,12 +102,14 @@ def _without_met(
         clear[at[pieces_in_boxes(points, pieces, hit, low[at] - off, high[at] + off)]] = False
 
 
-def with_hexahedra(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool) -> Kinds:
+def with_hexahedra(
+    tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: NDArray[np.int8] | bool
+) -> Kinds:
     """What becomes of the chosen leaves; those that hang together without any hexahedron are left out.
 
     Parameters
     ----------
-    bare : bool
+    bare : (n,) int8 or bool
         See `kinds_of_leaves`.
     """
     kind = kinds_of_leaves(tree.grid, vertices, chosen, bare=bare)
