@@ -41,7 +41,8 @@ MARGINS = (
 STRIP_EDGES = 1.1  # the wanted length of edges in the strip; unit: the side of the leaf there
 NO_HEXAHEDRA = (
     "all cells are tetrahedra: no leaf is so far from the surface that it can be a hexahedron; a smaller "
-    "size helps, and where facets are larger than leaves split_boundary=True"
+    "size helps, and where facets are larger than leaves split_boundary=True, or body.simplified() if sides "
+    "are flat"
 )
 MUCH_LARGER_CELLS = 1.5  # the size near a coarse facet over the side of leaves, from which these are no cubes
 
@@ -71,7 +72,7 @@ def hexahedra_and_others(tree: TreeCells, split_boundary: bool | None = None) ->
     parts = None if split_boundary is False else divided(tree.domain, field, bool(split_boundary))
     body = tree.domain if parts is None else parts.domain
     coarse = coarse_facets(body.triangulated, field)
-    planes = planes_of(tree.domain, split_boundary, False)
+    planes = planes_of(tree, split_boundary, False)
     for margin in (*MARGINS, np.inf):
         chosen, bare = _chosen(tree, body, parts, planes, margin)
         if coarse is not None:
@@ -112,7 +113,7 @@ def _chosen(
 def _of_leaves(tree: TreeCells, vertices: Vertices, split_boundary: bool | None) -> DomainMesh | None:
     """The mesh of a body whose facets, and walls, all lie in faces of leaves; None of another one."""
     domain, inside = tree.domain, np.asarray(tree.states) > ALL_OUTSIDE
-    planes = planes_of(domain, split_boundary, True)
+    planes = planes_of(tree, split_boundary, True)
     if (planes.axis == NO_AXIS).any() or len(domain.loose) or (tree.states == CUT).any():
         return None
     chosen = clear_leaves(tree, domain, 0.0, planes)

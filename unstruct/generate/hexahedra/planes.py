@@ -60,16 +60,17 @@ class Planes(NamedTuple):
             yield int(axis), at, known[order[start[k] : start[k + 1]]]
 
 
-def planes_of(domain: Domain, split_boundary: bool | None, walls: bool) -> Planes:
-    """The planes of facets that may be divided, and, with `walls`, of inner facets.
+def planes_of(tree: TreeCells, split_boundary: bool | None, walls: bool) -> Planes:
+    """The planes with faces of leaves of facets that may be divided, and, with `walls`, of inner facets.
 
     Parameters
     ----------
-    domain : Domain
-        In space.
+    tree : TreeCells
+        An octree over a domain.
     split_boundary : bool or None
         See `Tree.mesh`.
     """
+    domain = tree.domain
     pieces = domain.pieces
     many = len(pieces)
     axis, at = np.full(many, NO_AXIS), np.zeros(many)
@@ -89,6 +90,10 @@ def planes_of(domain: Domain, split_boundary: bool | None, walls: bool) -> Plane
     one = flat.sum(axis=1) == 1
     axis[one] = flat[one].argmax(axis=1)
     at[one] = low[one, axis[one]]
+    for a in range(3):
+        mine = np.flatnonzero(axis == a)
+        known = np.unique(np.concatenate([corner[:, a] for corner in tree.corners]))
+        axis[mine[~np.isin(at[mine], known)]] = NO_AXIS
     return Planes(axis, at)
 
 

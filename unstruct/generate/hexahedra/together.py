@@ -25,6 +25,7 @@ LONG_AT_LEAF = (
     2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
 )
 LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
+FACES_ON_SIDES = "faces of leaves on facets"
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
 
@@ -103,7 +104,7 @@ def together(
         **pieces,
         unrefined=[before + cell for cell in cells] if cells else None,
         reasons=[reasons[cell] for cell in cells] if cells else None,
-        counts=mesh.counts | _counts(blocks),
+        counts=mesh.counts | _counts(blocks) | {FACES_ON_SIDES: len(skin.faces)},
         figures={"share of hexahedra": _share(cubes, domain)},
     )
 
@@ -128,7 +129,7 @@ def of_cubes_alone(tree: TreeCells, cubes: Cubes, skin: Skin, region: NDArray[An
         markers=_markers(domain, pieces) | {"region": region[cubes.leaf].astype(np.int32)},
         regions={name: k for k, name in enumerate(domain.regions)},
         **pieces,
-        counts=_counts(cells),
+        counts=_counts(cells) | {FACES_ON_SIDES: len(skin.faces)},
         figures={"share of hexahedra": _share(cubes, domain)},
     )
 

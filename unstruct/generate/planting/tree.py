@@ -72,7 +72,9 @@ class Tree(TreeCells):
               at edges or corners only are left out.
             - "hex-dominant": in space, a mesh of the whole body. Leaves far enough from the surface are
               hexahedra. Where levels change there are pyramids and tetrahedra, and tetrahedra to the surface,
-              of which the triangles are kept, and polygons divided. All cells meet in whole faces.
+              of which the triangles are kept, and polygons divided. All cells meet in whole faces. Where the
+              faces of leaves lie exactly in polygons of the surface, hexahedra reach these: a box is nothing
+              else, if the tree's root is ``body.bounds``.
             - "cut": in space, tetrahedra of which the boundary is near the surface, not on it: those of
               "conforming", cut where their edges first leave the body. Edges and corners of the body are cut
               off, inner pieces are passed over, and angles may be tiny (0.01 degrees have been seen).
@@ -86,9 +88,10 @@ class Tree(TreeCells):
             Markers of "cells" and "conforming" tell of each cell the number of its "leaf", its "level", and
             its "state": 1 inside of the domain, 0 if the boundary meets the leaf. Of "cells", the marker
             "hanging" has the vertices that hang, as rows of one. Other kinds have the markers of the domain.
-            A mesh "hex-dominant" has all that `tetrahedralize` tells, and in
-            ``figures`` the "share of hexahedra" in the volume; "hexahedra" has the "share of volume" of all
-            cells. Cells of a mesh "cut" are in ``unrefined`` beside parts of the body, or gaps, that are
+            A mesh "hex-dominant" has all that `tetrahedralize` tells, in ``counts`` the "faces of leaves on
+            facets", and in ``figures`` the "share of hexahedra" in the volume. If there are quadrilaterals on
+            facets, ``faces`` has rows of four. "hexahedra" has the "share of volume" of all cells. Cells of a
+            mesh "cut" are in ``unrefined`` beside parts of the body, or gaps, that are
             thinner than leaves and lost or filled by more than 0.8 of a leaf; and one for each component of
             the surface beside which the boundary is not connected as it is (by components and Euler
             characteristic). ``figures`` has the largest
@@ -104,9 +107,13 @@ class Tree(TreeCells):
         Notes
         -----
         O(n log n) for n leaves. In a mesh "hex-dominant" a leaf without hanging vertices is a hexahedron if
-        all its neighbors are far enough from the surface, too; others that are so are fans about their
-        centers. The space from these to the surface is filled as `tetrahedralize` does it, with sides of
-        leaves for the size. If that fails, leaves farther from the surface are chosen, and in the end none.
+        all its neighbors are far enough from the surface, too, or a facet covers its face there; others that
+        are so are fans about their centers. Facets in planes between those of the lattice, turned facets, and
+        walls (unless all facets and walls lie in faces of leaves) are half a leaf away at least. Triangles
+        that are joined to others are kept and reached by no hexahedron: the flat sides of a surface of
+        triangles are polygons in ``body.simplified()``. The space from all these to the surface is filled as
+        `tetrahedralize` does it, with sides of leaves for the size. If that fails, leaves farther from the
+        surface are chosen, and in the end none.
         Every hexahedron is a box, and all cells are positive.
 
         Edges are cut at least 1/32 of their length from their ends. Source of "cut": M. A. Yerry, M. S.
