@@ -122,6 +122,14 @@ def test_the_check_for_sides_in_triangles() -> None:
     assert mesh.volume == pytest.approx(8.0, rel=1e-12)
 
 
+def test_a_closed_part_is_not_flat() -> None:
+    """The normals of a ball in single precision, as of an STL file, may add up to nothing exactly."""
+    ball = Domain.ball(size=0.35)
+    body = Domain(single(ball.points), ball.triangulated.bounding)
+    with pytest.raises(InputError, match="away from a plane: take features"):
+        isosurface_stuffing(body, 0.25, features=20)
+
+
 @pytest.mark.parametrize("turn", [False, True])
 def test_the_check_for_sides_of_many_triangles(turn: bool) -> None:
     """With a notch, and with vertices inside of sides: each side is a union of faces in its plane."""
