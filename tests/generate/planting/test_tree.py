@@ -125,6 +125,13 @@ def test_leaves_that_meet_at_a_corner_only_are_pinched_and_check_tells() -> None
     assert check(quadtree(apart, 0.004, box=[[0, 0], [1, 1]]).mesh("conforming"))
 
 
+@pytest.mark.parametrize("kind", ["cells", "conforming"])
+def test_nothing_is_inside_of_a_domain_without_facets(kind: str) -> None:
+    rod = Domain([[0, 0, 0], [1, 1, 1]], [], inner=[[0, 1]])
+    with pytest.raises(InputError, match="no facets, so nothing is inside"):
+        octree(rod, 0.3).mesh(kind)
+
+
 def test_which_meshes_tell_of_leaves() -> None:
     tree = quadtree(Domain.disc(), 0.3)
     for kind in ("cells", "conforming"):

@@ -102,7 +102,7 @@ class Tree(TreeCells):
         InputError
             If kind is unknown or none for this dimension, if a conforming mesh is asked of a tree that is not
             balanced across edges (in the plane, across faces), if a mesh of a domain is asked of a tree over
-            a box, and if no leaf is inside for "hexahedra".
+            a box, if nothing is inside of the domain, and if no leaf is for "hexahedra".
 
         Notes
         -----
@@ -140,6 +140,8 @@ class Tree(TreeCells):
         if kind in ("hexahedra", "cut"):
             return inner_hexahedra(self) if kind == "hexahedra" else cut_cubes(self)
         wanted = self.states > ALL_OUTSIDE
+        if not wanted.any():
+            raise InputError("the domain has no facets, so nothing is inside")
         vertices = self._vertices
         if kind == "cells":
             block = vertices.corners[wanted][:, AROUND_CELL[: 1 << self.dimension]]
