@@ -119,7 +119,7 @@ def of_cubes_alone(tree: TreeCells, cubes: Cubes, skin: Skin, region: NDArray[An
     cells = [number[rows] for rows in blocks]
     none = np.empty((0, 2))
     faces = np.where(skin.faces >= 0, number[skin.faces], -1)
-    pieces = {"faces": faces, "face_piece": skin.piece, "segments": none.astype(np.int32)}
+    pieces: dict[str, Any] = {"faces": faces, "face_piece": skin.piece, "segments": none.astype(np.int32)}
     pieces |= {"piece": none[:, 0].astype(np.int32), "span": none}
     return DomainMesh(
         cubes.points[used],

@@ -6,6 +6,8 @@ account. See the book, chapter 4c.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,7 +80,7 @@ def lost_or_filled(
     return reasons, float(gap.max(initial=0.0))
 
 
-def _near(place: Array, gap: float, units: str) -> str:
+def _near(place: Array, gap: Any, units: str) -> str:
     return f" near ({', '.join(f'{x:.6g}' for x in place)}), {gap:.2f} {units} away"
 
 
