@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import octree, quadtree
-from unstruct.generate.hexahedra.meeting import TOUCHING, meetings
+from unstruct.generate.hexahedra.meeting import TOUCHES_WITHIN, meetings
 
 
 def enters(a: list[float], b: list[float], low: list[float], high: list[float], off: Fraction) -> bool:
@@ -39,7 +39,7 @@ def test_segments_on_a_lattice(d: int, seed: int, touching: bool) -> None:
     chosen = rng.random(len(tree)) < 0.8
     leaf, piece = meetings(tree, chosen, points, pieces, touching=touching)
     low, high = tree.corners
-    off = Fraction(TOUCHING) if touching else Fraction(0)
+    off = Fraction(TOUCHES_WITHIN) if touching else Fraction(0)
     wanted = [
         (i, k)
         for i in np.flatnonzero(chosen).tolist()

@@ -30,7 +30,7 @@ __all__ = ["simplified_in_space"]
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 ROUNDED_SIDE = 16 * 2.0**-53  # off its plane, up to which a side is flat; unit: the largest coordinate
-MOST_TRIALS = 8  # sides are left as they are where polygons cross themselves; so often it is tried again
+MOST_UNJOINED = 8  # sides are left as they are where polygons cross themselves; so often it is tried again
 
 
 class _Rows(NamedTuple):
@@ -87,7 +87,7 @@ def simplified_in_space(outline: Outline, shell: Any, tolerance: Any, size: Any)
     )
     facets = Polygons.of(outline.facets)
     side = _sides(outline, facets, x, within)
-    for _ in range(MOST_TRIALS):
+    for _ in range(MOST_UNJOINED):
         rings, side = _rings(outline, facets, side, x)
         found = _joined(outline, facets, side, rings, x, within)
         parts = found.parts

@@ -12,9 +12,9 @@ from ...geometry.boxes import BoxTree, bounding_boxes
 from ...predicates.batch import power_of_two
 from ..tree.cells import TreeCells
 
-__all__ = ["TOUCHING", "meetings"]
+__all__ = ["TOUCHES_WITHIN", "meetings"]
 
-TOUCHING = 2.0**-20  # sides of a leaf from it to a piece, up to which the piece touches it
+TOUCHES_WITHIN = 2.0**-20  # sides of a leaf from it to a piece, up to which the piece touches it
 MET_AT_ONCE = 1 << 16  # leaves, to bound the memory
 
 
@@ -53,7 +53,7 @@ def meetings(
         leaves = np.flatnonzero(chosen)
         for i in range(0, len(leaves), MET_AT_ONCE):
             part = leaves[i : i + MET_AT_ONCE]
-            off = (high[part] - low[part]) * (TOUCHING if touching else 0.0)
+            off = (high[part] - low[part]) * (TOUCHES_WITHIN if touching else 0.0)
             query, hit = boxes.pairs(low[part] - off, high[part] + off)
             at = part[query]
             meets = pieces_in_boxes(x, rows, hit, low[at] - off[query], high[at] + off[query])
