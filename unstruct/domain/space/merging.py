@@ -132,7 +132,8 @@ def _sides(outline: Outline, facets: Polygons, x: Array, within: float) -> Numbe
         beside = beside[beside[:, 0] != beside[:, 1]]
         vertex = np.unique(np.column_stack([group[corners[:, 0]], corners[:, 1]]), axis=0)
         starts = [np.searchsorted(part[:, 0], np.arange(len(heads) + 1)) for part in (vertex, beside)]
-        place = np.add.reduceat(x[vertex[:, 1]], starts[0][:-1], axis=0) / np.diff(starts[0])[:, None]
+        count = np.diff(starts[0])
+        place = np.stack([np.bincount(vertex[:, 0], x[vertex[:, 1], a]) / count for a in range(3)], axis=1)
         unit = vector / np.where(area > 0.0, area, 1.0)[:, None]
         more = (starts[1], beside[:, 1].copy(), place, unit)
         rows = _Rows(starts[0], vertex[:, 1].astype(np.int32), *more)
