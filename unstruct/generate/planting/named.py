@@ -27,7 +27,8 @@ def names_of_leaves(tree: TreeCells) -> dict[str, NDArray[Any]]:
     """For each name of the domain which leaves its pieces meet, and "region" of each leaf: (n,) each.
 
     Leaves that touch pieces are met by these, too. Regions are those of leaves whose insides no facet and no
-    inner piece meets, others have `NO_REGION`; only a domain with names of regions has them.
+    inner piece (in space, no inner facet) meets, others have `NO_REGION`; only a domain with names of regions
+    has them.
     """
     domain = tree.domain
     if domain is None or not (domain.markers or domain.regions):

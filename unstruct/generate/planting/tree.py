@@ -86,16 +86,21 @@ class Tree(TreeCells):
         -------
         DomainMesh
             Markers of "cells" and "conforming" tell of each cell the number of its "leaf", its "level", and
-            its "state": 1 inside of the domain, 0 if the boundary meets the leaf. Of "cells", the marker
-            "hanging" has the vertices that hang, as rows of one. Other kinds have the markers of the domain.
+            its "state": 1 inside of the domain, 0 if the boundary meets the leaf. If regions have names,
+            "region" has the number of that in which the leaf lies, and -1 if a facet or an inner piece, in
+            space an inner facet, enters the leaf. Each name of pieces has 1 for cells whose leaf one of these
+            meets or touches, else 0. Of "cells", the marker "hanging" has the vertices that hang, as rows of
+            one. Other kinds have the markers of the domain.
+
             A mesh "hex-dominant" has all that `tetrahedralize` tells, in ``counts`` the "faces of leaves on
             facets", and in ``figures`` the "share of hexahedra" in the volume. If there are quadrilaterals on
-            facets, ``faces`` has rows of four. "hexahedra" has the "share of volume" of all cells. Cells of a
-            mesh "cut" are in ``unrefined`` beside parts of the body, or gaps, that are
-            thinner than leaves and lost or filled by more than 0.8 of a leaf; and one for each component of
-            the surface beside which the boundary is not connected as it is (by components and Euler
-            characteristic). ``figures`` has the largest
-            distance of a place of the surface, "cells missed". Faces have the names of the nearest pieces.
+            facets, ``faces`` has rows of four. "hexahedra" has the "share of volume" of all cells.
+
+            Cells of a mesh "cut" are in ``unrefined`` beside parts of the body, or gaps, that are thinner
+            than leaves and lost or filled by more than 0.8 of a leaf; and one for each component of the
+            surface beside which the boundary is not connected as it is (by components and Euler
+            characteristic). ``figures`` has the largest distance of a place of the surface, "cells missed".
+            Faces have the names of the nearest pieces.
 
         Raises
         ------
@@ -113,8 +118,7 @@ class Tree(TreeCells):
         that are joined to others are kept and reached by no hexahedron: the flat sides of a surface of
         triangles are polygons in ``body.simplified()``. The space from all these to the surface is filled as
         `tetrahedralize` does it, with sides of leaves for the size. If that fails, leaves farther from the
-        surface are chosen, and in the end none.
-        Every hexahedron is a box, and all cells are positive.
+        surface are chosen, and in the end none. Every hexahedron is a box, and all cells are positive.
 
         Edges are cut at least 1/32 of their length from their ends. Source of "cut": M. A. Yerry, M. S.
         Shephard, *Automatic three-dimensional mesh generation by the modified-octree technique*, Int. J.
