@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -101,3 +104,16 @@ def test_noisy_balls_are_closed() -> None:
 def test_errors(call, says: str) -> None:
     with pytest.raises(InputError, match=says):
         call()
+
+
+@pytest.mark.parametrize("name", [*BODIES, "noise", "noisy ball"])
+def test_bodies_pickle_and_copy(name: str) -> None:
+    """Processes of a pool take them: the same values bit for bit, and the box is read-only again."""
+    more = {"noise": examples.noise(3), "noisy ball": examples.noisy_ball(2)}
+    body = more[name] if name in more else BODIES[name][0]
+    x = np.random.default_rng(1).uniform(-2, 2, (500, 3))
+    for again in (pickle.loads(pickle.dumps(body)), copy.deepcopy(body)):
+        assert repr(again) == repr(body) and again.change == body.change
+        np.testing.assert_array_equal(again(x), body(x))
+        np.testing.assert_array_equal(again.box, body.box)
+    assert not pickle.loads(pickle.dumps(body)).box.flags.writeable

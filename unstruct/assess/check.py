@@ -24,7 +24,7 @@ from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
 from ..predicates.power import power_signs
 from .body import check_body
 from .brute import check_brute
-from .mixed import array_faults, check_mixed
+from .mixed import array_faults, check_mixed, rows_as_triangles
 from .pinches import pinch_points
 from .region import check_domain
 
@@ -327,13 +327,14 @@ def _as_simplices(mesh: Mesh, rows: np.ndarray, owner: np.ndarray) -> DomainMesh
         if values.ndim == 1:
             markers[name] = values[owner]
         elif values.shape[1] == 4:  # faces of both kinds, padded by -1
-            quads = values[:, 3] >= 0
-            halves = simplices_of_cells({"quad": values[quads]})[0]
-            markers[name] = np.concatenate([values[~quads, :3], halves])
+            markers[name] = rows_as_triangles(values)[0]
         elif values.shape[1] == 2 or mesh.dimension == 3:
             markers[name] = values
     if isinstance(mesh, DomainMesh):
         known = {name: getattr(mesh, name) for name in ("segments", "piece", "span", "faces", "face_piece")}
+        if known["faces"].shape[1] == 4:
+            known["faces"], row = rows_as_triangles(known["faces"])
+            known["face_piece"] = known["face_piece"][row]
     return DomainMesh(
         mesh.points,
         rows,

@@ -20,8 +20,9 @@ from ..mesh.holding import PlanarCells
 from ..mesh.manifold import fans_of_faces
 from ..mesh.mesh import Mesh
 from ..mesh.orientation import jacobian_signs
+from ..mesh.split import simplices_of_cells
 
-__all__ = ["array_faults", "check_mixed"]
+__all__ = ["array_faults", "check_mixed", "rows_as_triangles"]
 
 
 def array_faults(mesh: Mesh) -> list[Problem | None]:
@@ -240,3 +241,11 @@ def _plane(mesh: Mesh, report: Report) -> bool:
     own = np.bincount(pair, weights=corners[place] == vertices[query][pair], minlength=len(cells)) > 0
     wrong = problem("overlap", "cells that contain a vertex of others", cells[~own], vertices[query[~own]])
     return report.note("no cell contains a vertex that is not its own", wrong)
+
+
+def rows_as_triangles(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles and quadrilaterals in rows of four as triangles, as `simplices_of_cells` cuts them."""
+    quads = faces[:, 3] >= 0
+    halves, owner = simplices_of_cells({"quad": faces[quads]})
+    row = np.concatenate([np.flatnonzero(~quads), np.flatnonzero(quads)[owner]])
+    return np.concatenate([faces[~quads, :3], halves]), row

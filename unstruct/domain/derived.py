@@ -45,13 +45,15 @@ SAME_SPACING = 1e-9  # parameters of matched pieces that differ by less are equa
 
 
 def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -> D:
-    """The planar region with fewer vertices on its straight pieces, valid again, and an account.
+    """The domain with fewer vertices on its straight pieces, in space with fewer facets, and an account.
 
     Parameters
     ----------
     tolerance : float, optional
         How far old and new pieces may be from each other (Hausdorff distance). As many vertices as
-        possible are dropped, those with the least deviation first.
+        possible are dropped, those with the least deviation first. In space: how far facets may be from the
+        plane of the largest one with which they are joined; by default up to rounding, 16 times 2^-53 of the
+        largest coordinate.
     size : number, function (k, 2) -> (k,), or size field, optional
         The wanted edge length: only vertices at pieces shorter than 3/4 of it are dropped. Without a
         tolerance they may be half of it away from the new pieces.
@@ -65,10 +67,16 @@ def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -
         of a name. `repairs` lists all that was dropped; `origin` and `piece_origin` refer to the input
         of this domain, and a new piece to the first of those that it replaces.
 
+        In space: facets with the same names that lie in a plane and hang together over edges, as the
+        triangles of a flat side in a file, are one polygon, and vertices go that are inside of it, or in the
+        middle of a straight edge. So methods with a size divide sides anew, without the needles of the file.
+        Where inner pieces end, and where a polygon would touch itself, facets stay.
+
     Raises
     ------
     InputError
-        Without a tolerance or a size, and if the whole region is smaller than the tolerance.
+        In the plane, without a tolerance or a size, and if the whole region is smaller than the tolerance;
+        for a size in space.
 
     Notes
     -----
@@ -76,9 +84,9 @@ def simplified(domain: D, tolerance: float | None = None, *, size: Any = None) -
     Whyatt, *Line generalisation by repeated elimination of points*, 1993). Book: 2.6d.
     """
     old: Any = domain
-    must_be_planar(old, "simplified")
     must_be_free(old, "simplified")
-    found = SIDES[old.dimension].simplified(old, old.sampled(), tolerance, size)
+    coarse = old.sampled() if old.dimension == 2 else old.triangulated
+    found = SIDES[old.dimension].simplified(old, coarse, tolerance, size)
     make: Any = type(domain)
     return followed(old, make(**found.parts), found.origin, found.piece_origin, found.repairs)
 

@@ -17,6 +17,7 @@ from .plane.repaired import Repaired, repaired
 from .plane.simplify import Simplified, simplified
 from .space import faults as space_faults
 from .space import inside as space_inside
+from .space.merging import simplified_in_space
 from .space.repaired import repaired_in_space
 from .space.rows import as_polygons
 from .space.welding import with_hint
@@ -96,6 +97,6 @@ IN_SPACE = Side(
     space_inside.contains,
     space_inside.volume,
     space_inside.bounds,
-    _planar_only,
+    simplified_in_space,
 )
 SIDES = {2: IN_PLANE, 3: IN_SPACE}

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arguments import as_count, as_seed, finite, positive
-from ..base.arrays import as_numbers, frozen
+from ..base.arrays import as_numbers, frozen, refrozen
 from ..base.elementary import cosine, sine, sines
 from ..base.errors import InputError
 from ..domain.domain import Domain
@@ -58,6 +60,9 @@ class LevelSet:
             raise InputError(f"x must have shape (..., 3), not {points.shape}")
         return self.function(points.reshape(-1, 3)).reshape(points.shape[:-1])
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(refrozen(state))
+
     def __repr__(self) -> str:
         return f"<LevelSet: {self.name}>"
 
@@ -74,6 +79,39 @@ def _length(*columns: Array) -> Array:
     return np.sqrt(total)
 
 
+# Functions of the module, not of a call: so bodies can be pickled.
+
+
+def _in_sphere(radius: float, x: Array) -> Array:
+    return radius - _length(*x.T)
+
+
+def _in_torus(radius: float, tube: float, x: Array) -> Array:
+    return tube - _length(_length(x[:, 0], x[:, 1]) - radius, x[:, 2])
+
+
+def _in_cube(half: float, x: Array) -> Array:
+    away = np.abs(x) - half
+    out = np.maximum(away, 0.0)
+    return np.where((away <= 0.0).all(axis=1), -away.max(axis=1), -_length(*out.T))
+
+
+def _in_notched_cube(steep: float, depth: float, length: float, x: Array) -> Array:
+    below = ((1.0 - depth) + steep * np.abs(x[:, 0]) - x[:, 2]) / length
+    return np.minimum(_in_cube(1.0, x), below)
+
+
+def _in_waves(height: float, rows: list[list[float]], x: Array) -> Array:
+    total = np.zeros(len(x))
+    for p, q, r, phase in rows:
+        total += sines(p * x[:, 0] + q * x[:, 1] + r * x[:, 2] + phase)
+    return height * total
+
+
+def _in_noisy_ball(height: float, field: Callable[[Array], Array], most: float, x: Array) -> Array:
+    return 1.0 - _length(*x.T) + np.clip(height * field(x), -most, most)
+
+
 def sphere(radius: float = 1.0) -> LevelSet:
     """A ball around the origin: the distance from its surface, positive inside.
 
@@ -86,7 +124,7 @@ def sphere(radius: float = 1.0) -> LevelSet:
     LevelSet
     """
     r = positive(radius, "radius")
-    return LevelSet(f"sphere of radius {r:g}", lambda x: r - _length(*x.T), _room(r))
+    return LevelSet(f"sphere of radius {r:g}", partial(_in_sphere, r), _room(r))
 
 
 def torus(radius: float = 1.0, tube: float = 0.4) -> LevelSet:
@@ -107,15 +145,7 @@ def torus(radius: float = 1.0, tube: float = 0.4) -> LevelSet:
     if t >= r:
         raise InputError(f"tube = {t:g} must be less than radius = {r:g}")
     box = _room(np.array([r + t, r + t, t]))
-    return LevelSet(
-        f"torus of radii {r:g} and {t:g}", lambda x: t - _length(_length(x[:, 0], x[:, 1]) - r, x[:, 2]), box
-    )
-
-
-def _in_cube(x: Array, half: float) -> Array:
-    away = np.abs(x) - half
-    out = np.maximum(away, 0.0)
-    return np.where((away <= 0.0).all(axis=1), -away.max(axis=1), -_length(*out.T))
+    return LevelSet(f"torus of radii {r:g} and {t:g}", partial(_in_torus, r, t), box)
 
 
 def cube(half: float = 1.0) -> LevelSet:
@@ -130,7 +160,7 @@ def cube(half: float = 1.0) -> LevelSet:
     LevelSet
     """
     h = positive(half, "half")
-    return LevelSet(f"cube of side {2 * h:g}", lambda x: _in_cube(x, h), _room(h))
+    return LevelSet(f"cube of side {2 * h:g}", partial(_in_cube, h), _room(h))
 
 
 def _notch(width: float, depth: float) -> tuple[float, float]:
@@ -158,11 +188,7 @@ def notch(width: float = 0.4, depth: float = 1.0) -> LevelSet:
     w, t = _notch(width, depth)
     steep = t / w
     length = float(np.sqrt(1.0 + steep * steep))
-
-    def function(x: Array) -> Array:
-        below = ((1.0 - t) + steep * np.abs(x[:, 0]) - x[:, 2]) / length
-        return np.minimum(_in_cube(x, 1.0), below)
-
+    function = partial(_in_notched_cube, steep, t, length)
     return LevelSet(f"cube with a notch of depth {t:g}", function, _room(1.0))
 
 
@@ -217,13 +243,7 @@ def noise(seed: int = 0, *, waves: int = 24, shortest: float = 1.0) -> LevelSet:
         rows.append([scale * flat * cosine(turn), scale * flat * sine(turn), scale * z, 2.0 * np.pi * phase])
     height = float(np.sqrt(2.0 / count))
     change = height * sum(float(np.sqrt(p * p + q * q + r * r)) for p, q, r, _ in rows)
-
-    def function(x: Array) -> Array:
-        total = np.zeros(len(x))
-        for p, q, r, phase in rows:
-            total += sines(p * x[:, 0] + q * x[:, 1] + r * x[:, 2] + phase)
-        return height * total
-
+    function = partial(_in_waves, height, rows)
     box = frozen(np.array([[-4.0 * unit] * 3, [4.0 * unit] * 3]))
     return LevelSet(f"noise of {count} waves, seed {seed}", function, box, change)
 
@@ -247,10 +267,6 @@ def noisy_ball(seed: int = 0, *, height: float = 0.15, waves: int = 24, shortest
     if not 0.0 <= h < 0.5:
         raise InputError(f"height = {h:g} must be at least 0 and less than 0.5")
     field = noise(seed, waves=waves, shortest=shortest)
-
     most = min(0.9, 3.0 * h)
-
-    def function(x: Array) -> Array:
-        return 1.0 - _length(*x.T) + np.clip(h * field.function(x), -most, most)
-
+    function = partial(_in_noisy_ball, h, field.function, most)
     return LevelSet(f"noisy ball, seed {seed}", function, _room(1.0 + most), 1.0 + h * field.change)

@@ -60,9 +60,9 @@ class DomainMesh(Mesh):
         The piece of the domain (facets first, then inner segments) that each is a part of.
     span : array_like, shape (s, 2), optional
         The parameters of its ends on that piece, between 0 and 1.
-    faces : array_like of int, shape (f, 3), optional
-        In space: all faces of cells that lie on facets and inner facets of the domain. The subsegments are
-        then those of inner segments.
+    faces : array_like of int, shape (f, 3) or (f, 4), optional
+        In space: all faces of cells that lie on facets and inner facets of the domain; in rows of four,
+        triangles end with -1. The subsegments are then those of inner segments.
     face_piece : array_like of int, shape (f,), optional
         The piece of the domain that each is a part of.
 
@@ -100,7 +100,8 @@ class DomainMesh(Mesh):
         self.faces: np.ndarray = NO_FACES
         self.face_piece: np.ndarray = NO_CELLS
         if faces is not None:
-            self.faces = frozen(np.asarray(faces, np.int32).reshape(-1, 3))
+            rows = np.asarray(faces, np.int32)
+            self.faces = frozen(rows if rows.ndim == 2 and rows.shape[1] == 4 else rows.reshape(-1, 3))
             self.face_piece = frozen(np.asarray(() if face_piece is None else face_piece, np.int32))
         if len(self.faces) != len(self.face_piece):
             raise InputError("face_piece must have one entry per face")
@@ -112,7 +113,7 @@ class DomainMesh(Mesh):
         In the plane, vertices that were added on pieces for any reason.
         """
         used = np.zeros(len(self.points), dtype=bool)
-        used[self.faces.ravel()], used[self.segments.ravel()] = True, True
+        used[self.faces[self.faces >= 0]], used[self.segments.ravel()] = True, True
         return frozen(np.flatnonzero(used & (np.asarray(self.origin) < 0)).astype(np.int32))
 
     @classmethod

@@ -55,7 +55,7 @@ def test_names_and_regions() -> None:
 def test_thin_parts_are_told() -> None:
     fin = np.array([1, 0.45, 0.43]) + UNIT * [1.0, 0.02, 0.02]  # a rod at a cube
     body = Domain(np.concatenate([UNIT, fin + np.array([0.3, 0, 0])]), np.concatenate([SIDES, SIDES + 8]))
-    with pytest.warns(IncompleteWarning, match="thinner than the leaves"):
+    with pytest.warns(IncompleteWarning, match="thinner than a leaf"):
         mesh = octree(body, 0.12).mesh("cut")
     assert check(mesh)
     assert not mesh.complete
@@ -71,7 +71,7 @@ def sector(degrees: float) -> Domain:
 def test_the_tip_of_a_thin_wedge_is_told() -> None:
     """A fifth of the volume was lost, two leaves deep, and nothing was said."""
     body = sector(5)
-    with pytest.warns(IncompleteWarning, match="thinner than the leaves, and lost or filled"):
+    with pytest.warns(IncompleteWarning, match="thinner than a leaf, and lost or filled"):
         mesh = octree(body, 0.1).mesh("cut")
     assert mesh.volume < 0.8 * body.volume
     assert mesh.figures["cells missed"] > 2

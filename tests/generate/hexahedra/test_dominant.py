@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.random_bodies import marched
 from tests.helpers.solids import cube, schoenhardt
+from tests.helpers.voxels import voxels
 from unstruct import Domain, InputError, Mesh, check, octree, quadtree
 from unstruct.generate.hexahedra import dominant
 
@@ -93,6 +95,139 @@ def test_files(suffix: str, tmp_path: Path) -> None:
         kind: len(rows) for kind, rows in mesh.cells.items()
     }
     assert check(again, domain=body)
+
+
+def measured(body: Domain, mesh: Mesh) -> float:
+    """The share of cubes of a mesh that is right and complete."""
+    assert check(mesh, domain=body)
+    assert mesh.complete
+    assert mesh.volume == pytest.approx(body.volume, rel=1e-12)
+    return mesh.figures["share of hexahedra"]
+
+
+def test_a_box_in_the_lattice_is_nothing_but_cubes() -> None:
+    body = Domain(UNIT, SIDES, markers={"left": [5]})
+    tree = octree(body, 1 / 8, box=body.bounds)
+    mesh = tree.mesh("hex-dominant")
+    assert measured(body, mesh) == 1.0
+    assert mesh.size == 512
+    assert mesh.markers["left"].shape == (64, 4)
+    assert mesh.counts["faces of leaves on facets"] == 384
+    assert np.array_equal(np.sort(mesh.origin[mesh.origin >= 0]), np.arange(8))
+    assert np.bincount(mesh.face_piece).tolist() == [64] * 6
+    assert len(mesh.steiner) == 9**3 - 7**3 - 8
+    assert check(tree.mesh("hex-dominant", split_boundary=True), domain=body)
+    with pytest.warns(UserWarning, match="all cells are tetrahedra"):
+        assert "hexahedron" not in tree.mesh("hex-dominant", split_boundary=False).cells
+    graded = octree(body, lambda x: 0.06 + 0.3 * x[:, 0], box=body.bounds).mesh("hex-dominant")
+    assert 0.5 < measured(body, graded) < 1.0  # only where levels change there are other cells
+    one = octree(body, 2.0, box=body.bounds).mesh("hex-dominant")
+    assert one.size == 1
+
+
+def test_walls_in_the_lattice() -> None:
+    body = halves(0.5)
+    mesh = octree(body, 1 / 8, box=[[0, 0, 0], [1, 1, 1]]).mesh("hex-dominant")
+    assert measured(body, mesh) == 1.0
+    assert np.bincount(mesh.markers["region"], mesh.volumes) == pytest.approx([0.5, 0.5])
+    assert mesh.markers["wall"].shape == mesh.markers["inner"].shape == (64, 4)
+    assert (mesh.points[mesh.markers["wall"]][..., 0] == 0.5).all()
+    other = halves(0.45)
+    mesh = octree(other, 1 / 16, box=[[0, 0, 0], [1, 1, 1]]).mesh("hex-dominant")
+    assert measured(other, mesh) >= 0.75  # up to the sides, but not to the wall
+
+
+HOLE = [(0.5 + 0.2 * np.cos(t), 0.5 + 0.2 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 16, endpoint=False)]
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("body", "least"),
+    [
+        (Domain.extruded(Domain.polygon([(0, 0), (1, 0), (1, 0.5), (0.5, 0.5), (0.5, 1), (0, 1)]), 0.5), 1.0),
+        (Domain.extruded(Domain.polygon(SQUARE, holes=[HOLE]), 0.5), 0.7),
+        (Domain.extruded(Domain.polygon([(0, 0), (1, 0), (0.7, 1), (0, 1)]), 0.5), 0.75),
+        (Domain(UNIT * [0.97, 0.97, 1], SIDES), 0.8),  # two sides between planes, four in them
+        (Domain(UNIT * 0.94 + 0.03, SIDES), 0.4),  # all between
+    ],
+    ids=["L", "hole", "slanted", "two between", "all between"],
+)
+def test_cubes_reach_sides_in_the_lattice(body: Domain, least: float) -> None:
+    tree = octree(body, 1 / 16, box=[[0, 0, 0], [1, 1, 1]])
+    mesh = tree.mesh("hex-dominant")
+    assert measured(body, mesh) >= least
+    again = octree(body, 1 / 16, box=[[0, 0, 0], [1, 1, 1]]).mesh("hex-dominant")
+    assert np.array_equal(mesh.points, again.points)
+
+
+def test_sides_of_triangles_are_reached_when_they_are_polygons() -> None:
+    shell = Domain.extruded(Domain.polygon(SQUARE, holes=[HOLE]), 0.5).triangulated
+    body = Domain(shell.points, shell.bounding)
+    box = [[0, 0, 0], [1, 1, 1]]
+    with pytest.warns(UserWarning, match=r"all cells are tetrahedra.*simplified|larger than the leaves"):
+        kept = octree(body, 1 / 16, box=box).mesh("hex-dominant")
+    assert check(kept, domain=body)
+    sides = body.simplified()
+    assert measured(sides, octree(sides, 1 / 16, box=box).mesh("hex-dominant")) > 0.7
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "msh"])
+def test_files_of_cubes_at_the_surface(suffix: str, tmp_path: Path) -> None:
+    body = Domain.extruded(Domain.polygon(SQUARE, holes=[HOLE]), 0.5, markers={"all": range(18)})
+    mesh = octree(body, 1 / 8, box=[[0, 0, 0], [1, 1, 1]]).mesh("hex-dominant")
+    assert mesh.markers["all"].shape[1] == 4
+    mesh.write(tmp_path / f"a.{suffix}")
+    again = Mesh.read(tmp_path / f"a.{suffix}")
+    assert check(again, domain=Domain(body.points, body.facets))
+    assert pickle.loads(pickle.dumps(mesh)).faces.shape == mesh.faces.shape
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.sets(st.tuples(*[st.integers(0, 2)] * 3), min_size=1, max_size=7),
+    st.sampled_from(["as they are", "sheared", "shorter", "between"]),
+    st.sampled_from([0.5, 0.25]),
+    st.sampled_from([None, True]),
+    st.booleans(),
+)
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_voxels(cells: set, kind: str, size: float, split: bool | None, joined: bool) -> None:
+    """Bodies that touch themselves in edges and vertices, with sides in planes of the lattice and without."""
+    points, rows = voxels(cells)
+    if kind == "sheared":
+        top = points[:, 2] == points[:, 2].max()
+        points[top, 0] += 0.125
+    if kind == "shorter":
+        points[:, 1] *= 0.9
+    if kind == "between":
+        points = 0.93 * points + 0.05
+    body = Domain(points, rows)
+    body = body.simplified() if joined else body
+    mesh = octree(body, size, box=[[0, 0, 0], [4, 4, 4]]).mesh("hex-dominant", split_boundary=split)
+    assert check(mesh, domain=body)
+    if kind == "as they are" and joined and split:
+        bare = all(len(body.pieces.rings(i)[0]) > 3 for i in range(len(body.facets)))
+        assert not bare or mesh.figures["share of hexahedra"] == 1.0
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_strips_that_only_touch_the_cubes() -> None:
+    """Found by trying: vertices of cubes at which the strip has no face in common with them."""
+    cells = {(0, 1, 2), (0, 2, 1), (1, 1, 0), (1, 2, 2), (2, 1, 1), (2, 2, 2)}
+    points, rows = voxels(cells)
+    points = points / 4 + [0.125, 0, 0.125]
+    top = points[:, 2] == points[:, 2].max()
+    points[top, 0] += 0.03 * points[top, 2]
+    body = Domain(points, rows).simplified()
+    tree = octree(body, 1 / 8, box=[[0, 0, 0], [1, 1, 1]], balance="edges")
+    assert check(tree.mesh("hex-dominant", split_boundary=True), domain=body)
+    cells = {(0, 0, 0), (0, 2, 1), (1, 0, 1), (1, 0, 2), (1, 1, 0), (2, 0, 2), (2, 2, 0)}
+    points, rows = voxels(cells)
+    body = Domain(points / 4 + [0.125, 0, 0.125], rows).simplified()
+    c = np.array([0.43, 0.51, 0.95])
+    size = 1 / 16
+    tree = octree(body, lambda x: size * 0.6 + 0.3 * np.abs(x - c).max(axis=1), box=[[0, 0, 0], [1, 1, 1]])
+    assert check(tree.mesh("hex-dominant"), domain=body)
 
 
 def test_inner_segments_points_and_cavities() -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from unstruct import IncompleteWarning, Mesh, check, octree
 from unstruct.generate.hexahedra.pattern import (
+    ALL_FACES,
     FAN_OF_LEAF,
     NOT_CHOSEN,
     WHOLE,
@@ -50,15 +51,17 @@ def test_whole_boxes(seed: int, balance: str) -> None:
     ) == len(tree)
 
 
-def _kinds(tree: Tree, chosen: np.ndarray, *, bare: bool) -> np.ndarray:
+def _kinds(tree: Tree, chosen: np.ndarray, *, bare: np.ndarray | bool) -> np.ndarray:
     return kinds_of_leaves(tree.grid, numbered(tree.grid), chosen, bare=bare)
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.floats(0.1, 0.95), st.booleans())
-def test_some_leaves(seed: int, share: float, bare: bool) -> None:
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 0.95), st.sampled_from(["none", "some", "all"]))
+def test_some_leaves(seed: int, share: float, open_faces: str) -> None:
     tree = random_tree(seed, "edges")
     rng = np.random.default_rng(seed)
+    some = rng.integers(0, ALL_FACES + 1, len(tree)).astype(np.int8)
+    bare = {"none": False, "some": some, "all": True}[open_faces]
     chosen = np.linalg.norm((tree.centers - rng.random(3)) / [1, 2, 4], axis=1) < share
     chosen &= rng.random(len(tree)) < 0.9
     kind = _kinds(tree, chosen, bare=bare)
@@ -76,12 +79,20 @@ def test_some_leaves(seed: int, share: float, bare: bool) -> None:
     low, high = tree.corners
     volumes = np.bincount(cubes.leaf, mesh.volumes, minlength=len(tree))
     assert np.allclose(volumes, np.where(chosen, np.prod(high - low, axis=1), 0.0), rtol=1e-14, atol=0)
-    triangles = (mesh.boundary[:, 3:] < 0).all(axis=1)
-    ends = {tuple(sorted(row)) for row in used[mesh.boundary[triangles, :3]].tolist()}
-    assert {tuple(sorted(row)) for row in cubes.outer.tolist()} == ends
-    if bare:
+    outer = {tuple(sorted(row)) for row in cubes.outer.tolist()}
+    bits = {"none": np.zeros_like(some), "some": some, "all": np.full_like(some, ALL_FACES)}[open_faces]
+    for row in mesh.boundary.tolist():
+        face = used[[v for v in row if v >= 0]]
+        if tuple(sorted(face.tolist())) in outer:
+            outer.remove(tuple(sorted(face.tolist())))
+            continue
+        x = cubes.points[face].mean(axis=0)
+        at = chosen & ((low <= x) & (x <= high)).all(axis=1)
+        faces = np.stack([low == x, high == x], axis=2).reshape(-1, 6)
+        assert (((bits[:, None] >> np.arange(6)) & 1 == 1) & faces)[at].any()
+    assert not outer
+    if not len(cubes.outer):
         return
-    assert triangles.all()
     x = cubes.points[cubes.outer]
     outward = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     assert ((x.mean(axis=1) - tree.centers[cubes.outer_leaf]) * outward).sum(axis=1).min() > 0

@@ -9,7 +9,16 @@ import pytest
 from hypothesis import given, settings
 from trees import leaves, planted
 
-from unstruct import Domain, InputError, Mesh, check, constrained_delaunay, octree, quadtree
+from unstruct import (
+    Domain,
+    IncompleteWarning,
+    InputError,
+    Mesh,
+    check,
+    constrained_delaunay,
+    octree,
+    quadtree,
+)
 from unstruct.generate.planting.tree import KINDS_OF_MESHES
 
 
@@ -107,10 +116,20 @@ def test_leaves_that_meet_at_a_corner_only_are_pinched_and_check_tells() -> None
     """As the domain is itself, where two holes touch; with a gap, smaller leaves part them."""
     sides, low = [(0, 0), (1, 0), (1, 1), (0, 1)], [(0.25, 0.25), (0.5, 0.25), (0.5, 0.5), (0.25, 0.5)]
     touching = Domain.polygon(sides, holes=[low, [(x + 0.25, y + 0.25) for x, y in low]])
-    for mesh in (quadtree(touching, 0.13).mesh("conforming"), constrained_delaunay(touching)):
+    with pytest.warns(IncompleteWarning, match=r"meet here at a corner only.*near \(0.5, 0.5\)"):
+        pinched = quadtree(touching, 0.13).mesh("conforming")
+    assert not pinched.complete
+    for mesh in (pinched, constrained_delaunay(touching)):
         assert [problem.kind for problem in check(mesh).problems] == ["pinched vertex"]
     apart = Domain.polygon(sides, holes=[low, [(x + 0.26, y + 0.26) for x, y in low]])
     assert check(quadtree(apart, 0.004, box=[[0, 0], [1, 1]]).mesh("conforming"))
+
+
+@pytest.mark.parametrize("kind", ["cells", "conforming"])
+def test_nothing_is_inside_of_a_domain_without_facets(kind: str) -> None:
+    rod = Domain([[0, 0, 0], [1, 1, 1]], [], inner=[[0, 1]])
+    with pytest.raises(InputError, match="no facets, so nothing is inside"):
+        octree(rod, 0.3).mesh(kind)
 
 
 def test_which_meshes_tell_of_leaves() -> None:

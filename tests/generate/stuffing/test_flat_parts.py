@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from unstruct import Domain, InputError, check, isosurface_stuffing
+from unstruct import Domain, InputError, Mesh, check, examples, isosurface_stuffing
 from unstruct.generate.stuffing.flat_parts import flat_parts
 
 TURN = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
@@ -116,9 +116,33 @@ def test_the_check_for_sides_in_triangles() -> None:
     points = CORNERS @ TURN.T
     mesh = isosurface_stuffing(Domain(points, TRIANGLES), 0.5, features=30)
     assert check(mesh, domain=Domain(points, SIDES))
+    assert check(mesh, domain=Domain(points, TRIANGLES).simplified())
     kinds = {problem.kind for problem in check(mesh, domain=Domain(points, TRIANGLES)).problems}
     assert kinds == {"facet", "side"}
     assert mesh.volume == pytest.approx(8.0, rel=1e-12)
+
+
+def test_a_closed_part_is_not_flat() -> None:
+    """The normals of a ball in single precision, as of an STL file, may add up to nothing exactly."""
+    ball = Domain.ball(size=0.35)
+    body = Domain(single(ball.points), ball.triangulated.bounding)
+    with pytest.raises(InputError, match="away from a plane: take features"):
+        isosurface_stuffing(body, 0.25, features=20)
+
+
+@pytest.mark.parametrize("turn", [False, True])
+def test_the_check_for_sides_of_many_triangles(turn: bool) -> None:
+    """With a notch, and with vertices inside of sides: each side is a union of faces in its plane."""
+    points, rows = grid_cube(3)
+    cube = Domain(points @ TURN.T if turn else points, rows)
+    shell = examples.notched_box().triangulated
+    notch = Domain(shell.points @ TURN.T if turn else shell.points, shell.bounding)
+    for body in (cube, notch):
+        mesh = isosurface_stuffing(body, 0.45, features=20)
+        assert mesh.complete
+        assert check(mesh, domain=body.simplified())
+        moved = Mesh(mesh.points + 1e-3 * (np.asarray(mesh.origin) < 0)[:, None], mesh.simplices)
+        assert not check(moved, domain=body.simplified())
 
 
 @pytest.mark.parametrize("unit", [1e-280, 1e-100, 1e200])

@@ -18,9 +18,9 @@ class Repair:
     kind : str
         "index out of range", "duplicate points", "zero length", "repeated segment", "crossing", "overlap",
         "vertex on a segment", "vertex on an arc", "closed curve", "open boundary" or "vertex without
-        pieces"; of `Domain.simplified` "dropped vertices" or "dropped ring". In space also "repeated vertex",
-        "not flat", "crossing itself", "zero area", "repeated facet", "vertex on a facet", "vertex near an
-        edge", "edge in a facet" or "turned facets"; "close points" of ``merge``; "left out"
+        pieces"; of `Domain.simplified` "dropped vertices", "dropped ring" or "joined facets". In space also
+        "repeated vertex", "not flat", "crossing itself", "zero area", "repeated facet", "vertex on a facet",
+        "vertex near an edge", "edge in a facet" or "turned facets"; "close points" of ``merge``; "left out"
         of a file.
     text : str
         What was found and what was done. Pieces and points have the numbers of the input; new points are

@@ -23,10 +23,11 @@ from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
 from ..volume.lattice import MOST_INNER
+from .covering import Cover, covered
 from .laying import lay, meshed, too_many
 from .patches import Patches, patches_of, shapes_of
 
-__all__ = ["Divided", "divided"]
+__all__ = ["Divided", "Pieces", "divided", "divided_around"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -62,6 +63,27 @@ class Divided(NamedTuple):
     def name(self, piece: int) -> str:
         """What messages call the piece of the body that a piece is a part of."""
         return self.names(int(self.parent[piece]))
+
+
+class Pieces(NamedTuple):
+    """The arrays of a body with smaller facets, which need not be closed.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+    facets : (f, 3)
+    inner : list
+        Rows of vertices.
+    parent : (p,) int32
+    span : (p, 2) float64
+        As of `Divided`.
+    """
+
+    points: Array
+    facets: Numbers
+    inner: list[Any]
+    parent: NDArray[np.int32]
+    span: Array
 
 
 class _Edges:
@@ -143,22 +165,52 @@ def divided(
     -----
     O(n log n) for n vertices.
     """
-    patches = patches_of(domain)
+    made = _divided(domain, field, everything, most, None)
+    if made is None:
+        return None
+    body = Domain(
+        made.points,
+        made.facets,
+        inner=made.inner or None,
+        markers={k: np.flatnonzero(np.isin(made.parent, v)) for k, v in domain.markers.items()},
+        regions=domain.regions,
+    )
+    return Divided(body, made.parent, made.span, domain.name)
+
+
+def divided_around(domain: Domain, field: SizeField, everything: bool, cover: Cover) -> Pieces:
+    """The same without what something else covers of facets: see `divided` and `Cover`."""
+    made = _divided(domain, field, everything, MOST_INNER, cover)
+    assert made is not None
+    return made
+
+
+def _divided(
+    domain: Domain, field: SizeField, everything: bool, most: int, cover: Cover | None
+) -> Pieces | None:
+    patches, points = patches_of(domain), domain.points
+    shape = shapes_of(domain)[patches.piece]
+    coarse = _too_coarse(domain, field, patches, everything)
+    if cover is not None:
+        points = np.concatenate([points, cover.points])
+        patches, changed = covered(patches, cover)
+        coarse |= changed
     segments = domain.triangulated.segments.astype(np.int64)
     every = np.sort(np.concatenate([patches.sides, segments]), axis=1)
     number, first = group_rows(every)
     edges = every[first]
     kept = np.zeros(len(edges), dtype=bool)
     if not everything:
-        shape = shapes_of(domain)[patches.piece]
         kept[number[: len(patches.sides)][~shape[patches.patch]]] = True
-    _refuse_too_many(domain, field, edges[~kept], most)
-    chain = _Chains.of(domain.points, edges, kept, field)
-    coarse = _too_coarse(domain, field, patches, everything)
+    if cover is not None:
+        group, _ = group_rows(np.concatenate([edges, cover.kept]))
+        kept |= np.isin(group[: len(edges)], group[len(edges) :])
+    _refuse_too_many(points, field, edges[~kept], most)
+    chain = _Chains.of(points, edges, kept, field)
     if chain is None and not coarse.any():
         return None
-    chain = chain or _Chains.whole(domain.points, edges)
-    return _put_together(domain, field, patches, number, chain, coarse, most)
+    chain = chain or _Chains.whole(points, edges)
+    return _put_together(domain, field, patches, number, chain, coarse, (most, cover))
 
 
 class _Chains(NamedTuple):
@@ -226,31 +278,32 @@ def _put_together(
     number: Numbers,
     chain: _Chains,
     coarse: NDArray[np.bool_],
-    most: int,
-) -> Divided:
-    """Mesh the patches that are coarse or have a cut side, and make a body of all their triangles."""
+    limits: tuple[int, Cover | None],
+) -> Pieces:
+    """Mesh the patches that are coarse or have a cut side, and collect all their triangles."""
     shell = domain.triangulated
+    most, cover = limits
     cut = np.diff(chain.start) > 2
     touched = coarse.copy()
     touched[patches.patch[cut[number[: len(patches.sides)]]]] = True
     use = np.flatnonzero(touched[patches.patch])
     use = use[np.argsort(patches.patch[use], kind="stable")]
     steps, owner, _ = chain.steps(number[use])
-    rank = np.cumsum(touched) - 1
-    laid = lay(
-        chain.points,
-        patches.normal[touched],
-        steps,
-        rank[patches.patch[use[owner]]],
-        patches.within[use[owner]],
-    )
+    of, within = patches.patch[use[owner]], patches.within[use[owner]]
+    bare = touched
+    if cover is not None:
+        steps, of, within = cover.taken_from(steps, of, within, patches)
+        bare = np.zeros(len(touched), dtype=bool)
+        bare[of] = True
+    rank = np.cumsum(bare) - 1
+    laid = lay(chain.points, patches.normal[bare], steps, rank[of], within)
     wide = np.isin(shell.piece, patches.piece[touched])
     middle = domain.points[shell.triangles[wide]].mean(axis=1)
     asked = float((_areas(domain)[wide] / (power_of_two(domain.points) * field(middle)) ** 2).sum())
     if asked > ROUGHLY * most:
         raise InputError(too_many(asked, most))
     points, rows, patch = meshed(laid, field, chain.points, most)
-    parent = patches.piece[touched][patch]
+    parent = patches.piece[bare][patch]
     still = np.ones(len(shell.triangles), dtype=bool)
     still[np.isin(shell.piece, patches.piece[touched & patches.flat])] = False
     others = np.flatnonzero(~np.isin(shell.piece, patches.piece[patches.flat]))
@@ -267,11 +320,11 @@ def _areas(domain: Domain) -> Array:
     return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
 
 
-def _refuse_too_many(domain: Domain, field: SizeField, edges: Numbers, most: int) -> None:
+def _refuse_too_many(points: Array, field: SizeField, edges: Numbers, most: int) -> None:
     """Raise an error if edges alone would have far too many points, by the size at some places of them."""
     if len(edges) == 0:
         return
-    along = _Edges(domain.points, edges)
+    along = _Edges(points, edges)
     share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
     piece = np.repeat(np.arange(len(edges)), PLACES_OF_EDGE)
     parts = along.length[piece] / field(along.in_space(piece, np.tile(share, len(edges))))
@@ -281,8 +334,8 @@ def _refuse_too_many(domain: Domain, field: SizeField, edges: Numbers, most: int
 
 def _body(
     domain: Domain, points: Array, rows: Numbers, parent: Numbers, number: Numbers, chain: _Chains
-) -> Divided:
-    """The domain of the triangles and of the parts of inner segments."""
+) -> Pieces:
+    """The triangles and the parts of inner segments."""
     shell = domain.triangulated
     facets = parent < len(domain.facets)
     order = np.concatenate([np.flatnonzero(facets), np.flatnonzero(~facets)])
@@ -292,14 +345,6 @@ def _body(
     steps, owner, span = chain.steps(edge)
     turned = (shell.segments[:, 0] > shell.segments[:, 1])[owner]
     steps[turned], span[turned] = steps[turned][:, ::-1], 1.0 - span[turned][:, ::-1]
-    inner = [*rows[many:], *steps]
     whole = np.concatenate([parent, shell.segment_piece[owner]]).astype(np.int32)
     spans = np.concatenate([np.tile(BOTH_ENDS, (len(rows), 1)), span])
-    body = Domain(
-        points,
-        rows[:many],
-        inner=inner or None,
-        markers={name: np.flatnonzero(np.isin(whole, pieces)) for name, pieces in domain.markers.items()},
-        regions=domain.regions,
-    )
-    return Divided(body, whole, spans, domain.name)
+    return Pieces(points, rows[:many], [*rows[many:], *steps], whole, spans)

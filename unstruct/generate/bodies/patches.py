@@ -17,7 +17,7 @@ __all__ = ["Patches", "patches_of", "shapes_of"]
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
 FLAT_POLYGON = (
-    16 * 2.0**-53
+    32 * 2.0**-53
 )  # off the plane of its polygon, up to which a vertex is in it; unit: largest coordinate
 
 

@@ -18,6 +18,7 @@ from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_INSIDE
 from ..tree.vertices import Vertices
 from .pattern import WHOLE, kinds_of_leaves, linked
+from .planes import Planes
 
 __all__ = ["Kinds", "clear_leaves", "must_be_octree", "with_hexahedra"]
 
@@ -41,7 +42,9 @@ def must_be_octree(tree: TreeCells, kind: str) -> None:
         raise InputError(f'{kind!r} needs a tree that is balanced across edges: tree.balanced("edges")')
 
 
-def clear_leaves(tree: TreeCells, domain: Any, margin: float) -> NDArray[np.bool_]:
+def clear_leaves(
+    tree: TreeCells, domain: Any, margin: float, planes: Planes | None = None
+) -> NDArray[np.bool_]:
     """The leaves inside whose boxes, larger by a margin on each side, meet nothing of a domain.
 
     Parameters
@@ -53,6 +56,8 @@ def clear_leaves(tree: TreeCells, domain: Any, margin: float) -> NDArray[np.bool
     margin : float
         In sides of the leaf. With 0, leaves may touch the surface and what lies within the body; otherwise
         they are farther from triangles that are larger than they.
+    planes : Planes, optional
+        Of the pieces: leaves may touch those that are in planes in which they have faces.
 
     Returns
     -------
@@ -72,7 +77,10 @@ def clear_leaves(tree: TreeCells, domain: Any, margin: float) -> NDArray[np.bool
         if len(rows):
             pieces = rows.astype(np.int64)
             reach = AS_FAR * _roots_of_areas(points[pieces]) if margin > 0.0 else np.zeros(len(pieces))
-            _without_met(tree, margin, (points, pieces, reach), factor, clear)
+            own = None
+            if planes is not None and rows is shell.triangles:
+                own = Planes(planes.axis[shell.piece], planes.at[shell.piece])
+            _without_met(tree, margin, (points, pieces, reach), factor, own, clear)
     return clear
 
 
@@ -85,7 +93,12 @@ def _roots_of_areas(x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _without_met(
-    tree: TreeCells, margin: float, given: tuple[Array, NDArray[np.int64], Array], factor: float, clear: Any
+    tree: TreeCells,
+    margin: float,
+    given: tuple[Array, NDArray[np.int64], Array],
+    factor: float,
+    planes: Planes | None,
+    clear: Any,
 ) -> None:
     """Take away leaves near pieces: `given` has points, rows, and how far away larger ones must be."""
     points, pieces, reach = given
@@ -97,17 +110,23 @@ def _without_met(
         part = rows[i : i + LEAVES_AT_ONCE]
         side = high[part] - low[part]
         query, hit = boxes.pairs(low[part] - margin * side, high[part] + margin * side)
+        if planes is not None:
+            at = part[query]
+            kept = ~planes.passed(hit, *(corner[at] for corner in tree.corners))
+            query, hit = query[kept], hit[kept]
         off = np.maximum(margin * side[query], reach[hit][:, None] - 0.5 * side[query])
         at = part[query]
         clear[at[pieces_in_boxes(points, pieces, hit, low[at] - off, high[at] + off)]] = False
 
 
-def with_hexahedra(tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool) -> Kinds:
+def with_hexahedra(
+    tree: TreeCells, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: NDArray[np.int8] | bool
+) -> Kinds:
     """What becomes of the chosen leaves; those that hang together without any hexahedron are left out.
 
     Parameters
     ----------
-    bare : bool
+    bare : (n,) int8 or bool
         See `kinds_of_leaves`.
     """
     kind = kinds_of_leaves(tree.grid, vertices, chosen, bare=bare)

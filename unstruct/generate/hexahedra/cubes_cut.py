@@ -16,13 +16,14 @@ from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.triangle_tree import TriangleTree
 from ...mesh import topology
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ..stuffing.account import lost_or_filled
 from ..tree.cells import TreeCells
 from ..tree.contacts import ALL_OUTSIDE, CUT
 from ..tree.cubes import cubes_as_tetrahedra
 from ..tree.vertices import numbered
 from .choosing import must_be_octree
 from .cutting import VERTEX_IN, VERTEX_ON, VERTEX_OUT, crossings, cut_cells, positive_places
-from .missing import lost_or_filled
+from .missing import samples_of_surface
 from .numbering import named_parts
 from .pinches import pinched_vertices
 
@@ -57,7 +58,8 @@ def cut_cubes(tree: TreeCells) -> DomainMesh:
     x, border = found.points[used], number[found.border]
     shell = domain.triangulated
     cell = np.nonzero(found.neighbors < 0)[0]
-    reasons, most = lost_or_filled(tree, (shell.points, shell.bounding), (x, border, cell))
+    surface = (shell.points, shell.bounding)
+    reasons, most = lost_or_filled(samples_of_surface(tree, *surface), surface, (x, border, cell), "leaf")
     rows = sorted(reasons)
     mesh = DomainMesh(
         x,

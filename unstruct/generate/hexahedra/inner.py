@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 
 from ...base.arrays import flagged
 from ...base.errors import InputError
-from ...domain.space.parts import parts_in_space
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.split import simplices_of_cells
 from ..tree.cells import TreeCells
 from ..tree.vertices import Vertices, numbered
 from .choosing import clear_leaves, must_be_octree
-from .numbering import named_parts
-from .pattern import NOT_CHOSEN, Cubes, cubes_as_cells, kinds_of_leaves, leaves_at_ends, linked
+from .pattern import NOT_CHOSEN, Cubes, cubes_as_cells, kinds_of_leaves, leaves_at_ends
 from .pinches import pinched_vertices
+from .regions import regions_of_leaves
 from .together import KINDS_OF_CELLS, of_cubes
 
 __all__ = ["inner_hexahedra"]
@@ -41,7 +40,7 @@ def inner_hexahedra(tree: TreeCells) -> DomainMesh:
     figures = {"share of volume": float((along[:, 0] * along[:, 1] * along[:, 2]).sum() / volume)}
     if tree.domain is None:
         return of_cubes(cubes, counts=counts, figures=figures)
-    region = _regions(tree, chosen)[cubes.leaf].astype(np.int32)
+    region = regions_of_leaves(tree, chosen)[cubes.leaf].astype(np.int32)
     names = {name: k for k, name in enumerate(tree.domain.regions)}
     return of_cubes(cubes, {"region": region}, names, counts, figures)
 
@@ -75,19 +74,3 @@ def _cells_of_leaves(cubes: Cubes, which: NDArray[np.bool_]) -> dict[str, NDArra
         cells[name] = rows[which[cubes.leaf[begin : begin + len(rows)]]]
         begin += len(rows)
     return cells
-
-
-def _regions(tree: TreeCells, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """For each leaf the number of the part of the body that it lies in; -1 if it is not chosen."""
-    shell = tree.domain.triangulated
-    parts = parts_in_space(shell.points, shell.triangles)
-    root = linked(tree.grid, chosen)
-    heads = np.flatnonzero(chosen & (root == np.arange(len(root))))
-    part = np.full(len(root), -1, dtype=np.int64)
-    part[heads] = parts.locate(np.asarray(tree.centers)[heads])
-    seeds = np.concatenate([np.empty((0, 3)), *tree.domain.regions.values()])
-    of_seed = parts.locate(seeds)
-    used = np.unique(part[heads])
-    place = np.searchsorted(used, of_seed).clip(max=len(used) - 1)
-    numbers = named_parts(tree.domain, np.arange(len(used)), place, used[place] == of_seed)
-    return np.where(chosen, numbers[np.searchsorted(used, part[root]).clip(max=len(used) - 1)], -1)

@@ -20,6 +20,7 @@ from ..tree.lookup import Grid, entries, leaf_of
 from ..tree.vertices import Vertices
 
 __all__ = [
+    "ALL_FACES",
     "FAN_OF_LEAF",
     "NOT_CHOSEN",
     "WHOLE",
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 NOT_CHOSEN, FAN_OF_LEAF, WHOLE = 0, 1, 2  # what becomes of a leaf
+ALL_FACES = 63  # one bit for each face
 AROUND_CUBE = (0, 1, 3, 2, 4, 5, 7, 6)  # corners of a leaf in VTK's order
 
 
@@ -47,7 +49,7 @@ class Cubes(NamedTuple):
     leaf : (h + p + t,) int64
         The leaf of each cell.
     outer : (f, 3) int32
-        The triangles at which the chosen leaves end, outward; quadrilaterals are not among them.
+        The triangles at which the chosen leaves end, outward; what may end in quadrilaterals is not here.
     outer_leaf : (f,) int64
     """
 
@@ -92,7 +94,7 @@ def _kinds(grid, shift, vertex, chosen, bare, kind):
         for face in range(6):
             outline_of_face(grid, shift, vertex, leaf, low, face, ring)
             whole &= ring[1] < 0 and ring[3] < 0 and ring[5] < 0 and ring[7] < 0 and ring[8] < 0
-            if whole and not bare:
+            if whole and not (bare[leaf] >> face) & 1:
                 other = _beyond(grid, shift, low, width, face, 0, q)
                 whole &= other >= 0 and chosen[other]
             if not whole:
@@ -101,7 +103,7 @@ def _kinds(grid, shift, vertex, chosen, bare, kind):
 
 
 def kinds_of_leaves(
-    grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: bool
+    grid: Grid, vertices: Vertices, chosen: NDArray[np.bool_], *, bare: NDArray[np.int8] | bool
 ) -> NDArray[np.int8]:
     """What becomes of each leaf: `WHOLE`, `FAN_OF_LEAF` or, if it is not chosen, `NOT_CHOSEN`.
 
@@ -110,12 +112,17 @@ def kinds_of_leaves(
     grid, vertices
         Those of an octree that is balanced across edges.
     chosen : (n,) bool
-    bare : bool
-        Whether the chosen leaves may end at quadrilaterals.
+    bare : (n,) int8 or bool
+        The faces of each leaf at which it may end in quadrilaterals, as bits; True for all.
     """
     kind = np.empty(len(grid.first), dtype=np.int8)
-    _kinds(grid, entries(grid.depth, 3), vertices.corners, chosen, bare, kind)
+    _kinds(grid, entries(grid.depth, 3), vertices.corners, chosen, _bits(bare, len(kind)), kind)
     return kind
+
+
+def _bits(bare: NDArray[np.int8] | bool, count: int) -> NDArray[np.int8]:
+    """The bits of all faces, or of none, if there is no mask."""
+    return np.full(count, ALL_FACES if bare else 0, dtype=np.int8) if isinstance(bare, bool) else bare
 
 
 @inline
@@ -171,17 +178,17 @@ def _divided_face(grid, shift, kind, bare, at, ring, made, count):
 
     `at` has the leaf, the face, the number of the center, and the width of the leaf.
     """
-    leaf, face, width = at[0], at[1], at[3]
+    leaf, face, width, open_ = at[0], at[1], at[3], (bare[at[0]] >> at[1]) & 1 == 1
     low, q, four = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64), np.empty(4, dtype=np.int64)
     _low_of(grid, leaf, low)
     for k in range(4):
         other = _beyond(grid, shift, low, width, face, k, q)
         before, after = (2 * k + 7) % 8, 2 * k + 1
-        if _quadrilateral(kind, other, bare):
+        if _quadrilateral(kind, other, open_):
             four[0], four[1], four[2], four[3] = 2 * k, after, 8, before
             _pyramid(ring, four, at, made, count)
             continue
-        end = other < 0 or kind[other] == NOT_CHOSEN
+        end = not open_ and (other < 0 or kind[other] == NOT_CHOSEN)
         _tetrahedron(ring[8], ring[before], ring[2 * k], at, end, made, count)
         _tetrahedron(ring[8], ring[2 * k], ring[after], at, end, made, count)
 
@@ -209,14 +216,15 @@ def _fan(grid, shift, vertex, kind, bare, at, made, count):
                     start = n
                 n += 1
         other = _beyond(grid, shift, low, at[3], face, 0, q)
-        if n == 4 and _quadrilateral(kind, other, bare):
+        open_ = (bare[leaf] >> face) & 1 == 1
+        if n == 4 and _quadrilateral(kind, other, open_):
             for k in range(4):
                 four[k] = 2 * k
             _pyramid(ring, four, at, made, count)
             continue
         if n == 4:
             start = ((low[(a + 1) % 3] >> up) ^ (low[(a + 2) % 3] >> up)) & 1
-        end = other < 0 or kind[other] == NOT_CHOSEN
+        end = not open_ and (other < 0 or kind[other] == NOT_CHOSEN)
         for t in range(n - 2):
             second, third = outline[(start + 1 + t) % n], outline[(start + 2 + t) % n]
             _tetrahedron(outline[start], second, third, at, end, made, count)
@@ -240,7 +248,9 @@ def _cells(grid, shift, vertex, kind, bare, centers, made, count):
             center += 1
 
 
-def cubes_as_cells(grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, bare: bool) -> Cubes:
+def cubes_as_cells(
+    grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, bare: NDArray[np.int8] | bool
+) -> Cubes:
     """The cells of leaves of these kinds; O(n log n).
 
     Parameters
@@ -249,9 +259,10 @@ def cubes_as_cells(grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, ba
         Those of an octree that is balanced across edges.
     kind : (n,) int8
         See `kinds_of_leaves`.
-    bare : bool
+    bare : (n,) int8 or bool
         As there.
     """
+    mask = _bits(bare, len(kind))
     fans = np.flatnonzero(kind == FAN_OF_LEAF)
     count = np.zeros(4, dtype=np.int64)
     shift, start = entries(grid.depth, 3), len(vertices.points)
@@ -259,7 +270,7 @@ def cubes_as_cells(grid: Grid, vertices: Vertices, kind: NDArray[np.int8], *, ba
     for _ in range(2):  # first they are counted
         made = _room(count)
         count = np.zeros(4, dtype=np.int64)
-        _cells(grid, shift, vertices.corners, kind, bare, start, made, count)
+        _cells(grid, shift, vertices.corners, kind, mask, start, made, count)
     corner = vertices.points[vertices.corners[fans]]
     centers = corner[:, 0] + 0.5 * (corner[:, 7] - corner[:, 0])
     return Cubes(
@@ -309,8 +320,8 @@ def leaves_at_ends(grid: Grid, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 @kernel
-def _link(grid, shift, chosen, root):
-    """Leaves that share a face have one root in the end, the least of them."""
+def _link(grid, shift, chosen, free, root):
+    """Leaves that share a face, of which one is free, have one root in the end, the least of them."""
     low, q = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64)
     for leaf in range(len(chosen)):
         if not chosen[leaf]:
@@ -321,6 +332,8 @@ def _link(grid, shift, chosen, root):
             other = _beyond(grid, shift, low, width, face, 0, q)
             if other < 0 or not chosen[other] or grid.levels[other] > grid.levels[leaf]:
                 continue  # pairs of different size are found from the smaller one
+            if not (free[leaf] or free[other]):
+                continue
             i, j = leaf, other
             while root[i] != i:
                 root[i] = root[root[i]]
@@ -333,8 +346,12 @@ def _link(grid, shift, chosen, root):
         root[leaf] = root[root[leaf]]  # roots come first
 
 
-def linked(grid: Grid, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """A number for each leaf, the same for chosen leaves that hang together over faces: (n,)."""
+def linked(grid: Grid, chosen: NDArray[np.bool_], free: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
+    """A number for each leaf, the same for chosen leaves that hang together over faces: (n,).
+
+    Two of them hang together over a face only if one is ``free``: nothing lies in the faces of such leaves.
+    By default all are.
+    """
     root = np.arange(len(chosen))
-    _link(grid, entries(grid.depth, 3), chosen, root)
+    _link(grid, entries(grid.depth, 3), chosen, chosen if free is None else free, root)
     return root

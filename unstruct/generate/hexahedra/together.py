@@ -10,21 +10,22 @@ from numpy.typing import NDArray
 from ...base.arrays import flagged
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
-from ..bodies.dividing import Divided
 from ..tree.cells import TreeCells
 from ..tree.lookup import located
 from ..volume.rounder import faces_of_cells
 from .choosing import Kinds
 from .numbering import numbered_parts
 from .pattern import Cubes
+from .skin import Skin, places_of_vertices
 from .strip import Strip
 
-__all__ = ["KINDS_OF_CELLS", "of_cubes", "together"]
+__all__ = ["KINDS_OF_CELLS", "of_cubes", "of_cubes_alone", "together"]
 
 LONG_AT_LEAF = (
     2.0  # edges of given facets over the side of the leaf there, from which cells at them are named
 )
 LARGE_FACET = "a facet is larger than the leaves there; split_boundary=True divides it"
+FACES_ON_SIDES = "faces of leaves on facets"
 KINDS_OF_CELLS = ("hexahedron", "pyramid", "tetra")
 
 
@@ -58,59 +59,107 @@ def _counts(blocks: Any) -> dict[str, int]:
     return {f"cells: {name}": len(rows) for name, rows in zip(KINDS_OF_CELLS, blocks, strict=True)}
 
 
-def together(tree: TreeCells, parts: Divided | None, strip: Strip, cubes: Cubes, kinds: Kinds) -> DomainMesh:
+def together(
+    tree: TreeCells, strip: Strip, cubes: Cubes, kinds: Kinds, skin: Skin, place: Any = None
+) -> DomainMesh:
     """One mesh of the kernel and the strip around it.
 
     Parameters
     ----------
     tree : TreeCells
         With its domain.
-    parts : Divided or None
-        What the facets of the strip are parts of.
     strip : Strip
     cubes, kinds
         The kernel.
+    skin : Skin
+        Its faces on facets.
+    place : (v,) int64, optional
+        The points of the domain, or others, at its vertices.
     """
     mesh, domain = strip.mesh, tree.domain
     number, new = _numbers(strip, cubes)
     tetrahedra = np.concatenate([number[cubes.tetrahedra], mesh.simplices])
     blocks = [number[cubes.hexahedra], number[cubes.pyramids], tetrahedra]
-    origin = np.where(np.asarray(mesh.origin) < len(domain.points), mesh.origin, -1)
-    pieces = _pieces(parts, strip)
+    own = np.asarray(mesh.origin)
+    origin = np.where(own >= 0, strip.given[own], -1)
+    more = np.full(len(new), -1)
+    if place is not None:
+        more = np.where(place[new] < len(domain.points), place[new], -1)
+    pieces = _pieces(strip)
     large = _at_large_facets(tree, mesh, pieces["faces"])
     reasons = dict.fromkeys(large.tolist(), LARGE_FACET)
     reasons |= dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist(), strict=True))
     cells, before = sorted(reasons), len(cubes.leaf)
+    if len(skin.faces):
+        rows = np.where(skin.faces >= 0, number[skin.faces], -1)
+        pieces["faces"] = np.concatenate([_four(pieces["faces"]), rows])
+        pieces["face_piece"] = np.concatenate([pieces["face_piece"], skin.piece])
     return DomainMesh(
         np.concatenate([mesh.points, cubes.points[new]]),
         None,
         cells=_named_cells([rows.astype(np.int32) for rows in blocks]),
-        origin=np.concatenate([origin, np.full(len(new), -1)]).astype(np.int32),
+        origin=np.concatenate([origin, more]).astype(np.int32),
         markers=_markers(domain, pieces) | {"region": numbered_parts(tree, strip, cubes, kinds, number)},
         regions={name: k for k, name in enumerate(domain.regions)},
         **pieces,
         unrefined=[before + cell for cell in cells] if cells else None,
         reasons=[reasons[cell] for cell in cells] if cells else None,
-        counts=mesh.counts | _counts(blocks),
+        counts=mesh.counts | _counts(blocks) | {FACES_ON_SIDES: len(skin.faces)},
         figures={"share of hexahedra": _share(cubes, domain)},
     )
+
+
+def of_cubes_alone(tree: TreeCells, cubes: Cubes, skin: Skin, region: NDArray[Any]) -> DomainMesh:
+    """The mesh of a body that is its leaves; `region` has the number of that of each leaf."""
+    domain = tree.domain
+    blocks = (cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
+    used = np.flatnonzero(flagged(len(cubes.points), *blocks))
+    number = np.full(len(cubes.points), -1, dtype=np.int32)
+    number[used] = np.arange(len(used))
+    cells = [number[rows] for rows in blocks]
+    none = np.empty((0, 2))
+    faces = np.where(skin.faces >= 0, number[skin.faces], -1)
+    pieces: dict[str, Any] = {"faces": faces, "face_piece": skin.piece, "segments": none.astype(np.int32)}
+    pieces |= {"piece": none[:, 0].astype(np.int32), "span": none}
+    return DomainMesh(
+        cubes.points[used],
+        None,
+        cells=_named_cells(cells),
+        origin=places_of_vertices(domain, cubes.points[used]).astype(np.int32),
+        markers=_markers(domain, pieces) | {"region": region[cubes.leaf].astype(np.int32)},
+        regions={name: k for k, name in enumerate(domain.regions)},
+        **pieces,
+        counts=_counts(cells) | {FACES_ON_SIDES: len(skin.faces)},
+        figures={"share of hexahedra": _share(cubes, domain)},
+    )
+
+
+def _narrow(faces: NDArray[Any]) -> NDArray[Any]:
+    """Rows of three, if all faces are triangles."""
+    return faces[:, :3] if faces.shape[1] > 3 and (faces[:, 3] < 0).all() else faces
+
+
+def _four(faces: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Triangles as rows of four."""
+    return np.column_stack([faces, np.full(len(faces), -1, dtype=np.int32)])
 
 
 def _numbers(strip: Strip, cubes: Cubes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The number in the whole of each vertex of the kernel, and those that the strip does not have."""
     origin = np.asarray(strip.mesh.origin)
     number = np.full(len(cubes.points), -1, dtype=np.int64)
-    at = np.flatnonzero(origin >= strip.points)
-    number[strip.vertex[origin[at] - strip.points]] = at
+    at = np.flatnonzero(origin >= 0)
+    at = at[strip.kernel[origin[at]] >= 0]
+    number[strip.kernel[origin[at]]] = at
     used = flagged(len(number), cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
     new = np.flatnonzero(used & (number < 0))
     number[new] = len(strip.mesh.points) + np.arange(len(new))
     return number, new
 
 
-def _pieces(parts: Divided | None, strip: Strip) -> dict[str, Any]:
+def _pieces(strip: Strip) -> dict[str, Any]:
     """Which faces and edges lie on which pieces of the domain."""
-    mesh, many = strip.mesh, len(strip.domain.facets) - strip.facets
+    mesh, many, parts = strip.mesh, len(strip.domain.facets) - strip.facets, strip.parts
     own = ~strip.of_kernel
     face_piece = np.asarray(mesh.face_piece)[own]
     face_piece = np.where(face_piece < strip.facets, face_piece, face_piece - many)
@@ -131,9 +180,9 @@ def _pieces(parts: Divided | None, strip: Strip) -> dict[str, Any]:
 def _markers(domain: Domain, pieces: dict[str, Any]) -> dict[str, NDArray[Any]]:
     faces, face_piece = pieces["faces"], pieces["face_piece"]
     bounding = face_piece < len(domain.facets)
-    markers = {"facets": faces[bounding], "inner": faces[~bounding]}
+    markers = {"facets": _narrow(faces[bounding]), "inner": _narrow(faces[~bounding])}
     for name, rows in domain.markers.items():
-        named = faces[np.isin(face_piece, rows)]
+        named = _narrow(faces[np.isin(face_piece, rows)])
         edges = np.asarray(pieces["segments"])[np.isin(pieces["piece"], rows)]
         markers[name] = named if len(named) or not len(edges) else edges
     return markers

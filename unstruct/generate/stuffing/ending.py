@@ -1,4 +1,4 @@
-"""Where the mesh ends: its boundary, where that touches itself, and what of a body it lacks.
+"""Where the mesh ends: its boundary, and where that touches itself.
 
 See the book, chapter 4c.
 """
@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import kernel
-from ...geometry.triangle_tree import TriangleTree, onto
+from ...geometry.triangle_tree import onto
 from ...mesh.grouping import group_rows, sort_rows
 from ...mesh.manifold import fans_of_faces
-from ...predicates.batch import power_of_two
 
-__all__ = ["FAR_FROM_MESH", "boundary_faces", "missing_parts", "nearest_on", "pinched_vertices"]
+__all__ = ["boundary_faces", "nearest_on", "pinched_vertices"]
 
 Array = NDArray[np.float64]
-FAR_FROM_MESH = 0.8  # of a cell: a crease or a corner that is cut off is nearer (see the tests)
 OPPOSITE = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # the faces of a tetrahedron, seen from outside
 
 
@@ -82,42 +80,3 @@ def nearest_on(x: Array, corners: Array, which: NDArray[np.int64]) -> Array:
     places = np.empty(x.shape)
     _nearest_places(x, corners, which, places)
     return places
-
-
-def missing_parts(
-    samples: tuple[Array, Array],
-    points: Array,
-    faces: NDArray[np.int32],
-    cell: NDArray[np.int64],
-    limit: float,
-) -> tuple[dict[int, tuple[float, Array]], float]:
-    """Places of the true surface that are far from the mesh.
-
-    Parameters
-    ----------
-    samples : (x, side)
-        Points of the surface (k, 3), and the sides of the leaves there (k,).
-    points, faces, cell
-        The mesh's vertices, its boundary faces and their cells.
-    limit : float
-        Places are far that are more sides away than this.
-
-    Returns
-    -------
-    dict of cell to (distance in sides, place)
-        The farthest place for each cell that is nearest to one.
-    float
-        The largest distance of all samples, in sides.
-    """
-    x, side = samples
-    corners = points[faces]
-    which, weight = TriangleTree(corners).nearest(x)
-    factor = power_of_two(x)  # squares in very small units would be zero
-    gap = (x - (weight[:, :, None] * corners[which]).sum(axis=1)) * factor
-    distance = np.sqrt((gap * gap).sum(axis=1)) / (side * factor)
-    found: dict[int, tuple[float, Array]] = {}
-    for i in np.flatnonzero(distance > limit).tolist():
-        owner = int(cell[which[i]])
-        if owner not in found or found[owner][0] < distance[i]:
-            found[owner] = float(distance[i]), x[i]
-    return found, float(distance.max(initial=0.0))

@@ -223,6 +223,10 @@ def _fitted(p: Array, area: Array, part: Integers) -> _Planes:
     place = np.stack([np.bincount(part, size * middle[:, a], minlength=count) for a in range(3)], axis=1)
     normal: Array = np.stack([np.bincount(part, area[:, a], minlength=count) for a in range(3)], axis=1)
     length = _lengths(normal)
+    closed = length == 0.0  # no sum of normals tells a plane: any will do, since no closed part is flat
+    if closed.any():
+        normal[closed] = area[_largest(size, part)[closed]]
+        length = _lengths(normal)
     return _Planes(place / total[:, None], normal / np.where(length > 0.0, length, 1.0)[:, None])
 
 

@@ -20,8 +20,9 @@ from ...mesh.mesh import Mesh
 from ...predicates.batch import power_of_two
 from ...sizing.field import as_size
 from ..tree.growing import MOST_LEAVES, as_box
+from .account import lost_or_filled
 from .creases import creases_of, with_creases
-from .ending import FAR_FROM_MESH, boundary_faces, missing_parts, pinched_vertices
+from .ending import boundary_faces, pinched_vertices
 from .filling import Background, Filling, background_of, filled_background
 from .laying import Laid, laid_in_level_set
 from .sampling import LevelSet
@@ -90,8 +91,10 @@ def isosurface_stuffing(
         distance of a place of it from the mesh, "cells missed". For a Domain, ``markers`` has for each of its
         names the faces that are nearest to facets of that name, and "region" the number of each cell if
         regions have names. ``unrefined`` has cells where the boundary touches itself, cells next to which a
-        part of the surface is missing, by more than 0.8 of a cell, and cells larger than wanted; ``reasons``
-        tell the place.
+        part of the body is lost, or a gap filled, by more than 0.8 of a cell, and one for each component of
+        the surface beside which the boundary is not connected as it is (by components and Euler
+        characteristic: a lost cavity, a filled tunnel), and cells larger than wanted; ``reasons`` tell the
+        place.
 
     Raises
     ------
@@ -115,8 +118,9 @@ def isosurface_stuffing(
     cut at the size, and `tetrahedralize` fills it. The other cells keep the angles of the theorem. Those in
     the strip are measured: from 13 to 151 degrees in turned boxes, notches and wedges of 20 and more degrees.
     Then the mesh has exactly the volume of the body, up to rounding, and to how far its sides are from flat.
-    Edges within flat sides are not kept: where those are given in triangles, `check(mesh, domain=...)` passes
-    for the body with each side as one polygon; `check(mesh)` and the volume are for any body.
+    Edges within flat sides are not kept: where those are given in triangles, each side is a union of faces in
+    its plane, which ``check(mesh, domain=body.simplified())`` tests. In single precision sides are in no
+    plane, by more than the 64 units of rounding that `check` allows; `check(mesh)` is for any body.
 
     Vertices on the boundary are on the surface up to the tolerance, or, for surfaces of triangles, up to
     rounding; the boundary's faces are chords. So creases and corners are cut off, by less than a cell.
@@ -232,12 +236,11 @@ def _finished(laid: Laid, made: Made, domain: Domain | None, called: int) -> Dom
     for row in cell[np.isin(faces, pinched).any(axis=1)].tolist():
         reasons[row] = PINCHED
     figures = {}
-    if laid.samples is not None:
-        missing, most = missing_parts(laid.samples, made.points, faces, cell, FAR_FROM_MESH)
-        figures["cells missed"] = most
-        for row, (gap, place) in missing.items():
-            at = ", ".join(f"{x:.6g}" for x in place)
-            reasons[row] = f"the body is thinner than a cell, and missing, near ({at}), {gap:.2f} cells away"
+    if laid.samples is not None and domain is not None:
+        shell = domain.triangulated
+        surface, mesh = (shell.points, shell.bounding), (made.points, faces, cell)
+        lost, figures["cells missed"] = lost_or_filled(laid.samples, surface, mesh, "cell")
+        reasons |= lost
     rows = sorted(reasons)
     markers, regions = _names(domain, made, faces)
     return DomainMesh(
