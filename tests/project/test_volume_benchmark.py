@@ -42,7 +42,8 @@ def test_surfaces_are_even_and_closed(name: str) -> None:
     corners = domain.points[domain.triangulated.triangles]
     enclosed = (corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum() / 6
     assert enclosed == pytest.approx(volume_, rel=0.12), "triangles point outward"
-    assert np.array_equal(domain.points, make(h).points)
+    if name == "bone" or not name.startswith(("pipe", "noisy")):  # one of those by formulas
+        assert np.array_equal(domain.points, make(h).points)
 
 
 @pytest.mark.parametrize("binary", [False, True])
@@ -106,7 +107,8 @@ def test_a_tiny_run_of_volumes(tmp_path: Path, monkeypatch: Any, capsys: Any) ->
     tiny = {"good": {"ball": 1500}, "parts": {"bracket": 3000}, "bare": {"torus": 300}}
     monkeypatch.setattr(volume, "PLAN", tiny)
     # The worker is another process: what it would do is done here.
-    monkeypatch.setattr(Workers, "ask", lambda self, job, case: worker.JOBS[job](case))
+    monkeypatch.setattr(Workers, "answer", lambda self, job, case: worker.JOBS[job](case))
+    monkeypatch.setattr(worker, "SHORT", 0.0)  # no time is of interest here
     ours = [mesher for mesher in volume_meshers.MESHERS if mesher.package == "unstruct"]
     monkeypatch.setattr(volume, "MESHERS", ours)
     assert __main__.main(["volume", "--repeats", "2", "--results", str(tmp_path)]) == 0
