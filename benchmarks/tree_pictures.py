@@ -10,6 +10,7 @@ from .planar_report import DASHES
 from .scatter import Marks, scatter
 
 Series = dict[str, list[tuple[float, float]]]
+TICKS = (50, 100, 200, 500, 1000)
 COLORED_AS = ("circumcircle", "inserted", "voronoi", "front")  # roles
 
 __all__ = ["growth_and_angles", "marks"]
@@ -35,6 +36,8 @@ def growth_and_angles(series: Series, counts: dict[str, Any], bounds: tuple[floa
         left.loglog(*zip(*series[name]), label=name, **line)
     left.set_xlabel("leaves")
     left.set_ylabel("nanoseconds a leaf")
+    left.set_yticks(TICKS, [str(tick) for tick in TICKS])
+    left.minorticks_off()
     for (name, found), color, dash in zip(counts.items(), COLORED_AS, DASHES):
         edges = np.linspace(0.0, 180.0, len(found) + 1)
         share = 100 * np.asarray(found) / np.sum(found)
@@ -44,6 +47,7 @@ def growth_and_angles(series: Series, counts: dict[str, Any], bounds: tuple[floa
     right.set_xticks(range(0, 181, 30))
     right.set_xlabel("dihedral angle in degrees")
     right.set_ylabel("% of all dihedral angles")
+    right.set_yscale("log")
     for ax in (left, right):
         if ax.get_legend_handles_labels()[0]:
             ax.legend(fontsize=7)

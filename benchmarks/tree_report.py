@@ -10,7 +10,7 @@ import numpy as np
 from . import tree_pictures
 from .planar_report import ratio, speed, times
 from .report import OURS, figures, grid, page, relative, short
-from .stuffing import BOUNDS
+from .stuffing import BOUNDS, GRADED
 from .tree_cubes import INNER
 
 Row = dict[str, Any]
@@ -172,23 +172,28 @@ def quality(rows: list[Row]) -> str:
         if some:
             worst = f"angles of at least {min(row['away'] for row in some):.1f}°"
             lines.append([title, str(len(some)), f"{sum(row['cells'] for row in some):,}", worst])
-    named = {"stuffing": "smooth bodies, stuffed", "fields": "random fields, stuffed"}
-    for work, title in named.items():
-        found = of_work(rows, work)
-        some = [case[OURS] for case in found.values()]
+    for title, some in _stuffed(rows).items():
         if some:
-            count = len(some) if work == "stuffing" else sum(n for _, n in found)
-            worst = "dihedral angles from {:.1f}° to {:.1f}°".format(*_extremes(some))
-            lines.append([title, str(count), f"{sum(row['cells'] for row in some):,}", worst])
-    some = [case[OURS] for (kind, _), case in of_work(rows, "hexahedra").items() if kind == "ball"]
-    for row in some:
-        worst = f"{100 * row['share']:.0f} % of the volume in hexahedra"
-        lines.append(["a ball by hexahedra and others", "1", f"{row['cells']:,}", worst])
+            count = sum(row["n"] if row["work"] == "fields" else 1 for row in some)
+            low, high = min(row["least"] for row in some), max(row["most"] for row in some)
+            worst = f"dihedral angles from {low:.1f}° to {high:.1f}°"
+            lines.append([f"{title}, stuffed", str(count), f"{sum(row['cells'] for row in some):,}", worst])
+    for (kind, n), case in of_work(rows, "hexahedra").items():
+        if kind == "ball":
+            worst = f"{100 * case[OURS]['share']:.0f} % of the volume in hexahedra"
+            title = f"a ball of {short(n)} leaves by hexahedra and others"
+            lines.append([title, "1", f"{case[OURS]['cells']:,}", worst])
     return grid(["meshes", "number", "cells", "worst"], 1, lines)
 
 
-def _extremes(rows: list[Row]) -> tuple[float, float]:
-    return min(row["least"] for row in rows), max(row["most"] for row in rows)
+def _stuffed(rows: list[Row]) -> dict[str, list[Row]]:
+    """Rows of stuffing by what theorems say of them: bodies of one size, graded ones, fields of one level."""
+    bodies = {kind: case[OURS] for (kind, _), case in of_work(rows, "stuffing").items()}
+    return {
+        "smooth bodies": [row for kind, row in bodies.items() if kind not in GRADED],
+        "graded bodies": [row for kind, row in bodies.items() if kind in GRADED],
+        "random fields": [case[OURS] for case in of_work(rows, "fields").values()],
+    }
 
 
 def marks(rows: list[Row]) -> Any:
@@ -219,8 +224,7 @@ def plot(rows: list[Row]) -> Any:
         for name, row in case.items():
             series.setdefault(f"{name}, {kind}", []).append((row["cells"], 1e9 / speed(row)))
     counts = {}
-    for work, title in (("stuffing", "smooth bodies"), ("fields", "random fields")):
-        some = [case[OURS]["angles"] for case in of_work(rows, work).values()]
+    for title, some in _stuffed(rows).items():
         if some:
-            counts[title] = np.sum(some, axis=0)
+            counts[title] = np.sum([row["angles"] for row in some], axis=0)
     return tree_pictures.growth_and_angles(series, counts, BOUNDS) if series or counts else None
