@@ -10,6 +10,7 @@ from .planar_report import DASHES
 from .scatter import Marks, scatter
 
 Series = dict[str, list[tuple[float, float]]]
+SPEEDS = (0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10)
 TICKS = (50, 100, 200, 500, 1000)
 COLORED_AS = ("circumcircle", "inserted", "voronoi", "front")  # roles
 
@@ -18,7 +19,13 @@ __all__ = ["growth_and_angles", "marks"]
 
 def marks(panels: dict[str, tuple[str, Marks]]) -> Any:
     """Speeds against least angles."""
-    return scatter(panels, "cells per second")
+    figure = scatter(panels, "million cells per second")
+    for ax in figure.axes:
+        low, high = ax.get_xlim()
+        ticks = [tick for tick in SPEEDS if low <= tick <= high]
+        ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        ax.minorticks_off()
+    return figure
 
 
 def growth_and_angles(series: Series, counts: dict[str, Any], bounds: tuple[float, float]) -> Any:

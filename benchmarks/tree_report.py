@@ -26,8 +26,10 @@ TITLES = {
     "fields": "Isosurface stuffing of random fields of one level",
     "hexahedra": "Hexahedra from octrees of bodies",
 }
-BESIDE = ("build", "locate", "conforming")  # works with a table of speeds
-__all__ = ["BESIDE", "TITLES", "markdown", "marks", "of_work", "plot", "quality", "same", "summary", "table"]
+__all__ = [
+    "PEER", "TITLES", "angles", "exponent", "markdown", "marks", "of_work", "plot", "quality", "same",
+    "shares", "summary", "table",
+]  # fmt: skip
 
 
 def of_work(rows: list[Row], work: str) -> Cases:
@@ -112,26 +114,33 @@ def angles(rows: list[Row]) -> str:
 
 def stuffed(rows: list[Row]) -> str:
     """A line for each body: dihedral angles, what must be 0, and the speed without the function."""
-    head = ["body", "tetrahedra", "from", "to", "inverted", "surface", "seconds", "without the function"]
+    head = [
+        "body",
+        "tetrahedra",
+        "from",
+        "to",
+        "inverted",
+        "surface",
+        "seconds",
+        "million/s without the function",
+    ]
     lines = []
     for (kind, _), case in of_work(rows, "stuffing").items():
         row = case[OURS]
         cells = [kind, f"{row['cells']:,}", f"{row['least']:.1f}°", f"{row['most']:.1f}°"]
         cells += [str(row["inverted"]), "**open**" if row["open"] else "closed", figures(row["seconds"])]
-        lines.append([*cells, f"{row['cells'] / row['bare'] / 1e6:.2f} million/s"])
-    return grid([*head], 1, lines)
+        lines.append([*cells, f"{row['cells'] / row['bare'] / 1e6:.2f}"])
+    return grid(head, 1, lines)
 
 
 def fields(rows: list[Row]) -> str:
     """A line for each kind of fields: the worst of all their angles, and what must be 0."""
-    head = ["fields", "number", "tetrahedra", "from", "to", "inverted", "surfaces not closed"]
-    head += ["surfaces that touch themselves", "million/s, functions included"]
+    head = ["fields", "number", "tetrahedra", "from", "to", "inverted", "not closed", "touch themselves"]
     lines = []
     for (kind, n), case in of_work(rows, "fields").items():
         row = case[OURS]
         cells = [kind, str(n), f"{row['cells']:,}", f"{row['least']:.2f}°", f"{row['most']:.2f}°"]
-        cells += [str(row[key]) for key in ("inverted", "open", "pinched")]
-        lines.append([*cells, figures(speed(row) / 1e6)])
+        lines.append([*cells, *(str(row[key]) for key in ("inverted", "open", "pinched"))])
     return grid(head, 1, lines)
 
 
@@ -149,6 +158,19 @@ def hexahedra(rows: list[Row]) -> str:
             cells += [f"{row['worst']:.2f}", "" if row["least"] is None else f"{row['least']:.1f}°"]
             lines.append([*cells, figures(row["seconds"]), figures(speed(row) / 1e6)])
     return grid(head, 3, lines)
+
+
+def shares(rows: list[Row]) -> str:
+    """A line for each body: cells, the share of the volume that hexahedra and inner leaves have, seconds."""
+    head = ["body", "leaves inside, about", "hexahedra", "pyramids", "tetrahedra", "volume in hexahedra"]
+    head += ["in inner leaves", "least dihedral", "seconds"]
+    lines = []
+    for (kind, n), case in of_work(rows, "hexahedra").items():
+        row = case[OURS]
+        cells = [kind, short(n), *(f"{row[key]:,}" for key in ("hexahedra", "pyramids", "tetrahedra"))]
+        cells += [f"{100 * one['share']:.0f} %" for one in (row, case[INNER])]
+        lines.append([*cells, f"{row['least']:.1f}°", figures(row["seconds"])])
+    return grid(head, 2, lines)
 
 
 def summary(rows: list[Row]) -> str:
@@ -203,7 +225,7 @@ def marks(rows: list[Row]) -> Any:
         title = "the disc" if kind == "disc" else "fractal coasts"
         found = panels.setdefault(title, ("degrees", {}))[1]
         for name, row in case.items():
-            found.setdefault("fitted" if name == OURS else name, []).append((speed(row), row["away"]))
+            found.setdefault("fitted" if name == OURS else name, []).append((speed(row) / 1e6, row["away"]))
     return tree_pictures.marks(panels)
 
 
