@@ -162,8 +162,7 @@ def hexahedra(rows: list[Row]) -> str:
 
 def shares(rows: list[Row]) -> str:
     """A line for each body: cells, the share of the volume that hexahedra and inner leaves have, seconds."""
-    head = ["body", "leaves inside, about", "hexahedra", "pyramids", "tetrahedra", "volume in hexahedra"]
-    head += ["in inner leaves", "least dihedral", "seconds"]
+    head = ["body", "leaves", "hexahedra", "pyramids", "tetrahedra", "share", "inner", "dihedral", "seconds"]
     lines = []
     for (kind, n), case in of_work(rows, "hexahedra").items():
         row = case[OURS]
