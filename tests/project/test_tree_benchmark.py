@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from suites import no_processes
 
-from benchmarks import __main__, merging, stuffing, tree, tree_cubes, tree_report, worker
-from benchmarks.run import RESULTS, Workers
+from benchmarks import __main__, merging, stuffing, tree, tree_cubes, tree_report
+from benchmarks.run import RESULTS
 from unstruct import Mesh
 
 SIZES = {"stuffing": 3000, "fields": 2, "hexahedra": 600}  # where it is not 1500
@@ -26,9 +27,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     plan["hexahedra"] = {"ball": plan["hexahedra"]["ball"]}
     monkeypatch.setattr(tree, "PLAN", plan)
     monkeypatch.setattr(tree, "QUERIES", 2000)
-    monkeypatch.setattr(worker, "SHORT", 0.0)  # no time is of interest here
-    # The worker is another process: what it would do is done here.
-    monkeypatch.setattr(Workers, "answer", lambda self, job, case: worker.JOBS[job](case))
+    no_processes(monkeypatch)
 
 
 def run(folder: Path, *words: str) -> dict[str, Any]:

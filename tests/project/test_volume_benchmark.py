@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from suites import no_processes
 
 from benchmarks import (
     __main__,
@@ -18,9 +19,7 @@ from benchmarks import (
     volume_meshers,
     volume_quality,
     volume_report,
-    worker,
 )
-from benchmarks.run import Workers
 from unstruct import Domain, check, tetrahedralize
 
 TETRAHEDRON = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -106,9 +105,7 @@ def test_measures_by_hand() -> None:
 def test_a_tiny_run_of_volumes(tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
     tiny = {"good": {"ball": 1500}, "parts": {"bracket": 3000}, "bare": {"torus": 300}}
     monkeypatch.setattr(volume, "PLAN", tiny)
-    # The worker is another process: what it would do is done here.
-    monkeypatch.setattr(Workers, "answer", lambda self, job, case: worker.JOBS[job](case))
-    monkeypatch.setattr(worker, "SHORT", 0.0)  # no time is of interest here
+    no_processes(monkeypatch)
     ours = [mesher for mesher in volume_meshers.MESHERS if mesher.package == "unstruct"]
     monkeypatch.setattr(volume, "MESHERS", ours)
     assert __main__.main(["volume", "--repeats", "2", "--results", str(tmp_path)]) == 0
