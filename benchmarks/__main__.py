@@ -1,8 +1,12 @@
-"""``python -m benchmarks SUITE``: run a suite, write its rows, table and plot, and print the table."""
+"""``python -m benchmarks SUITE``: run a suite, write its rows, table and plot, and print the table.
+
+With ``--only WORK ...`` only some works are run, and their rows replace the old ones in the results.
+"""
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +18,7 @@ from . import (
     layers,
     layers_report,
     machine,
+    merging,
     planar,
     planar_report,
     report,
@@ -38,6 +43,7 @@ SUITES: dict[str, Callable[[Workers, int, int], list[dict[str, Any]]]] = {
     "tree": tree.run,
     "volume": volume.run,
 }
+LARGEST = {"tree": 1e7}
 # Reports have `markdown` and `plot`.
 REPORTS: dict[str, Any] = {
     "delaunay": report,
@@ -55,15 +61,25 @@ def main(arguments: list[str] | None = None) -> int:
     """Parse the command line and run the suite; return 1 if unstruct failed in a case."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("suite", choices=sorted(SUITES))
-    parser.add_argument("--max", type=float, default=1e6, help="largest number of points (default 1e6)")
+    most = "largest number of points or cells (default 1e6, trees 1e7)"
+    parser.add_argument("--max", type=float, help=most)
+    parser.add_argument(
+        "--only", nargs="+", default=[], metavar="WORK", help="run these works, keep other rows"
+    )
     parser.add_argument("--repeats", type=int, default=3, help="runs of each contestant (default 3)")
     limit = "seconds for one case (default 300; 0 means no limit)"
     parser.add_argument("--timeout", type=float, default=300.0, help=limit)
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder for rows, table and plot")
     options = parser.parse_args(arguments)
-    workers = Workers(options.timeout or None)
+    largest = int(LARGEST.get(options.suite, 1e6) if options.max is None else options.max)
+    known = Workers(only=[""])  # nobody is asked: what would be?
+    SUITES[options.suite](known, largest, options.repeats)
+    unknown = [work for work in options.only if work not in known.works]
+    if unknown:
+        parser.error(f"{unknown[0]} is no work of this suite, which has {', '.join(known.works)}")
+    workers = Workers(options.timeout or None, options.only)
     before = machine.load()
-    rows = SUITES[options.suite](workers, int(options.max), options.repeats)
+    rows = SUITES[options.suite](workers, largest, options.repeats)
     versions = {row["contestant"]: row["version"] for row in rows if row["measure"] == "time"}
     result = {
         "suite": options.suite,
@@ -73,6 +89,12 @@ def main(arguments: list[str] | None = None) -> int:
         "failures": workers.failures,
         "rows": rows,
     }
+    path = options.results / f"{options.suite}.json"
+    if options.only and path.exists():
+        try:
+            result = merging.merged(json.loads(path.read_text(encoding="utf-8")), result, options.only)
+        except ValueError as error:
+            parser.error(str(error))
     report.write(result, options.results, REPORTS[options.suite])
     print(REPORTS[options.suite].markdown(result))
     return int(any(report.OURS in text for text in workers.failures))

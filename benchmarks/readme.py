@@ -48,8 +48,9 @@ def speed() -> str:
         parts += [
             "templates make, each by the second, and these speeds by those of `discretize`, with the same"
         ]
-        parts += [f"leaves. {how}"]
-        sections += [" ".join(parts), tree_report.summary(trees)]
+        parts += [f"leaves (more on the [page of tree benchmarks](book/benchmarks-tree.ipynb)). {how}"]
+        sections += [" ".join(parts), tree_report.summary(trees), "Meshes from trees:"]
+        sections.append(tree_report.quality(trees))
     return "\n\n".join(sections) + "\n"
 
 

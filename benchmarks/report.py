@@ -124,10 +124,14 @@ START = {
 
 def page(result: dict[str, Any], sections: dict[str, str]) -> str:
     """The whole report of a run: the machine and the versions, the sections, and the failed cases."""
+    again = "".join(
+        f"; measured again, {work}, with {before} and {after}"
+        for work, (before, after) in result.get("again", {}).items()
+    )
     parts = [
         f"# Benchmarks: {result['suite']}",
         f"{result['machine']}. One core; medians of CPU seconds, contestants interleaved; load average "
-        f"{result['load'][0]} before and {result['load'][1]} after. Versions: "
+        f"{result['load'][0]} before and {result['load'][1]} after{again}. Versions: "
         + ", ".join(f"{name} {number}" for name, number in result["versions"].items())
         + ".",
     ]

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -15,18 +16,32 @@ RESULTS = Path(__file__).resolve().parent / "results"
 SLOW = 12.0  # a run expected to take more seconds is done only once, and not at all above three times as many
 
 
+def work_of(row: dict[str, Any]) -> str:
+    """The name by which a case or a row is chosen: its work; without one, its dimension, or "start"."""
+    return str(row.get("work", row.get("dimension", "start")))
+
+
 class Workers:
     """Run one job at a time; a job that fails or takes too long is reported and gives None.
 
     ``timeout`` is how many seconds a job may take, including the compilation of kernels; None means no limit.
+    Of a job whose work is not in ``only`` the result is None; ``only`` empty means all work.
     """
 
-    def __init__(self, timeout: float | None = None):
+    def __init__(self, timeout: float | None = None, only: Collection[str] = ()):
         self.timeout = timeout
+        self.only = only
         self.failures: list[str] = []
+        self.works: dict[str, None] = {}  # that were asked for, chosen or not
 
     def ask(self, job: str, case: dict[str, Any]) -> Any:
         """The result of the worker, or None."""
+        name = work_of(case)
+        self.works[name] = None
+        return self.answer(job, case) if not self.only or name in self.only else None
+
+    def answer(self, job: str, case: dict[str, Any]) -> Any:
+        """As `ask`, whatever work has been chosen."""
         text = json.dumps({"job": job, **case})
         command = [sys.executable, "-m", "benchmarks.worker", text]
         try:

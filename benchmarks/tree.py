@@ -11,30 +11,40 @@ finalized before, and our table been made.
 
 *Conforming.* Triangles or tetrahedra by templates, from the leaves to a mesh with checked arrays.
 
-*Boundary.* Meshes of planar regions, in `tree_meshes`.
+*Growth.* As build, from ten thousand to ten million leaves: a row for each decade.
+
+*Boundary*, *stuffing*, *fields* and *hexahedra*. Meshes of regions and bodies: `tree_meshes`, `stuffing`,
+`tree_cubes`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import tree_meshes
-from .meshers import Mesher
+from . import stuffing, tree_cubes, tree_meshes
+from .meshers import Mesher, several
 from .run import Workers, measured
 
 Array = NDArray[np.float64]
 # work -> kind -> the rough numbers of leaves
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
-    "build": {kind: (10_000, 100_000, 1_000_000, 10_000_000) for kind in ("plane", "space")},
+    "build": {kind: (1_000_000,) for kind in ("plane", "space")},
+    "growth": {kind: (10_000, 100_000, 1_000_000, 10_000_000) for kind in ("plane", "space")},
     "locate": {kind: (1_000_000,) for kind in ("plane", "space")},
     "conforming": {"plane": (100_000, 1_000_000), "space": (10_000, 100_000)},  # 12.6 tetrahedra to a leaf
-    "boundary": tree_meshes.KINDS,
+    **tree_meshes.PLAN,
+    **stuffing.PLAN,
+    **tree_cubes.PLAN,
 }
+# the modules of works that are not in this one
+MODULES: dict[str, Any] = {
+    work: module for module in (tree_meshes, stuffing, tree_cubes) for work in module.PLAN
+}
+ONCE = {"fields"}  # works whose rows are about what is made, not about its time
 DIMENSION = {"plane": 2, "space": 3}
 CENTER = np.array([0.3, 0.4, 0.45])
 NEAREST = 0.02  # the size at the center, in units of its growth
@@ -76,16 +86,6 @@ def _plant(given: Planted, balance: str | None) -> Any:
 # ---------------------------------------------------------------------- the contestants
 
 
-def _each(run: Callable[[Planted], Any]) -> Callable[[], Callable[[Any], Any]]:
-    """A contestant that also takes several small tasks, of which the last result counts."""
-
-    def every(given: Any) -> Any:
-        tasks = [given] if isinstance(given, Planted) else given
-        return [run(one) for one in tasks][-1]
-
-    return lambda: every
-
-
 def _built(given: Planted) -> Any:
     tree = _plant(given, "corners")
     assert len(tree.leaves.keys) == len(tree)
@@ -123,12 +123,20 @@ def _conforming(given: Planted) -> Any:
 
 
 MESHERS = [
-    Mesher("unstruct", "unstruct", "build", _each(_built)),
-    Mesher("discretize", "discretize", "build", _each(_built_by_discretize)),
-    Mesher("unstruct", "unstruct", "locate", _each(_located)),
-    Mesher("discretize", "discretize", "locate", _each(_located_by_discretize)),
-    Mesher("unstruct", "unstruct", "conforming", _each(_conforming)),
+    *(
+        mesher
+        for work in ("build", "growth")
+        for mesher in (
+            Mesher("unstruct", "unstruct", work, several(_built)),
+            Mesher("discretize", "discretize", work, several(_built_by_discretize)),
+        )
+    ),
+    Mesher("unstruct", "unstruct", "locate", several(_located)),
+    Mesher("discretize", "discretize", "locate", several(_located_by_discretize)),
+    Mesher("unstruct", "unstruct", "conforming", several(_conforming)),
     *tree_meshes.MESHERS,
+    *stuffing.MESHERS,
+    *tree_cubes.MESHERS,
 ]
 
 
@@ -137,11 +145,11 @@ MESHERS = [
 
 def task(work: str, kind: str, n: int) -> Any:
     """What the contestants of a work are given."""
-    if work == "boundary":
-        return tree_meshes.task(kind, n)
+    if work in MODULES:
+        return MODULES[work].task(work, kind, n)
     d = DIMENSION[kind]
     given = Planted(d, (LEAVES[kind] / n) ** (1 / d))
-    if work == "build":
+    if work in ("build", "growth"):
         return given._replace(tree=_plant(given, None)) if n < PEER_MOST else given
     given = given._replace(tree=_plant(given, "corners"))
     if work == "locate":
@@ -162,9 +170,9 @@ def _finalized(given: Planted) -> Any:
 
 def warm_up(work: str) -> Any:
     """Small tasks of the same kind, in the plane and in space: compiled code is loaded."""
-    if work == "boundary":
-        return tree_meshes.task("disc", FEW), tree_meshes.task("coast 1", FEW)
-    return task(work, "plane", FEW), task(work, "space", FEW)
+    if work in MODULES:
+        return MODULES[work].warm_up(work)
+    return [task(work, "plane", FEW), task(work, "space", FEW)]
 
 
 def leaves_of(tree: Any) -> tuple[Array, NDArray[np.int64]]:
@@ -182,9 +190,11 @@ def leaves_of(tree: Any) -> tuple[Array, NDArray[np.int64]]:
 
 def measures(result: Any, found: Any, work: str, given: Any) -> dict[str, Any]:
     """What was made, as numbers that must agree."""
-    if work == "boundary":
-        return tree_meshes.measures(found)
-    if work == "build":
+    if work in MODULES:
+        return MODULES[work].measures(result, found, work, given)
+    if work in ("build", "growth"):
+        if given.tree is None:  # nobody to compare with
+            return {"cells": len(result)}
         centers, levels = leaves_of(result)
         return {"cells": len(levels), "checksum": crc32(centers.tobytes(), crc32(levels.tobytes()))}
     if work == "locate":
@@ -205,5 +215,6 @@ def run(workers: Workers, largest: int, repeats: int) -> list[dict[str, Any]]:
                 if n <= largest:
                     some = [name for name in names if name == "unstruct" or n < PEER_MOST]
                     case = {"suite": "tree", "work": work, "kind": kind, "n": n}
-                    rows += measured(workers, "meshed", case, dict.fromkeys(some, 0.0), repeats)
+                    times = 1 if work in ONCE else repeats
+                    rows += measured(workers, "meshed", case, dict.fromkeys(some, 0.0), times)
     return rows

@@ -16,17 +16,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .meshers import Mesher
+from .meshers import Mesher, several
 
 COASTS = 6
 INLAND = 0.1  # the size of leaves away from coasts, in units of a coast's radius
-ALONG = 4.0  # cells for each leaf along a coast, about
-DISCS = (10_000, 100_000, 1_000_000)  # cells, about
-KINDS: dict[str, tuple[int, ...]] = {
-    "disc": DISCS,
-    **{f"coast {k + 1}": (4_000, 16_000) for k in range(COASTS)},
+FINEST = 0.02  # the size of leaves along coasts of COARSE cells, about
+COARSE = 4_000
+# sides of leaves are halves of halves: these numbers of cells are those that can be
+PLAN: dict[str, dict[str, tuple[int, ...]]] = {
+    "boundary": {
+        "disc": (6_000, 24_000, 390_000),
+        **{f"coast {k + 1}": (COARSE, 4 * COARSE) for k in range(COASTS)},
+    }
 }
-__all__ = ["KINDS", "MESHERS", "Bounded", "boundary_rows", "coast", "measures", "task"]
+__all__ = ["MESHERS", "PLAN", "Bounded", "coast", "measures", "task", "warm_up"]
 
 
 class Bounded(NamedTuple):
@@ -66,53 +69,48 @@ def coast(seed: int, levels: int = 7, corners: int = 6) -> Any:
             continue
 
 
-def task(kind: str, n: int) -> Bounded:
+def task(work: str, kind: str, n: int) -> Bounded:
     """What the contestants are given: about n cells."""
     from unstruct import Domain, quadtree
 
     if kind == "disc":
         domain = Domain.disc((0, 0), 1)
-        return Bounded(domain, quadtree(domain, sqrt(2 * pi / n)))
+        return Bounded(domain, quadtree(domain, 1.1 * sqrt(2 * pi / n)))
     domain = coast(int(kind.split()[1]) - 1)
-    finest = 0.02 if n <= 4_000 else 0.02 * 4_000 / n
-    return Bounded(domain, quadtree(domain, INLAND, boundary_size=finest))
+    return Bounded(domain, quadtree(domain, INLAND, boundary_size=FINEST * COARSE / n))
 
 
-def _each(run: Callable[[Bounded], Any]) -> Callable[[], Callable[[Any], Any]]:
-    """A contestant that also takes several tasks, of which the last result counts."""
-
-    def every(given: Any) -> Any:
-        return [(one, run(one)) for one in ([given] if isinstance(given, Bounded) else given)][-1]
-
-    return lambda: every
+def warm_up(work: str) -> list[Bounded]:
+    """Small tasks of both kinds."""
+    return [task(work, "disc", 1000), task(work, "coast 1", 1000)]
 
 
 def _kind(name: str) -> Callable[[], Callable[[Any], Any]]:
-    return _each(lambda given: given.fresh().mesh(name))
+    return several(lambda given: (None, given.fresh().mesh(name)))
 
 
 def _voronoi_segment(given: Bounded) -> Any:
     from unstruct import voronoi_segment
 
-    return voronoi_segment(given.domain, given.size)
+    return None, voronoi_segment(given.domain, given.size)
 
 
 def _refine(given: Bounded) -> Any:
     from unstruct import refine
 
-    return refine(given.domain, given.size, min_angle=25)
+    return None, refine(given.domain, given.size, min_angle=25)
 
 
 MESHERS = [
     Mesher("unstruct", "unstruct", "boundary", _kind("fitted")),
     Mesher("quads", "unstruct", "boundary", _kind("quads")),
     Mesher("warped", "unstruct", "boundary", _kind("warped")),
-    Mesher("voronoi_segment", "unstruct", "boundary", _each(_voronoi_segment)),
-    Mesher("refine", "unstruct", "boundary", _each(_refine)),
+    Mesher("voronoi_segment", "unstruct", "boundary", several(_voronoi_segment)),
+    Mesher("refine", "unstruct", "boundary", several(_refine)),
 ]
 
 
-def measures(mesh: Any) -> dict[str, Any]:
+def measures(result: Any, mesh: Any, work: str, given: Any) -> dict[str, Any]:
     """The number of cells, angles, and how many cells are listed."""
     angles = mesh.quality("min_angle")
     away = np.ones(len(angles), dtype=bool)
@@ -124,16 +122,3 @@ def measures(mesh: Any) -> dict[str, Any]:
         "listed": len(mesh.unrefined),
         "complete": bool(mesh.complete),
     }
-
-
-def boundary_rows(kinds: dict[str, tuple[int, ...]] | None = None) -> list[dict[str, Any]]:
-    """The angles of all kinds of meshes, without times."""
-    rows = []
-    for kind, sizes in (KINDS if kinds is None else kinds).items():
-        for n in sizes:
-            given = task(kind, n)
-            for mesher in MESHERS:
-                _, mesh = mesher.prepare()(given)
-                rows.append({"work": "boundary", "kind": kind, "n": n, "contestant": mesher.name})
-                rows[-1] |= measures(mesh)
-    return rows

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from suites import no_processes
 
 from benchmarks import (
     __main__,
@@ -26,7 +27,6 @@ from benchmarks import (
     small,
     small_report,
     threads,
-    worker,
 )
 from benchmarks.run import RESULTS, Workers
 
@@ -67,6 +67,7 @@ def test_a_job_that_fails_is_reported(capsys):
 def test_a_tiny_run(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(delaunay, "PLAN", {2: (("uniform", "lattice"), (100, 400)), 3: (("sphere",), (100,))})
     monkeypatch.setattr(delaunay, "MEMORY", {2: 400})
+    no_processes(monkeypatch, but=lambda job, case: job == "start")
     assert __main__.main(["delaunay", "--max", "400", *RUN, str(tmp_path)]) == 0
     result = json.loads((tmp_path / "delaunay.json").read_text())
     cases = report.times(result["rows"])
@@ -91,6 +92,7 @@ def test_a_tiny_run(tmp_path, monkeypatch, capsys):
 def test_two_threads(tmp_path, monkeypatch, capsys):
     """That they make the same meshes is tested elsewhere; what they gain depends on who else works here."""
     monkeypatch.setattr(threads, "SIZES", (400,))
+    no_processes(monkeypatch)
     assert __main__.main(["threads", *RUN, str(tmp_path)]) == 0
     rows = json.loads((tmp_path / "threads.json").read_text())["rows"]
     assert [row["work"] for row in rows] == list(threads.WORKS)
@@ -180,6 +182,7 @@ def test_a_tiny_planar_run(tmp_path, monkeypatch, capsys):
     tiny = {"constrained": {"matches": (200,)}, "refined": {"plate": (500,)},
             "uniform": {"holed square": (500,)}}  # fmt: skip
     monkeypatch.setattr(planar, "PLAN", tiny)
+    no_processes(monkeypatch)
     monkeypatch.setattr(
         planar, "find", lambda work: [m for m in meshers.find(work) if m[0].package == "unstruct"]
     )
@@ -213,8 +216,7 @@ def test_losses_of_the_planar_suite_are_bold():
 def test_a_tiny_run_of_layers(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(layers, "PLAN", {"layers": {"5e-2 1e-2": 2000}, "stretched": {"turning": 2000}})
     monkeypatch.setattr(layers, "LENGTHS", {"turning": layers.COARSE_LENGTH})
-    # The worker is another process: what it would do is done here.
-    monkeypatch.setattr(Workers, "ask", lambda self, job, case: worker.JOBS[job](case))
+    no_processes(monkeypatch)
     names = ["unstruct", "unstruct, springs"]
     ours = [mesher for mesher in layers.MESHERS if mesher.package == "unstruct"]
     monkeypatch.setattr(layers, "MESHERS", ours)
@@ -254,6 +256,7 @@ def test_a_tiny_small_run(tmp_path, monkeypatch, capsys):
     tiny = {"constrained": {"A": (29,)}, "refined": {"A": (29,)}, "sized": {"A": (100,)},
             "round holes": {"coarse": (260,)}}  # fmt: skip
     monkeypatch.setattr(small, "PLAN", tiny)
+    no_processes(monkeypatch)
     assert __main__.main(["small", "--repeats", "2", "--results", str(tmp_path)]) == 0
     cases = planar_report.times(json.loads((tmp_path / "small.json").read_text())["rows"])
     assert cases["constrained", "A", 29]["unstruct"]["cells"] == 29

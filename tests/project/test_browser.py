@@ -101,9 +101,11 @@ def test_search_finds_a_chapter(site: Path, page: Any) -> None:
     assert any(hit.startswith("2.") for hit in hits), hits
 
 
-def test_mathematics_is_typeset_without_an_error(site: Path, page: Any) -> None:
+def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> None:
     for chapter in chapters():
         page.goto((site / f"{chapter.stem}.html").as_uri())
+        count = sum(len(widgets(cell)) for cell in code_cells(chapter))
+        page.wait_for_function(f"document.querySelectorAll('[data-state=drawn]').length == {count}")
         if page.locator("script[src*='tex-svg']").count() == 0:
             continue  # no mathematics on this page
         page.wait_for_function("!!window.MathJax?.startup?.promise")
@@ -126,13 +128,6 @@ def test_players_step_without_a_kernel(site: Path, page: Any) -> None:
     assert picture.inner_html() != first, "the picture of the second step is the picture of the first"
     player.locator("[data-do=back]").click()
     assert picture.inner_html() == first
-
-
-def test_every_widget_of_the_site_is_drawn(site: Path, page: Any) -> None:
-    for chapter in chapters():
-        count = sum(len(widgets(cell)) for cell in code_cells(chapter))
-        page.goto((site / f"{chapter.stem}.html").as_uri())
-        page.wait_for_function(f"document.querySelectorAll('[data-state=drawn]').length == {count}")
 
 
 def test_the_form_of_new_chapters_on_a_page(skeleton_site: Path, page: Any) -> None:

@@ -10,6 +10,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
 from book_files import BOOK, ROOT, chapters, notebooks
 
 from unstruct import Domain
@@ -56,11 +57,16 @@ def test_every_extra_is_missing_in_a_light_installation() -> None:
     assert set(re.split(r", | and ", text)) == needed
 
 
-def test_examples_run_in_a_light_installation(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, str, Path]]:
+    """The examples: code, what it prints in a light installation, and its folder."""
+    found = []
     for code in re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S):
-        result = light(code, tmp_path)
+        folder = tmp_path_factory.mktemp("example")
+        result = light(code, folder)
         assert result.returncode == 0, result.stderr
-    assert (tmp_path / "points.msh").stat().st_size > 100_000
+        found.append((code, result.stdout, folder))
+    return found
 
 
 def test_what_is_missing_is_named_with_its_extra(tmp_path: Path) -> None:
@@ -102,41 +108,31 @@ def test_the_commands_run_in_a_light_installation(tmp_path: Path) -> None:
         assert words[0] == "mesh" or result.stdout.startswith("valid")
 
 
-def test_the_taste_runs(tmp_path: Path) -> None:
-    code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
+def test_the_taste_runs(examples: list[tuple[str, str, Path]]) -> None:
+    code, printed, folder = examples[0]
     assert 8 <= len([line for line in code.splitlines() if line.strip()]) <= 13
-    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    degrees, cubes = result.stdout.splitlines()
+    degrees, cubes = printed.splitlines()
     assert 0 < float(degrees) < 60
     assert re.fullmatch(r"\d+ tetrahedra, total volume 512\.0", cubes)
-    assert (tmp_path / "points.msh").stat().st_size > 100_000
+    assert (folder / "points.msh").stat().st_size > 100_000
 
 
-def test_the_body_is_filled(tmp_path: Path) -> None:
-    _, _, code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
-    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    degrees, faces = re.search(r"([\d.]+) (\d+) faces on top", result.stdout).groups()  # type: ignore[union-attr]
-    assert float(degrees) > 20 and int(faces) > 1000
-    assert (tmp_path / "polyMesh" / "boundary").exists()
-
-
-def test_the_region_is_meshed() -> None:
-    _, code, *_ = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    *figures, last = result.stdout.splitlines()
+def test_the_region_is_meshed(examples: list[tuple[str, str, Path]]) -> None:
+    *figures, last = examples[1][1].splitlines()
     assert any(line.startswith("mean 2r/R") and float(line.split()[-1]) > 0.95 for line in figures)
     complete, degrees = last.split()
     assert complete == "True" and float(degrees) >= 30.0
 
 
-def test_the_trees_grow() -> None:
-    *_, code = re.findall(r"^```python\n(.*?)^```", README, flags=re.M | re.S)
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    tree, counts, ball = result.stdout.splitlines()
+def test_the_body_is_filled(examples: list[tuple[str, str, Path]]) -> None:
+    _, printed, folder = examples[2]
+    degrees, faces = re.search(r"([\d.]+) (\d+) faces on top", printed).groups()  # type: ignore[union-attr]
+    assert float(degrees) > 20 and int(faces) > 1000
+    assert (folder / "polyMesh" / "boundary").exists()
+
+
+def test_the_trees_grow(examples: list[tuple[str, str, Path]]) -> None:
+    tree, counts, ball = examples[-1][1].splitlines()
     assert tree.startswith("<quadtree: ") and "leaf of the center" in tree and "leaves inside" in counts
     assert ball.startswith("<octree: ") and "hexahedra" in ball and "complete" not in ball
 

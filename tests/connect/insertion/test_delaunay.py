@@ -119,7 +119,7 @@ def test_generic_points_as_scipy(d, n):
         assert cells_of(mesh.simplices) == cells_of(Delaunay(points).simplices)
 
 
-@pytest.mark.parametrize(("d", "n"), [(2, 100_000), (3, 30_000)])
+@pytest.mark.parametrize(("d", "n"), [(2, 100_000), (3, 15_000)])
 @pytest.mark.parametrize("kind", ["uniform", "lattice", "sphere", "clustered"])
 def test_large(d, n, kind):
     rng = np.random.default_rng(4)
@@ -146,10 +146,10 @@ def test_offset_of_a_hundred_million():
         assert len(mesh.duplicates) == 0
 
 
-def test_thousand_points_in_four_dimensions():
-    points = np.random.default_rng(0).random((1000, 4))
+def test_hundreds_of_points_in_four_dimensions():
+    points = np.random.default_rng(0).random((400, 4))
     mesh = delaunay(points)
-    assert len(mesh.simplices) > 15_000
+    assert len(mesh.simplices) > 4_000
     rows = np.random.default_rng(1).choice(len(mesh.simplices), 50, replace=False)
     for t in rows:
         assert (np.asarray(in_sphere(points[mesh.simplices[t]], points)) <= 0).all()
