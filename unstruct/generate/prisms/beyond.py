@@ -216,8 +216,18 @@ def _with_cells(grown: Grown) -> NDArray[np.bool_]:
     return np.bincount(grown.column, minlength=len(grown.whole_cap)) > 0
 
 
-def sides_of_layers(domain: Domain, grown: Grown) -> tuple[Rows, Rows, tuple[Rows, Rows]]:
+def sides_of_layers(
+    domain: Domain | None, grown: Grown, *, exposed: bool = False
+) -> tuple[Rows, Rows, tuple[Rows, Rows]]:
     """The faces of layers on pieces of the body: their bases, and their sides in planes where they end.
+
+    Parameters
+    ----------
+    domain : Domain or None
+        None for a surface that is open: it has no pieces in the planes in which layers end.
+    grown : Grown
+    exposed : bool
+        Whether layers may end elsewhere, too; these sides are left out.
 
     Returns
     -------
@@ -230,6 +240,8 @@ def sides_of_layers(domain: Domain, grown: Grown) -> tuple[Rows, Rows, tuple[Row
     """
     solid = ~_bare_columns(grown)
     base, piece = grown.base[solid], grown.piece[solid]
+    if domain is None:
+        return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
     rows, _, group = incident_facets(grown.cells)
     rows = rows[np.bincount(group)[group] == 1].astype(np.int64)  # the boundary of the layers
     rows = np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
@@ -237,7 +249,8 @@ def sides_of_layers(domain: Domain, grown: Grown) -> tuple[Rows, Rows, tuple[Row
     rows = rows[side]
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
-    found = side_pieces(domain, grown, rows)
+    found = side_pieces(domain, grown, rows, exposed=exposed)
+    rows, found = rows[found >= 0], found[found >= 0]
     quads = rows[:, 3] >= 0
     halves, owner = simplices_of_cells({"quad": rows[quads]})
     faces = np.concatenate([base, rows[~quads, :3], halves])

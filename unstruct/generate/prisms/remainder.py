@@ -208,7 +208,7 @@ def _chain(v: int, before: int, after: int, edges: dict[tuple[int, int], list[tu
     return chain
 
 
-def side_pieces(domain: Domain, grown: Grown, faces: Rows) -> Rows:
+def side_pieces(domain: Domain, grown: Grown, faces: Rows, *, exposed: bool = False) -> Rows:
     """The facets in whose planes faces at the sides of layers lie, by the points of the body below them.
 
     Parameters
@@ -217,11 +217,13 @@ def side_pieces(domain: Domain, grown: Grown, faces: Rows) -> Rows:
     grown : Grown
     faces : (f, w) int64
         Rows of vertices of layers, padded by -1.
+    exposed : bool
+        Whether layers may end where there is no other facet: the piece is then -1.
 
     Raises
     ------
     InputError
-        If layers end at an edge at which there is no other facet.
+        If they do without ``exposed``.
     """
     many = len(domain.points)
     wall = _is_wall(domain, grown)
@@ -242,10 +244,10 @@ def side_pieces(domain: Domain, grown: Grown, faces: Rows) -> Rows:
     at = np.searchsorted(key[order], low * many + high).clip(max=max(len(key) - 1, 0))
     found = order[at] if len(key) else np.zeros(len(low), dtype=np.int64)
     lost = (key[found] != low * many + high) if len(key) else np.ones(len(low), dtype=bool)
-    if lost.any():
+    if lost.any() and not exposed:
         row = int(np.argmax(lost))
         raise InputError(
             f"layers end at the edge {low[row]}-{high[row]} near {domain.points[low[row]].tolist()}, where "
             "there is no facet beside the wall"
         )
-    return owner[found]
+    return np.where(lost, -1, owner[found]) if len(key) else np.full(len(low), -1, dtype=np.int64)

@@ -8,7 +8,7 @@ the cap has no quadrilaterals. Levels only ever fall, and a wall without any lay
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,7 @@ def stopped(
     start: tuple[NDArray[np.float64], NDArray[np.int8]],
     bad: Callable[[NDArray[np.int32]], NDArray[np.integer]],
     clash: Callable[[NDArray[np.int32]], NDArray[np.integer]],
+    bar: Any = None,
 ) -> Stopped:
     """Levels at which all cells are positive and nothing meets.
 
@@ -98,6 +99,8 @@ def stopped(
     bad, clash : function of levels
         Return the rays of columns with a cell that is not positive, and those that meet something. They must
         return a ray with layers as long as there is a fault.
+    bar : optional
+        A progress bar.
     """
     levels = rise.shape[-1] - 1
     height, reason = start
@@ -115,6 +118,8 @@ def stopped(
         if len(rays) == 0:
             return Stopped(level, reason, rounds)
         rounds += 1
+        if bar is not None:
+            bar.update(1)
         at = level[rays]
         rows = rise[at] if rise.ndim == 1 else rise[rays, at]
         below = layers_below(rise if rise.ndim == 1 else rise[rays], STOP_SHARE * rows)
