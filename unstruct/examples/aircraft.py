@@ -27,7 +27,7 @@ FINER_NOSE, FINER_TAIL = 0.25, 0.5  # edges at the leading and the trailing edge
 GROWTH_ALONG = 0.5  # of lengths, away from them
 THICKNESS_TERMS = (0.2969, -0.1260, -0.3516, 0.2843, -0.1036)  # NACA, with a sharp trailing edge
 HALF_SPAN, TAPER, SWEEP, THICKNESS = 1.5, 0.5, 0.35, 0.14
-RADIUS, FAR_BEFORE, FAR_BEHIND = 0.22, 0.6, 0.5  # of the body, and how far its cylinder reaches from the wing's chord
+RADIUS, FAR_BEFORE, FAR_BEHIND = 0.22, 0.6, 0.5  # of the body; its cylinder is longer than the chord
 NOSE, TAIL = 1.6, 2.2  # lengths of the ends; unit: the radius
 
 
