@@ -50,7 +50,7 @@ def test_positive_corners_are_not_enough() -> None:
     fine = np.nonzero(np.min(at, axis=0) > 0)[0]
     rows = corners[fine].astype(int).tolist()
     bad = [row for row in rows if not wedge_is_positive(row[:3], row[3:])]
-    assert 0.001 < len(bad) / len(fine) < 0.05
+    assert len(bad) / len(fine) > 0.1
 
 
 @given(CORNERS)
