@@ -107,8 +107,8 @@ def prismatic_layers(
     -----
     A direction sees a triangle if it is within a right angle of its normal. "visible" is the direction whose
     largest angle with the normals at a vertex is smallest: it sees all triangles there whenever any direction
-    does. "staged": weighted by angles, but on geometric edges the mean of both sides. "angle", "area": weighted
-    sums. Where one of these does not see all, the first is taken.
+    does. "staged": weighted by angles, but on geometric edges the mean of both sides. "angle", "area": sums
+    with such weights. Where one of these does not see all, the first is taken.
 
     *Heights* are at most .7 of what keeps the Jacobian of a whole column positive, differ by at most the
     length of an edge along it, and are lowered by a factor .7 where a wedge, as rounded, is not positive, or

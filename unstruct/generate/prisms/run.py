@@ -39,6 +39,9 @@ class PrismOptions(NamedTuple):
     progress: bool = False
 
 
+DEFAULT_PRISMS = PrismOptions()
+
+
 class PrismRun:
     """The state of one run.
 
@@ -59,21 +62,22 @@ class PrismRun:
         How often heights were lowered.
     """
 
-    def __init__(self, base: Base, layers: Layers, options: PrismOptions = PrismOptions()):
+    def __init__(self, base: Base, layers: Layers, options: PrismOptions = DEFAULT_PRISMS):
         self.base, self.options, walls = base, options, base.walls
         self.stars = stars_of(walls.triangles, len(walls.points))
         self.columns = walls.triangles
         heights = layers.cumulative(at=walls.points) if layers.varies else layers.cumulative()
         if heights.ndim == 2 and len(heights) != len(walls.points):
             raise InputError(
-                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give one "
-                "value, one for each of them (mesh.steps['vertex'] has their order), or a function of the place"
+                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give "
+                "one value, one for each of them, or a function of the place"
             )
         total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
-        self.shares = heights / heights[..., -1:]
+        self.shares = np.atleast_2d(heights / heights[..., -1:])
         self.total, self.rounds = total, 0
         self.edges = edges_of_columns(self.columns)
         self.base_row = walls.vertex.astype(np.int64)
+        self.border = self._border()
 
     @property
     def levels(self) -> int:
@@ -88,7 +92,7 @@ class PrismRun:
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
-        self.lowered = np.zeros(len(start), dtype=np.int64)
+        self.lowered, self.tested = np.zeros(len(start), dtype=np.int64), np.full(walls.points.shape, np.nan)
         fresh = np.ones(len(self.columns), dtype=bool)
         with progress_bar(options.progress, " rounds") as bar:
             while True:
@@ -110,9 +114,7 @@ class PrismRun:
     def _grade(self, fresh: NDArray[np.bool_]) -> None:
         """Lower heights that differ too much; note the columns that change."""
         before = self.height
-        self.height, self.reason = graded(
-            self.base.walls.points, self.edges, self.height, self.reason, SLOPE
-        )
+        self.height, self.reason = graded(self.base.walls.points, self.edges, self.height, self.reason, SLOPE)
         if self.height is not before:
             fresh |= (self.height != before)[self.columns].any(axis=1)
 
@@ -128,9 +130,10 @@ class PrismRun:
     def _wrong_tops(self) -> Numbers:
         """The rays whose cap meets something, or whose layers surround another part of the walls."""
         moves, walls = self.height > 0.0, self.base.walls
-        skin = skin_of(
-            self.base.others, self.columns, self.base_row, self.places[-1], moves, walls.planes, self._border()
-        )
+        changed = (self.places[-1] != self.tested).any(axis=1)
+        self.tested = self.places[-1]
+        border, others = self.border, self.base.others
+        skin = skin_of(others, self.columns, self.base_row, self.tested, moves, walls.planes, border, changed)
         rays = clashes(skin)
         if len(rays):
             return rays
