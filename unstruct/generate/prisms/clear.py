@@ -23,6 +23,7 @@ __all__ = ["Skin", "clashes", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
 class Skin(NamedTuple):
@@ -40,6 +41,8 @@ class Skin(NamedTuple):
     is_side : (k,) bool
     stays : (m + r, 2) int32
         The planes in which each point has to stay, -1 for none.
+    fresh : (k,) bool
+        Whether a triangle is new since the last test: no others can meet that did not before.
     """
 
     points: Array
@@ -48,6 +51,7 @@ class Skin(NamedTuple):
     plane: NDArray[np.int32]
     is_side: NDArray[np.bool_]
     stays: NDArray[np.int32]
+    fresh: NDArray[np.bool_]
 
 
 def skin_of(
@@ -58,6 +62,7 @@ def skin_of(
     moves: NDArray[np.bool_],
     planes: NDArray[np.int32],
     border: tuple[Numbers, NDArray[np.int32]],
+    changed: NDArray[np.bool_],
 ) -> Skin:
     """The boundary of layers, and of the rest of the surface.
 
@@ -76,15 +81,17 @@ def skin_of(
         In which each ray stays, -1 for none.
     border : tuple of (e, 2) int64 and (e,) int32
         The edges of the border, as two rays in the direction of the column there, and the plane of each.
+    changed : (r,) bool
+        Which rays have other heights than at the last test.
     """
     n = len(others.points)
     number = np.where(moves, n + np.arange(len(base)), base)
     (a, b), plane = border[0].T, border[1]
     one, two = (
-        np.column_stack(rows)
-        for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
+        np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
     )
-    cap = number[columns][moves[columns].any(axis=1)]
+    on = moves[columns].any(axis=1)
+    cap = number[columns][on]
     sides = np.concatenate([one[moves[a]], two[moves[b]]])
     along = np.concatenate([plane[moves[a]], plane[moves[b]]])
     triangles = np.concatenate([base[columns], cap, sides, others.triangles]).astype(np.int32)
@@ -93,6 +100,10 @@ def skin_of(
     is_side[len(before) : len(before) + len(sides)] = True
     stays = np.full((n, 2), -1, dtype=np.int32)
     stays[base] = planes
+    beside = changed[a] | changed[b]
+    new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
+    fresh = np.zeros(len(triangles), dtype=bool)
+    fresh[len(columns) : len(before) + len(sides)] = np.concatenate(new)
     return Skin(
         np.concatenate([others.points, top]),
         triangles,
@@ -100,15 +111,28 @@ def skin_of(
         np.concatenate([before, along, others.plane]).astype(np.int32),
         is_side,
         np.concatenate([stays, planes]),
+        fresh,
     )
 
 
 def clashes(skin: Skin) -> Numbers:
     """The rays that are to be lowered because layers meet something: sorted, each once; exact."""
-    pairs = meeting_pairs(skin.points, skin.triangles)
+    rows = _near(skin)
+    pairs = rows[meeting_pairs(skin.points, skin.triangles[rows])]
     pairs = pairs[~_allowed(skin, pairs)]
     rays = skin.rays[pairs.ravel()]
     return np.unique(rays[rays >= 0])
+
+
+def _near(skin: Skin) -> Numbers:
+    """The triangles that are new, and those whose boxes meet theirs."""
+    many = int(skin.fresh.sum())
+    if many == 0 or many > FEW_FRESH * len(skin.fresh):
+        return np.arange(len(skin.fresh) if many else 0)
+    low, high = bounding_boxes(skin.points[skin.triangles])
+    fresh, old = np.flatnonzero(skin.fresh), np.flatnonzero(~skin.fresh)
+    query, _ = BoxTree(low[fresh], high[fresh]).pairs(low[old], high[old])
+    return np.sort(np.concatenate([fresh, old[np.unique(query)]]))
 
 
 def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
