@@ -15,8 +15,9 @@ from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import as_size
 from ...sizing.stretching import Layers
-from .alone import layers_of_columns, manifold_columns
+from .alone import layers_of_columns
 from .beyond import filled_beyond
+from .cells import in_one_fan
 from .directions import NORMALS
 from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
@@ -196,7 +197,7 @@ def _tell_hidden(run: PrismRun) -> None:
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
     grown = _grown(run)
-    kept = manifold_columns(run.stars, run.columns, run.rays.level)
+    kept = in_one_fan(run.stars, run.columns, (run.rays.level > 0)[run.columns].all(axis=1))
     if not kept.any():
         raise InputError(NO_LAYERS)
     found = layers_of_columns(run.base, grown, kept)
