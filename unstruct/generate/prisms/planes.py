@@ -76,9 +76,9 @@ def planes_of_loops(
         off, worst = _off_plane(points, chain, normal)
         if off > SAME_PLANE or not normal.any():
             raise InputError(
-                f"the surface is open along a loop of {len(loop)} edges that does not lie in a plane: point "
-                f"{worst} is off by {off:.2g} of its extent, {at(points[worst])}; close it, or end it in planes "
-                "(where it ends in several, give a closed Domain with walls=names)"
+                f"the surface is open along a loop of {len(loop)} edges that does not lie in a plane: "
+                f"point {worst} is off by {off:.2g} of its extent, {at(points[worst])}; close it, or end it "
+                "in planes (where it ends in several, give a closed Domain with walls=names)"
             )
         planes[loop, 0] = len(normals)
         normals.append(normal)

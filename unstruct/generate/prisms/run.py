@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
-from .clear import clashes, skin_of, surrounded
+from .clear import Border, clashes, skin_of, surrounded
 from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
@@ -137,18 +137,10 @@ class PrismRun:
         rays = clashes(skin)
         if len(rays):
             return rays
-        number = np.where(moves, len(self.base.others.points) + np.arange(len(moves)), self.base_row)
-        lower = [
-            self.columns[np.concatenate(pair)].ravel()
-            for pair in surrounded(
-                skin.points, self.base_row[self.columns].astype(np.int32), number[self.columns]
-            )
-        ]
-        rays = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *lower]))
-        return rays[moves[rays]]
+        return surrounded(skin, self.columns, moves)
 
-    def _border(self) -> tuple[Numbers, NDArray[np.int32]]:
-        """The edges at which the walls end, and the plane of each."""
+    def _border(self) -> Border:
+        """The edges at which the walls end."""
         side = np.flatnonzero(self.stars.mates < 0)
         t, k = side // 3, side % 3
         a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
@@ -158,7 +150,7 @@ class PrismRun:
             for j in range(2):
                 same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
                 plane[same] = one[same, i]
-        return np.column_stack([a, b]).astype(np.int64), plane
+        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
 
     def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
         """Lower the heights of rays; which columns change."""
