@@ -15,6 +15,7 @@ from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
 from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays
+from .split import twisted
 from .stars import stars_of
 from .walls import Base
 
@@ -37,6 +38,8 @@ class PrismOptions(NamedTuple):
     smoothing: int = 10
     recompute: bool = False
     progress: bool = False
+    cells: str = "wedge"
+    room: float = 0.0
 
 
 DEFAULT_PRISMS = PrismOptions()
@@ -84,15 +87,21 @@ class PrismRun:
         """How many layers there are."""
         return self.shares.shape[-1] - 1
 
-    def advance(self) -> None:
-        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+    def begin(self) -> None:
+        """Give rays directions, and heights at which columns have room."""
         walls, options = self.base.walls, self.options
         direction, seen = directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
         self.direction = np.where(seen[:, None], direction, 0.0)
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
-        self.lowered, self.tested = np.zeros(len(start), dtype=np.int64), np.full(walls.points.shape, np.nan)
+        self.lowered = np.zeros(len(start), dtype=np.int64)
+        self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
+
+    def advance(self) -> None:
+        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+        self.begin()
+        walls, options = self.base.walls, self.options
         fresh = np.ones(len(self.columns), dtype=bool)
         with progress_bar(options.progress, " rounds") as bar:
             while True:
@@ -101,7 +110,7 @@ class PrismRun:
                 wrong = self._wrong_columns(fresh)
                 why = COLUMN
                 if not len(wrong):
-                    wrong, why = self._wrong_tops(), CROSSING
+                    wrong, why = self.wrong_tops(), CROSSING
                 if not len(wrong):
                     break
                 fresh[:] = self._lower(wrong, why)
@@ -123,17 +132,36 @@ class PrismRun:
         moves = self.height > 0.0
         rows = np.flatnonzero(fresh & moves[self.columns].any(axis=1))
         level = np.where(moves, self.levels, 0).astype(np.int32)
-        wrong = rows[bad(self.places, self.columns[rows], level)]
+        wrong = rows[self.bad_columns(rows, level)]
         rays = np.unique(self.columns[wrong])
         return rays[moves[rays]]
 
-    def _wrong_tops(self) -> Numbers:
-        """The rays whose cap meets something, or whose layers surround another part of the walls."""
+    def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
+        """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
+        found = bad(self.places, self.columns[rows], level)
+        if self.options.cells == "tetrahedron":
+            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
+            found = np.union1d(found, turned)
+        return found
+
+    def wrong_tops(self) -> Numbers:
+        """The rays whose cap meets something, or whose layers surround another part of the walls.
+
+        Where room is to be left, a cap that is so much higher is tested after that.
+        """
+        low, high = self.places[0], self.places[-1]
+        rays = self._met(high, 0)
+        if not len(rays) and self.options.room > 0.0:
+            rays = self._met(low + (1.0 + self.options.room) * (high - low), 1)
+        return rays
+
+    def _met(self, tops: Array, which: int) -> Numbers:
+        """The rays whose tops, or layers below them, meet something; what has been tested before is known."""
         moves, walls = self.height > 0.0, self.base.walls
-        changed = (self.places[-1] != self.tested).any(axis=1)
-        self.tested = self.places[-1]
+        changed = (tops != self.tested[which]).any(axis=1)
+        self.tested[which] = tops
         border, others = self.border, self.base.others
-        skin = skin_of(others, self.columns, self.base_row, self.tested, moves, walls.planes, border, changed)
+        skin = skin_of(others, self.columns, self.base_row, tops, moves, walls.planes, border, changed)
         rays = clashes(skin)
         if len(rays):
             return rays
