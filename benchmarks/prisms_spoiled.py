@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Triangles = NDArray[np.int32]
 Spoiled = tuple[Array, Triangles, set[int], set[int]]  # points, triangles, spoiled points, spoiled triangles
 KINDS_OF_BODIES = 3
-NAMED = re.compile(r"(point|vertex|vertices|facet|row|edge|triangle|cell)s?\s+(\d+)(?:\s*(?:-|and|,)\s*(\d+))?")
-AS_MESH = ("torn", "turned", "one side")  # a Domain has no direction, and closes nothing
+WORDS = "point|vertex|vertices|facet|row|edge|triangle|cell|simplice"
+NAMED = re.compile(rf"(?:{WORDS})s?[ \[]+(\d+)(?:\s*(?:-|and|,)\s*(\d+))?")
 
 
 def good(seed: int) -> tuple[Array, Triangles]:
@@ -39,8 +39,9 @@ def torn(points: Array, t: Triangles, rng: np.random.Generator) -> Spoiled:
     """Triangles around a vertex are missing: the border is in no plane."""
     v = int(rng.integers(len(points)))
     gone = (t == v).any(axis=1)
-    border = set(t[gone].ravel().tolist())
-    return points, t[~gone], border, set()
+    used, number = np.unique(t[~gone], return_inverse=True)
+    border = np.flatnonzero(np.isin(used, t[gone]))
+    return points[used], number.reshape(-1, 3).astype(np.int32), set(border.tolist()), set()
 
 
 def missing(points: Array, t: Triangles, rng: np.random.Generator) -> Spoiled:
@@ -50,10 +51,12 @@ def missing(points: Array, t: Triangles, rng: np.random.Generator) -> Spoiled:
 
 
 def crossing(points: Array, t: Triangles, rng: np.random.Generator) -> Spoiled:
-    """A vertex is moved to the other side of the body."""
+    """A vertex is moved inward, through the body and far beyond it."""
     v = int(rng.integers(len(points)))
     x = points.copy()
-    x[v] = 2.2 * x.mean(axis=0) - 1.2 * x[v]
+    p, q, r = (points[t[(t == v).any(axis=1)][:, k]] for k in range(3))
+    normal = np.cross(q - p, r - p).sum(axis=0)
+    x[v] -= 20.0 * normal / np.sqrt((normal**2).sum())
     return x, t, {v}, set(np.flatnonzero((t == v).any(axis=1)).tolist())
 
 
@@ -181,11 +184,9 @@ def spoiled(seed: int) -> dict[str, Any]:
         prismatic_layers(surface, layers=Layers(first=0.001, growth=1.1, count=10))
     except UnstructError as error:
         text = str(error)
-        named: set[tuple[str, int]] = set()
-        for word, *numbers in NAMED.findall(text):
-            named |= {(word, int(k)) for k in numbers if k}
+        named = {int(k) for numbers in NAMED.findall(text) for k in numbers if k}
         places = bad_points | bad_triangles
-        return row | {"error": type(error).__name__, "text": text, "named": any(k in places for _, k in named)}
+        return row | {"error": type(error).__name__, "text": text, "named": bool(named & places)}
     except Exception as error:  # the wrong kind of error
         return row | {"error": f"WRONG {type(error).__name__}", "text": str(error), "named": False}
     return row | {"error": "NONE", "text": "", "named": False}
