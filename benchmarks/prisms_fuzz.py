@@ -1,10 +1,10 @@
 """Random closed bodies with thirty prismatic layers, judged exactly, and good surfaces that are spoiled.
 
 ``python -m benchmarks.prisms_fuzz --count 1000`` makes layers on unions of balls, boxes and cylinders, on
-noisy balls, boxes with notches, pairs of bodies beside each other and within each other, by seed. Each mesh is
-judged by `check`, by the exact signs of its wedges, by fractions for some of them, and by a search for edges of
-its boundary that meet triangles of it. ``--spoiled 200`` opens, crosses, doubles, turns and tears good
-surfaces, which must be refused with the name of a part that was spoiled.
+noisy balls, boxes with notches, pairs of bodies beside and within each other, by seed. Each mesh is judged by
+`check`, by the exact signs of its wedges, by fractions for some of them, and by a search for edges of its
+boundary that meet triangles of it. ``--spoiled 200`` opens, crosses, doubles, turns and tears good surfaces,
+which must be refused with the name of a part that was spoiled.
 """
 
 from __future__ import annotations
@@ -109,17 +109,16 @@ def _pair(rng: np.random.Generator, h: float) -> Any:
     from unstruct import Domain
 
     a, b = Domain.ball(size=1.5 * h), Domain.ball((0, 0, 0), 0.6, size=1.5 * h)
+    facets = np.concatenate([np.asarray(a.facets), np.asarray(b.facets) + len(a.points)])
     if rng.random() < 0.4:
         moved = b.points + rng.uniform(-0.2, 0.2, 3)
-        return Domain(np.concatenate([a.points, moved]),
-                      np.concatenate([np.asarray(a.facets), np.asarray(b.facets) + len(a.points)]))  # fmt: skip
+        return Domain(np.concatenate([a.points, moved]), facets)
     gap = float(rng.choice([GRAZED, 1e-4, 0.02, 0.3]))
     direction = rng.normal(size=3)
     direction /= np.sqrt((direction**2).sum())
     reach = (a.points @ direction).max() - (b.points @ direction).min() + gap
     moved = b.points + reach * direction
-    return Domain(np.concatenate([a.points, moved]),
-                  np.concatenate([np.asarray(a.facets), np.asarray(b.facets) + len(a.points)]))  # fmt: skip
+    return Domain(np.concatenate([a.points, moved]), facets)
 
 
 BODIES: dict[str, Callable[[np.random.Generator, float], Any]] = {

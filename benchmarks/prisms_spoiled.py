@@ -1,4 +1,4 @@
-"""Good surfaces that are spoiled by seed; `prismatic_layers` must refuse each, and name a part that was spoiled."""
+"""Good surfaces, spoiled by seed: `prismatic_layers` must refuse each, and name a part that was spoiled."""
 
 from __future__ import annotations
 
@@ -64,7 +64,12 @@ def overlapping(points: Array, t: Triangles, rng: np.random.Generator) -> Spoile
     """A second body, a moved copy, crosses the first."""
     n = len(points)
     moved = points + rng.uniform(0.1, 0.3, 3)
-    return np.concatenate([points, moved]), np.concatenate([t, t + n]), set(range(2 * n)), set(range(2 * len(t)))
+    return (
+        np.concatenate([points, moved]),
+        np.concatenate([t, t + n]),
+        set(range(2 * n)),
+        set(range(2 * len(t))),
+    )
 
 
 def doubled(points: Array, t: Triangles, rng: np.random.Generator) -> Spoiled:

@@ -1,4 +1,4 @@
-"""Layers on the sample bodies and by seeds that went wrong once: `check`, exact signs, no meeting of the skin."""
+"""Layers on random bodies, and on those that went wrong once; spoiled surfaces are refused by name."""
 
 from __future__ import annotations
 

@@ -95,8 +95,8 @@ def _fans(
 ) -> list[list[int]]:
     """The columns around a vertex that follow each other across faces.
 
-    A vertex without layers of its own, with columns all around, is on the base and on the cap, which would touch
-    there: one column is taken for a fan of its own, and so left out.
+    A vertex without layers of its own, with columns all around, is on the base and on the cap, which would
+    touch there: one column is taken for a fan of its own, and so left out.
     """
     places = stars.around[stars.start[v] : stars.start[v + 1]].tolist()
     fans: list[list[int]] = []

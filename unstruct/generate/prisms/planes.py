@@ -89,9 +89,9 @@ def planes_of_loops(
         least = LEAST_SLOPE if len(loop) > 3 else LEAST_AT_THREE
         if along.mean() < least**2 or along.min() < STEEP_ENOUGH**2:
             raise InputError(
-                f"the surface is open along a loop of {len(loop)} edges at point {worst}, {at(points[worst])}, "
-                "whose plane is nearly that of the facets there, so that layers could not end in it: facets "
-                "may be missing; close the surface, or end it across a plane"
+                f"the surface is open along a loop of {len(loop)} edges at point {worst}, "
+                f"{at(points[worst])}, whose plane is nearly that of the facets there, so that layers could "
+                "not end in it: facets may be missing; close the surface, or end it across a plane"
             )
         planes[loop, 0] = len(normals)
         normals.append(normal)
