@@ -18,6 +18,7 @@ from ...sizing.stretching import Layers
 from .alone import layers_of_columns
 from .beyond import filled_beyond
 from .cells import in_one_fan
+from .columns import scaled_columns
 from .directions import NORMALS
 from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
@@ -218,9 +219,7 @@ def layers_alone(run: PrismRun) -> DomainMesh:
     )
 
 
-def _layers_and_beyond(
-    run: PrismRun, size: Any, fill: Mapping[str, Any]
-) -> tuple[DomainMesh, str]:
+def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tuple[DomainMesh, str]:
     """The mesh of the whole body, and what is missing."""
     domain = run.base.domain
     assert domain is not None
@@ -257,7 +256,8 @@ def _with_account(
     }
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
-    mesh.figures.update({"share of full heights": full})
+    least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
+    mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
     return mesh
 
 

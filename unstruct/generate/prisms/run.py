@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
-from .clear import clashes, skin_of, surrounded
+from .clear import Border, clashes, skin_of, surrounded
 from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
-from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays
+from .marching import marched
+from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays, Walls
 from .split import twisted
 from .stars import stars_of
 from .walls import Base
@@ -89,8 +90,8 @@ class PrismRun:
 
     def begin(self) -> None:
         """Give rays directions, and heights at which columns have room."""
-        walls, options = self.base.walls, self.options
-        direction, seen = directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+        walls = self.base.walls
+        direction, seen = self._directed(walls)
         self.direction = np.where(seen[:, None], direction, 0.0)
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
@@ -98,22 +99,32 @@ class PrismRun:
         self.lowered = np.zeros(len(start), dtype=np.int64)
         self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
 
+    def _directed(self, walls: Walls) -> tuple[Array, NDArray[np.bool_]]:
+        options = self.options
+        return directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+
+    def placed(self, height: Array) -> Array:
+        """The places of rays of some heights."""
+        walls = self.base.walls
+        if self.options.recompute:
+            return marched(walls, self._directed, self.direction, height, self.shares)
+        return placed(walls.points, self.direction, height, self.shares)
+
     def advance(self) -> None:
         """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
         self.begin()
-        walls, options = self.base.walls, self.options
         fresh = np.ones(len(self.columns), dtype=bool)
-        with progress_bar(options.progress, " rounds") as bar:
+        with progress_bar(self.options.progress, " rounds") as bar:
             while True:
                 self._grade(fresh)
-                self.places = placed(walls.points, self.direction, self.height, self.shares)
+                self.places = self.placed(self.height)
                 wrong = self._wrong_columns(fresh)
                 why = COLUMN
                 if not len(wrong):
                     wrong, why = self.wrong_tops(), CROSSING
                 if not len(wrong):
                     break
-                fresh[:] = self._lower(wrong, why)
+                fresh[:] = self._lower(wrong, why) | self.options.recompute
                 bar.update(1)
         level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
         self.rays = Rays(
@@ -165,18 +176,10 @@ class PrismRun:
         rays = clashes(skin)
         if len(rays):
             return rays
-        number = np.where(moves, len(self.base.others.points) + np.arange(len(moves)), self.base_row)
-        lower = [
-            self.columns[np.concatenate(pair)].ravel()
-            for pair in surrounded(
-                skin.points, self.base_row[self.columns].astype(np.int32), number[self.columns]
-            )
-        ]
-        rays = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *lower]))
-        return rays[moves[rays]]
+        return surrounded(skin, self.columns, moves)
 
-    def _border(self) -> tuple[Numbers, NDArray[np.int32]]:
-        """The edges at which the walls end, and the plane of each."""
+    def _border(self) -> Border:
+        """The edges at which the walls end."""
         side = np.flatnonzero(self.stars.mates < 0)
         t, k = side // 3, side % 3
         a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
@@ -186,7 +189,7 @@ class PrismRun:
             for j in range(2):
                 same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
                 plane[same] = one[same, i]
-        return np.column_stack([a, b]).astype(np.int64), plane
+        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
 
     def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
         """Lower the heights of rays; which columns change."""
