@@ -1,4 +1,4 @@
-"""Plane ends of a duct that are cut into triangles: layers end there as on one polygon, and check knows it."""
+"""Plane ends of a duct cut into triangles: layers end there as on one polygon, and check knows it."""
 
 from __future__ import annotations
 
