@@ -214,10 +214,10 @@ def _tell_hidden(run: PrismRun) -> None:
 
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
-    grown = _grown(run)
     kept = in_one_fan(run.stars, run.columns, (run.rays.level > 0)[run.columns].all(axis=1))
     if not kept.any():
         raise InputError(NO_LAYERS)
+    grown = _grown(run)
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
         run,
