@@ -25,6 +25,7 @@ __all__ = ["JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_la
 
 Rows = NDArray[np.int64]
 VOLUME_ERROR = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
+SEEDS_BEYOND = 3  # how many are tried as long as the cap is not kept
 JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
 LEAST_BEYOND = "least dihedral angle beyond"
 DIVIDED_CAP = f"a triangle of the cap, undivided,{IS_MISSING}"
@@ -70,19 +71,21 @@ def filled_beyond(
             f"layers have the volume {inside:.6g}, what they leave of the body has {rest.domain.volume:.6g}, "
             f"but the body has {domain.volume:.6g}: they surround other facets, or overlap; make them thinner"
         )
-    mesh = tetrahedra_by_size(rest.domain, field, **options, names=lambda piece: rest.name(piece, domain))
-    lacking = what_is_missing(rest.domain, mesh, OTHER_LAYERS)
+    for step in range(SEEDS_BEYOND):
+        more = options | {"seed": options["seed"] + step}
+        mesh = tetrahedra_by_size(rest.domain, field, **more, names=lambda piece: rest.name(piece, domain))
+        lacking, above = what_is_missing(rest.domain, mesh, OTHER_LAYERS), _above_cap(mesh, rest)
+        lost = np.flatnonzero(above < 0)
+        if not lacking and not len(lost):
+            break
     reasons = dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist(), strict=True))
-    above = _above_cap(mesh, rest)
-    lost = np.flatnonzero(above < 0)
     if len(lost) and not lacking:
         place = [float(f"{x:.6g}") for x in grown.points[grown.whole_cap[lost[0]]].mean(axis=0)]
         lacking = (
             f"the mesh is not one of the body: {len(lost)} triangles of the cap are divided, near {place}, "
             f"and the layers below are not; {OTHER_LAYERS}"
         )
-        for cell in _cells_at(mesh, rest, lost).tolist():
-            reasons[cell] = DIVIDED_CAP
+        reasons |= dict.fromkeys(_cells_at(mesh, rest, lost).tolist(), DIVIDED_CAP)
     return _joined(domain, grown, rest, mesh, above, reasons), lacking
 
 
@@ -141,7 +144,7 @@ def _joined(
     own = grown.cells.get("tetra", np.empty((0, 4), dtype=np.int32))
     cells["tetra"] = np.concatenate([own, number[mesh.simplices]]).astype(np.int32)
     before = len(grown.column)
-    faces, whole, piece = sides_of_layers(domain, grown)
+    faces, whole, piece = sides_of_layers(domain, grown, grown.piece)
     rest_piece = rest.piece[np.asarray(mesh.face_piece)]
     bare = _bare_columns(grown)  # there the cap is the wall
     at_cap = np.flatnonzero(rest_piece < 0)
@@ -217,7 +220,7 @@ def _with_cells(grown: Grown) -> NDArray[np.bool_]:
 
 
 def sides_of_layers(
-    domain: Domain | None, grown: Grown, *, exposed: bool = False
+    domain: Domain | None, grown: Grown, walls: NDArray[np.integer], *, exposed: bool = False
 ) -> tuple[Rows, Rows, tuple[Rows, Rows]]:
     """The faces of layers on pieces of the body: their bases, and their sides in planes where they end.
 
@@ -226,6 +229,8 @@ def sides_of_layers(
     domain : Domain or None
         None for a surface that is open: it has no pieces in the planes in which layers end.
     grown : Grown
+    walls : (k,) int
+        The facets that are walls, with layers or not.
     exposed : bool
         Whether layers may end elsewhere, too; these sides are left out.
 
@@ -249,7 +254,7 @@ def sides_of_layers(
     rows = rows[side]
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
-    found = side_pieces(domain, grown, rows, exposed=exposed)
+    found = side_pieces(domain, grown, rows, walls, exposed=exposed)
     rows, found = rows[found >= 0], found[found >= 0]
     quads = rows[:, 3] >= 0
     halves, owner = simplices_of_cells({"quad": rows[quads]})
