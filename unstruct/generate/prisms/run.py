@@ -1,0 +1,176 @@
+"""One run of `prismatic_layers`: rays that get directions and heights, and are lowered until all is valid."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...sizing.stretching import Layers
+from .clear import clashes, skin_of, surrounded
+from .columns import bad
+from .directions import directed
+from .heights import LOWER, edges_of_columns, graded, limited, placed
+from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays
+from .stars import stars_of
+from .walls import Base
+
+__all__ = ["PrismOptions", "PrismRun"]
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+SLOPE = 1.0  # how much heights of neighbors differ at most; unit: the length of their edge
+PATIENCE = 12  # so often a ray is lowered by a share; then, within as many rounds, to nothing
+FASTER_ROUNDS = 40  # after so many rounds what is wrong loses its layers at once
+WIDER_ROUNDS = 60  # ... and then its neighbors, too, in rings that grow from round to round
+
+
+class PrismOptions(NamedTuple):
+    """How rays are made; see `prismatic_layers`."""
+
+    normals: str = "visible"
+    ridge: float = 40.0
+    smoothing: int = 10
+    recompute: bool = False
+    progress: bool = False
+
+
+class PrismRun:
+    """The state of one run.
+
+    Parameters
+    ----------
+    base : Base
+    layers : Layers
+    options : PrismOptions
+
+    Attributes
+    ----------
+    rays : Rays
+    columns : (c, 3) int32
+        The triangles of walls, as rows of rays.
+    places : (levels + 1, r, 3) float64
+        The places of rays on all levels, rounded.
+    rounds : int
+        How often heights were lowered.
+    """
+
+    def __init__(self, base: Base, layers: Layers, options: PrismOptions = PrismOptions()):
+        self.base, self.options, walls = base, options, base.walls
+        self.stars = stars_of(walls.triangles, len(walls.points))
+        self.columns = walls.triangles
+        heights = layers.cumulative(at=walls.points) if layers.varies else layers.cumulative()
+        if heights.ndim == 2 and len(heights) != len(walls.points):
+            raise InputError(
+                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give one "
+                "value, one for each of them (mesh.steps['vertex'] has their order), or a function of the place"
+            )
+        total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
+        self.shares = heights / heights[..., -1:]
+        self.total, self.rounds = total, 0
+        self.edges = edges_of_columns(self.columns)
+        self.base_row = walls.vertex.astype(np.int64)
+
+    @property
+    def levels(self) -> int:
+        """How many layers there are."""
+        return self.shares.shape[-1] - 1
+
+    def advance(self) -> None:
+        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+        walls, options = self.base.walls, self.options
+        direction, seen = directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+        self.direction = np.where(seen[:, None], direction, 0.0)
+        start = np.where(seen, self.total, 0.0)
+        self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
+        self.reason[~seen] = HIDDEN_RAY
+        self.lowered = np.zeros(len(start), dtype=np.int64)
+        fresh = np.ones(len(self.columns), dtype=bool)
+        with progress_bar(options.progress, " rounds") as bar:
+            while True:
+                self._grade(fresh)
+                self.places = placed(walls.points, self.direction, self.height, self.shares)
+                wrong = self._wrong_columns(fresh)
+                why = COLUMN
+                if not len(wrong):
+                    wrong, why = self._wrong_tops(), CROSSING
+                if not len(wrong):
+                    break
+                fresh[:] = self._lower(wrong, why)
+                bar.update(1)
+        level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
+        self.rays = Rays(
+            np.arange(len(level), dtype=np.int32), self.direction, self.height, self.total, level, self.reason
+        )
+
+    def _grade(self, fresh: NDArray[np.bool_]) -> None:
+        """Lower heights that differ too much; note the columns that change."""
+        before = self.height
+        self.height, self.reason = graded(
+            self.base.walls.points, self.edges, self.height, self.reason, SLOPE
+        )
+        if self.height is not before:
+            fresh |= (self.height != before)[self.columns].any(axis=1)
+
+    def _wrong_columns(self, fresh: NDArray[np.bool_]) -> Numbers:
+        """The rays of columns that are not positive."""
+        moves = self.height > 0.0
+        rows = np.flatnonzero(fresh & moves[self.columns].any(axis=1))
+        level = np.where(moves, self.levels, 0).astype(np.int32)
+        wrong = rows[bad(self.places, self.columns[rows], level)]
+        rays = np.unique(self.columns[wrong])
+        return rays[moves[rays]]
+
+    def _wrong_tops(self) -> Numbers:
+        """The rays whose cap meets something, or whose layers surround another part of the walls."""
+        moves, walls = self.height > 0.0, self.base.walls
+        skin = skin_of(
+            self.base.others, self.columns, self.base_row, self.places[-1], moves, walls.planes, self._border()
+        )
+        rays = clashes(skin)
+        if len(rays):
+            return rays
+        number = np.where(moves, len(self.base.others.points) + np.arange(len(moves)), self.base_row)
+        lower = [
+            self.columns[np.concatenate(pair)].ravel()
+            for pair in surrounded(
+                skin.points, self.base_row[self.columns].astype(np.int32), number[self.columns]
+            )
+        ]
+        rays = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *lower]))
+        return rays[moves[rays]]
+
+    def _border(self) -> tuple[Numbers, NDArray[np.int32]]:
+        """The edges at which the walls end, and the plane of each."""
+        side = np.flatnonzero(self.stars.mates < 0)
+        t, k = side // 3, side % 3
+        a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
+        one, two = self.base.walls.planes[a], self.base.walls.planes[b]
+        plane = np.full(len(a), -1, dtype=np.int32)
+        for i in range(2):
+            for j in range(2):
+                same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
+                plane[same] = one[same, i]
+        return np.column_stack([a, b]).astype(np.int64), plane
+
+    def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
+        """Lower the heights of rays; which columns change."""
+        self.rounds += 1
+        for _ in range(max(self.rounds - WIDER_ROUNDS, 0).bit_length()):
+            near = np.isin(self.columns, rays).any(axis=1)
+            rays = np.unique(self.columns[near])
+        rays = rays[self.height[rays] > 0.0]
+        self.lowered[rays] += 1
+        share = np.where(self.lowered[rays] > PATIENCE, LOWER * LOWER, LOWER)
+        gone = (self.lowered[rays] > 2 * PATIENCE) | (self.rounds > FASTER_ROUNDS)
+        height, reason = self.height.copy(), self.reason.copy()
+        height[rays] *= np.where(gone, 0.0, share)
+        reason[rays] = why
+        self.height, self.reason = height, reason
+        changed = np.zeros(len(height), dtype=bool)
+        changed[rays] = True
+        return changed[self.columns].any(axis=1)
