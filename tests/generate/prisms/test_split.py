@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unstruct import Mesh, check
+from unstruct.generate.prisms.cells import cells_of
 from unstruct.generate.prisms.split import negative_parts, tetrahedra, twisted
-from unstruct.generate.prisms.stacking import stacked_cells
 from unstruct.geometry.jacobians import wedge_signs
 
 ONE_WEDGE = np.arange(6)[None].astype(np.int32)
@@ -85,8 +85,7 @@ def test_divisions_fit_for_any_numbering(n: int, levels: int, data: st.DataObjec
     x, y = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
     stop = np.array(data.draw(st.lists(st.integers(0, levels), min_size=n * n, max_size=n * n)))
     number = np.minimum(np.arange(levels + 1)[:, None], stop) * n * n + np.arange(n * n)
-    stack = stacked_cells(number.astype(np.int32), columns)
-    cells = {kind: rows for kind, rows in stack.cells.items() if len(rows)}
+    cells = cells_of(columns, number.astype(np.int32)).kinds
     if not cells:
         return
     z = np.repeat(np.arange(levels + 1.0), n * n)
@@ -115,7 +114,7 @@ def test_twisted_columns_are_those_with_negative_tetrahedra(
     places[:, order] = base + shares * along
     columns = np.array([order], dtype=np.int32)
     number = np.arange(9, dtype=np.int32).reshape(3, 3)
-    cells = stacked_cells(number, columns).cells
+    cells = cells_of(columns, number).kinds
     every = places.reshape(-1, 3)
     rows, owner = tetrahedra({"wedge": cells["wedge"]})
     bad = {int(o) for row, o in zip(rows.tolist(), owner) if volume(every, row) <= 0}

@@ -9,18 +9,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import as_count, as_flags, as_mapping, as_seed, finite
+from ...base.arguments import as_count, as_flag, as_flags, as_mapping, as_seed, finite
 from ...base.errors import HiddenVertexWarning, InputError
+from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.field import as_size
 from ...sizing.stretching import Layers
-from .cells import cells_of, in_one_fan
+from .alone import layers_of_columns, manifold_columns
+from .beyond import filled_beyond
 from .directions import NORMALS
+from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
+from .remainder import Grown
 from .run import PrismOptions, PrismRun
-from .walls import WALL_SIDES, base_of
+from .stop_run import StopRun
+from .walls import WALL_SIDES, Base, base_of
 
 __all__ = ["layers_alone", "prismatic_layers"]
 
+NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
 STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
 
 
@@ -130,15 +137,41 @@ def prismatic_layers(
         if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
-    as_mapping({} if fill_options is None else fill_options, "fill_options")
-    as_seed(seed)
-    if budget is not None:
-        as_count(budget, "budget")
     base = base_of(surface, walls, side)
-    run = PrismRun(base, layers, PrismOptions(normals, ridge, smoothing, recompute, progress))
+    fill = _fill_options(base, size, side, fill_options, seed, budget, progress)
+    options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells)
+    run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
     run.advance()
     _tell_hidden(run)
-    return noticed(layers_alone(run))
+    if size is None:
+        return noticed(layers_alone(run))
+    return noticed(*_layers_and_beyond(run, size, fill))
+
+
+def _fill_options(
+    base: Base, size: Any, side: str, given: Any, seed: Any, budget: Any, progress: bool
+) -> dict[str, Any]:
+    """The arguments for what is beyond, checked."""
+    more = dict(as_mapping({} if given is None else given, "fill_options"))
+    unknown = sorted(set(map(str, more)) - {"optimize", "split_boundary"})
+    if unknown:
+        raise InputError(f"fill_options may have 'optimize' and 'split_boundary', not {unknown[0]!r}")
+    optimize, split = as_flag(more.get("optimize", True), "optimize"), more.get("split_boundary")
+    if split is not None and as_flag(split, "split_boundary"):
+        raise InputError("split_boundary=True would divide the triangles of the cap: leave it out, or False")
+    if size is not None and (side != "inside" or base.domain is None):
+        why = "the surface is open" if base.domain is None else 'side="outside" has no end'
+        raise InputError(
+            f"size is for a body that the layers leave, but {why}: give a body, for instance "
+            "Domain.box(...).with_holes(body), with the layers inside"
+        )
+    return {
+        "optimize": optimize,
+        "split_boundary": split,
+        "seed": as_seed(seed),
+        "budget": None if budget is None else as_count(budget, "budget"),
+        "progress": progress,
+    }
 
 
 def _tell_hidden(run: PrismRun) -> None:
@@ -155,59 +188,68 @@ def _tell_hidden(run: PrismRun) -> None:
         )
 
 
-def _numbers(run: PrismRun) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
-    """The vertex of each ray on each level, -1 for those that no cell has; and which columns are kept."""
-    moves = run.rays.height > 0.0
-    kept = in_one_fan(run.stars, run.columns, moves[run.columns].all(axis=1))
-    used = np.zeros(len(moves), dtype=bool)
-    used[run.columns[kept]] = True
-    many = int(used.sum())
-    number = np.full((run.levels + 1, len(moves)), -1, dtype=np.int32)
-    number[:, used] = np.arange((run.levels + 1) * many, dtype=np.int32).reshape(-1, many)
-    return number, kept
-
-
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
-    base, rays = run.base, run.rays
-    number, kept = _numbers(run)
+    grown = _grown(run)
+    kept = manifold_columns(run.stars, run.columns, run.rays.level)
     if not kept.any():
-        raise InputError(
-            "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
-        )
-    columns = run.columns[kept]
-    found = cells_of(columns, number)
-    used = number[0] >= 0
-    points = run.places[:, used].reshape(-1, 3)
-    origin = np.full(len(points), -1, dtype=np.int32)
-    origin[: int(used.sum())] = base.origin[base.walls.vertex[used]]
-    bottom, cap, piece = number[0][columns], number[-1][columns], base.walls.piece[kept]
-    markers: dict[str, Any] = {
-        name: bottom[np.isin(piece, pieces)] for name, pieces in base.markers.items() if len(pieces)
-    }
-    markers = {name: rows for name, rows in markers.items() if len(rows)} | {"cap": cap}
-    steps = {
-        "vertex": number[0],
-        "place": base.walls.points,
+        raise InputError(NO_LAYERS)
+    found = layers_of_columns(run.base, grown, kept)
+    return _with_account(
+        run,
+        found.grown,
+        found.vertex,
+        DomainMesh(
+            found.grown.points,
+            None,
+            cells=found.grown.cells,
+            origin=found.origin,
+            markers=found.markers,
+            faces=found.faces,
+            face_piece=found.face_piece,
+        ),
+        int((~kept).sum()),
+    )
+
+
+def _layers_and_beyond(
+    run: PrismRun, size: Any, fill: Mapping[str, Any]
+) -> tuple[DomainMesh, str]:
+    """The mesh of the whole body, and what is missing."""
+    domain = run.base.domain
+    assert domain is not None
+    if not (run.rays.level > 0).any():
+        raise InputError(NO_LAYERS)
+    grown = _grown(run)
+    field = as_size(size_by_part(domain, size))
+    mesh, lacking = filled_beyond(domain, grown, field, dict(fill))
+    vertex = np.arange(len(run.base.walls.points))
+    return _with_account(run, grown, vertex, mesh, int((grown.base == grown.cap).all(axis=1).sum())), lacking
+
+
+def _grown(run: PrismRun) -> Grown:
+    rays = run.rays
+    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns)
+    return in_tetrahedra(grown) if run.options.cells == "tetrahedron" else grown
+
+
+def _with_account(
+    run: PrismRun, grown: Grown, vertex: NDArray[np.integer], mesh: DomainMesh, collapsed: int
+) -> DomainMesh:
+    """A mesh with a record of its rays; ``vertex`` has for each vertex of a wall that of the mesh."""
+    rays = run.rays
+    mesh.steps = {
+        "vertex": vertex[rays.base].astype(np.int32),
+        "place": run.base.walls.points[rays.base],
         "direction": rays.direction,
         "level": rays.level,
         "height": rays.height,
         "wanted": rays.wanted,
         "reason": np.array(RAY_REASONS)[rays.reason],
-        "cell_layer": found.layer + 1,
-        "cap": cap,
+        "cell_layer": (grown.layer + 1).astype(np.int32),
+        "cap": grown.whole_cap.astype(np.int32),
     }
-    mesh = DomainMesh(
-        points,
-        None,
-        cells=found.kinds,
-        origin=origin,
-        markers=markers,
-        faces=bottom,
-        face_piece=piece,
-        steps=steps,
-        counts=_counts(run, found.kinds, int((~kept).sum())),
-    )
+    mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
     mesh.figures.update({"share of full heights": full})
     return mesh

@@ -15,6 +15,7 @@ from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
 from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays
+from .split import twisted
 from .stars import stars_of
 from .walls import Base
 
@@ -37,6 +38,7 @@ class PrismOptions(NamedTuple):
     smoothing: int = 10
     recompute: bool = False
     progress: bool = False
+    cells: str = "wedge"
 
 
 class PrismRun:
@@ -80,15 +82,20 @@ class PrismRun:
         """How many layers there are."""
         return self.shares.shape[-1] - 1
 
-    def advance(self) -> None:
-        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+    def begin(self) -> None:
+        """Give rays directions, and heights at which columns have room."""
         walls, options = self.base.walls, self.options
         direction, seen = directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
         self.direction = np.where(seen[:, None], direction, 0.0)
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
-        self.lowered = np.zeros(len(start), dtype=np.int64)
+
+    def advance(self) -> None:
+        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+        self.begin()
+        walls, options = self.base.walls, self.options
+        self.lowered = np.zeros(len(self.height), dtype=np.int64)
         fresh = np.ones(len(self.columns), dtype=bool)
         with progress_bar(options.progress, " rounds") as bar:
             while True:
@@ -97,7 +104,7 @@ class PrismRun:
                 wrong = self._wrong_columns(fresh)
                 why = COLUMN
                 if not len(wrong):
-                    wrong, why = self._wrong_tops(), CROSSING
+                    wrong, why = self.wrong_tops(), CROSSING
                 if not len(wrong):
                     break
                 fresh[:] = self._lower(wrong, why)
@@ -121,11 +128,19 @@ class PrismRun:
         moves = self.height > 0.0
         rows = np.flatnonzero(fresh & moves[self.columns].any(axis=1))
         level = np.where(moves, self.levels, 0).astype(np.int32)
-        wrong = rows[bad(self.places, self.columns[rows], level)]
+        wrong = rows[self.bad_columns(rows, level)]
         rays = np.unique(self.columns[wrong])
         return rays[moves[rays]]
 
-    def _wrong_tops(self) -> Numbers:
+    def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
+        """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
+        found = bad(self.places, self.columns[rows], level)
+        if self.options.cells == "tetrahedron":
+            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
+            found = np.union1d(found, turned)
+        return found
+
+    def wrong_tops(self) -> Numbers:
         """The rays whose cap meets something, or whose layers surround another part of the walls."""
         moves, walls = self.height > 0.0, self.base.walls
         skin = skin_of(

@@ -69,7 +69,9 @@ def negative_parts(
     return np.unique(owner[orient_rows(points, rows) <= 0])
 
 
-def twisted(places: NDArray[np.float64], columns: NDArray[np.int32]) -> NDArray[np.bool_]:
+def twisted(
+    places: NDArray[np.float64], columns: NDArray[np.int32], stops: NDArray[np.integer] | None = None
+) -> NDArray[np.bool_]:
     """Whether a wedge of a column has a tetrahedron that is not positive, although the wedge is.
 
     Parameters
@@ -77,8 +79,9 @@ def twisted(places: NDArray[np.float64], columns: NDArray[np.int32]) -> NDArray[
     places : (levels + 1, r, 3) float64
         Of the vertices, by level and ray.
     columns : (c, 3) int32
-        Rows of rays, counterclockwise seen from above. Rays that have stopped have equal places; pyramids and
-        tetrahedra need not be asked.
+        Rows of rays, counterclockwise seen from above.
+    stops : (r,) int, optional
+        How many layers each ray has; all by default. Pyramids and tetrahedra above need not be asked.
 
     Returns
     -------
@@ -95,16 +98,13 @@ def twisted(places: NDArray[np.float64], columns: NDArray[np.int32]) -> NDArray[
     even = (order[:, 1] - order[:, 0]) % 3 == 1
     every = np.ascontiguousarray(places.reshape(-1, 3))
     wrong = np.zeros(len(columns), dtype=bool)
+    lowest = np.full(len(columns), levels) if stops is None else stops[columns].min(axis=1)
     step = max(LEVELS_AT_ONCE // max(len(columns), 1), 1)
     for first in range(0, levels, step):
         level = np.arange(first, min(first + step, levels))[:, None] * rays
         i, j, up_j, up_k = level + low, level + middle, level + rays + middle, level + rays + high
         rows = np.stack([i, np.where(even, j, up_k), np.where(even, up_k, j), up_j], axis=-1).astype(np.int32)
-        three = np.ones(rows.shape[:2], dtype=bool)
-        for ray in (low, middle, high):
-            three &= (
-                places[first : first + len(level), ray] != places[first + 1 : first + 1 + len(level), ray]
-            ).any(axis=-1)
+        three = np.broadcast_to(level < lowest * rays, rows.shape[:2])
         chosen = np.flatnonzero(three.ravel())
         signs = orient_rows(every, rows.reshape(-1, 4)[chosen])
         wrong[chosen[signs <= 0] % len(columns)] = True

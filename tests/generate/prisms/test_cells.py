@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from unstruct import Mesh, check
-from unstruct.generate.prisms.stacking import STACKED, signs_of_cells, stacked_cells, tops_of
+from unstruct.generate.prisms.cells import cells_of
 from unstruct.mesh.cells import incident_facets
 
 TWO = np.array([(0, 1, 2), (1, 0, 3)], dtype=np.int32)  # two columns over a common edge
@@ -25,18 +25,16 @@ def numbers(levels: tuple[int, ...], most: int) -> np.ndarray:
 @pytest.mark.parametrize("rises", list(product((0, 1), repeat=3)))
 def test_every_case_of_one_column(rises: tuple[int, ...], turn: int) -> None:
     column = np.roll([0, 1, 2], turn)[None].astype(np.int32)
-    stack = stacked_cells(numbers(rises, 1), column)
+    found = cells_of(column, numbers(rises, 1))
     points = np.column_stack([np.tile(PLACES[:3], (2, 1)), np.repeat([0.0, 1.0], 3)])
     kind = {0: "", 1: "tetra", 2: "pyramid", 3: "wedge"}[sum(rises)]
-    assert [k for k in STACKED if len(stack.cells[k])] == [kind] * bool(kind)
-    for k in STACKED:
-        assert (signs_of_cells(points, k, stack.cells[k]) == 1).all()
-        assert (stack.layer[k] == 0).all() and (stack.column[k] == 0).all()
+    assert list(found.kinds) == [kind] * bool(kind) and (found.layer == 0).all() and (found.column == 0).all()
     if kind:
+        assert (Mesh(points, None, cells=found.kinds).jacobian_signs() == 1).all()
         # Its faces: the base, the cap, and over each edge a quadrilateral, a triangle or none.
-        rows, _, _ = incident_facets({kind: stack.cells[kind]})
+        rows, _, _ = incident_facets({kind: found.kinds[kind]})
         found = {frozenset(row[row >= 0].tolist()) for row in rows}
-        wanted = {frozenset(column[0].tolist()), frozenset(tops_of(numbers(rises, 1), column)[0].tolist())}
+        wanted = {frozenset(column[0].tolist()), frozenset(numbers(rises, 1)[-1][column[0]].tolist())}
         for i, j in ((0, 1), (1, 2), (2, 0)):
             side = {i, j, 3 * rises[i] + i, 3 * rises[j] + j}
             wanted |= {frozenset(side)} if len(side) > 2 else set()
@@ -47,8 +45,7 @@ def test_every_pair_of_columns_fits() -> None:
     """All levels 0 to 3 of two columns: the mesh is closed between base, cap and sides, and positive."""
     for levels in product(range(4), repeat=4):
         number = numbers(levels, 3)
-        stack = stacked_cells(number, TWO)
-        cells = {kind: rows for kind, rows in stack.cells.items() if len(rows)}
+        cells = cells_of(TWO, number).kinds
         if not cells:
             continue
         every = np.concatenate([rows.ravel() for rows in cells.values()])
@@ -69,6 +66,6 @@ def test_every_pair_of_columns_fits() -> None:
         assert not between, levels  # nothing is open over the common edge
         quads = [s for s in boundary if len(s) == 4]
         assert all(len({v % 4 for v in s}) == 2 for s in quads)  # quadrilaterals only at outer sides
-        for column, three in enumerate(tops_of(number, TWO).tolist()):
+        for column, three in enumerate(number[-1][TWO].tolist()):
             bare = [v // 4 == 0 for v in three]
             assert all(bare) or frozenset(three) in boundary, (levels, column)
