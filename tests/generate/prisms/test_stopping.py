@@ -78,7 +78,7 @@ def test_steps_are_the_largest_that_differ_by_one(n: int, data: st.DataObject) -
 
 
 def test_whole_layers_below_a_height() -> None:
-    rise = np.array([0.0, 1.0, 3.0, 7.0])
+    rise = np.array([[0.0, 1.0, 3.0, 7.0]])
     assert layers_below(rise, np.array([0.0, 0.99, 1.0, 3.0 * (1 - 2.0**-45), 6.9, 8.0])).tolist() == [
         0,
         0,
@@ -93,7 +93,7 @@ def test_whole_layers_below_a_height() -> None:
 
 def test_faults_lower_levels_until_there_is_none() -> None:
     """A path of rays: nothing may be higher than a roof over one, and no two may reach above a limit."""
-    rise, n = np.arange(11.0), 12
+    rise, n = np.arange(11.0)[None], 12
     edges = np.column_stack([np.arange(n - 1), np.arange(1, n)])
     roof = np.full(n, 99.0)
     roof[3] = 1.5

@@ -7,14 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.jit import kernel
 from .stars import Stars
 
 __all__ = ["Cells", "cells_of", "in_one_fan"]
 
 Numbers = NDArray[np.int32]
-# What is left of a wedge (a, b, c, a', b', c') with a = a', or with a = a' and b = b'; VTK's order.
-PYRAMID_OF_WEDGE = (1, 4, 5, 2, 0)
-TETRAHEDRON_OF_WEDGE = (0, 1, 2, 5)
 
 
 class Cells(NamedTuple):
@@ -23,6 +21,56 @@ class Cells(NamedTuple):
     kinds: dict[str, Numbers]
     column: NDArray[np.int64]
     layer: Numbers
+
+
+@kernel
+def _count(columns, number, many):
+    """Count wedges, pyramids, tetrahedra, and what is nothing at all."""
+    for step in range(len(number) - 1):
+        low, high = number[step], number[step + 1]
+        for i in range(len(columns)):
+            a, b, c = columns[i, 0], columns[i, 1], columns[i, 2]
+            many[int(low[a] == high[a]) + int(low[b] == high[b]) + int(low[c] == high[c])] += 1
+
+
+@kernel
+def _fill(columns, number, wedges, pyramids, tetrahedra, column, layer):
+    """Write the cells, in VTK's order, layer by layer.
+
+    What is left of a wedge (a, b, c, a', b', c') with a = a' is the pyramid (b, b', c', c; a), and with
+    a = a' and b = b' the tetrahedron (a, b, c, c').
+    """
+    first, second = len(wedges), len(wedges) + len(pyramids)
+    i_wedge = i_pyramid = i_tetra = 0
+    for step in range(len(number) - 1):
+        low, high = number[step], number[step + 1]
+        for i in range(len(columns)):
+            a, b, c = columns[i, 0], columns[i, 1], columns[i, 2]
+            at_a, at_b, at_c = low[a] == high[a], low[b] == high[b], low[c] == high[c]
+            still = int(at_a) + int(at_b) + int(at_c)
+            if still == 0:
+                w = wedges[i_wedge]
+                w[0], w[1], w[2], w[3], w[4], w[5] = low[a], low[b], low[c], high[a], high[b], high[c]
+                column[i_wedge], layer[i_wedge] = i, step
+                i_wedge += 1
+            elif still == 1:
+                if at_b:
+                    a, b, c = b, c, a
+                elif at_c:
+                    a, b, c = c, a, b
+                p = pyramids[i_pyramid]
+                p[0], p[1], p[2], p[3], p[4] = low[b], high[b], high[c], low[c], low[a]
+                column[first + i_pyramid], layer[first + i_pyramid] = i, step
+                i_pyramid += 1
+            elif still == 2:
+                if not at_a:
+                    a, b, c = b, c, a
+                elif not at_b:
+                    a, b, c = c, a, b
+                q = tetrahedra[i_tetra]
+                q[0], q[1], q[2], q[3] = low[a], low[b], low[c], high[c]
+                column[second + i_tetra], layer[second + i_tetra] = i, step
+                i_tetra += 1
 
 
 def cells_of(columns: Numbers, number: Numbers) -> Cells:
@@ -34,36 +82,13 @@ def cells_of(columns: Numbers, number: Numbers) -> Cells:
     number : (levels + 1, r) int32
         The vertex of each ray on each level: the same on several levels where it stays.
     """
-    steps = len(number) - 1
-    low, high = number[:-1][:, columns], number[1:][:, columns]
-    still = low == high
-    every = np.concatenate([low, high], axis=2).reshape(-1, 6)
-    if not still.any():
-        column = np.tile(np.arange(len(columns)), steps)
-        return Cells({"wedge": every}, column, np.repeat(np.arange(steps, dtype=np.int32), len(columns)))
-    still = still.reshape(-1, 3)
-    many = still.sum(axis=1)
-    kinds: dict[str, Numbers] = {}
-    order = []
-    for name, count, corners in (
-        ("wedge", 0, (0, 1, 2, 3, 4, 5)),
-        ("pyramid", 1, PYRAMID_OF_WEDGE),
-        ("tetra", 2, TETRAHEDRON_OF_WEDGE),
-    ):
-        rows = np.flatnonzero(many == count)
-        # Turned so that the corner that stays, or the second of two, comes first, or second.
-        turn = np.zeros(len(rows), dtype=np.int64)
-        if count == 1:
-            turn = still[rows].argmax(axis=1)
-        elif count == 2:
-            turn = (still[rows].argmin(axis=1) + 1) % 3
-        places = (np.arange(3) + turn[:, None]) % 3
-        places = np.concatenate([places, places + 3], axis=1)[:, list(corners)]
-        if len(rows):
-            kinds[name] = every[rows[:, None], places]
-            order.append(rows)
-    rows = np.concatenate(order) if order else np.empty(0, dtype=np.int64)
-    return Cells(kinds, rows % len(columns), (rows // len(columns)).astype(np.int32))
+    many = np.zeros(4, dtype=np.int64)
+    _count(columns, number, many)
+    wedges, pyramids, tetrahedra = (np.empty((many[k], 6 - k), dtype=np.int32) for k in range(3))
+    column, layer = np.empty(many[:3].sum(), dtype=np.int64), np.empty(many[:3].sum(), dtype=np.int32)
+    _fill(columns, number, wedges, pyramids, tetrahedra, column, layer)
+    blocks = {"wedge": wedges, "pyramid": pyramids, "tetra": tetrahedra}
+    return Cells({name: rows for name, rows in blocks.items() if len(rows)}, column, layer)
 
 
 def in_one_fan(stars: Stars, triangles: Numbers, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -19,10 +19,19 @@ from ...geometry.inside_shell import even_odd_in_space, triangle_components
 from ...predicates.batch import orient_rows
 from .records import Others
 
-__all__ = ["Skin", "clashes", "skin_of", "surrounded"]
+__all__ = ["Border", "Skin", "clashes", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
+
+
+class Border(NamedTuple):
+    """The edges at which walls end: two rays in the direction of the column there, the plane, the column."""
+
+    ends: Numbers
+    plane: NDArray[np.int32]
+    column: Numbers
 
 
 class Skin(NamedTuple):
@@ -40,6 +49,10 @@ class Skin(NamedTuple):
     is_side : (k,) bool
     stays : (m + r, 2) int32
         The planes in which each point has to stay, -1 for none.
+    column : (k,) int64
+        The column of which each is the base, the cap or a side; -1 for others.
+    fresh : (k,) bool
+        Whether a triangle is new since the last test: no others can meet that did not before.
     """
 
     points: Array
@@ -48,6 +61,8 @@ class Skin(NamedTuple):
     plane: NDArray[np.int32]
     is_side: NDArray[np.bool_]
     stays: NDArray[np.int32]
+    column: Numbers
+    fresh: NDArray[np.bool_]
 
 
 def skin_of(
@@ -57,7 +72,8 @@ def skin_of(
     top: Array,
     moves: NDArray[np.bool_],
     planes: NDArray[np.int32],
-    border: tuple[Numbers, NDArray[np.int32]],
+    border: Border,
+    changed: NDArray[np.bool_],
 ) -> Skin:
     """The boundary of layers, and of the rest of the surface.
 
@@ -74,17 +90,18 @@ def skin_of(
         Whether a ray has a height; the tops of others are their bases.
     planes : (r, 2) int32
         In which each ray stays, -1 for none.
-    border : tuple of (e, 2) int64 and (e,) int32
-        The edges of the border, as two rays in the direction of the column there, and the plane of each.
+    border : Border
+    changed : (r,) bool
+        Which rays have other heights than at the last test.
     """
     n = len(others.points)
     number = np.where(moves, n + np.arange(len(base)), base)
-    (a, b), plane = border[0].T, border[1]
+    (a, b), plane = border.ends.T, border.plane
     one, two = (
-        np.column_stack(rows)
-        for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
+        np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
     )
-    cap = number[columns][moves[columns].any(axis=1)]
+    on = moves[columns].any(axis=1)
+    cap = number[columns][on]
     sides = np.concatenate([one[moves[a]], two[moves[b]]])
     along = np.concatenate([plane[moves[a]], plane[moves[b]]])
     triangles = np.concatenate([base[columns], cap, sides, others.triangles]).astype(np.int32)
@@ -93,6 +110,10 @@ def skin_of(
     is_side[len(before) : len(before) + len(sides)] = True
     stays = np.full((n, 2), -1, dtype=np.int32)
     stays[base] = planes
+    beside = changed[a] | changed[b]
+    new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
+    fresh = np.zeros(len(triangles), dtype=bool)
+    fresh[len(columns) : len(before) + len(sides)] = np.concatenate(new)
     return Skin(
         np.concatenate([others.points, top]),
         triangles,
@@ -100,15 +121,37 @@ def skin_of(
         np.concatenate([before, along, others.plane]).astype(np.int32),
         is_side,
         np.concatenate([stays, planes]),
+        np.concatenate(
+            [
+                np.arange(len(columns)),
+                np.flatnonzero(on),
+                border.column[moves[a]],
+                border.column[moves[b]],
+                np.full(len(others.triangles), -1),
+            ]
+        ),
+        fresh,
     )
 
 
 def clashes(skin: Skin) -> Numbers:
     """The rays that are to be lowered because layers meet something: sorted, each once; exact."""
-    pairs = meeting_pairs(skin.points, skin.triangles)
+    rows = _near(skin)
+    pairs = rows[meeting_pairs(skin.points, skin.triangles[rows])]
     pairs = pairs[~_allowed(skin, pairs)]
     rays = skin.rays[pairs.ravel()]
     return np.unique(rays[rays >= 0])
+
+
+def _near(skin: Skin) -> Numbers:
+    """The triangles that are new, and those whose boxes meet theirs."""
+    many = int(skin.fresh.sum())
+    if many == 0 or many > FEW_FRESH * len(skin.fresh):
+        return np.arange(len(skin.fresh) if many else 0)
+    low, high = bounding_boxes(skin.points[skin.triangles])
+    fresh, old = np.flatnonzero(skin.fresh), np.flatnonzero(~skin.fresh)
+    query, _ = BoxTree(low[fresh], high[fresh]).pairs(low[old], high[old])
+    return np.sort(np.concatenate([fresh, old[np.unique(query)]]))
 
 
 def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
@@ -136,36 +179,58 @@ def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
     return found
 
 
-def surrounded(points: Array, base: NDArray[np.int32], number: Numbers) -> list[tuple[Numbers, Numbers]]:
-    """Parts of the walls that lie within the layers of others, as pairs of rows of columns; exact.
+def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_]) -> Numbers:
+    """The rays that are to be lowered because layers contain others, or a part of the surface; exact.
 
-    Parameters
-    ----------
-    points : (m, 3) float64
-    base : (c, 3) int32
-        The triangles of the base, as rows of points.
-    number : (c, 3) int64
-        Those of the cap.
+    If nothing meets, the layers of a part of the walls are what its skin has inside by the even-odd rule.
+    They overlap with those of another part exactly if a corner of the base or of the cap of one is inside of
+    the other; and so it is with parts of the surface that are no walls.
     """
-    component, _, count = triangle_components(base)
-    found: list[tuple[Numbers, Numbers]] = []
-    if count < 2:
-        return found
-    order = np.argsort(component, kind="stable")
-    first = np.searchsorted(component[order], np.arange(count + 1))
-    low, high = bounding_boxes(points[np.concatenate([base, number], axis=1)])
-    start = first[:-1]
-    low, high = np.minimum.reduceat(low[order], start), np.maximum.reduceat(high[order], start)
-    probe = points[base[order[start], 0]]
+    column, walls = skin.column, skin.column >= 0
+    component, _, count = triangle_components(skin.triangles[: len(columns)])
+    free, beside = _free_parts(skin.triangles[~walls], skin.plane[~walls])
+    if count + free < 2:
+        return np.empty(0, dtype=np.int64)
+    on = moves[columns].any(axis=1)
+    part = np.full(len(column), -1, dtype=np.int64)
+    part[walls] = component[column[walls]]
+    part[~walls] = np.where(beside >= 0, count + beside, -1)
+    is_cap = np.arange(len(column)) >= len(columns)
+    probes, owner = [], []
+    for rows in (np.flatnonzero((part >= 0) & ~is_cap), np.flatnonzero((part >= 0) & is_cap)):
+        found, first = np.unique(part[rows], return_index=True)
+        probes.append(skin.triangles[rows[first], 2])
+        owner.append(found)
+    probe, owned = skin.points[np.concatenate(probes)], np.concatenate(owner)
+    shell = np.flatnonzero((part >= 0) & (part < count))
+    shell = shell[on[column[shell]]]
+    order = shell[np.argsort(part[shell], kind="stable")]
+    found, start = np.unique(part[order], return_index=True)
+    if not len(found):
+        return np.empty(0, dtype=np.int64)
+    low, high = bounding_boxes(skin.points[skin.triangles[order]])
+    low, high = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
     which, inside = BoxTree(low, high).pairs(probe, probe)
-    apart = which != inside
+    apart = owned[which] != found[inside]
     which, inside = which[apart], inside[apart]
+    ends = np.append(start, len(order))
+    wrong = np.zeros(count + free, dtype=bool)
     for body in np.unique(inside).tolist():
-        rows = order[first[body] : first[body + 1]]
         ask = which[inside == body]
-        moved = rows[(base[rows] != number[rows]).any(axis=1)]
-        shell = np.concatenate([base[moved], number[moved]]).astype(np.int32)
-        odd, _ = even_odd_in_space(points, shell, probe[ask])
-        for other in ask[odd].tolist():
-            found.append((rows, order[first[other] : first[other + 1]]))
-    return found
+        rows = skin.triangles[order[ends[body] : ends[body + 1]]]
+        odd, _ = even_odd_in_space(skin.points, rows, probe[ask])
+        wrong[owned[ask[odd]]] = True
+        wrong[found[body]] |= odd.any()
+    rays = np.unique(columns[wrong[component]])
+    return rays[moves[rays]]
+
+
+def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple[int, Numbers]:
+    """How many parts of the surface do not hang together with walls, and the part of each triangle, or -1."""
+    if not len(triangles):
+        return 0, np.empty(0, dtype=np.int64)
+    component, _, count = triangle_components(triangles)
+    free = np.ones(count, dtype=bool)
+    free[component[plane >= 0]] = False
+    number = np.where(free, np.cumsum(free) - 1, -1)
+    return int(free.sum()), number[component]

@@ -52,7 +52,7 @@ def limited(
 
 @kernel
 def _graded(start, edge, other, length, slope, height, changed):
-    """Lower heights until neighbors differ by no more than the slope times their distance: from the lowest on.
+    """Lower heights until neighbors differ by no more than the slope times their distance, from the lowest.
 
     Label-correcting: a vertex is looked at again when it was lowered.
     """
@@ -99,18 +99,23 @@ def graded(
     return height, np.where(changed, GRADATION, reason).astype(np.int8)
 
 
+@kernel
+def _placed(points, directions, height, shares, places):
+    for k in range(len(places)):
+        for i in range(len(points)):
+            step = shares[min(i, len(shares) - 1), k] * height[i]
+            for j in range(3):
+                places[k, i, j] = points[i, j] + directions[i, j] * step if k > 0 else points[i, j]
+
+
 def placed(points: Array, directions: Array, height: Array, shares: Array) -> Array:
     """The places of rays on all levels, rounded: (levels + 1, r, 3).
 
     Parameters
     ----------
-    shares : (levels + 1,) or (r, levels + 1) float64
+    shares : (1, levels + 1) or (r, levels + 1) float64
         The heights of levels, in parts of the whole.
     """
-    levels = shares.shape[-1]
-    places = np.empty((levels, *points.shape))
-    for k in range(levels):
-        step = (shares[k] if shares.ndim == 1 else shares[:, k]) * height
-        places[k] = points + directions * step[:, None]
-    places[0] = points
+    places = np.empty((shares.shape[1], *points.shape))
+    _placed(points, directions, height, shares, places)
     return places

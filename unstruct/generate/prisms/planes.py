@@ -21,7 +21,7 @@ MOST_PLANES = 2  # in which one ray can stay
 
 
 def _normal_of(points: Array, ends: NDArray[np.int64]) -> Array:
-    """The unit normal of a closed chain of edges; of a plane of constant coordinate it is that of the axis."""
+    """The unit normal of a closed chain of edges; that of the axis where one coordinate is constant."""
     flat = np.flatnonzero(np.ptp(points[ends.ravel()], axis=0) == 0.0)
     normal = np.zeros(3)
     if len(flat):
@@ -76,9 +76,9 @@ def planes_of_loops(
         off, worst = _off_plane(points, chain, normal)
         if off > SAME_PLANE or not normal.any():
             raise InputError(
-                f"the surface is open along a loop of {len(loop)} edges that does not lie in a plane: point "
-                f"{worst} is off by {off:.2g} of its extent, {at(points[worst])}; close the surface, or end it "
-                "in planes (give a closed Domain with walls=names where it ends in several)"
+                f"the surface is open along a loop of {len(loop)} edges that does not lie in a plane: "
+                f"point {worst} is off by {off:.2g} of its extent, {at(points[worst])}; close it, or end it "
+                "in planes (where it ends in several, give a closed Domain with walls=names)"
             )
         planes[loop, 0] = len(normals)
         normals.append(normal)
@@ -86,7 +86,12 @@ def planes_of_loops(
 
 
 def planes_beside(
-    domain: Domain, vertex: NDArray, triangles: Numbers, mates: NDArray[np.int64], rows: Numbers, piece: Numbers
+    domain: Domain,
+    vertex: NDArray,
+    triangles: Numbers,
+    mates: NDArray[np.int64],
+    rows: Numbers,
+    piece: Numbers,
 ) -> tuple[Numbers, Array, Numbers]:
     """Planes of the facets beside walls.
 
@@ -128,9 +133,7 @@ def planes_beside(
             )
     local = np.full(len(points), -1, dtype=np.int64)
     local[vertex] = np.arange(len(vertex))
-    at_vertex = np.unique(
-        np.column_stack([local[ends.ravel()], np.repeat(number.ravel(), 2)]), axis=0
-    )
+    at_vertex = np.unique(np.column_stack([local[ends.ravel()], np.repeat(number.ravel(), 2)]), axis=0)
     for v, p in at_vertex.tolist():
         same = [q for q in planes[v].tolist() if q >= 0 and _parallel(normals[p], normals[q])]
         free = np.flatnonzero(planes[v] < 0)
@@ -139,8 +142,8 @@ def planes_beside(
         if not len(free):
             w = int(vertex[v])
             raise InputError(
-                f"the walls end at point {w}, {at(points[w])}, in {MOST_PLANES + 1} planes: no ray can stay in "
-                "all of them; make one of the facets there a wall"
+                f"the walls end at point {w}, {at(points[w])}, in {MOST_PLANES + 1} planes: no ray can stay "
+                "in all of them; make one of the facets there a wall"
             )
         planes[v, free[0]] = p
     return planes, normals, plane

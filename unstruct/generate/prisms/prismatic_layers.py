@@ -28,6 +28,7 @@ from .walls import WALL_SIDES, Base, base_of
 __all__ = ["layers_alone", "prismatic_layers"]
 
 NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
+ROOM_BEYOND = 0.4  # how much higher layers could be before they meet something; unit: their height
 STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
 
 
@@ -114,8 +115,8 @@ def prismatic_layers(
     -----
     A direction sees a triangle if it is within a right angle of its normal. "visible" is the direction whose
     largest angle with the normals at a vertex is smallest: it sees all triangles there whenever any direction
-    does. "staged": weighted by angles, but on geometric edges the mean of both sides. "angle", "area": weighted
-    sums. Where one of these does not see all, the first is taken.
+    does. "staged": weighted by angles, but on geometric edges the mean of both sides. "angle", "area": sums
+    with such weights. Where one of these does not see all, the first is taken.
 
     *Heights* are at most .7 of what keeps the Jacobian of a whole column positive, differ by at most the
     length of an edge along it, and are lowered by a factor .7 where a wedge, as rounded, is not positive, or
@@ -139,7 +140,8 @@ def prismatic_layers(
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
     base = base_of(surface, walls, side)
     fill = _fill_options(base, size, side, fill_options, seed, budget, progress)
-    options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells)
+    room = 0.0 if size is None else ROOM_BEYOND
+    options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
     run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
     run.advance()
     _tell_hidden(run)

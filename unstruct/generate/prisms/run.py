@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
-from .clear import clashes, skin_of, surrounded
+from .clear import Border, clashes, skin_of, surrounded
 from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
@@ -39,6 +39,10 @@ class PrismOptions(NamedTuple):
     recompute: bool = False
     progress: bool = False
     cells: str = "wedge"
+    room: float = 0.0
+
+
+DEFAULT_PRISMS = PrismOptions()
 
 
 class PrismRun:
@@ -61,21 +65,22 @@ class PrismRun:
         How often heights were lowered.
     """
 
-    def __init__(self, base: Base, layers: Layers, options: PrismOptions = PrismOptions()):
+    def __init__(self, base: Base, layers: Layers, options: PrismOptions = DEFAULT_PRISMS):
         self.base, self.options, walls = base, options, base.walls
         self.stars = stars_of(walls.triangles, len(walls.points))
         self.columns = walls.triangles
         heights = layers.cumulative(at=walls.points) if layers.varies else layers.cumulative()
         if heights.ndim == 2 and len(heights) != len(walls.points):
             raise InputError(
-                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give one "
-                "value, one for each of them (mesh.steps['vertex'] has their order), or a function of the place"
+                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give "
+                "one value, one for each of them, or a function of the place"
             )
         total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
-        self.shares = heights / heights[..., -1:]
+        self.shares = np.atleast_2d(heights / heights[..., -1:])
         self.total, self.rounds = total, 0
         self.edges = edges_of_columns(self.columns)
         self.base_row = walls.vertex.astype(np.int64)
+        self.border = self._border()
 
     @property
     def levels(self) -> int:
@@ -90,12 +95,13 @@ class PrismRun:
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
+        self.lowered = np.zeros(len(start), dtype=np.int64)
+        self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
 
     def advance(self) -> None:
         """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
         self.begin()
         walls, options = self.base.walls, self.options
-        self.lowered = np.zeros(len(self.height), dtype=np.int64)
         fresh = np.ones(len(self.columns), dtype=bool)
         with progress_bar(options.progress, " rounds") as bar:
             while True:
@@ -117,9 +123,7 @@ class PrismRun:
     def _grade(self, fresh: NDArray[np.bool_]) -> None:
         """Lower heights that differ too much; note the columns that change."""
         before = self.height
-        self.height, self.reason = graded(
-            self.base.walls.points, self.edges, self.height, self.reason, SLOPE
-        )
+        self.height, self.reason = graded(self.base.walls.points, self.edges, self.height, self.reason, SLOPE)
         if self.height is not before:
             fresh |= (self.height != before)[self.columns].any(axis=1)
 
@@ -141,26 +145,30 @@ class PrismRun:
         return found
 
     def wrong_tops(self) -> Numbers:
-        """The rays whose cap meets something, or whose layers surround another part of the walls."""
+        """The rays whose cap meets something, or whose layers surround another part of the walls.
+
+        Where room is to be left, a cap that is so much higher is tested after that.
+        """
+        low, high = self.places[0], self.places[-1]
+        rays = self._met(high, 0)
+        if not len(rays) and self.options.room > 0.0:
+            rays = self._met(low + (1.0 + self.options.room) * (high - low), 1)
+        return rays
+
+    def _met(self, tops: Array, which: int) -> Numbers:
+        """The rays whose tops, or layers below them, meet something; what has been tested before is known."""
         moves, walls = self.height > 0.0, self.base.walls
-        skin = skin_of(
-            self.base.others, self.columns, self.base_row, self.places[-1], moves, walls.planes, self._border()
-        )
+        changed = (tops != self.tested[which]).any(axis=1)
+        self.tested[which] = tops
+        border, others = self.border, self.base.others
+        skin = skin_of(others, self.columns, self.base_row, tops, moves, walls.planes, border, changed)
         rays = clashes(skin)
         if len(rays):
             return rays
-        number = np.where(moves, len(self.base.others.points) + np.arange(len(moves)), self.base_row)
-        lower = [
-            self.columns[np.concatenate(pair)].ravel()
-            for pair in surrounded(
-                skin.points, self.base_row[self.columns].astype(np.int32), number[self.columns]
-            )
-        ]
-        rays = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *lower]))
-        return rays[moves[rays]]
+        return surrounded(skin, self.columns, moves)
 
-    def _border(self) -> tuple[Numbers, NDArray[np.int32]]:
-        """The edges at which the walls end, and the plane of each."""
+    def _border(self) -> Border:
+        """The edges at which the walls end."""
         side = np.flatnonzero(self.stars.mates < 0)
         t, k = side // 3, side % 3
         a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
@@ -170,7 +178,7 @@ class PrismRun:
             for j in range(2):
                 same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
                 plane[same] = one[same, i]
-        return np.column_stack([a, b]).astype(np.int64), plane
+        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
 
     def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
         """Lower the heights of rays; which columns change."""

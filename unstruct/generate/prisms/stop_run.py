@@ -22,13 +22,13 @@ class StopRun(PrismRun):
         self.begin()
         seen = self.height > 0.0
         whole = placed(self.base.walls.points, self.direction, np.where(seen, self.total, 0.0), self.shares)
-        rise = self.shares * (self.total[:, None] if self.shares.ndim == 2 else self.total[0])
+        rise = self.shares * self.total[: len(self.shares), None]  # one row for all, or one for each ray
         rays = np.arange(len(seen))
         every = np.arange(len(self.columns))
 
         def put(level: NDArray[np.int32]) -> None:
             self.places = whole[np.minimum(np.arange(self.levels + 1)[:, None], level), rays]
-            self.height = np.where(seen, rise[level] if rise.ndim == 1 else rise[rays, level], 0.0)
+            self.height = np.where(seen, rise[np.minimum(rays, len(rise) - 1), level], 0.0)
 
         def wrong_columns(level: NDArray[np.int32]) -> NDArray[np.int64]:
             put(level)

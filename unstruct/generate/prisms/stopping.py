@@ -43,11 +43,11 @@ def layers_below(rise: NDArray[np.float64], height: NDArray[np.float64]) -> NDAr
 
     Parameters
     ----------
-    rise : (levels + 1,) or (r, levels + 1) float64
+    rise : (1, levels + 1) or (r, levels + 1) float64
         The heights of levels.
     height : (r,) float64
     """
-    return (rise[..., 1:] <= height[:, None] * SAME_HEIGHT).sum(axis=1).astype(np.int32)
+    return (rise[:, 1:] <= height[:, None] * SAME_HEIGHT).sum(axis=1).astype(np.int32)
 
 
 def stepped(
@@ -90,7 +90,7 @@ def stopped(
 
     Parameters
     ----------
-    rise : (levels + 1,) or (r, levels + 1) float64
+    rise : (1, levels + 1) or (r, levels + 1) float64
         The heights of levels that are wanted.
     edges : (e, 2) int
         Pairs of rays.
@@ -121,6 +121,6 @@ def stopped(
         if bar is not None:
             bar.update(1)
         at = level[rays]
-        rows = rise[at] if rise.ndim == 1 else rise[rays, at]
-        below = layers_below(rise if rise.ndim == 1 else rise[rays], STOP_SHARE * rows)
+        rows = np.minimum(rays, len(rise) - 1)
+        below = layers_below(rise[rows], STOP_SHARE * rise[rows, at])
         level[rays], reason[rays] = np.minimum(below, at - 1), code

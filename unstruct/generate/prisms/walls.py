@@ -181,9 +181,9 @@ def _must_be_turned_alike(domain: Domain) -> None:
     i, j = (int(order[same[0] + k]) % len(shell.triangles) for k in (0, 1))
     a, b = ends[order[same[0]]].tolist()
     raise InputError(
-        f"facets {shell.piece[i]} and {shell.piece[j]} are turned against each other: both run along the edge "
-        f"{a}-{b} in one direction, {at(domain.points[a])}; turn one, or give Domain.surface(mesh), for which "
-        "the direction does not matter"
+        f"facets {shell.piece[i]} and {shell.piece[j]} are turned against each other: both run along the "
+        f"edge {a}-{b} in one direction, {at(domain.points[a])}; turn one, or give Domain.surface(mesh), for "
+        "which the direction does not matter"
     )
 
 
