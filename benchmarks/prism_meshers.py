@@ -65,7 +65,9 @@ def _gmsh() -> Callable[[Given], Made]:
         model, domain = gmsh.model, given.domain
         points, shell = domain.points, domain.triangulated
         triangles = shell.triangles
-        walls = np.concatenate([domain.markers[name] for name in given.walls or []] or [np.arange(len(triangles))])
+        walls = np.concatenate(
+            [domain.markers[name] for name in given.walls or []] or [np.arange(len(triangles))]
+        )
         on_wall = np.isin(shell.piece, walls)
         surfaces = [_surface(gmsh, points, triangles[rows]) for rows in (on_wall, ~on_wall) if rows.any()]
         gmsh.option.setNumber("Geometry.ExtrudeReturnLateralEntities", 0)
@@ -106,8 +108,5 @@ def _surface(gmsh: Any, points: NDArray, triangles: NDArray) -> int:
 MESHERS = [
     *(Mesher("unstruct", "unstruct", work, _ours(False)) for work in ("layers", "growth", "joined")),
     Mesher("unstruct, checks of the surface", "unstruct", "layers", _ours(True)),
-    *(
-        Mesher("Gmsh extrudeBoundaryLayer", "gmsh", work, _gmsh)
-        for work in ("layers", "growth", "joined")
-    ),
+    *(Mesher("Gmsh extrudeBoundaryLayer", "gmsh", work, _gmsh) for work in ("layers", "growth", "joined")),
 ]

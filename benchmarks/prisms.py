@@ -85,10 +85,14 @@ def _sides(box: Any) -> Any:
 
 def warm_up(work: str) -> Given:
     """A small task of the same kind: compiled code is loaded, lazy imports are done."""
-    return task(work, "wing-body" if work == "joined" else "merged body", FEW_TRIANGLES)
+    if work == "joined":
+        return task(work, "wing-body", FEW_TRIANGLES)
+    return task("layers", "merged body", FEW_TRIANGLES)
 
 
-def measures(points: NDArray, cells: dict[str, NDArray], mesh: Any, work: str, given: Given) -> dict[str, Any]:
+def measures(
+    points: NDArray, cells: dict[str, NDArray], mesh: Any, work: str, given: Given
+) -> dict[str, Any]:
     """How many wedges there are, how many of them are not positive everywhere, and what ours reports."""
     from unstruct.geometry.jacobians import wedge_signs
 

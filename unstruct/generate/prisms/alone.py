@@ -93,7 +93,11 @@ def _second_at_edges(
 def _fans(
     stars: Stars, columns: NDArray[np.integer], kept: NDArray[np.bool_], rises: NDArray[np.bool_], v: int
 ) -> list[list[int]]:
-    """The columns around a vertex that follow each other across faces."""
+    """The columns around a vertex that follow each other across faces.
+
+    A vertex without layers of its own, with columns all around, is on the base and on the cap, which would
+    touch there: one column is taken for a fan of its own, and so left out.
+    """
     places = stars.around[stars.start[v] : stars.start[v + 1]].tolist()
     fans: list[list[int]] = []
     joined = False  # to the column before
@@ -109,6 +113,8 @@ def _fans(
     closed = stars.mates[3 * (last // 3) + (last % 3 + 1) % 3] >= 0
     if closed and joined and len(fans) > 1 and kept[first // 3]:
         fans[0] = fans.pop() + fans[0]
+    elif closed and joined and not rises[v] and len(fans[0]) == len(places):
+        fans.append([fans[0].pop()])
     return fans
 
 

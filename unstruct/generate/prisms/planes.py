@@ -17,6 +17,9 @@ __all__ = ["planes_beside", "planes_of_loops"]
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int32]
 SAME_PLANE = 1e-6  # of the extent: how far points of one plane may be from it; also between unit normals
+LEAST_SLOPE = 0.5  # sine of the angle, on average, between walls and the plane in which they end
+LEAST_AT_THREE = 0.85  # ... where the loop has three edges, which may be a triangle that is missing
+STEEP_ENOUGH = 0.1  # ... and at each edge
 MOST_PLANES = 2  # in which one ray can stay
 
 
@@ -63,6 +66,8 @@ def planes_of_loops(
     planes = np.full((len(vertex), MOST_PLANES), -1, dtype=np.int32)
     follow = np.full(len(vertex), -1, dtype=np.int64)
     follow[ends[:, 0]] = ends[:, 1]
+    beside = np.zeros((len(vertex), 3))  # the normal of the triangle at the edge that begins at a vertex
+    beside[ends[:, 0]] = unit_normals(points[vertex], triangles)[0][np.flatnonzero(mates < 0) // 3]
     left, normals = dict.fromkeys(ends[:, 0].tolist()), []
     while left:
         v = next(iter(left))
@@ -79,6 +84,14 @@ def planes_of_loops(
                 f"the surface is open along a loop of {len(loop)} edges that does not lie in a plane: "
                 f"point {worst} is off by {off:.2g} of its extent, {at(points[worst])}; close it, or end it "
                 "in planes (where it ends in several, give a closed Domain with walls=names)"
+            )
+        along = 1.0 - np.abs((beside[loop] * normal).sum(axis=1)) ** 2
+        least = LEAST_SLOPE if len(loop) > 3 else LEAST_AT_THREE
+        if along.mean() < least**2 or along.min() < STEEP_ENOUGH**2:
+            raise InputError(
+                f"the surface is open along a loop of {len(loop)} edges at point {worst}, "
+                f"{at(points[worst])}, whose plane is nearly that of the facets there, so that layers could "
+                "not end in it: facets may be missing; close the surface, or end it across a plane"
             )
         planes[loop, 0] = len(normals)
         normals.append(normal)
