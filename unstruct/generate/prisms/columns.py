@@ -21,7 +21,7 @@ from ...predicates.batch import power_of_two
 from ...predicates.filters import UNDECIDED
 from .directions import SIGN_ERROR, SIGN_TINY
 
-__all__ = ["bad", "limits"]
+__all__ = ["bad", "limits", "scaled_columns"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -219,3 +219,62 @@ def _frame_sign(x: np.ndarray, bound: np.ndarray) -> np.ndarray:
     signs[det > bound] = 1
     signs[det < -bound] = -1
     return signs
+
+
+# ---------------------------------------------------------------------- how good they are
+
+
+@inline
+def _square(v):
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+@inline
+def _sides(x, edges, squares):
+    """Write the edges 0-1, 0-2, 1-2 of a triangle and the squares of their lengths."""
+    for j in range(3):
+        edges[0, j], edges[1, j] = x[1, j] - x[0, j], x[2, j] - x[0, j]
+        edges[2, j] = x[2, j] - x[1, j]
+    for k in range(3):
+        squares[k] = _square(edges[k])
+
+
+@kernel
+def _scaled(places, factor, columns, level, least):
+    top = len(places) - 1
+    lower, upper = np.empty((3, 3)), np.empty((3, 3))
+    edges, squares = np.empty((3, 3)), np.empty(3)
+    for i in range(len(columns)):
+        least[i] = np.inf
+        for j in range(3):
+            for k in range(3):
+                upper[j, k] = places[0, columns[i, j], k] * factor
+        for step in range(top):
+            lower, upper = upper, lower
+            every = True
+            for j in range(3):
+                every = every and step < level[columns[i, j]]
+                for k in range(3):
+                    upper[j, k] = places[step + 1, columns[i, j], k] * factor
+            if not every:
+                break
+            for end in range(2):
+                _sides(lower if end == 0 else upper, edges, squares)
+                for k in range(3):
+                    v = _from(upper[k], lower[k])
+                    one, two = squares[0 if k < 2 else 1], squares[1 if k == 0 else 2]
+                    lengths = one * two * _square(v)
+                    det = _det(edges[0], edges[1], v)
+                    if lengths > 0.0:
+                        least[i] = min(least[i], det * abs(det) / lengths)
+
+
+def scaled_columns(places: Array, columns: NDArray[np.int32], level: NDArray[np.int32]) -> Array:
+    """The least scaled Jacobian of the wedges of each column, inf where it has none: (c,).
+
+    The determinant of the unit vectors along the edges at a corner, over that of a right wedge on an
+    equilateral triangle. Arguments as of `bad`.
+    """
+    least = np.empty(len(columns))
+    _scaled(places, power_of_two(places[[0, -1]].reshape(-1, 3)), columns, level, least)
+    return np.sign(least) * np.sqrt(np.abs(least) * (4.0 / 3.0))

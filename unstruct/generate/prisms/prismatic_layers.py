@@ -17,6 +17,7 @@ from ...sizing.field import as_size
 from ...sizing.stretching import Layers
 from .alone import layers_of_columns, manifold_columns
 from .beyond import filled_beyond
+from .columns import scaled_columns
 from .directions import NORMALS
 from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
@@ -214,9 +215,7 @@ def layers_alone(run: PrismRun) -> DomainMesh:
     )
 
 
-def _layers_and_beyond(
-    run: PrismRun, size: Any, fill: Mapping[str, Any]
-) -> tuple[DomainMesh, str]:
+def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tuple[DomainMesh, str]:
     """The mesh of the whole body, and what is missing."""
     domain = run.base.domain
     assert domain is not None
@@ -253,7 +252,8 @@ def _with_account(
     }
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
-    mesh.figures.update({"share of full heights": full})
+    least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
+    mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
     return mesh
 
 

@@ -14,7 +14,8 @@ from .clear import Border, clashes, skin_of, surrounded
 from .columns import bad
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
-from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays
+from .marching import marched
+from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays, Walls
 from .split import twisted
 from .stars import stars_of
 from .walls import Base
@@ -89,8 +90,8 @@ class PrismRun:
 
     def begin(self) -> None:
         """Give rays directions, and heights at which columns have room."""
-        walls, options = self.base.walls, self.options
-        direction, seen = directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+        walls = self.base.walls
+        direction, seen = self._directed(walls)
         self.direction = np.where(seen[:, None], direction, 0.0)
         start = np.where(seen, self.total, 0.0)
         self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
@@ -98,22 +99,32 @@ class PrismRun:
         self.lowered = np.zeros(len(start), dtype=np.int64)
         self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
 
+    def _directed(self, walls: Walls) -> tuple[Array, NDArray[np.bool_]]:
+        options = self.options
+        return directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+
+    def placed(self, height: Array) -> Array:
+        """The places of rays of some heights."""
+        walls = self.base.walls
+        if self.options.recompute:
+            return marched(walls, self._directed, self.direction, height, self.shares)
+        return placed(walls.points, self.direction, height, self.shares)
+
     def advance(self) -> None:
         """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
         self.begin()
-        walls, options = self.base.walls, self.options
         fresh = np.ones(len(self.columns), dtype=bool)
-        with progress_bar(options.progress, " rounds") as bar:
+        with progress_bar(self.options.progress, " rounds") as bar:
             while True:
                 self._grade(fresh)
-                self.places = placed(walls.points, self.direction, self.height, self.shares)
+                self.places = self.placed(self.height)
                 wrong = self._wrong_columns(fresh)
                 why = COLUMN
                 if not len(wrong):
                     wrong, why = self.wrong_tops(), CROSSING
                 if not len(wrong):
                     break
-                fresh[:] = self._lower(wrong, why)
+                fresh[:] = self._lower(wrong, why) | self.options.recompute
                 bar.update(1)
         level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
         self.rays = Rays(

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.progress import progress_bar
-from .heights import placed
 from .records import Rays
 from .run import PrismRun
 from .stopping import stopped
@@ -21,7 +20,7 @@ class StopRun(PrismRun):
         """Give rays directions and numbers of layers; lower these until all is valid."""
         self.begin()
         seen = self.height > 0.0
-        whole = placed(self.base.walls.points, self.direction, np.where(seen, self.total, 0.0), self.shares)
+        whole = self.placed(np.where(seen, self.total, 0.0))
         rise = self.shares * self.total[: len(self.shares), None]  # one row for all, or one for each ray
         rays = np.arange(len(seen))
         every = np.arange(len(self.columns))
