@@ -25,6 +25,7 @@ __all__ = ["JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_la
 
 Rows = NDArray[np.int64]
 VOLUME_ERROR = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
+SEEDS_BEYOND = 3  # how many are tried as long as the cap is not kept
 JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
 LEAST_BEYOND = "least dihedral angle beyond"
 DIVIDED_CAP = f"a triangle of the cap, undivided,{IS_MISSING}"
@@ -70,19 +71,21 @@ def filled_beyond(
             f"layers have the volume {inside:.6g}, what they leave of the body has {rest.domain.volume:.6g}, "
             f"but the body has {domain.volume:.6g}: they surround other facets, or overlap; make them thinner"
         )
-    mesh = tetrahedra_by_size(rest.domain, field, **options, names=lambda piece: rest.name(piece, domain))
-    lacking = what_is_missing(rest.domain, mesh, OTHER_LAYERS)
+    for step in range(SEEDS_BEYOND):
+        more = options | {"seed": options["seed"] + step}
+        mesh = tetrahedra_by_size(rest.domain, field, **more, names=lambda piece: rest.name(piece, domain))
+        lacking, above = what_is_missing(rest.domain, mesh, OTHER_LAYERS), _above_cap(mesh, rest)
+        lost = np.flatnonzero(above < 0)
+        if not lacking and not len(lost):
+            break
     reasons = dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist(), strict=True))
-    above = _above_cap(mesh, rest)
-    lost = np.flatnonzero(above < 0)
     if len(lost) and not lacking:
         place = [float(f"{x:.6g}") for x in grown.points[grown.whole_cap[lost[0]]].mean(axis=0)]
         lacking = (
             f"the mesh is not one of the body: {len(lost)} triangles of the cap are divided, near {place}, "
             f"and the layers below are not; {OTHER_LAYERS}"
         )
-        for cell in _cells_at(mesh, rest, lost).tolist():
-            reasons[cell] = DIVIDED_CAP
+        reasons |= dict.fromkeys(_cells_at(mesh, rest, lost).tolist(), DIVIDED_CAP)
     return _joined(domain, grown, rest, mesh, above, reasons), lacking
 
 

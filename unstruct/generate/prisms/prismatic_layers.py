@@ -19,6 +19,7 @@ from .alone import layers_of_columns, manifold_columns
 from .beyond import filled_beyond
 from .columns import scaled_columns
 from .directions import NORMALS
+from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
@@ -139,6 +140,7 @@ def prismatic_layers(
         if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
+    surface, walls, parts = with_flat_sides(surface, walls)
     base = base_of(surface, walls, side)
     fill = _fill_options(base, size, side, fill_options, seed, budget, progress)
     room = 0.0 if size is None else ROOM_BEYOND
@@ -146,9 +148,10 @@ def prismatic_layers(
     run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
     run.advance()
     _tell_hidden(run)
-    if size is None:
-        return noticed(layers_alone(run))
-    return noticed(*_layers_and_beyond(run, size, fill))
+    mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+    if parts is not None:
+        as_pieces_of(mesh, parts)
+    return noticed(mesh, lacking)
 
 
 def _fill_options(
