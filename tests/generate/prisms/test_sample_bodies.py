@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from benchmarks import prisms_fuzz, prisms_spoiled
-from unstruct import Layers, check, prismatic_layers
+from unstruct import Domain, InputError, Layers, check, prismatic_layers
 
 # What was wrong: a vertex without layers among columns all around it was on the base and on the cap.
 ONCE_WRONG = [(15, {"cells": "tetrahedron"}), (15, {"cells": "wedge"}), (15, {"stop": "stop"})]
@@ -57,3 +58,22 @@ def test_the_judgment_sees_faults() -> None:
                        figures=mesh.figures, faces=mesh.faces, face_piece=mesh.face_piece)  # fmt: skip
     row = prisms_fuzz.judged(wrong)
     assert row["inverted"] > 0 and row["crossings"] > 0 and row["check"]
+
+
+@pytest.mark.parametrize("cells", ["wedge", "tetrahedron"])
+def test_layers_below_the_rounding_of_coordinates_are_refused(cells: str) -> None:
+    """Found here: without any layer there was nothing to divide."""
+    with pytest.raises(InputError, match="no layer is possible anywhere"):
+        prismatic_layers(Domain.ball(size=0.5), layers=Layers(first=1e-17, growth=1.2, count=12), cells=cells)
+
+
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+def test_layers_of_nested_balls_do_not_pass_each_other(stop: str) -> None:
+    """Found here: the caps of a ball and of its cavity had changed places without meeting each other."""
+    sizes = (((0, 0, 0), 1.0, 0.5), ((0, 0, 0), 0.5, 0.3), ((0.05, 0, 0), 0.2, 0.15))
+    balls = [Domain.ball(center, radius, size=size) for center, radius, size in sizes]
+    first = np.cumsum([0, *(len(ball.points) for ball in balls)])
+    facets = np.concatenate([np.asarray(ball.facets) + n for ball, n in zip(balls, first)])
+    body = Domain(np.concatenate([ball.points for ball in balls]), facets)
+    mesh = prismatic_layers(body, layers=Layers(first=0.01, growth=1.2, count=12), side="inside", stop=stop)
+    assert check(mesh) and faultless(prisms_fuzz.judged(mesh))

@@ -196,10 +196,10 @@ def _tell_hidden(run: PrismRun) -> None:
 
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
-    grown = _grown(run)
     kept = manifold_columns(run.stars, run.columns, run.rays.level)
     if not kept.any():
         raise InputError(NO_LAYERS)
+    grown = _grown(run)
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
         run,
