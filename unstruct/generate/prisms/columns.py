@@ -92,8 +92,9 @@ def limits(points: Array, directions: Array, columns: NDArray[np.int32]) -> Arra
         triangle.
     """
     limit = np.empty(len(columns))
-    _limits(points, directions, columns, limit)
-    return limit
+    one, two = power_of_two(points), power_of_two(directions)  # so that no product underflows
+    _limits(points * one, directions * two, columns, limit)
+    return limit * (two / one)
 
 
 # ---------------------------------------------------------------------- exact

@@ -380,6 +380,7 @@ def directed(walls: Walls, how: str, ridge: float, rounds: int, stars: Stars) ->
     Where another rule, or smoothing, sees less than the most normal direction and not all, that one is taken.
     Where none is found that sees all, the direction is of no use.
     """
+    walls = walls._replace(points=walls.points * power_of_two(walls.points))
     best, _ = most_normal(walls, stars)
     found = best
     if how == "staged":

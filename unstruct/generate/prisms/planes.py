@@ -113,7 +113,7 @@ def planes_beside(
     planes, normals
         Of `Walls`.
     plane : (o,) int32
-        The plane of each triangle beside, -1 for those that touch no wall along an edge.
+        The plane of each triangle beside, -1 for those that touch no wall.
     """
     points, ends = domain.points, vertex[_borders(triangles, mates)]
     planes = np.full((len(vertex), MOST_PLANES), -1, dtype=np.int32)
@@ -121,45 +121,46 @@ def planes_beside(
     if not len(ends):
         return planes, np.empty((0, 3)), plane
     part = _flat_parts(points, rows)
-    sides = rows[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
-    key, wanted = (_keys(x) for x in (sides, ends))
-    order = np.argsort(key, kind="stable")
-    place = np.minimum(np.searchsorted(key[order], wanted), len(key) - 1) if len(key) else wanted * 0
-    beside = np.full(len(ends), -1) if not len(key) else order[place] // 3
-    found = np.zeros(len(ends), dtype=bool) if not len(key) else key[order[place]] == wanted
-    if not found.all():
-        a = int(ends[int(np.argmin(found)), 0])
-        raise InputError(f"the walls end at point {a}, {at(points[a])}, where no facet follows")
-    used, number = np.unique(part[beside], return_inverse=True)
-    normals = np.zeros((len(used), 3))
-    for i, p in enumerate(used.tolist()):
-        some = np.flatnonzero(part == p)
-        plane[some] = i
-        outline = rows[some][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
-        normals[i] = _normal_of(points, outline)
-        off, worst = _off_plane(points, np.unique(outline), normals[i])
-        if off > SAME_PLANE or not normals[i].any():
-            name = domain.name(int(piece[some[0]]))
-            raise InputError(
-                f"{name} stands beside walls, but is not plane: point {worst} is off by {off:.2g} of its "
-                f"extent, {at(points[worst])}; make it a wall, or plane"
-            )
     local = np.full(len(points), -1, dtype=np.int64)
-    local[vertex] = np.arange(len(vertex))
-    at_vertex = np.unique(np.column_stack([local[ends.ravel()], np.repeat(number.ravel(), 2)]), axis=0)
-    for v, p in at_vertex.tolist():
-        same = [q for q in planes[v].tolist() if q >= 0 and _parallel(normals[p], normals[q])]
+    border = np.unique(ends)
+    local[border] = np.searchsorted(vertex, border)
+    beside = np.flatnonzero((local[rows] >= 0).any(axis=1))
+    normals: list[Array] = []
+    middles: list[Array] = []
+    for p in np.unique(part[beside]).tolist():
+        some = np.flatnonzero(part == p)
+        normal, middle = _plane_of(domain, rows[some], int(piece[some[0]]))
+        same = [i for i, n in enumerate(normals) if _parallel(n, normal) and _in_plane(middles[i], middle, n)]
+        plane[some] = same[0] if same else len(normals)
+        if not same:
+            normals.append(normal)
+            middles.append(middle)
+    t, k = np.nonzero(local[rows] >= 0)
+    for v, p in np.unique(np.column_stack([local[rows[t, k]], plane[t]]), axis=0).tolist():
         free = np.flatnonzero(planes[v] < 0)
-        if same:
+        if any(q >= 0 and _parallel(normals[p], normals[q]) for q in planes[v].tolist()):
             continue
         if not len(free):
             w = int(vertex[v])
             raise InputError(
                 f"the walls end at point {w}, {at(points[w])}, in {MOST_PLANES + 1} planes: no ray can stay "
-                "in all of them; make one of the facets there a wall"
+                "in all of them; make facets there walls, or plane"
             )
         planes[v, free[0]] = p
-    return planes, normals, plane
+    return planes, np.array(normals).reshape(-1, 3), plane
+
+
+def _plane_of(domain: Domain, rows: Numbers, piece: int) -> tuple[Array, Array]:
+    """The unit normal of a flat part of the surface, and its middle."""
+    outline = rows[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    normal = _normal_of(domain.points, outline)
+    off, worst = _off_plane(domain.points, np.unique(outline), normal)
+    if off > SAME_PLANE or not normal.any():
+        raise InputError(
+            f"{domain.name(piece)} stands beside walls, but is not plane: point {worst} is off by {off:.2g} "
+            f"of its extent, {at(domain.points[worst])}; make it a wall, or plane"
+        )
+    return normal, domain.points[outline[:, 0]].mean(axis=0)
 
 
 def _parallel(one: Array, two: Array) -> bool:
@@ -167,9 +168,9 @@ def _parallel(one: Array, two: Array) -> bool:
     return bool(np.abs(x).max() < SAME_PLANE)
 
 
-def _keys(ends: NDArray) -> NDArray[np.int64]:
-    low, high = np.sort(ends, axis=1).astype(np.int64).T
-    return (low << 32) | high
+def _in_plane(one: Array, two: Array, normal: Array) -> bool:
+    away = two - one
+    return bool(abs((away * normal).sum()) <= SAME_PLANE * np.abs(away).max())
 
 
 def _flat_parts(points: Array, rows: Numbers) -> NDArray[np.int64]:

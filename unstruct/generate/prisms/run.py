@@ -26,9 +26,11 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 SLOPE = 1.0  # how much heights of neighbors differ at most; unit: the length of their edge
-PATIENCE = 12  # so often a ray is lowered by a share; then, within as many rounds, to nothing
-FASTER_ROUNDS = 40  # after so many rounds what is wrong loses its layers at once
-WIDER_ROUNDS = 60  # ... and then its neighbors, too, in rings that grow from round to round
+# A ray that is lowered again and again is lowered by smaller factors, up to these many times; then it has no
+# height. So layers get into any gap that doubles can tell from none, and it ends.
+LOWERINGS = ((12, LOWER), (18, 0.3), (36, 0.05))
+FASTER_ROUNDS = 80  # after so many rounds what is wrong loses its layers at once
+WIDER_ROUNDS = 100  # ... and then its neighbors, too, in rings that grow from round to round
 
 
 class PrismOptions(NamedTuple):
@@ -199,10 +201,12 @@ class PrismRun:
             rays = np.unique(self.columns[near])
         rays = rays[self.height[rays] > 0.0]
         self.lowered[rays] += 1
-        share = np.where(self.lowered[rays] > PATIENCE, LOWER * LOWER, LOWER)
-        gone = (self.lowered[rays] > 2 * PATIENCE) | (self.rounds > FASTER_ROUNDS)
+        share = np.zeros(len(rays))
+        for times, factor in LOWERINGS[::-1]:
+            share[self.lowered[rays] <= times] = factor
+        share *= self.rounds <= FASTER_ROUNDS
         height, reason = self.height.copy(), self.reason.copy()
-        height[rays] *= np.where(gone, 0.0, share)
+        height[rays] *= share
         reason[rays] = why
         self.height, self.reason = height, reason
         changed = np.zeros(len(height), dtype=bool)

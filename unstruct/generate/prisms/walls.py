@@ -119,11 +119,12 @@ def _divided(
     triangles = number[rows[on]]
     _must_be_manifold(domain, np.concatenate([rows, inner]), vertex, rows[on], piece[on])
     stars = stars_of(triangles, len(vertex))
-    if not stars.single.all():
-        v = int(vertex[int(np.argmin(stars.single))])
+    single = stars.single & stars_of(rows, len(points)).single[vertex]
+    if not single.all():
+        v = int(vertex[int(np.argmin(single))])
         raise InputError(
-            f"two parts of the walls touch at point {v}, {at(points[v])}, where no ray can be in both: give "
-            "each part a point of its own, and move them apart"
+            f"two parts of the surface touch at point {v}, {at(points[v])}, of which one is a wall, where no "
+            "ray can be in both: give each part a point of its own, and move them apart"
         )
     others = np.concatenate([rows[~on], inner])
     if is_open:
