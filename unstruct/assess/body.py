@@ -52,8 +52,8 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     must agree up to what vertices that are so far off can change; those of given triangles up to the rounding
     of sums. The volume of the cells must be that enclosed by the faces, and by the facets.
 
-    Facets that lie side by side in one plane and have the same names are the same body as one polygon in their
-    place. If some have no faces of their own, they are compared as that.
+    Facets that lie side by side in one plane and have the same names are the same body as one polygon in
+    their place. If some have no faces of their own, they are compared as that.
     """
     found = Report(report.title)
     _compare(mesh, domain, found)
@@ -75,7 +75,8 @@ def _in_flat_parts(mesh: Mesh, domain: Domain) -> tuple[DomainMesh, Domain] | No
         return None
     many = len(domain.pieces)
     piece, edge_piece, origin = (np.asarray(rows) for rows in (mesh.face_piece, mesh.piece, mesh.origin))
-    if len(piece) == 0 or not all(0 <= r.min(initial=0) and r.max(initial=0) < many for r in (piece, edge_piece)):
+    known = [0 <= rows.min(initial=0) and rows.max(initial=0) < many for rows in (piece, edge_piece)]
+    if len(piece) == 0 or not all(known):
         return None
     bare = np.bincount(piece, minlength=many)[: len(domain.facets)] == 0
     parts = flat_parts(domain, bare) if bare.any() else None

@@ -1,7 +1,7 @@
 """Facets of a body that lie in one plane, side by side, as one polygon each: triangles of a plane end, say.
 
-The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew in
-such a plane need not respect the edges between them.
+The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew
+in such a plane need not respect the edges between them.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ def flat_parts(
     group = _groups(domain, facets, np.ones(many, dtype=bool) if among is None else among)
     size = np.bincount(group, minlength=many)
     wanted = flagged(many, group[which]) & (size > 1)
-    rings = {g: found for g in np.flatnonzero(wanted).tolist() if (found := _rings(domain, facets, group == g))}
+    rings = {g: _rings(domain, facets, group == g) for g in np.flatnonzero(wanted).tolist()}
+    rings = {g: found for g, found in rings.items() if found}
     if not rings:
         return None
     group = np.where(flagged(many, list(rings))[group], group, np.arange(many))  # each by its first member

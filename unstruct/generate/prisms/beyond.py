@@ -144,7 +144,7 @@ def _joined(
     own = grown.cells.get("tetra", np.empty((0, 4), dtype=np.int32))
     cells["tetra"] = np.concatenate([own, number[mesh.simplices]]).astype(np.int32)
     before = len(grown.column)
-    faces, whole, piece = sides_of_layers(domain, grown)
+    faces, whole, piece = sides_of_layers(domain, grown, grown.piece)
     rest_piece = rest.piece[np.asarray(mesh.face_piece)]
     bare = _bare_columns(grown)  # there the cap is the wall
     at_cap = np.flatnonzero(rest_piece < 0)
@@ -220,7 +220,7 @@ def _with_cells(grown: Grown) -> NDArray[np.bool_]:
 
 
 def sides_of_layers(
-    domain: Domain | None, grown: Grown, *, exposed: bool = False
+    domain: Domain | None, grown: Grown, walls: NDArray[np.integer], *, exposed: bool = False
 ) -> tuple[Rows, Rows, tuple[Rows, Rows]]:
     """The faces of layers on pieces of the body: their bases, and their sides in planes where they end.
 
@@ -229,6 +229,8 @@ def sides_of_layers(
     domain : Domain or None
         None for a surface that is open: it has no pieces in the planes in which layers end.
     grown : Grown
+    walls : (k,) int
+        The facets that are walls, with layers or not.
     exposed : bool
         Whether layers may end elsewhere, too; these sides are left out.
 
@@ -252,7 +254,7 @@ def sides_of_layers(
     rows = rows[side]
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
-    found = side_pieces(domain, grown, rows, exposed=exposed)
+    found = side_pieces(domain, grown, rows, walls, exposed=exposed)
     rows, found = rows[found >= 0], found[found >= 0]
     quads = rows[:, 3] >= 0
     halves, owner = simplices_of_cells({"quad": rows[quads]})

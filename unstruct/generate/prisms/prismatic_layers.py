@@ -10,13 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import as_count, as_flag, as_flags, as_mapping, as_seed, finite
+from ...base.arrays import frozen
 from ...base.errors import HiddenVertexWarning, InputError
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.mesh import Mesh
 from ...sizing.field import as_size
 from ...sizing.stretching import Layers
-from .alone import layers_of_columns, manifold_columns
+from .alone import layers_of_columns
 from .beyond import filled_beyond
+from .cells import in_one_fan
+from .closing import closed_in_planes
 from .columns import scaled_columns
 from .directions import NORMALS
 from .flat_sides import as_pieces_of, with_flat_sides
@@ -25,7 +29,7 @@ from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
 from .run import PrismOptions, PrismRun
 from .stop_run import StopRun
-from .walls import WALL_SIDES, Base, base_of
+from .walls import WALL_SIDES, base_of
 
 __all__ = ["layers_alone", "prismatic_layers"]
 
@@ -45,7 +49,6 @@ def prismatic_layers(
     ridge: float = 40.0,
     smoothing: int = 10,
     recompute: bool = False,
-    several: bool = False,
     stop: str = "squeeze",
     cells: str = "wedge",
     fill_options: Mapping[str, Any] | None = None,
@@ -59,14 +62,16 @@ def prismatic_layers(
     ----------
     surface : Domain or Mesh
         A body, or a surface of triangles in space. A mesh may be open if each loop of its border lies in a
-        plane; the layers end there.
-    size : number, function (k, 3) -> (k,), or SizeField, optional
-        The domain beyond the layers is filled with tetrahedra of this size; without it there are layers only.
+        plane; the layers end there. With a size, polygons close it there, named "end 0", "end 1", ...
+    size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one, optional
+        What the layers leave of the body is filled with tetrahedra of this size, as by `tetrahedralize`: the
+        mesh is one of the whole body. Without it there are layers only.
     layers : Layers
         The heights of the layers, with an end (give a count).
     walls : str, int, or list of these, optional
         Names of markers, or pieces, along which there are layers; by default all facets. Facets beside walls
-        must be plane: layers end there.
+        must be plane: layers end there. Those that are cut into triangles in such a plane are taken as one
+        polygon, if they have the same names.
     side : "inside" or "outside", optional
         On which side of the surface the layers are; "inside" by default where there is a size, else
         "outside". Of an open mesh, "outside" is where its normals point.
@@ -78,14 +83,15 @@ def prismatic_layers(
         Rounds in which directions are smoothed.
     recompute : bool
         Whether directions are computed anew on each layer.
-    several : bool
-        Whether sharp convex creases get several rays at a vertex.
     stop : "squeeze" or "stop"
-        Where there is no room: all layers become thinner, or there are fewer of them.
+        Where there is no room: all layers become thinner, or there are fewer of them, with numbers that
+        differ by at most 1 along each edge; pyramids and tetrahedra are then on top of wedges, and the cap
+        has triangles only.
     cells : "wedge" or "tetrahedron"
-        Whether cells of the layers are divided.
+        With "tetrahedron" all cells are divided, quadrilaterals from their lowest vertex, so that they fit;
+        heights are lowered until each tetrahedron is positive.
     fill_options : dict, optional
-        More arguments of `tetrahedralize`.
+        ``optimize`` and ``split_boundary`` (None or False) of `tetrahedralize`.
     seed : int
         Of its random numbers.
     budget : int, optional
@@ -96,22 +102,28 @@ def prismatic_layers(
     Returns
     -------
     DomainMesh
-        Cells "wedge", all positive: exactly, on the whole of each. ``markers`` has the names of the surface
-        on the faces of the base, and "cap", the outer faces. ``steps`` has one row for each ray: "vertex" (a
+        Cells "wedge", "pyramid" and "tetra", all positive: exactly, on the whole of each. ``markers`` has the
+        names of the surface on the faces of the base, and of the sides in planes (rows of four, triangles
+        padded by -1, where there are quadrilaterals), and "cap", the faces on top of the layers. With a size
+        the cells of the layers come first among those of each kind, "tetra" is the last kind, and ``faces``
+        has quadrilaterals as two triangles. ``steps`` has one row for each ray: "vertex" (a
         row of ``points``, -1 if no cell is left there), "place" (r, 3), "direction" (r, 3), "level" (how many
         layers), "height" (their total), "wanted", and "reason", why it is not more: "full" (it is as wanted),
         "column" (a cell would not be positive), "crossing" (the layers would meet others, or the surface),
-        "gradation" (a neighbor is lower), "hidden" (no direction sees all triangles there). "cell_layer" has
-        for each cell its layer from 1 on, "cap" (t, 3) the outer faces.
-        ``counts``: "rays", "wedges", "hidden", "limited: ..." for each reason, "collapsed" (columns beside
-        rays of no height, which are left out), "rounds" of lowering. ``figures``: "share of full heights",
-        "least scaled Jacobian".
+        "gradation" or "step" (a neighbor is lower), "hidden" (no direction sees all triangles there).
+        "cell_layer" has for each cell of the layers its layer from 1 on, "cap" (t, 3) the faces on top.
+        ``counts``: "rays", "wedges", "pyramids", "tetrahedra" (of the layers), "hidden", "limited: ..." for
+        each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
+        which are left out), "rounds" of lowering. ``figures``: "share of full heights", "least scaled
+        Jacobian" (of wedges); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
+        beyond over that of the cell below) and "..., largest" (up or down), "least dihedral angle beyond".
 
     Raises
     ------
     InputError
         For layers without an end, unknown names, walls that touch themselves, borders that are not plane,
-        surfaces that are turned against themselves; and as `Domain` does.
+        surfaces that are turned against themselves; and as `Domain` does. With a size, for inner pieces that
+        end at walls, and as `tetrahedralize` does.
 
     Notes
     -----
@@ -123,11 +135,14 @@ def prismatic_layers(
     *Heights* are at most .7 of what keeps the Jacobian of a whole column positive, differ by at most the
     length of an edge along it, and are lowered by a factor .7 where a wedge, as rounded, is not positive, or
     where cap, base, sides and the rest of the surface meet, until nothing is wrong. All this is decided by
-    exact signs; so the layers do not overlap (see the book, chapter 5).
+    exact signs; so the layers do not overlap (see the book, chapter 5). With a size, caps two fifths
+    higher would not meet anything either, so that tetrahedra find room between them. If the rest cannot be
+    filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
+    is not one of the body, and ``complete`` is False.
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """
-    as_flags(recompute=recompute, several=several, progress=progress)
+    as_flags(recompute=recompute, progress=progress)
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., count=...), not {type(layers).__name__}")
     if layers.count is None and not layers.varies:
@@ -140,9 +155,12 @@ def prismatic_layers(
         if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
+    closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    if closed is not None:
+        surface, walls = closed.domain, closed.walls if walls is None else walls
     surface, walls, parts = with_flat_sides(surface, walls)
     base = base_of(surface, walls, side)
-    fill = _fill_options(base, size, side, fill_options, seed, budget, progress)
+    fill = _fill_options(size, side, fill_options, seed, budget, progress)
     room = 0.0 if size is None else ROOM_BEYOND
     options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
     run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
@@ -151,12 +169,13 @@ def prismatic_layers(
     mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
     if parts is not None:
         as_pieces_of(mesh, parts)
+    if closed is not None:
+        origin = np.asarray(mesh.origin)
+        mesh.origin = frozen(np.where(origin >= 0, closed.origin[origin], -1).astype(np.int32))
     return noticed(mesh, lacking)
 
 
-def _fill_options(
-    base: Base, size: Any, side: str, given: Any, seed: Any, budget: Any, progress: bool
-) -> dict[str, Any]:
+def _fill_options(size: Any, side: str, given: Any, seed: Any, budget: Any, progress: bool) -> dict[str, Any]:
     """The arguments for what is beyond, checked."""
     more = dict(as_mapping({} if given is None else given, "fill_options"))
     unknown = sorted(set(map(str, more)) - {"optimize", "split_boundary"})
@@ -165,11 +184,10 @@ def _fill_options(
     optimize, split = as_flag(more.get("optimize", True), "optimize"), more.get("split_boundary")
     if split is not None and as_flag(split, "split_boundary"):
         raise InputError("split_boundary=True would divide the triangles of the cap: leave it out, or False")
-    if size is not None and (side != "inside" or base.domain is None):
-        why = "the surface is open" if base.domain is None else 'side="outside" has no end'
+    if size is not None and side != "inside":
         raise InputError(
-            f"size is for a body that the layers leave, but {why}: give a body, for instance "
-            "Domain.box(...).with_holes(body), with the layers inside"
+            'size is for a body that the layers leave, but side="outside" has no end: give a body, for '
+            "instance Domain.box(...).with_holes(body), with the layers inside"
         )
     return {
         "optimize": optimize,
@@ -196,7 +214,7 @@ def _tell_hidden(run: PrismRun) -> None:
 
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
-    kept = manifold_columns(run.stars, run.columns, run.rays.level)
+    kept = in_one_fan(run.stars, run.columns, (run.rays.level > 0)[run.columns].all(axis=1))
     if not kept.any():
         raise InputError(NO_LAYERS)
     grown = _grown(run)

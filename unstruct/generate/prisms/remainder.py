@@ -208,7 +208,9 @@ def _chain(v: int, before: int, after: int, edges: dict[tuple[int, int], list[tu
     return chain
 
 
-def side_pieces(domain: Domain, grown: Grown, faces: Rows, *, exposed: bool = False) -> Rows:
+def side_pieces(
+    domain: Domain, grown: Grown, faces: Rows, walls: NDArray[np.integer], *, exposed: bool = False
+) -> Rows:
     """The facets in whose planes faces at the sides of layers lie, by the points of the body below them.
 
     Parameters
@@ -217,6 +219,8 @@ def side_pieces(domain: Domain, grown: Grown, faces: Rows, *, exposed: bool = Fa
     grown : Grown
     faces : (f, w) int64
         Rows of vertices of layers, padded by -1.
+    walls : (k,) int
+        The facets that are walls, with layers or not.
     exposed : bool
         Whether layers may end where there is no other facet: the piece is then -1.
 
@@ -226,10 +230,9 @@ def side_pieces(domain: Domain, grown: Grown, faces: Rows, *, exposed: bool = Fa
         If they do without ``exposed``.
     """
     many = len(domain.points)
-    wall = _is_wall(domain, grown)
     facets = Polygons.of(domain.facets)
     sides, owner = facets.sides
-    other = ~wall[owner]
+    other = ~flagged(len(facets), walls)[owner]
     sides, owner = np.sort(sides[other].astype(np.int64), axis=1), owner[other]
     key = sides[:, 0] * many + sides[:, 1]
     order = np.argsort(key, kind="stable")
