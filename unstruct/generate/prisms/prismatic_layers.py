@@ -272,7 +272,7 @@ def _with_account(
         "wanted": rays.wanted,
         "reason": np.array(RAY_REASONS)[rays.reason],
         "cell_layer": (grown.layer + 1).astype(np.int32),
-        "cap": grown.whole_cap.astype(np.int32),
+        "cap": grown.cap.astype(np.int32),
     }
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
