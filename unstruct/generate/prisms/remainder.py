@@ -112,9 +112,9 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     on_wall = flagged(many, grown.stem)
     meets = np.flatnonzero(on_wall[inner.vertices]) if len(inner) else np.empty(0, dtype=np.int64)
     if len(meets):
-        vertex = int(inner.vertices[meets[0]])
+        at = int(inner.vertices[meets[0]])
         raise InputError(
-            f"an inner piece ends at vertex {vertex} of a wall, at {domain.points[vertex].tolist()}: layers "
+            f"an inner piece ends at vertex {at} of a wall, at {domain.points[at].tolist()}: layers "
             "would cut it; leave the facets there out of walls"
         )
     number = np.where(grown.level == 0, grown.stem, many + np.arange(len(grown.points)))
