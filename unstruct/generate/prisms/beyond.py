@@ -21,12 +21,12 @@ from ..volume.lacking import what_is_missing
 from ..volume.rounder import faces_of_cells
 from .remainder import Grown, Remainder, remainder, side_pieces
 
-__all__ = ["JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_layers", "whole_faces"]
+__all__ = ["MEDIAN_JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_layers", "whole_faces"]
 
 Rows = NDArray[np.int64]
-VOLUME_ERROR = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
+SAME_VOLUME = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
 SEEDS_BEYOND = 3  # how many are tried as long as the cap is not kept
-JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
+MEDIAN_JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
 LEAST_BEYOND = "least dihedral angle beyond"
 DIVIDED_CAP = f"a triangle of the cap, undivided,{IS_MISSING}"
 OTHER_LAYERS = "other layers, or another seed, may help"
@@ -66,7 +66,7 @@ def filled_beyond(
     """
     rest = remainder(domain, grown)
     inside = Mesh(grown.points, None, cells=grown.cells).volume
-    if abs(rest.domain.volume + inside - domain.volume) > VOLUME_ERROR * domain.volume:
+    if abs(rest.domain.volume + inside - domain.volume) > SAME_VOLUME * domain.volume:
         raise InputError(
             f"layers have the volume {inside:.6g}, what they leave of the body has {rest.domain.volume:.6g}, "
             f"but the body has {domain.volume:.6g}: they surround other facets, or overlap; make them thinner"
@@ -302,6 +302,9 @@ def _figures(grown: Grown, mesh: DomainMesh, whole: Mesh, above: Rows) -> dict[s
     if len(chosen):
         below = whole.volumes[last[chosen]]
         ratio = whole.volumes[len(grown.column) + above[chosen]] / below
-        figures = {JUMP: float(np.median(ratio)), LARGEST_JUMP: float(np.maximum(ratio, 1 / ratio).max())}
+        figures = {
+            MEDIAN_JUMP: float(np.median(ratio)),
+            LARGEST_JUMP: float(np.maximum(ratio, 1 / ratio).max()),
+        }
     angles = simplex.quality("min_dihedral", mesh.points[mesh.simplices])
     return figures | {LEAST_BEYOND: float(angles.min())}
