@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from unstruct import Domain, InputError, check
-from unstruct.generate.prisms.beyond import MEDIAN_JUMP, LARGEST_JUMP, LEAST_BEYOND, filled_beyond
+from unstruct.generate.prisms.beyond import LARGEST_JUMP, LEAST_BEYOND, MEDIAN_JUMP, filled_beyond
 from unstruct.generate.prisms.growing import grown_layers, in_tetrahedra
 from unstruct.generate.prisms.records import Walls
 from unstruct.generate.prisms.remainder import Grown

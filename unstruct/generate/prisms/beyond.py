@@ -21,7 +21,7 @@ from ..volume.lacking import what_is_missing
 from ..volume.rounder import faces_of_cells
 from .remainder import Grown, Remainder, remainder, side_pieces
 
-__all__ = ["MEDIAN_JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_layers", "whole_faces"]
+__all__ = ["LARGEST_JUMP", "LEAST_BEYOND", "MEDIAN_JUMP", "filled_beyond", "sides_of_layers", "whole_faces"]
 
 Rows = NDArray[np.int64]
 SAME_VOLUME = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
