@@ -155,7 +155,8 @@ class PrismRun:
     def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
         """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
         found = bad(self.places, self.columns[rows], level)
-        if self.options.cells == "tetrahedron":
+        # With something beyond, too: `check` tests for overlap by tetrahedra, and so tests the whole mesh.
+        if self.options.cells == "tetrahedron" or self.options.room > 0.0:
             turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
             found = np.union1d(found, turned)
         return found
