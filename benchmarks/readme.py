@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from . import planar_report, report, tree_report, volume_report
+from . import planar_report, prisms_report, report, tree_report, volume_report
 
 README = Path(__file__).parent.parent / "README.md"
 RESULTS = Path(__file__).parent / "results"
@@ -51,6 +51,16 @@ def speed() -> str:
         parts += [f"leaves (more on the [page of tree benchmarks](book/benchmarks-tree.ipynb)). {how}"]
         sections += [" ".join(parts), tree_report.summary(trees), "Meshes from trees:"]
         sections.append(tree_report.quality(trees))
+    if (RESULTS / "prisms.json").exists():
+        prisms, how = _committed("prisms")
+        parts = [
+            "Thirty prismatic layers on closed surfaces: wedges per second, with limits of heights and the"
+        ]
+        parts += [
+            "search for collisions, and wedges that are not positive everywhere, by exact signs (on the"
+        ]
+        parts += [f"[page of prism benchmarks](book/benchmarks-prisms.ipynb)). {how}"]
+        sections += [" ".join(parts), prisms_report.summary(prisms)]
     return "\n\n".join(sections) + "\n"
 
 

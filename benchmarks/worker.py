@@ -112,7 +112,7 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, small, tree, volume
+    from . import front, layers, meshers, planar, prisms, small, tree, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
@@ -120,6 +120,7 @@ def meshed(case: dict) -> list[dict]:
         "small": small,
         "front": front,
         "layers": layers,
+        "prisms": prisms,
         "tree": tree,
         "volume": volume,
     }

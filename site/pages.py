@@ -30,6 +30,7 @@ BACK = [
     "benchmarks-front",
     "benchmarks-volume",
     "benchmarks-tree",
+    "benchmarks-prisms",
     "ledger",
     "errata",
     "reference",

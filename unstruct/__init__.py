@@ -5,7 +5,8 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
-`advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `improve`.
+`advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `prismatic_layers`,
+`improve`.
 Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`; `isosurface_stuffing`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
@@ -30,6 +31,7 @@ from .assess.statistics import compare as compare
 from .assess.statistics import statistics as statistics
 from .base.errors import DegenerateInputError as DegenerateInputError
 from .base.errors import DomainError as DomainError
+from .base.errors import HiddenVertexWarning as HiddenVertexWarning
 from .base.errors import IncompleteWarning as IncompleteWarning
 from .base.errors import InputError as InputError
 from .base.errors import MeshError as MeshError
@@ -56,6 +58,7 @@ from .generate.layers.advancing_layers import advancing_layers as advancing_laye
 from .generate.planting.planting import octree as octree
 from .generate.planting.planting import quadtree as quadtree
 from .generate.planting.tree import Tree as Tree
+from .generate.prisms.prismatic_layers import prismatic_layers as prismatic_layers
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
@@ -81,6 +84,7 @@ __all__ = [
     "Domain",
     "DomainError",
     "DomainMesh",
+    "HiddenVertexWarning",
     "IncompleteWarning",
     "InputError",
     "Layers",
@@ -111,6 +115,7 @@ __all__ = [
     "octree",
     "plain",
     "predicates",
+    "prismatic_layers",
     "quadtree",
     "refine",
     "second_order",

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base.report import Problem, Report, problem
 from ..domain.domain import Domain
+from ..domain.space.flat_parts import flat_parts
 from ..domain.space.inside import outward
 from ..geometry.inside_shell import enclosed_volume, even_odd_in_space, front_inside
 from ..geometry.polygons import Polygons
@@ -50,7 +51,56 @@ def check_body(mesh: Mesh, domain: Domain, report: Report) -> None:
     together this says that they cover it once; inner pieces outside of the body have none. Areas and volumes
     must agree up to what vertices that are so far off can change; those of given triangles up to the rounding
     of sums. The volume of the cells must be that enclosed by the faces, and by the facets.
+
+    Facets that lie side by side in one plane and have the same names are the same body as one polygon in
+    their place. If some have no faces of their own, they are compared as that.
     """
+    found = Report(report.title)
+    _compare(mesh, domain, found)
+    joined = None if found else _in_flat_parts(mesh, domain)
+    if joined is not None:
+        other = Report(report.title)
+        _compare(*joined, other)
+        if other:
+            other.passed.append("facets side by side in a plane, with the same names, are covered together")
+            found = other
+    report.passed += found.passed
+    report.skipped += found.skipped
+    report.problems += found.problems
+
+
+def _in_flat_parts(mesh: Mesh, domain: Domain) -> tuple[DomainMesh, Domain] | None:
+    """The mesh and its domain where facets without faces are joined with those in their plane, if any are."""
+    if domain.dimension != 3 or not mesh.is_simplicial or not isinstance(mesh, DomainMesh):
+        return None
+    many = len(domain.pieces)
+    piece, edge_piece, origin = (np.asarray(rows) for rows in (mesh.face_piece, mesh.piece, mesh.origin))
+    known = [0 <= rows.min(initial=0) and rows.max(initial=0) < many for rows in (piece, edge_piece)]
+    if len(piece) == 0 or not all(known):
+        return None
+    bare = np.bincount(piece, minlength=many)[: len(domain.facets)] == 0
+    parts = flat_parts(domain, bare) if bare.any() else None
+    if parts is None or origin.max(initial=-1) >= len(domain.points):
+        return None
+    place = np.full(len(domain.points), -1)
+    place[parts.vertex] = np.arange(len(parts.vertex))
+    joined = DomainMesh(
+        mesh.points,
+        mesh.simplices,
+        origin=np.where(origin >= 0, place[origin], -1).astype(np.int32),
+        duplicates=mesh.duplicates,
+        markers=mesh.markers,
+        regions=mesh.regions,
+        segments=mesh.segments,
+        piece=parts.group[edge_piece],
+        span=mesh.span,
+        faces=mesh.faces,
+        face_piece=parts.group[piece],
+    )
+    return joined, Domain(**parts.arguments)
+
+
+def _compare(mesh: Mesh, domain: Domain, report: Report) -> None:
     if mesh.points.shape[1] != 3 or mesh.dimension != 3 or not mesh.is_simplicial:
         report.note(
             "tetrahedra for a body in space",

@@ -7,6 +7,7 @@ from .doors import door
 __all__ = [
     "DegenerateInputError",
     "DomainError",
+    "HiddenVertexWarning",
     "IncompleteWarning",
     "InputError",
     "MeshError",
@@ -89,4 +90,11 @@ class IncompleteWarning(UserWarning):
 
     ``mesh.unrefined`` lists these cells and ``mesh.reasons`` says why. Where this is expected, it can be
     turned off: ``warnings.simplefilter("ignore", unstruct.IncompleteWarning)``.
+    """
+
+
+class HiddenVertexWarning(UserWarning):
+    """At some vertices of a wall no direction sees all triangles: there are no prismatic layers there.
+
+    ``mesh.steps`` lists them, with the reason "hidden".
     """

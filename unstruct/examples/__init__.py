@@ -1,7 +1,11 @@
 """The regions, points and meshes of the book in one namespace, as starting points of chapters and tests."""
 
+from .aircraft import duct as duct
+from .aircraft import wing as wing
+from .aircraft import wing_body as wing_body
 from .bodies import LevelSet as LevelSet
 from .bodies import cube as cube
+from .bodies import merged_body as merged_body
 from .bodies import noise as noise
 from .bodies import noisy_ball as noisy_ball
 from .bodies import notch as notch
@@ -30,6 +34,8 @@ from .running import two_triangulations as two_triangulations
 from .structured import graded_line as graded_line
 from .structured import ring_grid as ring_grid
 from .structured import tensor_grid as tensor_grid
+from .surfaces import level_surface as level_surface
+from .surfaces import meshed_sides as meshed_sides
 
 __all__ = [
     "LevelSet",
@@ -37,13 +43,17 @@ __all__ = [
     "coastline",
     "coastline_size",
     "cube",
+    "duct",
     "flip_at_random",
     "graded_line",
     "inside_polygon",
     "island_shore",
     "lake_shore",
     "letter_outlines",
+    "level_surface",
     "mapped_grid",
+    "merged_body",
+    "meshed_sides",
     "noise",
     "noisy_ball",
     "notch",
@@ -60,6 +70,8 @@ __all__ = [
     "tensor_grid",
     "torus",
     "two_triangulations",
+    "wing",
+    "wing_body",
     "wing_with_flap",
     "word",
 ]

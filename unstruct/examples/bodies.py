@@ -21,7 +21,17 @@ from ..base.elementary import cosine, sine, sines
 from ..base.errors import InputError
 from ..domain.domain import Domain
 
-__all__ = ["LevelSet", "cube", "noise", "noisy_ball", "notch", "notched_box", "sphere", "torus"]
+__all__ = [
+    "LevelSet",
+    "cube",
+    "merged_body",
+    "noise",
+    "noisy_ball",
+    "notch",
+    "notched_box",
+    "sphere",
+    "torus",
+]
 
 Array = NDArray[np.float64]
 BOX_ROOM = 1.125  # the box of a body is larger than it by this factor
@@ -270,3 +280,85 @@ def noisy_ball(seed: int = 0, *, height: float = 0.15, waves: int = 24, shortest
     most = min(0.9, 3.0 * h)
     function = partial(_in_noisy_ball, h, field.function, most)
     return LevelSet(f"noisy ball, seed {seed}", function, _room(1.0 + most), 1.0 + h * field.change)
+
+
+# ---------------------------------------------------------------------- merged bodies
+
+
+def merged_body(seed: int = 0, *, parts: int = 5) -> LevelSet:
+    """A union of balls, turned boxes and cylinders by seed: concave creases, edges and corners anywhere.
+
+    Parameters
+    ----------
+    seed : int
+    parts : int
+        How many. The center of each lies in one of those before, so that the union is connected.
+
+    Returns
+    -------
+    LevelSet
+        Its absolute value is at most the distance from the surface outside, and less inside.
+    """
+    count = as_count(parts, "parts")
+    if count == 0:
+        raise InputError("parts must be at least 1")
+    rng = np.random.default_rng(as_seed(seed))
+    made: list[Callable[[Array], Array]] = []
+    centers: list[Array] = []
+    reach = 0.0
+    for k in range(count):
+        kind = int(rng.integers(3))
+        around = centers[int(rng.integers(k))] if k else np.zeros(3)
+        center = around + rng.uniform(-0.3, 0.3, 3) * bool(k)
+        frame, half = _turned(rng), rng.uniform(0.35, 0.7, 3)
+        made.append((_ball_at, _box_at, _cylinder_at)[kind](center, frame, half))
+        centers.append(center)
+        reach = max(reach, float(np.abs(center).max()) + float(_length(*half)))
+
+    def function(x: Array) -> Array:
+        total = made[0](x)
+        for one in made[1:]:
+            total = np.maximum(total, one(x))
+        return total
+
+    return LevelSet(f"merged body of {count} parts, seed {seed}", function, _room(reach))
+
+
+def _turned(rng: np.random.Generator) -> Array:
+    """Three directions at right angles, by a random quaternion."""
+    q = rng.uniform(-1.0, 1.0, 4)
+    a, b, c, d = (q / _length(*q)).tolist()
+    return np.array([
+        [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+        [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+        [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+    ])  # fmt: skip
+
+
+def _along(x: Array, center: Array, frame: Array) -> list[Array]:
+    """Coordinates of points in a frame."""
+    away = x - center
+    return [away[:, 0] * row[0] + away[:, 1] * row[1] + away[:, 2] * row[2] for row in frame]
+
+
+def _ball_at(center: Array, frame: Array, half: Array) -> Callable[[Array], Array]:
+    return lambda x: half[0] - _length(*_along(x, center, frame))
+
+
+def _box_at(center: Array, frame: Array, half: Array) -> Callable[[Array], Array]:
+    def function(x: Array) -> Array:
+        away = [np.abs(u) - h for u, h in zip(_along(x, center, frame), half)]
+        out = _length(*(np.maximum(u, 0.0) for u in away))
+        return -out - np.minimum(np.maximum(np.maximum(away[0], away[1]), away[2]), 0.0)
+
+    return function
+
+
+def _cylinder_at(center: Array, frame: Array, half: Array) -> Callable[[Array], Array]:
+    def function(x: Array) -> Array:
+        u, v, w = _along(x, center, frame)
+        away = [_length(u, v) - half[0], np.abs(w) - half[2]]
+        out = _length(*(np.maximum(u, 0.0) for u in away))
+        return -out - np.minimum(np.maximum(away[0], away[1]), 0.0)
+
+    return function

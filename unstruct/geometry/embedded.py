@@ -22,7 +22,7 @@ from ..predicates.filters import filter_orient2, filter_orient3
 from .boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes
 from .triangle_pairs import clear_view, meeting, unit_points
 
-__all__ = ["embedded", "flat_rows"]
+__all__ = ["embedded", "flat_rows", "meeting_pairs"]
 
 DOUBTFUL = 4  # pairs that are decided by exact signs, for each triangle: with more, the quick test gives up
 NEAR_PAIRS = 1 << 12  # candidates that are collected before they are looked at
@@ -285,16 +285,24 @@ def _doubtful(surface, pairs, found):
 
 
 @kernel
-def _none_meet(xyz, rows, pairs):
-    """Whether no edge of a triangle meets the other one of its pair outside of common vertices; exact."""
+def _meet(xyz, rows, pairs, meet, stop):
+    """Note which pairs meet, an edge of one the other outside of common vertices; exact; how many do.
+
+    With ``stop`` it ends at the first one.
+    """
+    count = 0
     for i in range(pairs.shape[0]):
+        meet[i] = False
         for turned in range(2):
             s, t = pairs[i, turned], pairs[i, 1 - turned]
             for k in range(3):
                 p, q = rows[s, k], rows[s, (k + 1) % 3]
-                if meeting(xyz, p, q, rows[t, 0], rows[t, 1], rows[t, 2])[0] != 0:
-                    return False
-    return True
+                if not meet[i] and meeting(xyz, p, q, rows[t, 0], rows[t, 1], rows[t, 2])[0] != 0:
+                    meet[i] = True
+        count += meet[i]
+        if stop and count > 0:
+            break
+    return count
 
 
 def embedded(points: np.ndarray, triangles: np.ndarray) -> bool:
@@ -317,9 +325,45 @@ def embedded(points: np.ndarray, triangles: np.ndarray) -> bool:
     -----
     O(t log t) for triangles of a surface.
     """
-    count = len(triangles)
-    if count < 2:
+    if len(triangles) < 2:
         return True
+    surface, _ = _surface(points, triangles)
+    found = np.empty((DOUBTFUL * len(triangles) + 64, 2), dtype=np.int32)
+    many = _doubtful(surface, np.empty((NEAR_PAIRS, 2), dtype=np.int32), found)
+    meet = np.empty(max(many, 0), dtype=np.bool_)
+    return bool(many >= 0 and _meet(surface.xyz, surface.rows, found[:many], meet, True) == 0)
+
+
+def meeting_pairs(points: np.ndarray, triangles: np.ndarray) -> NDArray[np.int64]:
+    """The pairs of triangles that meet outside of common vertices and edges, exactly: (k, 2).
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Where two are equal, the triangles of both meet.
+    triangles : (t, 3) int32
+        None of them flat, no two with the same vertices.
+
+    Notes
+    -----
+    O(t log t) for triangles of which few are near many others.
+    """
+    if len(triangles) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    surface, order = _surface(points, triangles)
+    room, many = DOUBTFUL * len(triangles) + 64, -1
+    while many < 0:
+        found = np.empty((room, 2), dtype=np.int32)
+        many, room = _doubtful(surface, np.empty((NEAR_PAIRS, 2), dtype=np.int32), found), 4 * room
+    pairs = found[:many]
+    meet = np.empty(many, dtype=np.bool_)
+    _meet(surface.xyz, surface.rows, pairs, meet, False)
+    return order[pairs[meet]]
+
+
+def _surface(points: np.ndarray, triangles: np.ndarray) -> tuple[Surface, NDArray[np.int64]]:
+    """The triangles in the order of the leaves of a tree, and this order."""
+    count = len(triangles)
     xyz, triangles = unit_points(points), np.array(triangles, dtype=np.int32)  # kernels know no other types
     tree = BoxTree(*bounding_boxes(xyz[triangles]))
     normals, view = np.empty((count, 3)), np.empty(count, dtype=np.int8)
@@ -330,10 +374,7 @@ def embedded(points: np.ndarray, triangles: np.ndarray) -> bool:
     _clean(xyz, triangles, normals, start, around, balance, clean)
     order = tree.order
     rows, boxes = triangles[order], (tree.box_low[order], tree.box_high[order])
-    surface = Surface(xyz, rows, view[order], clean, tree.low, tree.high, *boxes)
-    found = np.empty((DOUBTFUL * count + 64, 2), dtype=np.int32)
-    many = _doubtful(surface, np.empty((NEAR_PAIRS, 2), dtype=np.int32), found)
-    return bool(many >= 0 and _none_meet(xyz, rows, found[:many]))
+    return Surface(xyz, rows, view[order], clean, tree.low, tree.high, *boxes), order
 
 
 # ---------------------------------------------------------------------- flat triangles

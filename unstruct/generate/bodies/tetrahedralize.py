@@ -22,7 +22,7 @@ from ..volume.lacking import what_is_missing
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
-__all__ = ["tetrahedralize"]
+__all__ = ["tetrahedra_by_size", "tetrahedralize"]
 
 CUT_UNEVENLY = (
     "a facet is larger than the size although it is divided; a size that changes less from edge to edge helps"
@@ -125,22 +125,41 @@ def tetrahedralize(
     if size is not None and len(domain.facets):
         field = as_size(size_by_part(domain, size))
     options: Any = {"optimize": optimize, "seed": seed, "budget": budget, "progress": progress}
-
-    def made(field: SizeField | None) -> DomainMesh:
-        return _made(domain, field, split_boundary, options)
-
-    mesh = asked_again(made, field)
+    mesh = tetrahedra_by_size(domain, field, split_boundary, **options)
     return noticed(
         mesh,
         what_is_missing(domain, mesh, ANOTHER_SEED if split_boundary or field is None else DIVIDE_OR_SEED),
     )
 
 
+def tetrahedra_by_size(
+    domain: Domain, field: SizeField | None, split_boundary: bool | None = None, **options: Any
+) -> DomainMesh:
+    """As `tetrahedralize`, for arguments that are checked, and without a warning.
+
+    Parameters
+    ----------
+    domain : Domain
+    field : SizeField, optional
+    split_boundary : bool, optional
+    **options
+        ``optimize``, ``seed``, ``budget``, ``progress``; ``names`` gives what messages call a piece, by
+        default `Domain.name`.
+    """
+
+    def made(field: SizeField | None) -> DomainMesh:
+        return _made(domain, field, split_boundary, options)
+
+    return asked_again(made, field)
+
+
 def _made(
     domain: Domain, field: SizeField | None, split_boundary: bool | None, options: dict[str, Any]
 ) -> DomainMesh:
     """The mesh, before the size is asked again."""
-    parts, lattice, budget = None, None, options["budget"]
+    parts, lattice = None, None
+    options = dict(options)
+    names, budget = options.pop("names", domain.name), options["budget"]
     if field is not None:
         if split_boundary is None or split_boundary:
             parts = divided(domain, field, bool(split_boundary), MOST_INNER if budget is None else budget)
@@ -150,7 +169,8 @@ def _made(
     if split_boundary is False or (split_boundary is None and (domain.pieces.corners == 3).any()):
         more["large"] = "a facet is larger than the size; split_boundary=True divides it"
     if parts is None:
-        return filled(domain, lattice, **more, **options)
+        return filled(domain, lattice, names=names, **more, **options)
+    parts = parts._replace(names=names)
     return _as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
 
 

@@ -24,7 +24,7 @@ from .coarse import CoarseFacets
 from .lattice import Lattice, lattice_points
 from .rounder import faces_of_cells, rounded
 
-__all__ = ["chains_of_segments", "filled", "numbered_regions", "with_names"]
+__all__ = ["chains_of_segments", "filled", "numbered_parts_of", "numbered_regions", "with_names"]
 
 HELPERS = 4  # points outside that may help to recover a surface, for each of its points
 MORE_SEEDS = 3  # how often some seeds are tried, without and with points outside
@@ -277,15 +277,20 @@ def chains_of_segments(
 
 def numbered_regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
     """The number of each cell: the place of the name of its part, or a further number for each other part."""
+    cells = Mesh(made.points, made.simplices, neighbors=made.neighbors)
+    return numbered_parts_of(domain, cells, made.region)
+
+
+def numbered_parts_of(domain: Domain, cells: Mesh, parts: NDArray[Any]) -> NDArray[np.int32]:
+    """The same for any mesh, with the part of the domain of each of its cells."""
     if not domain.regions:
-        return _counted(made.region, 0)
+        return _counted(parts, 0)
     names = list(domain.regions)
     seeds = np.concatenate(list(domain.regions.values()))
     name = np.repeat(np.arange(len(names)), [len(rows) for rows in domain.regions.values()])
-    cells = Mesh(made.points, made.simplices, neighbors=made.neighbors).find_simplex(seeds)
-    named = np.full(int(made.region.max()) + 1, -1, dtype=np.int64)
-    for k, cell in enumerate(cells.tolist()):
-        part = made.region[cell] if cell >= 0 else -1
+    named = np.full(int(parts.max()) + 1, -1, dtype=np.int64)
+    for k, cell in enumerate(cells.find_simplex(seeds).tolist()):
+        part = parts[cell] if cell >= 0 else -1
         if part < 0:
             continue  # only if facets are missing; a `Domain` refuses seeds outside
         if named[part] not in (-1, name[k]):
@@ -295,8 +300,8 @@ def numbered_regions(domain: Domain, made: SpatialMesh) -> NDArray[np.int32]:
                 "divide the part by inner facets, or give one name"
             )
         named[part] = name[k]
-    rest = _counted(np.where(named[made.region] < 0, made.region, -1), len(names))
-    return np.where(named[made.region] >= 0, named[made.region], rest).astype(np.int32)
+    rest = _counted(np.where(named[parts] < 0, parts, -1), len(names))
+    return np.where(named[parts] >= 0, named[parts], rest).astype(np.int32)
 
 
 def _counted(part: NDArray[Any], first: int) -> NDArray[np.int32]:

@@ -1,0 +1,54 @@
+"""Plane ends of a duct cut into triangles: layers end there as on one polygon, and check knows it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from unstruct import Domain, InputError, Layers, check
+from unstruct.generate.prisms.flat_sides import with_flat_sides
+from unstruct.generate.prisms.prismatic_layers import prismatic_layers
+
+LAYERS = Layers(first=0.01, growth=1.4, count=5)
+
+
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+@pytest.mark.parametrize("cells", ["wedge", "tetrahedron"])
+def test_a_cylinder_from_inside(stop: str, cells: str) -> None:
+    tube = Domain.cylinder(size=0.25)
+    mesh = prismatic_layers(tube, 0.25, layers=LAYERS, walls="side", stop=stop, cells=cells)
+    assert mesh.complete and check(mesh, domain=tube)
+    first = [int(tube.markers[name].min()) for name in ("bottom", "top")]
+    assert set(mesh.face_piece.tolist()) == {*tube.markers["side"].tolist(), *first}
+    alone = prismatic_layers(tube, layers=LAYERS, walls="side", side="inside", stop=stop, cells=cells)
+    assert check(alone)
+    # The same faces of the layers are in the planes; only there are tetrahedra beyond them.
+    ends = [int(np.isin(m.face_piece, first).sum()) for m in (alone, mesh)]
+    assert 0 < ends[0] < ends[1]
+
+
+def test_check_still_sees_what_is_wrong() -> None:
+    """A mesh of the cylinder is none of one with other names, or with a corner of the end moved."""
+    tube = Domain.cylinder(size=0.25)
+    mesh = prismatic_layers(tube, 0.25, layers=LAYERS, walls="side")
+    some = tube.markers["top"][:3]
+    other = Domain(tube.points, tube.facets, markers=dict(tube.markers) | {"some": some})
+    assert not check(mesh, domain=other)
+    points = tube.points.copy()
+    inner = np.setdiff1d(
+        np.unique([tube.facets[i] for i in tube.markers["top"]]),
+        [tube.facets[i] for i in tube.markers["side"]],
+    )
+    points[inner[0], 2] += 1e-3
+    assert not check(mesh, domain=Domain(points, tube.facets, markers=tube.markers))
+
+
+def test_what_is_not_touched() -> None:
+    tube = Domain.cylinder(size=0.25)
+    for walls in (None, ["side", "top", "bottom"]):
+        assert with_flat_sides(tube, walls)[0] is tube
+    new, walls, parts = with_flat_sides(tube, "side")
+    assert len(new.facets) == len(tube.markers["side"]) + 2 and len(walls) == len(tube.markers["side"])
+    assert parts is not None and np.array_equal(new.points, tube.points[parts.vertex])
+    with pytest.raises(InputError, match="side"):
+        with_flat_sides(tube, "sides")

@@ -1,0 +1,236 @@
+"""Where layers meet what they should not: caps themselves, others, the surface, the planes in which they end.
+
+Columns that are all positive, and a boundary that is embedded, are all that it takes: base, cap and the sides
+in planes. The map from the layers, taken as abstract cells, to space then has at each point as many preimages
+as the boundary winds around it, which for one embedded closed surface within the other is at most one. With
+several bodies one more test is needed, as the layers of one may surround another one as a whole.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.boxes import BoxTree, bounding_boxes
+from ...geometry.embedded import meeting_pairs
+from ...geometry.inside_shell import even_odd_in_space, triangle_components
+from ...predicates.batch import orient_rows
+from .records import Others
+
+__all__ = ["Border", "Skin", "clashes", "skin_of", "surrounded"]
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
+
+
+class Border(NamedTuple):
+    """The edges at which walls end: two rays in the direction of the column there, the plane, the column."""
+
+    ends: Numbers
+    plane: NDArray[np.int32]
+    column: Numbers
+
+
+class Skin(NamedTuple):
+    """The triangles that must not meet: base, cap, sides, others; in this order.
+
+    Attributes
+    ----------
+    points : (m + r, 3) float64
+        The points of the surface, then the tops of rays.
+    triangles : (k, 3) int32
+    rays : (k, 3) int64
+        The rays whose tops are corners, -1 for other corners.
+    plane : (k,) int32
+        The plane in which a side, or a facet that is no wall, lies; -1 for none.
+    is_side : (k,) bool
+    stays : (m + r, 2) int32
+        The planes in which each point has to stay, -1 for none.
+    column : (k,) int64
+        The column of which each is the base, the cap or a side; -1 for others.
+    fresh : (k,) bool
+        Whether a triangle is new since the last test: no others can meet that did not before.
+    """
+
+    points: Array
+    triangles: NDArray[np.int32]
+    rays: Numbers
+    plane: NDArray[np.int32]
+    is_side: NDArray[np.bool_]
+    stays: NDArray[np.int32]
+    column: Numbers
+    fresh: NDArray[np.bool_]
+
+
+def skin_of(
+    others: Others,
+    columns: NDArray[np.int32],
+    base: Numbers,
+    top: Array,
+    moves: NDArray[np.bool_],
+    planes: NDArray[np.int32],
+    border: Border,
+    changed: NDArray[np.bool_],
+) -> Skin:
+    """The boundary of layers, and of the rest of the surface.
+
+    Parameters
+    ----------
+    others : Others
+    columns : (c, 3) int32
+        Rows of rays.
+    base : (r,) int64
+        The row of ``others.points`` in which each ray starts.
+    top : (r, 3) float64
+        Where the rays end.
+    moves : (r,) bool
+        Whether a ray has a height; the tops of others are their bases.
+    planes : (r, 2) int32
+        In which each ray stays, -1 for none.
+    border : Border
+    changed : (r,) bool
+        Which rays have other heights than at the last test.
+    """
+    n = len(others.points)
+    number = np.where(moves, n + np.arange(len(base)), base)
+    (a, b), plane = border.ends.T, border.plane
+    one, two = (
+        np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
+    )
+    on = moves[columns].any(axis=1)
+    cap = number[columns][on]
+    sides = np.concatenate([one[moves[a]], two[moves[b]]])
+    along = np.concatenate([plane[moves[a]], plane[moves[b]]])
+    triangles = np.concatenate([base[columns], cap, sides, others.triangles]).astype(np.int32)
+    before = np.full(len(columns) + len(cap), -1, dtype=np.int32)
+    is_side = np.zeros(len(triangles), dtype=bool)
+    is_side[len(before) : len(before) + len(sides)] = True
+    stays = np.full((n, 2), -1, dtype=np.int32)
+    stays[base] = planes
+    beside = changed[a] | changed[b]
+    new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
+    fresh = np.zeros(len(triangles), dtype=bool)
+    fresh[len(columns) : len(before) + len(sides)] = np.concatenate(new)
+    return Skin(
+        np.concatenate([others.points, top]),
+        triangles,
+        np.where(triangles >= n, triangles - n, -1).astype(np.int64),
+        np.concatenate([before, along, others.plane]).astype(np.int32),
+        is_side,
+        np.concatenate([stays, planes]),
+        np.concatenate(
+            [
+                np.arange(len(columns)),
+                np.flatnonzero(on),
+                border.column[moves[a]],
+                border.column[moves[b]],
+                np.full(len(others.triangles), -1),
+            ]
+        ),
+        fresh,
+    )
+
+
+def clashes(skin: Skin) -> Numbers:
+    """The rays that are to be lowered because layers meet something: sorted, each once; exact."""
+    rows = _near(skin)
+    pairs = rows[meeting_pairs(skin.points, skin.triangles[rows])]
+    pairs = pairs[~_allowed(skin, pairs)]
+    rays = skin.rays[pairs.ravel()]
+    return np.unique(rays[rays >= 0])
+
+
+def _near(skin: Skin) -> Numbers:
+    """The triangles that are new, and those whose boxes meet theirs."""
+    many = int(skin.fresh.sum())
+    if many == 0 or many > FEW_FRESH * len(skin.fresh):
+        return np.arange(len(skin.fresh) if many else 0)
+    low, high = bounding_boxes(skin.points[skin.triangles])
+    fresh, old = np.flatnonzero(skin.fresh), np.flatnonzero(~skin.fresh)
+    query, _ = BoxTree(low[fresh], high[fresh]).pairs(low[old], high[old])
+    return np.sort(np.concatenate([fresh, old[np.unique(query)]]))
+
+
+def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
+    """Whether a pair only meets in a plane in which layers end.
+
+    A side lies on the facet of its plane. A triangle of the cap may touch the facet with the corners that
+    stay in its plane, as long as the others are on one side of it.
+    """
+    found = np.zeros(len(pairs), dtype=bool)
+    for one, two in (pairs.T, pairs[:, ::-1].T):
+        facet = skin.plane[two]
+        rows = np.flatnonzero((facet >= 0) & ~skin.is_side[two] & (skin.rays[one] >= 0).any(axis=1))
+        side = skin.is_side[one[rows]] & (skin.plane[one[rows]] == facet[rows])
+        found[rows[side]] = True
+        rest = rows[~side]
+        corners = skin.triangles[one[rest]]
+        slides = (skin.stays[corners] == facet[rest, None, None]).any(axis=2)
+        signs = np.zeros((len(rest), 3), dtype=np.int64)
+        for k in range(3):
+            some = np.flatnonzero(~slides[:, k])
+            simplices = np.concatenate([skin.triangles[two[rest[some]]], corners[some, k][:, None]], axis=1)
+            signs[some, k] = orient_rows(skin.points, simplices)
+        same = (signs.max(axis=1) <= 0) | (signs.min(axis=1) >= 0)
+        found[rest] |= slides.any(axis=1) & same & (slides | (signs != 0)).all(axis=1)
+    return found
+
+
+def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_]) -> Numbers:
+    """The rays that are to be lowered because layers contain others, or a part of the surface; exact.
+
+    If nothing meets, the layers of a part of the walls are what its skin has inside by the even-odd rule.
+    They overlap with those of another part exactly if a corner of the base or of the cap of one is inside of
+    the other; and so it is with parts of the surface that are no walls.
+    """
+    column, walls = skin.column, skin.column >= 0
+    component, _, count = triangle_components(skin.triangles[: len(columns)])
+    free, beside = _free_parts(skin.triangles[~walls], skin.plane[~walls])
+    if count + free < 2:
+        return np.empty(0, dtype=np.int64)
+    on = np.asarray(moves[columns].any(axis=1), dtype=bool)
+    part = np.full(len(column), -1, dtype=np.int64)
+    part[walls] = component[column[walls]]
+    part[~walls] = np.where(beside >= 0, count + beside, -1)
+    is_cap = np.arange(len(column)) >= len(columns)
+    probes, owner = [], []
+    for rows in (np.flatnonzero((part >= 0) & ~is_cap), np.flatnonzero((part >= 0) & is_cap)):
+        found, first = np.unique(part[rows], return_index=True)
+        probes.append(skin.triangles[rows[first], 2])
+        owner.append(found)
+    probe, owned = skin.points[np.concatenate(probes)], np.concatenate(owner)
+    shell = np.flatnonzero((part >= 0) & (part < count))
+    shell = shell[on[column[shell]]]
+    order = shell[np.argsort(part[shell], kind="stable")]
+    found, start = np.unique(part[order], return_index=True)
+    if not len(found):
+        return np.empty(0, dtype=np.int64)
+    low, high = bounding_boxes(skin.points[skin.triangles[order]])
+    low, high = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
+    which, inside = BoxTree(low, high).pairs(probe, probe)
+    apart = owned[which] != found[inside]
+    which, inside = which[apart], inside[apart]
+    ends = np.append(start, len(order))
+    wrong = np.zeros(count + free, dtype=bool)
+    for body in np.unique(inside).tolist():
+        ask = which[inside == body]
+        layers = skin.triangles[order[ends[body] : ends[body + 1]]]
+        odd, _ = even_odd_in_space(skin.points, layers, probe[ask])
+        wrong[owned[ask[odd]]] = True
+        wrong[found[body]] |= odd.any()
+    rays = np.unique(columns[wrong[component]])
+    return rays[moves[rays]]
+
+
+def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple[int, Numbers]:
+    """How many parts of the surface do not hang together with walls, and the part of each triangle, or -1."""
+    if not len(triangles):
+        return 0, np.empty(0, dtype=np.int64)
+    component, _, count = triangle_components(triangles)
+    free = np.ones(count, dtype=bool)
+    free[component[plane >= 0]] = False
+    number = np.where(free, np.cumsum(free) - 1, -1)
+    return int(free.sum()), number[component].astype(np.int64)

@@ -1,0 +1,296 @@
+"""Prismatic layers: wedges along the walls of a body, of which not one is inverted (12.5)."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arguments import as_count, as_flag, as_flags, as_mapping, as_seed, finite
+from ...base.arrays import frozen
+from ...base.errors import HiddenVertexWarning, InputError
+from ...domain.space.by_part import size_by_part
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.mesh import Mesh
+from ...sizing.field import as_size
+from ...sizing.stretching import Layers
+from .alone import layers_of_columns
+from .beyond import filled_beyond
+from .cells import in_one_fan
+from .closing import closed_in_planes
+from .columns import scaled_columns
+from .directions import NORMALS
+from .flat_sides import as_pieces_of, with_flat_sides
+from .growing import grown_layers, in_tetrahedra
+from .records import HIDDEN_RAY, RAY_REASONS
+from .remainder import Grown
+from .run import PrismOptions, PrismRun
+from .stop_run import StopRun
+from .walls import WALL_SIDES, base_of
+
+__all__ = ["layers_alone", "prismatic_layers"]
+
+NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
+ROOM_BEYOND = 0.4  # how much higher layers could be before they meet something; unit: their height
+MOST_SMOOTHING = 1000
+STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
+
+
+def prismatic_layers(
+    surface: Any,
+    size: Any = None,
+    *,
+    layers: Layers,
+    walls: Any = None,
+    side: str | None = None,
+    normals: str = "visible",
+    ridge: float = 40.0,
+    smoothing: int = 10,
+    recompute: bool = False,
+    stop: str = "squeeze",
+    cells: str = "wedge",
+    fill_options: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    budget: int | None = None,
+    progress: bool = False,
+) -> DomainMesh:
+    """Layers of thin wedges along the walls of a body in space.
+
+    Parameters
+    ----------
+    surface : Domain or Mesh
+        A body, or a surface of triangles in space. A mesh may be open if each loop of its border lies in a
+        plane; the layers end there. With a size, polygons close it there, named "end 0", "end 1", ...
+    size : number, function (k, 3) -> (k,), SizeField, or dict of region name to one, optional
+        What the layers leave of the body is filled with tetrahedra of this size, as by `tetrahedralize`: the
+        mesh is one of the whole body. Without it there are layers only.
+    layers : Layers
+        The heights of the layers, with an end (give a count).
+    walls : str, int, or list of these, optional
+        Names of markers, or pieces, along which there are layers; by default all facets. Facets beside walls
+        must be plane: layers end there. Those that are cut into triangles in such a plane are taken as one
+        polygon, if they have the same names.
+    side : "inside" or "outside", optional
+        On which side of the surface the layers are; "inside" by default where there is a size, else
+        "outside". Of an open mesh, "outside" is where its normals point.
+    normals : "visible", "staged", "angle" or "area"
+        The directions of rays; see the notes.
+    ridge : float
+        The angle between normals, in degrees, from which on an edge is a geometric one ("staged").
+    smoothing : int
+        Rounds in which directions are smoothed.
+    recompute : bool
+        Whether directions are computed anew on each layer.
+    stop : "squeeze" or "stop"
+        Where there is no room: all layers become thinner, or there are fewer of them, with numbers that
+        differ by at most 1 along each edge; pyramids and tetrahedra are then on top of wedges, and the cap
+        has triangles only.
+    cells : "wedge" or "tetrahedron"
+        With "tetrahedron" all cells are divided, quadrilaterals from their lowest vertex, so that they fit;
+        heights are lowered until each tetrahedron is positive.
+    fill_options : dict, optional
+        ``optimize`` and ``split_boundary`` (None or False) of `tetrahedralize`.
+    seed : int
+        Of its random numbers.
+    budget : int, optional
+        How many points it may add.
+    progress : bool
+        Show progress bars.
+
+    Returns
+    -------
+    DomainMesh
+        Cells "wedge", "pyramid" and "tetra", all positive: exactly, on the whole of each. ``markers`` has the
+        names of the surface on the faces of the base, and of the sides in planes (rows of four, triangles
+        padded by -1, where there are quadrilaterals), and "cap", the faces on top of the layers. With a size
+        the cells of the layers come first among those of each kind, "tetra" is the last kind, and ``faces``
+        has quadrilaterals as two triangles. ``steps`` has one row for each ray: "vertex" (a
+        row of ``points``, -1 if no cell is left there), "place" (r, 3), "direction" (r, 3), "level" (how many
+        layers), "height" (their total), "wanted", and "reason", why it is not more: "full" (it is as wanted),
+        "column" (a cell would not be positive), "crossing" (the layers would meet others, or the surface),
+        "gradation" or "step" (a neighbor is lower), "hidden" (no direction sees all triangles there).
+        "cell_layer" has for each cell of the layers its layer from 1 on, "cap" (t, 3) the faces on top.
+        ``counts``: "rays", "wedges", "pyramids", "tetrahedra" (of the layers), "hidden", "limited: ..." for
+        each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
+        which are left out), "rounds" of lowering. ``figures``: "share of full heights", "least scaled
+        Jacobian" (of wedges); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
+        beyond over that of the cell below) and "..., largest" (up or down), "least dihedral angle beyond".
+
+    Raises
+    ------
+    InputError
+        For layers without an end, unknown names, walls that touch themselves, borders that are not plane,
+        surfaces that are turned against themselves; and as `Domain` does. With a size, for inner pieces that
+        end at walls, and as `tetrahedralize` does.
+
+    Notes
+    -----
+    A direction sees a triangle if it is within a right angle of its normal. "visible" is the direction whose
+    largest angle with the normals at a vertex is smallest: it sees all triangles there whenever any direction
+    does. "staged": weighted by angles, but on geometric edges the mean of both sides. "angle", "area": sums
+    with such weights. Where one of these does not see all, the first is taken.
+
+    *Heights* are at most .7 of what keeps the Jacobian of a whole column positive, differ by at most the
+    length of an edge along it, and are lowered by a factor .7 where a wedge, as rounded, is not positive, or
+    where cap, base, sides and the rest of the surface meet, until nothing is wrong. All this is decided by
+    exact signs; so the layers do not overlap (see the book, chapter 5). With a size, caps two fifths
+    higher would not meet anything either, so that tetrahedra find room between them. If the rest cannot be
+    filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
+    is not one of the body, and ``complete`` is False.
+
+    O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
+    """
+    as_flags(recompute=recompute, progress=progress)
+    if not isinstance(layers, Layers):
+        raise InputError(f"layers must be Layers(first=..., count=...), not {type(layers).__name__}")
+    if layers.count is None and not layers.varies:
+        raise InputError("these layers have no end: give count, Layers(first=..., growth=..., count=20)")
+    side = ("outside" if size is None else "inside") if side is None else side
+    for name, value, known in (
+        ("side", side, WALL_SIDES), ("normals", normals, NORMALS), ("stop", stop, STOPPING),
+        ("cells", cells, PRISM_CELLS),
+    ):  # fmt: skip
+        if not isinstance(value, str) or value not in known:
+            raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
+    ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
+    if smoothing > MOST_SMOOTHING:
+        raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
+    closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    if closed is not None:
+        surface, walls = closed.domain, closed.walls if walls is None else walls
+    surface, walls, parts = with_flat_sides(surface, walls)
+    base = base_of(surface, walls, side)
+    fill = _fill_options(size, side, fill_options, seed, budget, progress)
+    room = 0.0 if size is None else ROOM_BEYOND
+    options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
+    run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
+    run.advance()
+    _tell_hidden(run)
+    mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+    if parts is not None:
+        as_pieces_of(mesh, parts)
+    if closed is not None:
+        origin = np.asarray(mesh.origin)
+        mesh.origin = frozen(np.where(origin >= 0, closed.origin[origin], -1).astype(np.int32))
+    return noticed(mesh, lacking)
+
+
+def _fill_options(size: Any, side: str, given: Any, seed: Any, budget: Any, progress: bool) -> dict[str, Any]:
+    """The arguments for what is beyond, checked."""
+    more = dict(as_mapping({} if given is None else given, "fill_options"))
+    unknown = sorted(set(map(str, more)) - {"optimize", "split_boundary"})
+    if unknown:
+        raise InputError(f"fill_options may have 'optimize' and 'split_boundary', not {unknown[0]!r}")
+    optimize, split = as_flag(more.get("optimize", True), "optimize"), more.get("split_boundary")
+    if split is not None and as_flag(split, "split_boundary"):
+        raise InputError("split_boundary=True would divide the triangles of the cap: leave it out, or False")
+    if size is not None and side != "inside":
+        raise InputError(
+            'size is for a body that the layers leave, but side="outside" has no end: give a body, for '
+            "instance Domain.box(...).with_holes(body), with the layers inside"
+        )
+    return {
+        "optimize": optimize,
+        "split_boundary": split,
+        "seed": as_seed(seed),
+        "budget": None if budget is None else as_count(budget, "budget"),
+        "progress": progress,
+    }
+
+
+def _tell_hidden(run: PrismRun) -> None:
+    """Warn of vertices at which no direction sees all triangles."""
+    hidden = np.flatnonzero(run.rays.reason == HIDDEN_RAY)
+    if len(hidden):
+        v = int(run.base.walls.vertex[hidden[0]])
+        x, y, z = run.base.others.points[v].tolist()
+        warnings.warn(
+            f"at {len(hidden)} vertices of the walls no direction sees all triangles, so that there are no "
+            f"layers: the first is point {v} at ({x:.6g}, {y:.6g}, {z:.6g}); see mesh.steps",
+            HiddenVertexWarning,
+            stacklevel=3,
+        )
+
+
+def layers_alone(run: PrismRun) -> DomainMesh:
+    """The mesh of layers with its account."""
+    with_layers: NDArray[np.bool_] = run.rays.level > 0
+    kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
+    if not kept.any():
+        raise InputError(NO_LAYERS)
+    grown = _grown(run)
+    found = layers_of_columns(run.base, grown, kept)
+    return _with_account(
+        run,
+        found.grown,
+        found.vertex,
+        DomainMesh(
+            found.grown.points,
+            None,
+            cells=found.grown.cells,
+            origin=found.origin,
+            markers=found.markers,
+            faces=found.faces,
+            face_piece=found.face_piece,
+        ),
+        int((~kept).sum()),
+    )
+
+
+def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tuple[DomainMesh, str]:
+    """The mesh of the whole body, and what is missing."""
+    domain = run.base.domain
+    assert domain is not None
+    if not (run.rays.level > 0).any():
+        raise InputError(NO_LAYERS)
+    grown = _grown(run)
+    field = as_size(size_by_part(domain, size))
+    mesh, lacking = filled_beyond(domain, grown, field, dict(fill))
+    vertex = np.arange(len(run.base.walls.points))
+    return _with_account(run, grown, vertex, mesh, int((grown.base == grown.cap).all(axis=1).sum())), lacking
+
+
+def _grown(run: PrismRun) -> Grown:
+    rays = run.rays
+    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns)
+    return in_tetrahedra(grown) if run.options.cells == "tetrahedron" else grown
+
+
+def _with_account(
+    run: PrismRun, grown: Grown, vertex: NDArray[np.integer], mesh: DomainMesh, collapsed: int
+) -> DomainMesh:
+    """A mesh with a record of its rays; ``vertex`` has for each vertex of a wall that of the mesh."""
+    rays = run.rays
+    mesh.steps = {
+        "vertex": vertex[rays.base].astype(np.int32),
+        "place": run.base.walls.points[rays.base],
+        "direction": rays.direction,
+        "level": rays.level,
+        "height": rays.height,
+        "wanted": rays.wanted,
+        "reason": np.array(RAY_REASONS)[rays.reason],
+        "cell_layer": (grown.layer + 1).astype(np.int32),
+        "cap": grown.cap.astype(np.int32),
+    }
+    mesh.counts.update(_counts(run, grown.cells, collapsed))
+    full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
+    least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
+    mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
+    return mesh
+
+
+def _counts(run: PrismRun, kinds: Mapping[str, Any], collapsed: int) -> dict[str, int]:
+    """How many there are of what."""
+    many = np.bincount(run.rays.reason, minlength=len(RAY_REASONS)).tolist()
+    names = {"wedge": "wedges", "pyramid": "pyramids", "tetra": "tetrahedra"}
+    return {
+        "rays": len(run.rays.height),
+        **{word: len(kinds.get(kind, ())) for kind, word in names.items()},
+        "hidden": many[HIDDEN_RAY],
+        **{f"limited: {name}": many[i] for i, name in enumerate(RAY_REASONS) if i},
+        "collapsed": collapsed,
+        "rounds": run.rounds,
+    }

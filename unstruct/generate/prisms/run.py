@@ -1,0 +1,218 @@
+"""One run of `prismatic_layers`: rays that get directions and heights, and are lowered until all is valid."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...sizing.stretching import Layers
+from .clear import Border, clashes, skin_of, surrounded
+from .columns import bad, blind
+from .directions import directed
+from .heights import LOWER_BY, edges_of_columns, graded, limited, placed
+from .marching import marched
+from .records import COLUMN, CROSSING_RAY, HIDDEN_RAY, Rays, Walls
+from .split import twisted
+from .stars import stars_of
+from .walls import Base
+
+__all__ = ["PrismOptions", "PrismRun"]
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+SLOPE = 1.0  # how much heights of neighbors differ at most; unit: the length of their edge
+# A ray that is lowered again and again is lowered by smaller factors, up to these many times; then it has no
+# height. So layers get into any gap that doubles can tell from none, and it ends.
+LOWERINGS = ((12, LOWER_BY), (18, 0.3), (36, 0.05))
+FASTER_ROUNDS = 80  # after so many rounds what is wrong loses its layers at once
+WIDER_ROUNDS = 100  # ... and then its neighbors, too, in rings that grow from round to round
+
+
+class PrismOptions(NamedTuple):
+    """How rays are made; see `prismatic_layers`."""
+
+    normals: str = "visible"
+    ridge: float = 40.0
+    smoothing: int = 10
+    recompute: bool = False
+    progress: bool = False
+    cells: str = "wedge"
+    room: float = 0.0
+
+
+DEFAULT_PRISMS = PrismOptions()
+
+
+class PrismRun:
+    """The state of one run.
+
+    Parameters
+    ----------
+    base : Base
+    layers : Layers
+    options : PrismOptions
+
+    Attributes
+    ----------
+    rays : Rays
+    columns : (c, 3) int32
+        The triangles of walls, as rows of rays.
+    places : (levels + 1, r, 3) float64
+        The places of rays on all levels, rounded.
+    rounds : int
+        How often heights were lowered.
+    """
+
+    def __init__(self, base: Base, layers: Layers, options: PrismOptions = DEFAULT_PRISMS):
+        self.base, self.options, walls = base, options, base.walls
+        self.stars = stars_of(walls.triangles, len(walls.points))
+        self.columns = walls.triangles
+        heights = layers.cumulative(at=walls.points) if layers.varies else layers.cumulative()
+        if heights.ndim == 2 and len(heights) != len(walls.points):
+            raise InputError(
+                f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give "
+                "one value, one for each of them, or a function of the place"
+            )
+        total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
+        self.shares = np.atleast_2d(heights / heights[..., -1:])
+        self.total, self.rounds = total, 0
+        self.edges = edges_of_columns(self.columns)
+        self.base_row = walls.vertex.astype(np.int64)
+        self.border = self._border()
+
+    @property
+    def levels(self) -> int:
+        """How many layers there are."""
+        return self.shares.shape[-1] - 1
+
+    def begin(self) -> None:
+        """Give rays directions, and heights at which columns have room."""
+        walls = self.base.walls
+        direction, seen = self._directed(walls)
+        self.direction = np.where(seen[:, None], direction, 0.0)
+        start = np.where(seen, self.total, 0.0)
+        self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
+        self.reason[~seen] = HIDDEN_RAY
+        self.lowered = np.zeros(len(start), dtype=np.int64)
+        self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
+
+    def _directed(self, walls: Walls) -> tuple[Array, NDArray[np.bool_]]:
+        options = self.options
+        return directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
+
+    def placed(self, height: Array) -> Array:
+        """The places of rays of some heights."""
+        walls = self.base.walls
+        if self.options.recompute:
+            return marched(walls, self._directed, self.direction, height, self.shares)
+        return placed(walls.points, self.direction, height, self.shares)
+
+    def advance(self) -> None:
+        """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
+        self.begin()
+        fresh = np.ones(len(self.columns), dtype=bool)
+        with progress_bar(self.options.progress, " rounds") as bar:
+            while True:
+                self._grade(fresh)
+                self.places = self.placed(self.height)
+                wrong = self._wrong_columns(fresh)
+                why = COLUMN
+                if not len(wrong):
+                    wrong, why = self.wrong_tops(), CROSSING_RAY
+                if not len(wrong):
+                    break
+                fresh[:] = self._lower(wrong, why) | self.options.recompute
+                bar.update(1)
+        level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
+        self.rays = Rays(
+            np.arange(len(level), dtype=np.int32), self.direction, self.height, self.total, level, self.reason
+        )
+
+    def _grade(self, fresh: NDArray[np.bool_]) -> None:
+        """Lower heights that differ too much; note the columns that change."""
+        before = self.height
+        self.height, self.reason = graded(self.base.walls.points, self.edges, self.height, self.reason, SLOPE)
+        if self.height is not before:
+            fresh |= (self.height != before)[self.columns].any(axis=1)
+
+    def _wrong_columns(self, fresh: NDArray[np.bool_]) -> Numbers:
+        """The rays of columns that are not positive."""
+        moves = self.height > 0.0
+        rows = np.flatnonzero(fresh & moves[self.columns].any(axis=1))
+        level = np.where(moves, self.levels, 0).astype(np.int32)
+        wrong = self.columns[rows[self.bad_columns(rows, level)]]
+        lost = blind(self.places, wrong, level)
+        self.lowered[lost] = LOWERINGS[-1][0]  # they get no height, and the others of their columns remain
+        wrong = wrong[~np.isin(wrong, lost).any(axis=1)]
+        rays = np.union1d(wrong, lost).astype(np.int64)
+        return rays[moves[rays]]
+
+    def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
+        """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
+        found = bad(self.places, self.columns[rows], level)
+        # With something beyond, too: `check` tests for overlap by tetrahedra, and so tests the whole mesh.
+        if self.options.cells == "tetrahedron" or self.options.room > 0.0:
+            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
+            found = np.union1d(found, turned)
+        return found
+
+    def wrong_tops(self) -> Numbers:
+        """The rays whose cap meets something, or whose layers surround another part of the walls.
+
+        Where room is to be left, a cap that is so much higher is tested after that.
+        """
+        low, high = self.places[0], self.places[-1]
+        rays = self._met(high, 0)
+        if not len(rays) and self.options.room > 0.0:
+            rays = self._met(low + (1.0 + self.options.room) * (high - low), 1)
+        return rays
+
+    def _met(self, tops: Array, which: int) -> Numbers:
+        """The rays whose tops, or layers below them, meet something; what has been tested before is known."""
+        moves, walls = self.height > 0.0, self.base.walls
+        changed = (tops != self.tested[which]).any(axis=1)
+        self.tested[which] = tops
+        border, others = self.border, self.base.others
+        skin = skin_of(others, self.columns, self.base_row, tops, moves, walls.planes, border, changed)
+        rays = clashes(skin)
+        if len(rays):
+            return rays
+        return surrounded(skin, self.columns, moves)
+
+    def _border(self) -> Border:
+        """The edges at which the walls end."""
+        side = np.flatnonzero(self.stars.mates < 0)
+        t, k = side // 3, side % 3
+        a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
+        one, two = self.base.walls.planes[a], self.base.walls.planes[b]
+        plane = np.full(len(a), -1, dtype=np.int32)
+        for i in range(2):
+            for j in range(2):
+                same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
+                plane[same] = one[same, i]
+        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
+
+    def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
+        """Lower the heights of rays; which columns change."""
+        self.rounds += 1
+        for _ in range(max(self.rounds - WIDER_ROUNDS, 0).bit_length()):
+            near = np.isin(self.columns, rays).any(axis=1)
+            rays = np.unique(self.columns[near])
+        rays = rays[self.height[rays] > 0.0]
+        self.lowered[rays] += 1
+        share = np.zeros(len(rays))
+        for times, factor in LOWERINGS[::-1]:
+            share[self.lowered[rays] <= times] = factor
+        share *= self.rounds <= FASTER_ROUNDS
+        height, reason = self.height.copy(), self.reason.copy()
+        height[rays] *= share
+        reason[rays] = why
+        self.height, self.reason = height, reason
+        changed = np.zeros(len(height), dtype=bool)
+        changed[rays] = True
+        return np.asarray(changed[self.columns].any(axis=1), dtype=bool)
