@@ -1,4 +1,4 @@
-"""Facets of a body that lie in one plane, side by side, as one polygon each: triangles of a plane end, say.
+"""Some facets of a body joined with those beside them in their planes: triangles of a plane end, say.
 
 The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew
 in such a plane need not respect the edges between them.
@@ -11,17 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import flagged
-from ...geometry.polygons import Polygons
-from .cutting import views
+from ...geometry.outline import Outline
+from .merging import in_common_planes
 
 __all__ = ["FlatParts", "flat_parts"]
 
 Rows = NDArray[np.int64]
-WITHIN_ONE_PLANE = (
-    16 * 2.0**-53
-)  # of the largest coordinate: how far points may be from the plane of a polygon
-NEARLY_PARALLEL = 1e-6  # sine of the angle between normals of neighbors, from which planes are looked at
 
 
 class FlatParts(NamedTuple):
@@ -46,130 +41,21 @@ class FlatParts(NamedTuple):
 
 
 def flat_parts(
-    domain: Any, which: NDArray[np.bool_], among: NDArray[np.bool_] | None = None
+    outline: Outline, which: NDArray[np.bool_], among: NDArray[np.bool_] | None = None
 ) -> FlatParts | None:
-    """Join facets in common planes.
-
-    Parameters
-    ----------
-    domain : Domain
-        In space.
-    which : (f,) bool
-        Facets that are joined with all that lie beside them in their plane.
-    among : (f,) bool, optional
-        Facets that may be joined; all by default.
+    """Join facets in common planes; see `in_common_planes` for the arguments.
 
     Returns
     -------
     FlatParts or None
-        None if nothing is joined. Groups whose outline touches itself stay as they are. O(n log n).
+        None if nothing is joined. Sides that touch themselves stay as they are. O(n log n).
     """
-    facets, many = Polygons.of(domain.facets), len(domain.facets)
-    group = _groups(domain, facets, np.ones(many, dtype=bool) if among is None else among)
-    size = np.bincount(group, minlength=many)
-    wanted = flagged(many, group[which]) & (size > 1)
-    rings = {g: _rings(domain, facets, group == g) for g in np.flatnonzero(wanted).tolist()}
-    rings = {g: found for g, found in rings.items() if found}
-    if not rings:
+    found, side = in_common_planes(outline, which=which, among=among)
+    many = len(side)
+    first = found.piece_origin[found.piece_origin < many]
+    if len(first) == many:
         return None
-    group = np.where(flagged(many, list(rings))[group], group, np.arange(many))  # each by its first member
-    first = np.unique(group)
-    polygons = Polygons.of_rings([rings.get(g) or list(facets.rings(g)) for g in first.tolist()])
-    inner = Polygons.of(domain.inner)
-    used = flagged(len(domain.points), polygons.vertices, inner.vertices, np.asarray(domain.loose))
-    vertex = np.flatnonzero(used)
-    place = (np.cumsum(used) - 1).astype(np.int32)
-    number = np.concatenate([np.searchsorted(first, group), len(first) + np.arange(len(inner))])
-    arguments = {
-        "points": domain.points[vertex],
-        "facets": polygons.renumbered(place),
-        "inner": inner.renumbered(place) if len(inner) else None,
-        "markers": {name: np.unique(number[pieces]) for name, pieces in domain.markers.items()},
-        "regions": dict(domain.regions) or None,
-    }
-    piece = np.concatenate([first, many + np.arange(len(inner))])
-    return FlatParts(arguments, vertex, number, piece)
-
-
-def _groups(domain: Any, facets: Polygons, among: NDArray[np.bool_]) -> Rows:
-    """For each facet the first one of those in its plane with the same names, edge by edge."""
-    many = len(facets)
-    ends, owner = facets.sides
-    low, high = np.sort(ends, axis=1).astype(np.int64).T
-    key = low << 32 | high
-    inner, _ = Polygons.of(domain.inner).sides if len(domain.inner) else (np.empty((0, 2)), None)
-    taken = np.sort(np.asarray(inner, dtype=np.int64), axis=1)
-    order = np.argsort(key, kind="stable")
-    same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
-    edge = key[order[same]]
-    good = ~np.isin(edge, edge[1:][edge[1:] == edge[:-1]]) & ~np.isin(edge, taken[:, 0] << 32 | taken[:, 1])
-    one, two = owner[order[same[good]]], owner[order[same[good] + 1]]
-    one, two = one[among[one] & among[two]], two[among[one] & among[two]]
-    names = _names(domain, many)
-    xyz = np.asarray(domain.points, dtype=np.float64)
-    normal, _ = views(xyz / max(float(np.abs(xyz).max()), 1e-300), facets)
-    normal = normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
-    cross = np.cross(normal[one], normal[two])
-    flat = (names[one] == names[two]) & (np.abs(cross).max(axis=1, initial=0.0) < NEARLY_PARALLEL)
-    one, two = one[flat], two[flat]
-    flat = _in_plane(xyz, facets, normal, one, two)
-    return _connected(many, one[flat], two[flat])
-
-
-def _names(domain: Any, many: int) -> Rows:
-    """Equal numbers for facets with the same markers."""
-    table = np.zeros((many, len(domain.markers)), dtype=bool)
-    for k, pieces in enumerate(domain.markers.values()):
-        table[np.asarray(pieces)[np.asarray(pieces) < many], k] = True
-    if table.shape[1] == 0:
-        return np.zeros(many, dtype=np.int64)
-    return np.unique(table, axis=0, return_inverse=True)[1].ravel()
-
-
-def _in_plane(xyz: NDArray, facets: Polygons, normal: NDArray, one: Rows, two: Rows) -> NDArray[np.bool_]:
-    """Whether all vertices of the second facets lie in the planes of the first ones."""
-    tolerance = WITHIN_ONE_PLANE * float(np.abs(xyz).max(initial=0.0))
-    good = np.ones(len(one), dtype=bool)
-    for a, b in ((one, two), (two, one)):
-        for k, (i, j) in enumerate(zip(a.tolist(), b.tolist())):
-            if good[k]:
-                x = xyz[facets.vertices_of(j)] - xyz[facets.vertices_of(i)[0]]
-                good[k] = np.abs((x * normal[i]).sum(axis=1)).max() <= tolerance
-    return good
-
-
-def _connected(many: int, one: Rows, two: Rows) -> Rows:
-    """The least number of those that are connected."""
-    label = np.arange(many)
-    while True:
-        before = label.copy()
-        np.minimum.at(label, one, before[two])
-        np.minimum.at(label, two, before[one])
-        label = label[label]
-        if np.array_equal(label, before):
-            return label
-
-
-def _rings(domain: Any, facets: Polygons, chosen: NDArray[np.bool_]) -> list[list[int]]:
-    """The outline and the holes of some facets together; nothing if a ring touches itself or another one."""
-    ends, owner = facets.sides
-    ends = np.sort(ends[chosen[owner]], axis=1).astype(np.int64)
-    key, count = np.unique(ends[:, 0] << 32 | ends[:, 1], return_counts=True)
-    border = np.column_stack([key[count == 1] >> 32, key[count == 1] & (2**32 - 1)])
-    if len(border) == 0 or (np.bincount(border.ravel())[border.ravel()] != 2).any():
-        return []
-    beside: dict[int, list[int]] = {}
-    for a, b in border.tolist():
-        beside.setdefault(a, []).append(b)
-        beside.setdefault(b, []).append(a)
-    rings = []
-    while beside:
-        ring = [next(iter(beside))]
-        while True:
-            following = [v for v in beside.pop(ring[-1]) if v in beside]
-            if not following:
-                break
-            ring.append(following[0])
-        rings.append(ring)
-    extent = [float(np.ptp(domain.points[ring], axis=0).max()) for ring in rings]
-    return [rings[i] for i in sorted(range(len(rings)), key=lambda i: -extent[i])]
+    place = np.empty(many, dtype=np.int64)
+    place[side[first]] = np.arange(len(first))
+    inner = len(first) + np.arange(len(outline.pieces) - many)
+    return FlatParts(found.parts, found.origin, np.concatenate([place[side], inner]), found.piece_origin)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import finite
-from ...base.arrays import distinct
+from ...base.arrays import distinct, flagged
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
@@ -25,7 +25,7 @@ from .cutting import views
 from .faults import find_faults
 from .straight import straight_vertices
 
-__all__ = ["simplified_in_space"]
+__all__ = ["in_common_planes", "simplified_in_space"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -80,30 +80,63 @@ def simplified_in_space(outline: Outline, shell: Any, tolerance: Any, size: Any)
         raise InputError("a size is for planar regions; bodies are simplified up to a tolerance")
     if tolerance is not None and finite(tolerance, "tolerance") < 0:
         raise InputError(f"tolerance must be at least 0, not {tolerance!r}")
-    x = outline.points * power_of_two(outline.points)
     largest = float(np.abs(outline.points).max(initial=0.0)) or 1.0
-    within = float(np.abs(x).max(initial=0.0)) * (
-        ROUNDED_SIDE if tolerance is None else float(tolerance) / largest
-    )
+    within = ROUNDED_SIDE if tolerance is None else float(tolerance) / largest
+    return in_common_planes(outline, within)[0]
+
+
+def in_common_planes(
+    outline: Outline,
+    within: float = ROUNDED_SIDE,
+    which: NDArray[np.bool_] | None = None,
+    among: NDArray[np.bool_] | None = None,
+) -> tuple[Simplified, Numbers]:
+    """Join facets that hang together in one plane and have the same names.
+
+    Parameters
+    ----------
+    outline : Outline
+        In space.
+    within : float
+        How far off a plane facets may be; unit: the largest coordinate.
+    which : (f,) bool, optional
+        Facets that are joined with others; all by default. With it, vertices on straight edges stay.
+    among : (f,) bool, optional
+        Facets that may be joined; all by default.
+
+    Returns
+    -------
+    found : Simplified
+    side : (f,) int64
+        For each facet one of those with which it is joined, the same for all.
+    """
+    x = outline.points * power_of_two(outline.points)
+    within = float(np.abs(x).max(initial=0.0)) * within
+    straight = within if which is None else -1.0
     facets = Polygons.of(outline.facets)
-    side = _sides(outline, facets, x, within)
+    side = _sides(outline, facets, x, within, among)
+    if which is not None:
+        side = np.where(flagged(len(facets), side[which])[side], side, np.arange(len(facets)))
     for _ in range(MOST_UNJOINED):
         rings, side = _rings(outline, facets, side, x)
-        found = _joined(outline, facets, side, rings, x, within)
+        found = _joined(outline, facets, side, rings, x, straight)
         parts = found.parts
         names = (parts["markers"], parts["regions"])
         trial = Outline(parts["points"], parts["facets"], parts["inner"], {}, *names)
         wrong = {piece for fault in find_faults(trial) for piece in fault.pieces}
         if not wrong:
-            return found
+            return found, side
         bad = np.isin(side, side[found.piece_origin[sorted(wrong)].clip(max=len(side) - 1)])
         if not bad.any():
             break
         side = np.where(bad, np.arange(len(side)), side)
-    return _joined(outline, facets, np.arange(len(facets)), {}, x, -1.0)
+    side = np.arange(len(side))
+    return _joined(outline, facets, side, {}, x, -1.0), side
 
 
-def _sides(outline: Outline, facets: Polygons, x: Array, within: float) -> Numbers:
+def _sides(
+    outline: Outline, facets: Polygons, x: Array, within: float, among: NDArray[np.bool_] | None
+) -> Numbers:
     """For each facet one of those that lie in its plane and hang together with it, the same for all.
 
     What is found is joined again, as long as anything is: large sides have more exact planes.
@@ -118,6 +151,8 @@ def _sides(outline: Outline, facets: Polygons, x: Array, within: float) -> Numbe
     pairs = np.column_stack([owner[order[two]], owner[order[two + 1]]])
     name = _name_sets(outline)
     pairs = pairs[(pairs < many).all(axis=1)]
+    if among is not None:
+        pairs = pairs[among[pairs].all(axis=1)]
     pairs = pairs[name[pairs[:, 0]] == name[pairs[:, 1]]]
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
     corners = np.column_stack([np.repeat(np.arange(many), facets.corners), facets.vertices])
