@@ -32,7 +32,7 @@ def chapters() -> list[Path]:
 
 
 # Chapters in the form of the whole book; older ones follow as they are rewritten (their names go in here).
-NEW_CHAPTERS = [path for path in chapters() if re.match(r"2\.8|3\.|4", path.name)]
+NEW_CHAPTERS = [path for path in chapters() if re.match(r"2\.8|3\.|4|5", path.name)]
 
 
 def code_cells(path: Path) -> list[nbformat.NotebookNode]:

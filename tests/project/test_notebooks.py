@@ -88,6 +88,7 @@ def test_there_is_a_book() -> None:
         "4a-",
         "4b-",
         "4c-",
+        "5-",
     ):
         assert any(name.startswith(section) for name in names), f"no chapter {section.rstrip('-')}"
 

@@ -49,6 +49,12 @@ from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
 from .scenes.histories import insertion_frames as insertion_frames
+from .scenes.prism_frames import GROOVE_NAMES as GROOVE_NAMES
+from .scenes.prism_frames import groove as groove
+from .scenes.prism_frames import groove_frames as groove_frames
+from .scenes.prism_frames import groove_layers as groove_layers
+from .scenes.prism_states import PRISM_STOPS as PRISM_STOPS
+from .scenes.prism_states import prism_state as prism_state
 from .scenes.proofs import cavity_proof_state as cavity_proof_state
 from .scenes.proofs import star_proof_state as star_proof_state
 from .scenes.rebay import COBWEBS as COBWEBS
@@ -98,6 +104,9 @@ from .scenes.trees import search_frames as search_frames
 from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
 from .scenes.twisted_prism import twisted_prism as twisted_prism
 from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state
+from .scenes.wedge_states import WEDGES as WEDGES
+from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
+from .scenes.wedge_states import wedge_state as wedge_state
 from .widgets.center_widgets import circumcenters as circumcenters
 from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
 from .widgets.constraint_widgets import principal_component as principal_component
