@@ -233,4 +233,5 @@ def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple
     free = np.ones(count, dtype=bool)
     free[component[plane >= 0]] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
-    return int(free.sum()), number[component].astype(np.int64)
+    parts: Numbers = number[component].astype(np.int64)
+    return int(free.sum()), parts
