@@ -29,6 +29,7 @@ BACK = [
     "benchmarks-planar",
     "benchmarks-front",
     "benchmarks-volume",
+    "benchmarks-prisms",
     "ledger",
     "errata",
     "reference",

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from unstruct.geometry import embedded as quick
-from unstruct.geometry.embedded import embedded, flat_rows
+from unstruct.geometry.embedded import embedded, flat_rows, meeting_pairs
 from unstruct.geometry.triangle_pairs import clear_view, edges_of, meetings_in_space, unit_points
 
 NUDGE = 2.0**-52
@@ -19,6 +19,22 @@ NUDGE = 2.0**-52
 def slow(points: np.ndarray, triangles: np.ndarray) -> bool:
     """Whether no edge of a triangle meets a triangle outside of common vertices."""
     return len(meetings_in_space(points, triangles, edges_of(triangles)).edge) == 0
+
+
+def slow_pairs(points: np.ndarray, triangles: np.ndarray) -> set[frozenset[int]]:
+    """The pairs of triangles of which an edge of one meets the other."""
+    edges = edges_of(triangles)
+    met = meetings_in_space(points, triangles, edges)
+    found = set()
+    for e, t in zip(edges[met.edge].tolist(), met.triangle.tolist()):
+        found |= {frozenset((s, t)) for s in np.flatnonzero(np.isin(triangles, e).sum(axis=1) == 2).tolist()}
+    return found
+
+
+def pairs_are_right(points: np.ndarray, triangles: np.ndarray) -> bool:
+    pairs = meeting_pairs(points, triangles)
+    once = {frozenset(pair) for pair in pairs.tolist()}
+    return len(once) == len(pairs) and once == slow_pairs(points, triangles)
 
 
 def ball(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -83,6 +99,8 @@ def test_any_triangles(case: tuple[np.ndarray, np.ndarray]) -> None:
     points, triangles = case
     if len(triangles):
         assert embedded(points, triangles) == slow(points, triangles)
+        if len(np.unique(np.sort(triangles, axis=1), axis=0)) == len(triangles):
+            assert pairs_are_right(points, triangles)
 
 
 @st.composite
@@ -136,16 +154,17 @@ def test_surfaces_with_some_vertices_moved(name: str, seed: int, far: float, tur
     triangles = np.ascontiguousarray(rng.permutation(triangles))
     if len(flat_rows(points, triangles)) == 0:
         assert embedded(points, triangles) == slow(points, triangles)
+        assert pairs_are_right(points, triangles)
 
 
 def test_good_surfaces_need_hardly_any_exact_signs(monkeypatch: pytest.MonkeyPatch) -> None:
     decided = []
 
-    def none_meet(xyz: np.ndarray, rows: np.ndarray, pairs: np.ndarray) -> bool:
+    def none_meet(xyz: np.ndarray, rows: np.ndarray, pairs: np.ndarray, *_: object) -> int:
         decided.append(len(pairs))
-        return True
+        return 0
 
-    monkeypatch.setattr(quick, "_none_meet", none_meet)
+    monkeypatch.setattr(quick, "_meet", none_meet)
     assert embedded(*ball(12)) and embedded(*grid(6))
     assert decided[0] == 0 and decided[1] < 60
 
@@ -166,6 +185,7 @@ def test_too_many_doubtful_pairs_are_left_to_others() -> None:
     pages = np.array([(0, 1, 2 + i) for i in range(40)], dtype=np.int32)
     assert slow(points, pages)
     assert not embedded(points, pages)  # 780 pairs
+    assert pairs_are_right(points, pages)
 
 
 def test_near_pairs_within_leaves_alone() -> None:

@@ -129,6 +129,20 @@ def advancing_layers() -> Arrays:
 
 
 @case
+def prismatic_layers() -> Arrays:
+    """Straight rays and marched ones, squeezed and stopped, on a rough body with a narrow gap."""
+    layers = unstruct.Layers(thickness=0.4, growth=1.15, count=8)
+    ball = Domain.ball(size=0.45)
+    rough = ball.points * (1 + 0.12 * (points(len(ball.points), 1) - 0.5))
+    rows = ball.triangulated.triangles
+    two = Domain(np.vstack([rough, ball.points + np.array([2.2, 0.1, 0.0])]), np.vstack([rows, rows + len(rough)]))
+    for options in ({}, {"recompute": True}, {"normals": "staged"}, {"stop": "stop"}, {"side": "inside"}):
+        mesh = unstruct.prismatic_layers(two, layers=layers, **options)
+        yield mesh.points
+        yield from mesh.cells.values()
+
+
+@case
 def delaunay() -> Arrays:
     for d, n in ((2, 3000), (3, 800), (4, 120), (5, 40)):
         yield from of(unstruct.delaunay(points(n, d)))

@@ -81,6 +81,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "front in a metric": (u.advancing_front, (SQUARE, sizing.directional((1.0, 0.0), 0.3, 0.2)), {}),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
+        "prismatic_layers": (u.prismatic_layers, (BOX,), {"layers": LAYERS, "side": "inside"}),
         "smooth": (u.smooth, (mesh,), {}),
         "improve": (u.improve, (u.delaunay(np.random.default_rng(0).random((20, 3))),), {}),
         "tetrahedralize": (u.tetrahedralize, (u.Domain.ball(size=1.0), 1.0), {}),

@@ -62,7 +62,7 @@ def test_clashes_are_those_of_all_pairs(seed: int, rough: float, still: int) -> 
     hits: dict[int, set[int]] = {}
     for e, t in zip(met.edge.tolist(), met.triangle.tolist()):
         hits.setdefault(e, set()).add(t)
-    for s, row in enumerate(triangles.tolist()):
+    for row in triangles.tolist():
         for pair in combinations(row, 2):
             for t in hits.get(key[frozenset(pair)], ()):
                 wanted |= {v - len(points) for v in row + triangles[t].tolist() if v >= len(points)}
@@ -93,7 +93,9 @@ def test_caps_that_have_passed_each_other() -> None:
     """In a thin shell each cap may lie beyond the other: found by a corner of a cap, not of a base."""
     domain = together(ball(), ball(0.8))
     for thickness in (0.15, 0.17, 0.19):
-        mesh = prismatic_layers(domain, layers=Layers(thickness=thickness, count=3, growth=1.1), side="inside")
+        mesh = prismatic_layers(
+            domain, layers=Layers(thickness=thickness, count=3, growth=1.1), side="inside"
+        )
         assert check(mesh) and mesh.counts["limited: crossing"] > 0
     assert check(prismatic_layers(domain, layers=LAYERS))
 
@@ -101,11 +103,15 @@ def test_caps_that_have_passed_each_other() -> None:
 def test_facets_that_are_no_walls_are_kept_clear() -> None:
     """The lid of a box, and a small body in it that is no wall."""
     box = Domain.box()
-    mesh = prismatic_layers(box, layers=Layers(thickness=1.5, count=4, growth=1.1), walls="bottom", side="inside")
+    mesh = prismatic_layers(
+        box, layers=Layers(thickness=1.5, count=4, growth=1.1), walls="bottom", side="inside"
+    )
     assert check(mesh) and mesh.points[:, 2].max() < 1.0
     points, rows = ball(0.05, (0.5, 0.5, 0.5))
     both = box.with_holes(Domain(points, rows))
-    mesh = prismatic_layers(both, layers=Layers(thickness=0.9, count=4, growth=1.1), walls="bottom", side="inside")
+    mesh = prismatic_layers(
+        both, layers=Layers(thickness=0.9, count=4, growth=1.1), walls="bottom", side="inside"
+    )
     assert check(mesh) and mesh.points[:, 2].max() < 0.55
 
 
@@ -114,7 +120,9 @@ def test_sides_stay_within_their_facets() -> None:
     step = Domain.polygon([(0, 0), (2, 0), (2, 2), (1, 2), (1, 0.3), (0, 0.3)])
     duct = Domain.extruded(step, 1.0, markers=None)
     floor = [i for i, row in enumerate(duct.facets) if (duct.points[row][:, 1] == 0).all()]
-    mesh = prismatic_layers(duct, layers=Layers(thickness=0.9, count=4, growth=1.1), walls=floor, side="inside")
+    mesh = prismatic_layers(
+        duct, layers=Layers(thickness=0.9, count=4, growth=1.1), walls=floor, side="inside"
+    )
     assert check(mesh)
     low = mesh.points[mesh.points[:, 0] < 1.0]
     assert low[:, 1].max() < 0.3

@@ -21,7 +21,7 @@ from ...predicates.batch import power_of_two
 from ...predicates.filters import UNDECIDED
 from .directions import SIGN_ERROR, SIGN_TINY
 
-__all__ = ["bad", "limits", "scaled_columns"]
+__all__ = ["bad", "blind", "limits", "scaled_columns"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -208,6 +208,21 @@ def _exact(corners: Array, moves: NDArray[np.bool_]) -> NDArray[np.int8]:
             found = signs_of(corners[rows][:, frame], _frame_sign)
             signs[rows[found != 1]] = -1
     return signs
+
+
+def blind(places: Array, columns: NDArray[np.int32], level: NDArray[np.int32]) -> Numbers:
+    """Rays whose first step, as rounded, does not see the base of a column, exactly: sorted, each once.
+
+    To lower them does not help: what is lost to rounding is more then.
+    """
+    found = []
+    for i in range(3):
+        ray = columns[:, i]
+        rows = np.flatnonzero(level[ray] > 0)
+        base = places[0][columns[rows][:, [i, (i + 1) % 3, (i + 2) % 3]]]
+        ends = np.stack([places[0, ray[rows]], places[1, ray[rows]]], axis=1)
+        found.append(ray[rows[signs_of(np.concatenate([base, ends], axis=1), _frame_sign) != 1]])
+    return np.unique(np.concatenate(found)).astype(np.int64)
 
 
 def _frame_sign(x: np.ndarray, bound: np.ndarray) -> np.ndarray:

@@ -79,6 +79,17 @@ def _confined(v, planes, normals):
 # ---------------------------------------------------------------------- weighted sums
 
 
+@inline
+def _angle_at(walls, double_area, t, k):
+    """The angle of a triangle at one of its corners."""
+    p = walls.points[walls.triangles[t, k]]
+    a = walls.points[walls.triangles[t, (k + 1) % 3]]
+    b = walls.points[walls.triangles[t, (k + 2) % 3]]
+    along = (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1])
+    along += (a[2] - p[2]) * (b[2] - p[2])
+    return angle_of(double_area[t], along)
+
+
 @kernel
 def _sums(walls, stars, normals, double_area, how, out):
     """Write the sums of the normals around each vertex, by angle, by area or plain, in the planes of rays."""
@@ -90,12 +101,7 @@ def _sums(walls, stars, normals, double_area, how, out):
             if how == BY_AREA:
                 weight = double_area[t]
             elif how == BY_ANGLE:
-                p = walls.points[v]
-                a = walls.points[walls.triangles[t, (k + 1) % 3]]
-                b = walls.points[walls.triangles[t, (k + 2) % 3]]
-                along = (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1])
-                along += (a[2] - p[2]) * (b[2] - p[2])
-                weight = angle_of(double_area[t], along)
+                weight = _angle_at(walls, double_area, t, k)
             for j in range(3):
                 out[v, j] += weight * normals[t, j]
         _confined(out[v], walls.planes[v], walls.normals)
@@ -111,8 +117,11 @@ def weighted(walls: Walls, how: str, stars: Stars | None = None) -> Array:
 
 
 @kernel
-def _ridges(stars, normals, cosine, out):
-    """At vertices of exactly two geometric edges, write the mean of the mean normals of the two sides."""
+def _ridges(walls, stars, normals, double_area, cosine, out):
+    """At vertices of exactly two geometric edges, write the mean of the normals of both sides.
+
+    That of a side is weighted by angles, so that it does not depend on how a flat side is triangulated.
+    """
     side = np.empty((2, 3))
     for v in range(len(out)):
         count, part = 0, 0
@@ -130,8 +139,9 @@ def _ridges(stars, normals, cosine, out):
             mate = stars.mates[3 * t + (k + 2) % 3]
             if _product(normals[t], normals[mate // 3]) < cosine:
                 part = 1 - part
+            weight = _angle_at(walls, double_area, t, k)
             for j in range(3):
-                side[part, j] += normals[t, j]
+                side[part, j] += weight * normals[t, j]
         if _normalized(side[0], side[0]) and _normalized(side[1], side[1]):
             for j in range(3):
                 side[0, j] += side[1, j]
@@ -150,7 +160,7 @@ def staged(walls: Walls, ridge: float, stars: Stars | None = None) -> Array:
     from_cosine = float(cosine(math.radians(ridge)))
     stars = stars_of(walls.triangles, len(walls.points)) if stars is None else stars
     out = weighted(walls, "angle", stars)
-    _ridges(stars, unit_normals(walls.points, walls.triangles)[0], from_cosine, out)
+    _ridges(walls, stars, *unit_normals(walls.points, walls.triangles), from_cosine, out)
     return out
 
 

@@ -35,6 +35,7 @@ __all__ = ["layers_alone", "prismatic_layers"]
 
 NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
 ROOM_BEYOND = 0.4  # how much higher layers could be before they meet something; unit: their height
+MOST_SMOOTHING = 1000
 STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
 
 
@@ -155,6 +156,8 @@ def prismatic_layers(
         if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
+    if smoothing > MOST_SMOOTHING:
+        raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
     closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
     if closed is not None:
         surface, walls = closed.domain, closed.walls if walls is None else walls

@@ -11,7 +11,7 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
 from .clear import Border, clashes, skin_of, surrounded
-from .columns import bad
+from .columns import bad, blind
 from .directions import directed
 from .heights import LOWER, edges_of_columns, graded, limited, placed
 from .marching import marched
@@ -145,8 +145,11 @@ class PrismRun:
         moves = self.height > 0.0
         rows = np.flatnonzero(fresh & moves[self.columns].any(axis=1))
         level = np.where(moves, self.levels, 0).astype(np.int32)
-        wrong = rows[self.bad_columns(rows, level)]
-        rays = np.unique(self.columns[wrong])
+        wrong = self.columns[rows[self.bad_columns(rows, level)]]
+        lost = blind(self.places, wrong, level)
+        self.lowered[lost] = LOWERINGS[-1][0]  # they get no height, and the others of their columns remain
+        wrong = wrong[~np.isin(wrong, lost).any(axis=1)]
+        rays = np.union1d(wrong, lost).astype(np.int64)
         return rays[moves[rays]]
 
     def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:

@@ -70,7 +70,7 @@ def base_of(surface: Any, which: Any, side: str) -> Base:
         opened = _open_piece(found.parts) if _is_open(found.parts["facets"]) else None
         domain = Domain.surface(surface) if opened is None else opened
         _must_be_turned_alike(domain)
-        origin = np.asarray(found.origin)[domain.origin]
+        origin = domain.origin if opened is None else np.asarray(found.origin)
     elif isinstance(surface, Domain):
         domain = as_domain(surface, 3)
         origin = np.arange(len(domain.points), dtype=np.int32)
