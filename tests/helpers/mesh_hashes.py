@@ -135,7 +135,9 @@ def prismatic_layers() -> Arrays:
     ball = Domain.ball(size=0.45)
     rough = ball.points * (1 + 0.12 * (points(len(ball.points), 1) - 0.5))
     rows = ball.triangulated.triangles
-    two = Domain(np.vstack([rough, ball.points + np.array([2.2, 0.1, 0.0])]), np.vstack([rows, rows + len(rough)]))
+    two = Domain(
+        np.vstack([rough, ball.points + np.array([2.2, 0.1, 0.0])]), np.vstack([rows, rows + len(rough)])
+    )
     for options in ({}, {"recompute": True}, {"normals": "staged"}, {"stop": "stop"}, {"side": "inside"}):
         mesh = unstruct.prismatic_layers(two, layers=layers, **options)
         yield mesh.points

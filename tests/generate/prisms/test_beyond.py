@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from unstruct import Domain, InputError, check
-from unstruct.generate.prisms.beyond import JUMP, LARGEST_JUMP, LEAST_BEYOND, filled_beyond
+from unstruct.generate.prisms.beyond import LARGEST_JUMP, LEAST_BEYOND, MEDIAN_JUMP, filled_beyond
 from unstruct.generate.prisms.growing import grown_layers, in_tetrahedra
 from unstruct.generate.prisms.records import Walls
 from unstruct.generate.prisms.remainder import Grown
@@ -81,7 +81,7 @@ def test_a_ball_in_a_box(cells: str, stops: bool) -> None:
     assert mesh.regions == {"air": 0} and (mesh.markers["region"] == 0).all()
     assert len(mesh.markers["ball"]) == len(walls.triangles)
     assert np.array_equal(mesh.points[: len(grown.points)], grown.points)
-    assert 1.0 < mesh.figures[JUMP] <= mesh.figures[LARGEST_JUMP] and mesh.figures[LEAST_BEYOND] > 15
+    assert 1.0 < mesh.figures[MEDIAN_JUMP] <= mesh.figures[LARGEST_JUMP] and mesh.figures[LEAST_BEYOND] > 15
 
 
 TURNED = np.array([(2.0, -2.0, 1.0), (1.0, 2.0, 2.0), (-2.0, -1.0, 2.0)]) / 3.0

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import Domain
-from unstruct.generate.prisms.directions import directed, most_normal, smoothed, staged, visible, weighted
+from unstruct.generate.prisms.directions import directed, most_normal, smoothed, staged, weighted
 from unstruct.generate.prisms.records import Walls
 from unstruct.generate.prisms.stars import stars_of, unit_normals
+from unstruct.generate.prisms.visibility import visible
 from unstruct.generate.prisms.walls import base_of
 
 

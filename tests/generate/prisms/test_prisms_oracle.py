@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from unstruct import Domain, Layers, delaunay, prismatic_layers
 from unstruct.generate.prisms.columns import bad, limits
-from unstruct.generate.prisms.directions import most_normal, staged, visible
+from unstruct.generate.prisms.directions import most_normal, staged
 from unstruct.generate.prisms.heights import edges_of_columns, graded
 from unstruct.generate.prisms.records import Walls
 from unstruct.generate.prisms.stars import unit_normals
+from unstruct.generate.prisms.visibility import visible
 from unstruct.generate.prisms.walls import base_of
 from unstruct.plain import prism_normals, prisms
 

@@ -18,8 +18,10 @@ from .cutting import views
 __all__ = ["FlatParts", "flat_parts"]
 
 Rows = NDArray[np.int64]
-IN_PLANE = 16 * 2.0**-53  # of the largest coordinate: how far points may be from the plane of a polygon
-PARALLEL = 1e-6  # sine of the angle between normals of neighbors, from which planes are looked at
+WITHIN_ONE_PLANE = (
+    16 * 2.0**-53
+)  # of the largest coordinate: how far points may be from the plane of a polygon
+NEARLY_PARALLEL = 1e-6  # sine of the angle between normals of neighbors, from which planes are looked at
 
 
 class FlatParts(NamedTuple):
@@ -108,7 +110,7 @@ def _groups(domain: Any, facets: Polygons, among: NDArray[np.bool_]) -> Rows:
     normal, _ = views(xyz / max(float(np.abs(xyz).max()), 1e-300), facets)
     normal = normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
     cross = np.cross(normal[one], normal[two])
-    flat = (names[one] == names[two]) & (np.abs(cross).max(axis=1, initial=0.0) < PARALLEL)
+    flat = (names[one] == names[two]) & (np.abs(cross).max(axis=1, initial=0.0) < NEARLY_PARALLEL)
     one, two = one[flat], two[flat]
     flat = _in_plane(xyz, facets, normal, one, two)
     return _connected(many, one[flat], two[flat])
@@ -126,7 +128,7 @@ def _names(domain: Any, many: int) -> Rows:
 
 def _in_plane(xyz: NDArray, facets: Polygons, normal: NDArray, one: Rows, two: Rows) -> NDArray[np.bool_]:
     """Whether all vertices of the second facets lie in the planes of the first ones."""
-    tolerance = IN_PLANE * float(np.abs(xyz).max(initial=0.0))
+    tolerance = WITHIN_ONE_PLANE * float(np.abs(xyz).max(initial=0.0))
     good = np.ones(len(one), dtype=bool)
     for a, b in ((one, two), (two, one)):
         for k, (i, j) in enumerate(zip(a.tolist(), b.tolist())):

@@ -52,7 +52,7 @@ def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alon
     base : Base
     grown : Grown
     kept : (c,) bool
-        Which triangles of the whole cap have columns.
+        Which columns there are.
     """
     chosen = kept[grown.column]
     cells, start = {}, 0
@@ -63,7 +63,6 @@ def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alon
             cells[kind] = part
     used = flagged(len(grown.points), *cells.values())
     place = np.where(used, np.cumsum(used) - 1, -1)
-    t = len(grown.base)
     some = Grown(
         grown.points[used],
         {kind: place[rows].astype(np.int32) for kind, rows in cells.items()},
@@ -71,10 +70,9 @@ def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alon
         grown.layer[chosen],
         grown.stem[used],
         grown.level[used],
-        place[grown.base[kept[:t]]],
-        grown.piece[kept[:t]],
-        place[grown.cap[kept[:t]]],
-        place[grown.fans[kept[t:]]],
+        place[grown.base[kept]],
+        grown.piece[kept],
+        place[grown.cap[kept]],
     )
     faces, whole, pieces = sides_of_layers(base.domain, some, base.walls.piece, exposed=True)
     markers = {
@@ -83,7 +81,7 @@ def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alon
     return Alone(
         some,
         np.where(some.level == 0, base.origin[some.stem], -1).astype(np.int32),
-        {name: rows for name, rows in markers.items() if len(rows)} | {"cap": some.whole_cap},
+        {name: rows for name, rows in markers.items() if len(rows)} | {"cap": some.cap},
         faces.astype(np.int32),
         pieces[0].astype(np.int32),
         place[: len(base.walls.points)],

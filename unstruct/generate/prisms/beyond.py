@@ -21,12 +21,12 @@ from ..volume.lacking import what_is_missing
 from ..volume.rounder import faces_of_cells
 from .remainder import Grown, Remainder, remainder, side_pieces
 
-__all__ = ["JUMP", "LARGEST_JUMP", "LEAST_BEYOND", "filled_beyond", "sides_of_layers", "whole_faces"]
+__all__ = ["LARGEST_JUMP", "LEAST_BEYOND", "MEDIAN_JUMP", "filled_beyond", "sides_of_layers", "whole_faces"]
 
 Rows = NDArray[np.int64]
-VOLUME_ERROR = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
+SAME_VOLUME = 2.0**-30  # of the body's volume: sums in doubles; what is wrong is far larger
 SEEDS_BEYOND = 3  # how many are tried as long as the cap is not kept
-JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
+MEDIAN_JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
 LEAST_BEYOND = "least dihedral angle beyond"
 DIVIDED_CAP = f"a triangle of the cap, undivided,{IS_MISSING}"
 OTHER_LAYERS = "other layers, or another seed, may help"
@@ -66,7 +66,7 @@ def filled_beyond(
     """
     rest = remainder(domain, grown)
     inside = Mesh(grown.points, None, cells=grown.cells).volume
-    if abs(rest.domain.volume + inside - domain.volume) > VOLUME_ERROR * domain.volume:
+    if abs(rest.domain.volume + inside - domain.volume) > SAME_VOLUME * domain.volume:
         raise InputError(
             f"layers have the volume {inside:.6g}, what they leave of the body has {rest.domain.volume:.6g}, "
             f"but the body has {domain.volume:.6g}: they surround other facets, or overlap; make them thinner"
@@ -80,7 +80,7 @@ def filled_beyond(
             break
     reasons = dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist(), strict=True))
     if len(lost) and not lacking:
-        place = [float(f"{x:.6g}") for x in grown.points[grown.whole_cap[lost[0]]].mean(axis=0)]
+        place = [float(f"{x:.6g}") for x in grown.points[grown.cap[lost[0]]].mean(axis=0)]
         lacking = (
             f"the mesh is not one of the body: {len(lost)} triangles of the cap are divided, near {place}, "
             f"and the layers below are not; {OTHER_LAYERS}"
@@ -149,9 +149,7 @@ def _joined(
     bare = _bare_columns(grown)  # there the cap is the wall
     at_cap = np.flatnonzero(rest_piece < 0)
     row = np.asarray(mesh.face_piece)[at_cap] - rest.cap.start
-    triangles = row < len(grown.cap)
-    is_wall = np.zeros(len(at_cap), dtype=bool)
-    is_wall[triangles] = bare[row[triangles]]
+    is_wall = bare[row]
     rest_piece[at_cap[is_wall]] = grown.piece[row[is_wall]]
     stays = rest_piece >= 0
     rest_faces = number[np.asarray(mesh.faces)[stays]]
@@ -167,7 +165,7 @@ def _joined(
     )
     part = np.concatenate([np.asarray(mesh.markers["region"])[above][grown.column], mesh.markers["region"]])
     bare_mesh = Mesh(points, None, cells=cells)
-    cap = grown.whole_cap[_with_cells(grown)]
+    cap = grown.cap[_with_cells(grown)]
     listed = sorted(reasons)
     return DomainMesh(
         points,
@@ -215,8 +213,8 @@ def _bare_columns(grown: Grown) -> NDArray[np.bool_]:
 
 
 def _with_cells(grown: Grown) -> NDArray[np.bool_]:
-    """Which triangles of the whole cap have cells below."""
-    return np.bincount(grown.column, minlength=len(grown.whole_cap)) > 0
+    """Which triangles of the cap have cells below."""
+    return np.bincount(grown.column, minlength=len(grown.cap)) > 0
 
 
 def sides_of_layers(
@@ -250,7 +248,7 @@ def sides_of_layers(
     rows, _, group = incident_facets(grown.cells)
     rows = rows[np.bincount(group)[group] == 1].astype(np.int64)  # the boundary of the layers
     rows = np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
-    side = ~_same_sets(rows, np.concatenate([base, grown.whole_cap]))
+    side = ~_same_sets(rows, np.concatenate([base, grown.cap]))
     rows = rows[side]
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
@@ -296,7 +294,7 @@ def names_of_faces(
 
 def _figures(grown: Grown, mesh: DomainMesh, whole: Mesh, above: Rows) -> dict[str, float]:
     """How volumes change at the cap, and the least angle between faces of tetrahedra beyond."""
-    last = np.full(len(grown.whole_cap), -1, dtype=np.int64)
+    last = np.full(len(grown.cap), -1, dtype=np.int64)
     order = np.argsort(grown.layer, kind="stable")
     last[grown.column[order]] = order
     chosen = np.flatnonzero((last >= 0) & (above >= 0))
@@ -304,6 +302,9 @@ def _figures(grown: Grown, mesh: DomainMesh, whole: Mesh, above: Rows) -> dict[s
     if len(chosen):
         below = whole.volumes[last[chosen]]
         ratio = whole.volumes[len(grown.column) + above[chosen]] / below
-        figures = {JUMP: float(np.median(ratio)), LARGEST_JUMP: float(np.maximum(ratio, 1 / ratio).max())}
+        figures = {
+            MEDIAN_JUMP: float(np.median(ratio)),
+            LARGEST_JUMP: float(np.maximum(ratio, 1 / ratio).max()),
+        }
     angles = simplex.quality("min_dihedral", mesh.points[mesh.simplices])
     return figures | {LEAST_BEYOND: float(angles.min())}

@@ -19,7 +19,7 @@ from ...base.jit import inline, kernel
 from ...geometry.jacobians import signs_of, wedge_signs
 from ...predicates.batch import power_of_two
 from ...predicates.filters import UNDECIDED
-from .directions import SIGN_ERROR, SIGN_TINY
+from .visibility import SIGN_ERROR, SIGN_TINY
 
 __all__ = ["bad", "blind", "limits", "scaled_columns"]
 

@@ -12,8 +12,6 @@ from .split import tetrahedra
 
 __all__ = ["grown_layers", "in_tetrahedra", "numbers_of_levels"]
 
-NO_FANS = np.empty((0, 3), dtype=np.int64)
-
 
 def numbers_of_levels(
     base: NDArray[np.integer], level: NDArray[np.integer], most: int, many: int
@@ -85,7 +83,6 @@ def grown_layers(
         walls.triangles.astype(np.int64),
         walls.piece.astype(np.int64),
         number[-1][columns].astype(np.int64),
-        NO_FANS,
     )
 
 

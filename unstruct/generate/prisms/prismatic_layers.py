@@ -217,7 +217,8 @@ def _tell_hidden(run: PrismRun) -> None:
 
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
-    kept = in_one_fan(run.stars, run.columns, (run.rays.level > 0)[run.columns].all(axis=1))
+    with_layers: NDArray[np.bool_] = run.rays.level > 0
+    kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
     if not kept.any():
         raise InputError(NO_LAYERS)
     grown = _grown(run)
@@ -272,7 +273,7 @@ def _with_account(
         "wanted": rays.wanted,
         "reason": np.array(RAY_REASONS)[rays.reason],
         "cell_layer": (grown.layer + 1).astype(np.int32),
-        "cap": grown.whole_cap.astype(np.int32),
+        "cap": grown.cap.astype(np.int32),
     }
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)

@@ -32,7 +32,7 @@ class Grown(NamedTuple):
     cells : dict of str to array
         By kind; "tetra" is the last one.
     column : (c,) int64
-        For each cell, through all kinds, the triangle of the whole cap that it is below.
+        For each cell, through all kinds, the triangle of the cap that it is below.
     layer : (c,) int64
         The layer of each.
     stem : (n,) int64
@@ -45,8 +45,6 @@ class Grown(NamedTuple):
         The piece of the body that each is a part of.
     cap : (t, 3) int64
         The triangles above them: the same vertices where there are no layers.
-    fans : (f, 3) int64
-        Further triangles of the cap, over edges and vertices with several rays.
     """
 
     points: NDArray[np.float64]
@@ -58,12 +56,6 @@ class Grown(NamedTuple):
     base: Rows
     piece: Rows
     cap: Rows
-    fans: Rows
-
-    @property
-    def whole_cap(self) -> Rows:
-        """All triangles of the cap."""
-        return np.concatenate([self.cap, self.fans])
 
 
 class Remainder(NamedTuple):
@@ -120,15 +112,15 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     on_wall = flagged(many, grown.stem)
     meets = np.flatnonzero(on_wall[inner.vertices]) if len(inner) else np.empty(0, dtype=np.int64)
     if len(meets):
-        vertex = int(inner.vertices[meets[0]])
+        at = int(inner.vertices[meets[0]])
         raise InputError(
-            f"an inner piece ends at vertex {vertex} of a wall, at {domain.points[vertex].tolist()}: layers "
+            f"an inner piece ends at vertex {at} of a wall, at {domain.points[at].tolist()}: layers "
             "would cut it; leave the facets there out of walls"
         )
     number = np.where(grown.level == 0, grown.stem, many + np.arange(len(grown.points)))
     kept = np.flatnonzero(~wall)
-    outer = _lifted(facets.select(kept), grown, number, on_wall)
-    cap = number[grown.whole_cap]
+    outer = _lifted(facets.select(kept), grown, number, many)
+    cap = number[grown.cap]
     used = flagged(many + len(grown.points), outer.vertices, cap, inner.vertices, np.asarray(domain.loose))
     vertex = np.flatnonzero(used)
     place = np.zeros(len(used), dtype=np.int32)
@@ -140,72 +132,12 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     return Remainder(rest, vertex, piece, slice(len(kept), len(kept) + len(cap)))
 
 
-def _lifted(polygons: Polygons, grown: Grown, number: Rows, on_wall: NDArray[np.bool_]) -> Polygons:
-    """Polygons whose sides at walls are replaced by those of the cap; vertices as in `Remainder`."""
-    cap = grown.whole_cap
-    tops: dict[int, list[int]] = {}
-    rim = np.unique(grown.stem[border_edges(cap)])
-    for row in np.unique(cap[np.isin(grown.stem[cap], rim)]).tolist():
-        tops.setdefault(int(grown.stem[row]), []).append(row)
-    touched = np.zeros(len(on_wall), dtype=bool)
-    touched[rim] = True
-    if not touched[polygons.vertices].any():
-        return polygons
-    edges = _edges_by_stem(border_edges(cap), grown.stem)
-    rings = []
-    for i in range(len(polygons)):
-        if touched[polygons.vertices_of(i)].any():
-            rings.append([_lifted_ring(ring.tolist(), tops, edges, number) for ring in polygons.rings(i)])
-        else:
-            rings.append([ring.tolist() for ring in polygons.rings(i)])
-    return Polygons.of_rings(rings)
-
-
-def _edges_by_stem(edges: Rows, stem: Rows) -> dict[tuple[int, int], list[tuple[int, int]]]:
-    """The border of the cap, both ways, by the points of the body below."""
-    found: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for u, v in edges.tolist():
-        a, b = int(stem[u]), int(stem[v])
-        found.setdefault((a, b), []).append((u, v))
-        found.setdefault((b, a), []).append((v, u))
-    return found
-
-
-def _lifted_ring(
-    ring: list[int],
-    tops: dict[int, list[int]],
-    edges: dict[tuple[int, int], list[tuple[int, int]]],
-    number: Rows,
-) -> list[int]:
-    """One ring, each vertex at a wall replaced by that above it, or by the chain of those above it."""
-    result: list[int] = []
-    for k, v in enumerate(ring):
-        rows = tops.get(v)
-        if rows is None:
-            result.append(v)
-        elif len(rows) == 1:
-            result.append(int(number[rows[0]]))
-        else:
-            before, after = ring[k - 1], ring[(k + 1) % len(ring)]
-            result += [int(number[row]) for row in _chain(v, before, after, edges)]
-    return result
-
-
-def _chain(v: int, before: int, after: int, edges: dict[tuple[int, int], list[tuple[int, int]]]) -> list[int]:
-    """The vertices above one point of the body, from the side above one neighbor to that of the other."""
-    first, last = edges.get((before, v), []), edges.get((v, after), [])
-    both = edges.get((v, v), [])
-    if not first or not last:
-        return [(first or last)[0][1 if first else 0]]
-    row, end = first[0][1], last[0][0]
-    chain = [row]
-    while row != end and len(chain) <= len(both) + 1:
-        following = [b for a, b in both if a == row and b not in chain]
-        if not following:
-            break
-        row = following[0]
-        chain.append(row)
-    return chain
+def _lifted(polygons: Polygons, grown: Grown, number: Rows, many: int) -> Polygons:
+    """Polygons whose vertices at walls are replaced by those above them; vertices as in `Remainder`."""
+    place = np.arange(many)
+    rim = border_edges(grown.cap)[:, 0]  # the border is loops: each of its vertices begins one edge
+    place[grown.stem[rim]] = number[rim]
+    return polygons.renumbered(place.astype(np.int32))
 
 
 def side_pieces(
@@ -238,12 +170,6 @@ def side_pieces(
     order = np.argsort(key, kind="stable")
     stems = np.where(faces < 0, grown.stem[faces[:, :1]], grown.stem[faces])
     low, high = stems.min(axis=1), stems.max(axis=1)
-    single = low == high
-    if single.any():  # the side of a fan over a vertex: the facet that has an edge of the wall there
-        rim = np.sort(grown.stem[border_edges(grown.base)], axis=1)
-        for row in np.flatnonzero(single).tolist():
-            at = np.flatnonzero((rim == low[row]).any(axis=1))[0]
-            low[row], high[row] = rim[at]
     at = np.searchsorted(key[order], low * many + high).clip(max=max(len(key) - 1, 0))
     found = order[at] if len(key) else np.zeros(len(low), dtype=np.int64)
     lost = (key[found] != low * many + high) if len(key) else np.ones(len(low), dtype=bool)
