@@ -221,7 +221,7 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
         odd, _ = even_odd_in_space(skin.points, layers, probe[ask])
         wrong[owned[ask[odd]]] = True
         wrong[found[body]] |= odd.any()
-    rays = np.unique(columns[wrong[component]])
+    rays = np.unique(columns[wrong[component]]).astype(np.int64)
     return rays[moves[rays]]
 
 
@@ -233,4 +233,5 @@ def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple
     free = np.ones(count, dtype=bool)
     free[component[plane >= 0]] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
-    return int(free.sum()), number[component].astype(np.int64)
+    parts: Numbers = number[component].astype(np.int64)
+    return int(free.sum()), parts
