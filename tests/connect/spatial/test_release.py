@@ -17,8 +17,8 @@ from unstruct.geometry import simplex
 
 # Booleans of turned boxes, cylinders and spheres by seeds of `random_bodies.py`. At 25 points that stayed
 # were not on their facet; at 35 a point has to swallow another; at 47 two triangles are faces of a flat cell
-# already; at 63 it takes a wide cavity. At 49 flat cells hide three segments, which points outside uncover; at
-# 114 long needles need more points on the surface than a tenth of its triangles, all of which leave it.
+# already; at 63 it takes a wide cavity. At 49 flat cells hide three segments, which
+# points outside uncover; at 114 long needles need many points on the surface, all of which leave it.
 STORED = np.load(Path(__file__).parents[2] / "helpers" / "near_planar.npz")
 BODIES = {name[1:]: (STORED[name], STORED[f"t{name[1:]}"]) for name in STORED.files if name[0] == "p"}
 
