@@ -30,6 +30,7 @@ CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
 # more for each before it is split, and still more for what is missing or in parts in the end.
 EFFORT = (7, 0, 100, 2000)
 MORE_EFFORT = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+EFFORT_OF_FLIPS = (6, 0, 100, 2000)
 EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
@@ -91,7 +92,9 @@ class Recovery:
         tried: set[int] = set()
         while True:
             every = np.flatnonzero(self.given.alive[: self.given.count])
-            lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
+            lacking = np.zeros(len(every), dtype=bool)
+            if self.lost_edges:
+                lacking[:] = [self._lacks_edge(t) for t in every.tolist()]
             rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
                 left = self._recover(FACE, self.given.goals(rows), (EFFORT, MORE_EFFORT[self.level]), bar)
@@ -102,8 +105,6 @@ class Recovery:
                 return
 
     def _lacks_edge(self, t: int) -> bool:
-        if not self.lost_edges:
-            return False
         a, b, c = self.given.corner[t].tolist()
         return bool(self.lost_edges & {edge(a, b), edge(b, c), edge(c, a)})
 
@@ -166,7 +167,8 @@ class Recovery:
             goals, i = np.zeros((len(waiting), 4), dtype=np.int32), 0
             goals[:, :2] = np.array(waiting, dtype=np.int32).reshape(-1, 2)
             left = np.ones(len(waiting), dtype=np.int64)
-            effort = MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS
+            first = MORE_EFFORT[self.level] if self.level else EFFORT_OF_FLIPS
+            effort = first if generation == 0 else EFFORT_OF_PARTS
             options = np.array((*effort, 1), dtype=np.int64)
             while True:
                 i += self._refill_until(EDGE, goals[i:], left[i:], options)
