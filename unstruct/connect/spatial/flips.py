@@ -254,7 +254,7 @@ def turn(solid, r, first, last, p, q, count):
 
 @lean
 def _around(solid, found, r, v, e):
-    """Write the cells around the edge ve to ``r.cells`` in order; how many, -1 for too many or on the hull."""
+    """Write the cells around the edge ve to ``r.cells`` in order; how many, -1 for many or on the hull."""
     for i in range(star(solid, found, v)):
         t, out, other, has = found.cells[i], -1, -1, False
         for k in range(4):
