@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -13,8 +15,27 @@ from book_files import ROOT
 
 @pytest.fixture(scope="session")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the pages, built as readers build them, warnings being errors."""
-    return build(ROOT / "site", tmp_path_factory.mktemp("site"))
+    """The folder of the pages, built as readers build them, warnings being errors.
+
+    Of several processes that share the tests, the first that needs it builds it for all.
+    """
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return build(ROOT / "site", tmp_path_factory.mktemp("site"))
+    folder = tmp_path_factory.getbasetemp().parent / "site"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        while not (ended := list(folder.glob("built*"))):
+            time.sleep(0.5)
+        assert ended == [folder / "built"], "another process could not build the site: its test says why"
+        return folder / "html"
+    end = "built not"
+    try:
+        build(ROOT / "site", folder)
+        end = "built"
+    finally:
+        (folder / end).touch()
+    return folder / "html"
 
 
 @pytest.fixture(scope="session")
