@@ -39,7 +39,7 @@ FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
 FEWEST_CORNERS = 5  # vertices of two cells with a common face
-FAILED, DONE, CHANGED = 0, 1, 2  # what an attempt came to
+NOT_LOWERED, LOWERED, OTHER_CELLS = 0, 1, 2  # what an attempt came to
 # Entries of the options.
 MOST_WANTED = 0  # vertices of the largest cavity
 SHAKES = 1  # how many refills of equal cost
@@ -144,10 +144,10 @@ def _lower(solid, held, r, found, count, goal, options):
 
 @apart
 def _lower_around(solid, held, r, found, count, goal, options):
-    """Try the cells around edges that the segment meets; DONE at the first success.
+    """Try the cells around edges that the segment meets; LOWERED at the first success.
 
     In a plane this is a flip: if the faces at the edge are alike on both sides, four cells replace four.
-    CHANGED says that other cells are there, and that the segment has to be looked at again.
+    OTHER_CELLS says that other cells are there, and that the segment has to be looked at again.
     """
     for i in range(count):
         face = found.faces[i]
@@ -166,13 +166,13 @@ def _lower_around(solid, held, r, found, count, goal, options):
             size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
             if 0 < size <= RING_ROOM and not holds(held, p, q):
                 if turn(solid, r, goal[0], goal[1], p, q, size):
-                    return DONE
+                    return LOWERED
                 if r.size[LOCALS] == BOTH_IN_RING:
-                    return DONE if turn_with_others(solid, held, r, found, goal, (p, q)) else CHANGED
+                    return LOWERED if turn_with_others(solid, held, r, found, goal, (p, q)) else OTHER_CELLS
                 size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
             if size > 0 and _attempt(solid, held, r, found, size, size + 2, options[SEARCH_NODES], 0):
-                return DONE
-    return FAILED
+                return LOWERED
+    return NOT_LOWERED
 
 
 @apart
@@ -214,9 +214,9 @@ def recover_one(solid, held, r, found, kind, goal, options):
             return count
         if kind == EDGE:
             how = _lower_around(solid, held, r, found, count, goal, options)
-            if how == DONE:
+            if how == LOWERED:
                 continue
-            if how == CHANGED:
+            if how == OTHER_CELLS:
                 count = crossings(solid, kind, goal, found)
                 size[WAY_COUNT] = count
                 if count <= 0:
