@@ -89,6 +89,49 @@ def test_the_largest_integers_in_space():
         assert fixed.fixed_orient3(*v) == volume(v[:3], v[3:6], v[6:])
 
 
+def ball(v):
+    """The sign of the determinant of four rows (a, |a|^2), along its last column."""
+    rows = [v[3 * k : 3 * k + 3] for k in range(4)]
+    total = 0
+    for k in range(4):
+        a, b, c = rows[:k] + rows[k + 1 :]
+        minor = a[0] * cross(b[1:], c[1:]) + a[1] * cross(b[2::-2], c[2::-2]) + a[2] * cross(b[:2], c[:2])
+        total += (-1) ** (k + 1) * minor * sum(x * x for x in rows[k])
+    return sign(total)
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.tuples(*[digits] * 12))
+def test_digits_of_balls_are_integers_of_any_length(v):
+    assert fixed.fixed_insphere(np.array(v)) == ball(v)
+    tied = np.array([*v[:9], *v[6:9]])
+    assert fixed.fixed_insphere(tied) == 0
+
+
+def test_the_largest_integers_of_balls():
+    for code in range(3**12 - 1, 0, -97):
+        v = [(code // 3**i % 3 - 1) * (MOST - (i * code) % 2) for i in range(12)]
+        assert fixed.fixed_insphere(np.array(v)) == ball(v)
+
+
+def test_cospherical_points_need_few_limbs():
+    """Corners of turned boxes and of lattices with steps that are not exact, and neighbors of ties."""
+    rng = np.random.default_rng(6)
+    signs = []
+    for k in range(400):
+        corners = np.array([[i, j, m] for i in (0, 1) for j in (0, 1) for m in (0, 1)], dtype=float)
+        points = rng.permutation(corners)[:5] * rng.uniform(0.1, 0.3, 3) * 2.0 ** -(k % 30)
+        if k % 2:
+            turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            points = (points[:, :, None] * turn[None]).sum(axis=1)
+        else:
+            points = np.round(points * 64) * STEPS[k % 5] / 64
+        rows = [[Fraction(float(x)) - Fraction(float(y)) for x, y in zip(p, points[4])] for p in points[:4]]
+        signs.append(close.close_insphere(np.ascontiguousarray(points.ravel())))
+        assert signs[-1] == ball([x for row in rows for x in row])
+    assert set(signs) == {-1, 0, 1}
+
+
 def test_points_of_turned_planes_need_few_limbs():
     """Near ties in space: with and without the filter they are rational arithmetic."""
     rng = np.random.default_rng(5)
@@ -141,6 +184,9 @@ def test_nothing_is_too_long_for_64_bits(monkeypatch):
         for x in (MOST, 2**57 - 2**28 - 1, 2**56 + 2**29 - 1):
             v = [Watched(x if code >> i & 1 else -x) for i in range(6)]
             assert fixed.fixed_incircle(*v) == lifted(*[(int(v[i]), int(v[i + 1])) for i in (0, 2, 4)])
+    for code in range(2**12):
+        v = [Watched(MOST if code >> i & 1 else -MOST) for i in range(12)]
+        assert fixed.fixed_insphere(v) == ball([int(x) for x in v])
 
 
 # --- the coordinates ----------------------------------------------------------------------------

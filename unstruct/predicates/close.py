@@ -7,7 +7,7 @@ There are up to three stages before `unstruct.predicates.exact`. Coordinates are
   all, and the sign is exact, ties included.
 * *Whole* differences: integers below 2^57 times one power of two, as mirrored points, lattices with steps
   such as 0.1 and most points of a turned plane have them. The sign is exact, ties included
-  (`unstruct.predicates.fixed`); not for `close_insphere`, whose integers would be too long.
+  (`unstruct.predicates.fixed`).
 * Double-double arithmetic: numbers are sums of two doubles, and differences are exact. With u = 2^-53, a
   product errs by at most 7 u^2 and a sum by 3 u^2 (M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous
   error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44, 2017). This adds up to
@@ -24,7 +24,7 @@ import numpy as np
 from ..base.jit import inline, kernel
 from .exact import exact_incircle, exact_insphere, exact_orient2, exact_orient3
 from .filters import TINY
-from .fixed import WHOLE_BITS, fixed_incircle, fixed_orient2, fixed_orient3, whole
+from .fixed import WHOLE_BITS, fixed_incircle, fixed_insphere, fixed_orient2, fixed_orient3, whole
 
 SPLITTER = 2.0**27 + 1.0
 INCIRCLE_CLOSE = 2.0**-100
@@ -261,6 +261,14 @@ def close_insphere(x):
     short = short and most > LEAST_SAFE
     for i in range(12):
         short = short and (e[i] + s) - s == e[i]
+    if not short and most > LEAST_SAFE:
+        w, rest = np.empty(12, dtype=np.int64), 0.0
+        s = math.ldexp(1.0, WHOLE_BITS - math.frexp(most)[1])
+        for i in range(12):
+            w[i], r = whole(e[i], t[i], s)
+            rest += r
+        if rest == 0.0:
+            return fixed_insphere(w)
     high, low, permanent = 0.0, 0.0, 0.0
     for k in range(4):
         a, b, c = 0 if k > 0 else 3, 3 if k > 1 else 6, 6 if k > 2 else 9

@@ -19,11 +19,14 @@ from .lookup import all_faces, edges_there
 from .recover import MORE_EFFORT, Recovery
 from .release import Release
 
-__all__ = ["RESTARTS", "Recovered", "SpatialComplex", "SpatialMesh"]
+__all__ = ["RESTARTS", "WORTH_ANOTHER", "Recovered", "SpatialComplex", "SpatialMesh"]
 
 WORTH_ANOTHER = 40  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
 SHAKEN = 10  # stars of points that are left, at each further level
+# What one more seed costs for each point, and what is tried to release a point that is left; unit: what one
+# more seed costs for each triangle.
+SPLITTING, SHAKING_ONE = 50, 2000
 RESTARTS = 3  # how many seeds are tried when something is left over
 
 
@@ -110,6 +113,7 @@ class SpatialComplex(CellArrays):
         budget: int | None = None,
         seed: int = 0,
         restarts: int = RESTARTS,
+        hurry: bool = False,
         history: bool = False,
         progress: bool = False,
     ) -> Recovered:
@@ -123,12 +127,15 @@ class SpatialComplex(CellArrays):
         segments : array_like of int, shape (s, 2), optional
             Further segments; edges of triangles need not be repeated.
         budget : int, optional
-            How many points may be added: by default 100, and a tenth of the number of triangles; at most
-            200,000, since there is room for all of them from the beginning.
+            How many points may be added: by default 300, and half of the number of triangles; at most
+            200,000. Most of them leave the surface again.
         seed : int
             Of the random numbers by which ties and cavities are chosen.
         restarts : int
             How many seeds in all are tried as long as something is missing, or is there in parts only.
+        hurry : bool
+            Whether to stop at once where something is missing (then what was split stays so), or in parts and
+            another seed costs less than to release the last points.
         history : bool
             Whether to keep a record of what the best seed has changed; see `history`.
         progress : bool
@@ -150,7 +157,7 @@ class SpatialComplex(CellArrays):
         ends = (
             np.empty((0, 2), np.int32) if segments is None else np.asarray(segments, np.int32).reshape(-1, 2)
         )
-        budget = 100 + len(corners) // 10 if budget is None else min(budget, MOST_ADDED)
+        budget = min(300 + len(corners) // 2 if budget is None else budget, MOST_ADDED)
         if history:
             self.start_history()
         given = Given(corners, ends)
@@ -162,7 +169,7 @@ class SpatialComplex(CellArrays):
         before, best, score = self.saved(), self.saved(), None
         result: tuple[Recovered, Given] | None = None
         for k in range(max(restarts, 1)):
-            found, parts = self._once(corners, ends, budget, seed + k, progress)
+            found, parts = self._once(corners, ends, budget, seed + k, hurry, progress)
             if score is None or found.rank < score:
                 score, result, best = found.rank, (found, parts), self.saved()
             if found.exact or (k > 0 and sum(found.rank[:2]) > WORTH_ANOTHER):
@@ -186,24 +193,32 @@ class SpatialComplex(CellArrays):
         ends: NDArray[np.int32],
         budget: int,
         seed: int,
+        hurry: bool,
         progress: bool,
     ) -> tuple[Recovered, Given]:
         given = Given(corners, ends)
         run = Recovery(self, given, budget=budget, seed=seed)
         run.run(progress=progress)
         release = Release(run)
-        release.run()
+        if not (hurry and (run.lost or run.lost_edges)):
+            release.run()
+            again = len(corners) + SPLITTING * run.added
+            if not (hurry and again < SHAKING_ONE * len(release.kept)):
+                self._more(run, release, progress)
+        return Recovered(
+            run.missing(), run.missing_triangles(),
+            np.array([split.point for split in run.splits], dtype=np.int32),
+            np.array(release.inner, dtype=np.int32), run.crossed, seed, given.chains(),
+        ), given  # fmt: skip
+
+    def _more(self, run: Recovery, release: Release, progress: bool) -> None:
+        """Try more for the last few that are missing or in parts."""
         for run.level in range(1, len(MORE_EFFORT)):
             left = len(run.lost) + len(run.lost_edges) + len(release.kept)
             if not 0 < left <= WORTH_ANOTHER:
-                break
+                return
             run.again(progress=progress)
             release.run(SHAKEN if run.level == 1 else 0)
-        return Recovered(
-            run.missing(), run.missing_triangles(),
-            np.array([split.point for split in release.kept], dtype=np.int32),
-            np.array(release.inner, dtype=np.int32), run.crossed, seed, given.chains(),
-        ), given  # fmt: skip
 
     def flood(self, facets: int | None = None) -> int:
         """Find what is inside the first ``facets`` given triangles, by parity; the others are inner.

@@ -37,6 +37,23 @@ class Split(NamedTuple):
         return halves + self.inner
 
 
+class _Beside(dict[Edge, list[int]]):
+    """The triangles at each edge: those of an edge are looked up when it is asked for first, few ever are."""
+
+    def __init__(self, corner: NDArray[np.int32], rows: NDArray[np.int64]):
+        super().__init__()
+        a, b, c = corner[rows].astype(np.int64).T
+        one, two = np.concatenate([a, b, c]), np.concatenate([b, c, a])
+        keys = (np.minimum(one, two) << 32) | np.maximum(one, two)
+        order = np.argsort(keys, kind="stable")
+        self._keys, self._rows = keys[order], np.tile(rows, 3)[order]
+
+    def __missing__(self, key: Edge) -> list[int]:
+        first, end = np.searchsorted(self._keys, [(key[0] << 32) | key[1], ((key[0] << 32) | key[1]) + 1])
+        rows = self[key] = sorted(self._rows[first:end].tolist())
+        return rows
+
+
 class Given:
     """Triangles and segments, split or not.
 
@@ -67,7 +84,7 @@ class Given:
         self.alive = np.ones(self.count, dtype=bool)
         self.loose = np.array(segments, dtype=np.int32).reshape(-1, 2)
         self.middle: dict[Edge, int] = {}
-        self._beside: dict[Edge, list[int]] | None = None
+        self._beside: _Beside | None = None
 
     @cached_property
     def segment(self) -> NDArray[np.int32]:
@@ -101,18 +118,15 @@ class Given:
 
     def edges(self) -> set[Edge]:
         """All edges that must be there now: those of triangles that are not split, and parts of segments."""
-        sides = {key for key, rows in self.beside().items() if rows}
+        corners = self.corner[: self.count][self.alive[: self.count]].tolist()
+        sides = {edge(*ends) for a, b, c in corners for ends in ((a, b), (b, c), (c, a))}
         chains = [self.parts(*row) for row in self.segment.tolist()]
         return sides | {edge(u, v) for chain in chains for u, v in pairwise(chain)}
 
-    def beside(self) -> dict[Edge, list[int]]:
+    def beside(self) -> _Beside:
         """The triangles at each edge that are not split; made at the first split."""
         if self._beside is None:
-            self._beside = {}
-            rows = np.flatnonzero(self.alive[: self.count])
-            for t, (a, b, c) in zip(rows.tolist(), self.corner[rows].tolist(), strict=True):
-                for key in (edge(a, b), edge(b, c), edge(c, a)):
-                    self._beside.setdefault(key, []).append(t)
+            self._beside = _Beside(self.corner, np.flatnonzero(self.alive[: self.count]))
         return self._beside
 
     def _sides(self, t: int) -> tuple[Edge, Edge, Edge]:
@@ -132,7 +146,7 @@ class Given:
     def _revive(self, t: int) -> None:
         self.alive[t], beside = True, self.beside()
         for key in self._sides(t):
-            beside.setdefault(key, []).append(t)
+            beside[key].append(t)
 
     def _kill(self, t: int) -> None:
         self.alive[t], beside = False, self.beside()
@@ -141,7 +155,7 @@ class Given:
 
     def split_segment(self, a: int, b: int, p: int) -> Split:
         """Split the segment ab, and the triangles at it, at the vertex p."""
-        parents, children, inner = list(self.beside().get(edge(a, b), ())), [], []
+        parents, children, inner = list(self.beside()[edge(a, b)]), [], []
         for t in parents:
             corners = self.corner[t].tolist()
             (c,) = set(corners) - {a, b}

@@ -7,7 +7,7 @@ import numpy as np
 from ...base.jit import inline, kernel, lean
 from .records import Held
 
-__all__ = ["hold", "holds", "new_held"]
+__all__ = ["grown_held", "hold", "holds", "new_held"]
 
 
 def new_held(edges: int) -> Held:
@@ -29,6 +29,15 @@ def _place(held, u, v):
     return place, key
 
 
+def grown_held(held: Held, edges: int) -> Held:
+    """The same table; another one with the same edges where there is no room for so many."""
+    if 2 * edges <= len(held.key):
+        return held
+    larger = new_held(2 * edges)
+    _copy(held, larger)
+    return larger
+
+
 @kernel
 def hold(held, u, v, value):
     """Hold the edge uv (value 1), or no longer (value 0)."""
@@ -42,3 +51,10 @@ def holds(held, u, v):
     """Whether the edge uv is held."""
     place, key = _place(held, u, v)
     return held.key[place] == key and held.value[place] == 1
+
+
+@kernel
+def _copy(held, larger):
+    for i in range(held.key.shape[0]):
+        if held.key[i] != -1:
+            hold(larger, held.key[i] >> 32, held.key[i] & 0xFFFFFFFF, held.value[i])

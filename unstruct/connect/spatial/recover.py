@@ -13,7 +13,7 @@ from .arrays import CellArrays
 from .costs import EDGE, FACE
 from .crossing import crossings
 from .given import Given, Split, edge
-from .held import hold, new_held
+from .held import grown_held, hold, new_held
 from .journal import EVENT_ROOM
 from .lookup import look_up
 from .records import RESUMED, SEED, new_local
@@ -23,11 +23,14 @@ from .steiner import distance, insert_around, insert_between, insert_within, off
 
 __all__ = ["MORE_EFFORT", "Recovery"]
 
+SPARE_EDGES = 1000  # for which there is room from the beginning
 CHUNK = 512  # goals per call of a kernel, so that Ctrl-C takes effect
-# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals; then there is
-# more for what is left before it is split, and still more for what is missing or in parts in the end.
+# Largest cavity, shakes, nodes of one search, nodes for one goal. The first is for all goals, and so is the
+# first of more, for what is left, before anything is split: points are in the way of others. Then there is
+# more for each before it is split, and still more for what is missing or in parts in the end.
 EFFORT = (7, 0, 100, 2000)
 MORE_EFFORT = ((8, 3, 100, 2000), (8, 10, 200, 10_000), (9, 40, 300, 40_000))
+EFFORT_OF_FLIPS = (6, 0, 100, 2000)
 EFFORT_OF_PARTS = (8, 0, 100, 1000)  # the same, for parts of what was split
 WIDER = 200  # cells that may be replaced beside those at a new point, so that all walls see it
 MOST_OFF = 2.0**-49  # from a point to its facet; unit: the largest coordinate
@@ -51,12 +54,14 @@ class Recovery:
     ----------
     level : int
         How much is tried for what is left; see ``MORE_EFFORT``.
+    edges : int
+        How many have been held at some time, at most.
     """
 
     def __init__(self, cells: CellArrays, given: Given, *, budget: int, seed: int):
         self.cells, self.given, self.budget, self.level = cells, given, budget, 0
         self.rounding = MOST_OFF * float(np.abs(cells.xyz[: cells.given]).max())
-        self.held = new_held(len(given.segment) + 12 * budget)
+        self.held, self.edges = new_held(len(given.segment) + SPARE_EDGES), len(given.segment)
         self.local = new_local()
         self.splits: list[Split] = []
         self.added = 0  # points, also those that were released since
@@ -65,14 +70,14 @@ class Recovery:
         self.lost_edges: set[tuple[int, int]] = set()
         self.lost: list[int] = []
         cells.state[SEED] = (seed * 7919 + 12345) & 0x7FFFFFFF
-        cells.reserve(cells.size + budget, cells.slots + max(1000, cells.slots // 4))
+        cells.reserve(cells.size + min(budget, SPARE_EDGES), cells.slots + max(1000, cells.slots // 4))
 
     def run(self, *, progress: bool = False) -> None:
         """Recover all segments, then all triangles."""
         goals = np.zeros((len(self.given.segment), 4), dtype=np.int32)
         goals[:, :2] = self.given.segment
         with progress_bar(progress, " segments", total=len(goals)) as bar:
-            left = self._recover(EDGE, goals, (EFFORT,), bar)
+            left = self._recover(EDGE, goals, (EFFORT, MORE_EFFORT[0]), bar)
         self._split_segments([edge(*row) for row in goals[left != 0, :2].tolist()])
         self._triangles(progress)
 
@@ -87,7 +92,9 @@ class Recovery:
         tried: set[int] = set()
         while True:
             every = np.flatnonzero(self.given.alive[: self.given.count])
-            lacking = np.array([self._lacks_edge(t) for t in every.tolist()], dtype=bool)
+            lacking = np.zeros(len(every), dtype=bool)
+            if self.lost_edges:
+                lacking[:] = [self._lacks_edge(t) for t in every.tolist()]
             rows = every[~lacking]
             with progress_bar(progress, " triangles", total=len(rows)) as bar:
                 left = self._recover(FACE, self.given.goals(rows), (EFFORT, MORE_EFFORT[self.level]), bar)
@@ -98,8 +105,6 @@ class Recovery:
                 return
 
     def _lacks_edge(self, t: int) -> bool:
-        if not self.lost_edges:
-            return False
         a, b, c = self.given.corner[t].tolist()
         return bool(self.lost_edges & {edge(a, b), edge(b, c), edge(c, a)})
 
@@ -162,7 +167,8 @@ class Recovery:
             goals, i = np.zeros((len(waiting), 4), dtype=np.int32), 0
             goals[:, :2] = np.array(waiting, dtype=np.int32).reshape(-1, 2)
             left = np.ones(len(waiting), dtype=np.int64)
-            effort = MORE_EFFORT[self.level] if generation == 0 else EFFORT_OF_PARTS
+            first = MORE_EFFORT[self.level] if self.level else EFFORT_OF_FLIPS
+            effort = first if generation == 0 else EFFORT_OF_PARTS
             options = np.array((*effort, 1), dtype=np.int64)
             while True:
                 i += self._refill_until(EDGE, goals[i:], left[i:], options)
@@ -198,6 +204,8 @@ class Recovery:
     def _split(self, split: Split) -> None:
         self.splits.append(split)
         self.added += 1
+        self.edges += len(split.edges())
+        self.held = grown_held(self.held, self.edges)
 
     def _next_vertex(self) -> bool:
         cells = self.cells

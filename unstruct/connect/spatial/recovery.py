@@ -12,8 +12,8 @@ from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import beside, commit, corner, draw, failed, grow, load, remember_failure, unwritten
 from .costs import EDGE, FACE, NEVER
 from .crossing import cells_around, classify, crossings, mark_face, star
-from .flips import flip
-from .held import hold
+from .flips import BOTH_IN_RING, RING_ROOM, flip, turn, turn_with_others
+from .held import hold, holds
 from .journal import EVENT_FOUND, EVENT_GIVEN_UP, EVENT_REFILL, EVENT_SHAKE, note
 from .records import (
     COST_KIND,
@@ -39,6 +39,7 @@ FEW_CELLS = 8  # cells that a segment crosses, for cavities around all of them
 MUCH_WORK = 100_000  # nodes and the like, after which Python looks for Ctrl-C
 WORK_OF_A_STEP = 20
 FEWEST_CORNERS = 5  # vertices of two cells with a common face
+NOT_LOWERED, LOWERED, OTHER_CELLS = 0, 1, 2  # what an attempt came to
 # Entries of the options.
 MOST_WANTED = 0  # vertices of the largest cavity
 SHAKES = 1  # how many refills of equal cost
@@ -143,9 +144,10 @@ def _lower(solid, held, r, found, count, goal, options):
 
 @apart
 def _lower_around(solid, held, r, found, count, goal, options):
-    """Try the cells around edges that the segment meets; True at the first success.
+    """Try the cells around edges that the segment meets; LOWERED at the first success.
 
     In a plane this is a flip: if the faces at the edge are alike on both sides, four cells replace four.
+    OTHER_CELLS says that other cells are there, and that the segment has to be looked at again.
     """
     for i in range(count):
         face = found.faces[i]
@@ -162,9 +164,15 @@ def _lower_around(solid, held, r, found, count, goal, options):
             if side(solid.xyz, goal[0], goal[1], p, q) != 0:
                 continue
             size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
+            if 0 < size <= RING_ROOM and not holds(held, p, q):
+                if turn(solid, r, goal[0], goal[1], p, q, size):
+                    return LOWERED
+                if r.size[LOCALS] == BOTH_IN_RING:
+                    return LOWERED if turn_with_others(solid, held, r, found, goal, (p, q)) else OTHER_CELLS
+                size = cells_around(solid, face, k + j & 3, r.cells, LOCAL_ROOM - 2)
             if size > 0 and _attempt(solid, held, r, found, size, size + 2, options[SEARCH_NODES], 0):
-                return True
-    return False
+                return LOWERED
+    return NOT_LOWERED
 
 
 @apart
@@ -204,8 +212,15 @@ def recover_one(solid, held, r, found, kind, goal, options):
         size[WORK_DONE] += WORK_OF_A_STEP + count
         if count <= 0 or r.size[NODES] > options[TOTAL]:
             return count
-        if kind == EDGE and _lower_around(solid, held, r, found, count, goal, options):
-            continue
+        if kind == EDGE:
+            how = _lower_around(solid, held, r, found, count, goal, options)
+            if how == LOWERED:
+                continue
+            if how == OTHER_CELLS:
+                count = crossings(solid, kind, goal, found)
+                size[WAY_COUNT] = count
+                if count <= 0:
+                    return count
         if _lower(solid, held, r, found, count, goal, options):
             continue
         if options[SHAKES] >= MUCH_SHAKEN and _lower_all(solid, held, r, found, options):

@@ -65,7 +65,7 @@ def tetrahedralize(
         Of the random numbers by which ties and cavities are chosen.
     budget : int, optional
         The largest number of points inside, of points that divide facets, and of points that recovery may
-        add: by default 2,000,000, as many, and 100 plus a tenth of the number of triangles.
+        add: by default 2,000,000, as many, and 300 plus half of the number of triangles.
     progress : bool
         Show progress bars.
 

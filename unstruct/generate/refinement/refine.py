@@ -178,7 +178,8 @@ def refine(
     would need nearer points are in ``unrefined``: "kept: ...", "too near: ...", "precision: ...". Without a
     budget, a segment also gets at most 256 points for the shape's sake alone, and a facet 1024 and 64 for
     each of its sides; each point for the size's sake allows 16 more ("divided often"). Cells at input angles
-    below 60 degrees are left alone where only these angles make their shape ("input angle").
+    below 60 degrees are left alone where only these angles make their shape ("input angle"), and so are cells
+    so flat that their centers are far away from the body ("flat").
 
     Without a budget, narrow gaps are left alone, too ("narrow"): where two parts of the surface that do not
     touch are nearer to each other than 1/16 of the size and of the width of both, none is divided because of

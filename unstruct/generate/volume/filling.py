@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...connect.spatial.adding import add_points
-from ...connect.spatial.complex import RESTARTS, Recovered, SpatialComplex, SpatialMesh
+from ...connect.spatial.complex import RESTARTS, WORTH_ANOTHER, Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
 from ...mesh.domain_mesh import DomainMesh
@@ -136,19 +136,30 @@ def _recovered(
 
 
 def _bare(domain: Domain, options: dict[str, Any]) -> tuple[SpatialComplex, Recovered]:
-    """The best of some seeds, then of some with points outside, until all is exact.
+    """The best of some seeds, without and with points outside, until all is exact.
 
-    As long as something is missing, further seeds follow: each has its luck with the last few facets.
+    Where something is missing, often behind flat cells of points in a plane up to rounding, points outside
+    help more than another seed: their cells are not flat. Where all is there, though in parts, another seed
+    costs less. As long as something is missing, further seeds follow: each has its luck with the last few
+    facets.
     """
-    best, more = None, None
-    for step in range(0, MORE_SEEDS * RESTARTS, RESTARTS):
-        later = options | {"seed": options["seed"] + step}
-        found = _recovered(domain.points, domain.triangulated, later)
-        best = found if best is None else min(best, found, key=_rank)
-        if not best[1].exact:
-            more = np.concatenate([domain.points, _outside(domain)]) if more is None else more
-            best = min(best, _recovered(more, domain.triangulated, later), key=_rank)
-        if best[1].complete:
+    shell, best, more = domain.triangulated, None, domain.points
+    for first in range(0, MORE_SEEDS * RESTARTS, RESTARTS):
+        waiting: list[tuple[int, bool]] = [(first + k, False) for k in range(RESTARTS)]
+        while waiting:
+            step, outside = waiting.pop(0)
+            if outside and more is domain.points:
+                more = np.concatenate([domain.points, _outside(domain)])
+            later = options | {"seed": options["seed"] + step, "restarts": 1, "hurry": best is None}
+            one = _recovered(more if outside else domain.points, shell, later)
+            best = one if best is None else min(best, one, key=_rank)
+            if best[1].exact:
+                return best
+            if not outside:
+                waiting.insert(len(waiting) if one[1].complete else 0, (step, True))
+            if step > first and outside and sum(one[1].rank[:2]) > WORTH_ANOTHER:
+                break
+        if best is not None and best[1].complete:
             break
     assert best is not None
     return best

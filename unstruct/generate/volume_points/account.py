@@ -15,6 +15,7 @@ from .limits import BY_QUALITY
 from .measures import judge_cell
 from .reasons import (
     AT_INPUT_ANGLE,
+    BEYOND_THE_BOX,
     FLAT_TETRAHEDRON,
     IN_NARROW_GAP,
     MUST_STAY,
@@ -34,6 +35,7 @@ BODY_REASONS = {
     IN_NARROW_GAP: "narrow: between parts much nearer to each other than they are wide, or than the size",
     AT_INPUT_ANGLE: "input angle: pieces that meet at a small angle leave no choice",
     FLAT_TETRAHEDRON: "sliver: a point against it would be very near to its vertices; improve may help",
+    BEYOND_THE_BOX: "flat: its center is far away from the body; improve may help",
     0: "budget",
 }
 

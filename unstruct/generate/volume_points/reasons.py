@@ -8,6 +8,7 @@ from .records import WHY_NO_MORE
 
 __all__ = [
     "AT_INPUT_ANGLE",
+    "BEYOND_THE_BOX",
     "FLAT_TETRAHEDRON",
     "IN_NARROW_GAP",
     "MUST_STAY",
@@ -25,6 +26,7 @@ AT_INPUT_ANGLE = 11  # the shape comes from a small angle of the input
 FLAT_TETRAHEDRON = 12  # the center is nearer to the vertices than these are to each other
 OFTEN_DIVIDED = 13  # what is in the way was divided as often as it may be for the shape's sake
 IN_NARROW_GAP = 14  # the shape comes from a narrow gap between parts of the surface
+BEYOND_THE_BOX = 15  # the center is beyond the box around all points, or there is none; only for cells
 LOST_TO_ROUNDING = 7  # below `WAITS`: in the bits of what is given up, in place of codes below
 
 

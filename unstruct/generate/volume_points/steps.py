@@ -21,6 +21,7 @@ from .narrow import flat_in_gap
 from .queues import after_star, enter_cell, push_face, push_segment, set_flag
 from .reasons import (
     AT_INPUT_ANGLE,
+    BEYOND_THE_BOX,
     FLAT_TETRAHEDRON,
     IN_NARROW_GAP,
     NEAR_VERTEX,
@@ -109,7 +110,7 @@ def _put(w, t, cause, near, out):
     solid, star, p = w.solid, w.star, w.tally[VERTICES_NOW]
     for j in range(3):
         if not abs(solid.xyz[p, j]) < 0.9:
-            return ROUNDED
+            return BEYOND_THE_BOX
     found = walk_within(solid, t, p)
     if found < 0:
         return _beyond(w, -1 - found, p, cause, out)
@@ -238,7 +239,7 @@ def _next_cell(w, out):
         code = _on_segment(w, t, cause, out)
     else:
         code = _center(w, t, cause, out)
-    if code == ROUNDED and _at_flat_segment(w, t, cause):
+    if (code == ROUNDED or code == BEYOND_THE_BOX) and _at_flat_segment(w, t, cause):
         code = WAITS
     if code == ROOM or code == WAITS:
         w.tally[IN_HEAP] = push(w.heap, w.bad, w.tally[IN_HEAP], key, t)
