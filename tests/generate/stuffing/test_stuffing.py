@@ -214,3 +214,20 @@ def test_the_body_may_bring_its_box() -> None:
             return ball(x)
 
     assert isosurface_stuffing(Body(), 0.3).size == isosurface_stuffing(ball, 0.3, box=BOX).size
+
+
+def test_a_bubble_whose_tetrahedron_turns_over_is_reported() -> None:
+    """Four vertices of one tetrahedron lie in it and pass each other: the cells around overlap."""
+
+    def around_bubble(p: np.ndarray) -> np.ndarray:
+        x, y, z = (2 * p).T
+        one = np.maximum.reduce([abs(x - 1) - 2, y - 0.569, -1.1 - y, abs(z) - 0.59])
+        two = np.maximum.reduce([abs(z) - 2, 0.431 - y, y - 2.1, abs(x - 1) - 0.59])
+        return np.minimum.reduce([one, two, 7.5 - abs(x), 7.5 - abs(y), 7.5 - abs(z)])
+
+    with pytest.warns(IncompleteWarning):
+        mesh = isosurface_stuffing(around_bubble, 1.0, box=[(-5,) * 3, (5,) * 3])
+    overlap = [problem for problem in check(mesh).problems if problem.kind == "overlap"]
+    assert len(overlap) == 1 and not mesh.complete
+    assert set(overlap[0].cells) == set(mesh.unrefined.tolist())
+    assert all("overlap" in reason for reason in mesh.reasons)

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from ...base.jit import kernel
 from ...geometry.triangle_tree import onto
+from ...mesh.embedding import RidgeFans
 from ...mesh.grouping import group_rows, sort_rows
 from ...mesh.manifold import fans_of_faces
+from ...mesh.topology import neighbors
 
-__all__ = ["boundary_faces", "nearest_on", "pinched_vertices"]
+__all__ = ["boundary_faces", "nearest_on", "overlapping_cells", "pinched_vertices"]
 
 Array = NDArray[np.float64]
 OPPOSITE = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # the faces of a tetrahedron, seen from outside
@@ -80,3 +82,19 @@ def nearest_on(x: Array, corners: Array, which: NDArray[np.int64]) -> Array:
     places = np.empty(x.shape)
     _nearest_places(x, corners, which, places)
     return places
+
+
+def overlapping_cells(
+    points: Array, cells: NDArray[np.int32], on_surface: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """The cells that wind more than once around an edge of the surface, by exact signs.
+
+    A tetrahedron of the lattice whose four vertices have moved has no cell, and may turn over; then the cells
+    beside it overlap. It happens at bubbles and gaps that are thinner than a cell (book, Proposition 4c.5).
+    """
+    rows = np.flatnonzero(on_surface[cells].sum(axis=1) >= 2)
+    part = cells[rows]
+    fans = RidgeFans(points, part, neighbors(part))
+    found = fans.overlaps()
+    found = found[on_surface[fans.ridges[found]].all(axis=1)]
+    return np.unique(rows[fans.cells[found]])
