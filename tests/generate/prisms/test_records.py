@@ -9,10 +9,10 @@ def test_reasons_have_names() -> None:
     codes = (
         records.FULL,
         records.COLUMN,
-        records.CROSSING,
+        records.CROSSING_RAY,
         records.GRADATION,
         records.HIDDEN_RAY,
-        records.STEP,
+        records.STEP_RAY,
     )
     assert codes == tuple(range(len(records.RAY_REASONS)))
     assert [records.RAY_REASONS[c] for c in codes] == [

@@ -91,7 +91,7 @@ def test_narrow_notches(width: float) -> None:
         mesh = prismatic_layers(notch(width), layers=LAYERS, side=side)
         assert check(mesh)
         # The lowest end of the narrowest one sees its sides under an angle that rounding loses.
-        assert mesh.counts["collapsed"] == (width == 1e-9) and mesh.counts["rounds"] < 20
+        assert (mesh.counts["collapsed"] > 0) == (width == 1e-9) and mesh.counts["rounds"] < 20
     limited = mesh.counts["limited: column"] + mesh.counts["limited: crossing"]
     assert (limited > 0) == (width < 0.5)
 

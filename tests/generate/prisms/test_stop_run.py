@@ -92,3 +92,16 @@ def test_layers_by_vertex_stop_each_by_its_own_heights() -> None:
     mesh = prismatic_layers(ball, layers=layers, stop="stop")
     assert check(mesh) and (mesh.steps["level"] == 5).all()
     assert np.allclose(mesh.steps["height"], layers.cumulative(at=mesh.steps["place"])[:, -1])
+
+
+def test_with_something_beyond_all_wedges_can_be_divided() -> None:
+    """Found by a fuzz: a wedge was positive, but not its parts, and `check` left out its tests of overlap."""
+    rng = np.random.default_rng(1036)
+    ball = Domain.ball(size=rng.choice([0.5, 0.7, 1.0]))
+    points = ball.points * rng.uniform(0.02, 1.2, len(ball.points))[:, None]
+    body = Domain(points, ball.facets, markers={"body": range(len(ball.facets))})
+    domain = Domain.box((-3, -3, -3), (3, 3, 3)).with_holes(body)
+    layers = Layers(first=0.01, growth=1.3, count=int(rng.integers(1, 10)))
+    mesh = prismatic_layers(domain, 1.0, layers=layers, walls="body")
+    report = check(mesh, domain=domain)
+    assert report and not report.skipped and set(mesh.cells) == {"wedge", "tetra"}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from unstruct import Mesh, check
 from unstruct.generate.prisms.cells import cells_of
-from unstruct.generate.prisms.records import COLUMN, CROSSING, FULL, HIDDEN_RAY, STEP
+from unstruct.generate.prisms.records import COLUMN, CROSSING_RAY, FULL, HIDDEN_RAY, STEP_RAY
 from unstruct.generate.prisms.stopping import layers_below, stepped, stopped
 
 # A vertex among six others, and the ring around these: seven columns around an inner edge have all patterns.
@@ -74,7 +74,7 @@ def test_steps_are_the_largest_that_differ_by_one(n: int, data: st.DataObject) -
     for k in range(n):
         far = np.minimum(far, far[:, k, None] + far[None, k])
     assert found.tolist() == (level + far).min(axis=1).tolist()
-    assert (reason == np.where(found < level, STEP, FULL)).all()
+    assert (reason == np.where(found < level, STEP_RAY, FULL)).all()
 
 
 def test_whole_layers_below_a_height() -> None:
@@ -109,9 +109,9 @@ def test_faults_lower_levels_until_there_is_none() -> None:
     found = stopped(rise, edges, (height, reason), bad, clash)
     assert found.level.tolist() == [4, 3, 2, 1, 2, 3, 4, 4, 3, 2, 1, 0]
     assert (
-        found.reason[3] == CROSSING
+        found.reason[3] == CROSSING_RAY
         and found.reason[11] == HIDDEN_RAY
-        and (found.reason[[2, 4]] == STEP).all()
+        and (found.reason[[2, 4]] == STEP_RAY).all()
     )
     assert found.rounds == 5
     lone = stopped(rise, edges[:0], (np.full(n, 10.0), np.zeros(n, dtype=np.int8)), bad, lambda level: [])

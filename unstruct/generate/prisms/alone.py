@@ -44,16 +44,8 @@ class Alone(NamedTuple):
     vertex: Rows
 
 
-def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alone:
-    """The mesh of some columns.
-
-    Parameters
-    ----------
-    base : Base
-    grown : Grown
-    kept : (c,) bool
-        Which columns there are.
-    """
+def _chosen(grown: Grown, kept: NDArray[np.bool_]) -> tuple[Grown, Rows]:
+    """Some columns, and for each vertex its new number, -1 for those that no cell has."""
     chosen = kept[grown.column]
     cells, start = {}, 0
     for kind, rows in grown.cells.items():
@@ -74,6 +66,20 @@ def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alon
         grown.piece[kept],
         place[grown.cap[kept]],
     )
+    return some, place
+
+
+def layers_of_columns(base: Base, grown: Grown, kept: NDArray[np.bool_]) -> Alone:
+    """The mesh of some columns.
+
+    Parameters
+    ----------
+    base : Base
+    grown : Grown
+    kept : (c,) bool
+        Which columns there are.
+    """
+    some, place = (grown, np.arange(len(grown.points))) if kept.all() else _chosen(grown, kept)
     faces, whole, pieces = sides_of_layers(base.domain, some, base.walls.piece, exposed=True)
     markers = {
         name: whole_faces(whole[np.isin(pieces[1], rows)]) for name, rows in base.markers.items() if len(rows)

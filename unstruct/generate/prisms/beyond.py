@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...geometry import simplex
+from ...geometry.inside_shell import side_mates
 from ...mesh.cells import incident_facets
 from ...mesh.domain_mesh import IS_MISSING, DomainMesh
 from ...mesh.mesh import Mesh
@@ -245,11 +247,7 @@ def sides_of_layers(
     base, piece = grown.base[solid], grown.piece[solid]
     if domain is None:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
-    rows, _, group = incident_facets(grown.cells)
-    rows = rows[np.bincount(group)[group] == 1].astype(np.int64)  # the boundary of the layers
-    rows = np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
-    side = ~_same_sets(rows, np.concatenate([base, grown.cap]))
-    rows = rows[side]
+    rows = _outer_sides(grown)
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
     found = side_pieces(domain, grown, rows, walls, exposed=exposed)
@@ -262,12 +260,34 @@ def sides_of_layers(
     return faces, whole, (of_faces, np.concatenate([piece, found]))
 
 
-def _same_sets(rows: Rows, triangles: Rows) -> NDArray[np.bool_]:
-    """Which rows, padded by -1 to four, are one of some triangles, in any order."""
-    wide = np.column_stack([triangles, np.full(len(triangles), -1)])
-    _, number = np.unique(np.sort(np.concatenate([rows, wide]), axis=1), axis=0, return_inverse=True)
-    number = number.ravel()
-    return np.isin(number[: len(rows)], number[len(rows) :])
+def _outer_sides(grown: Grown) -> Rows:
+    """The faces of cells over the border of the walls, padded by -1 to four vertices.
+
+    Only the columns there are looked at, which are few.
+    """
+    below = grown.stem[grown.base]
+    side = np.flatnonzero(side_mates(below) < 0)
+    t, k = side // 3, side % 3
+    border = _edge_keys(below[t, (k + 1) % 3], below[t, (k + 2) % 3])
+    chosen = flagged(len(below), t)[grown.column]
+    cells, start = {}, 0
+    for kind, block in grown.cells.items():
+        cells[kind] = block[chosen[start : start + len(block)]]
+        start += len(block)
+    cells = {kind: block for kind, block in cells.items() if len(block)}
+    if not cells:
+        return np.empty((0, 4), dtype=np.int64)
+    rows, _, group = incident_facets(cells)
+    rows = rows[np.bincount(group)[group] == 1].astype(np.int64)
+    rows = np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
+    stems = np.where(rows >= 0, grown.stem[rows], grown.stem[rows[:, :1]])
+    low, high = stems.min(axis=1), stems.max(axis=1)
+    over_one_edge = ((stems == low[:, None]) | (stems == high[:, None])).all(axis=1) & (low < high)
+    return rows[over_one_edge & np.isin(_edge_keys(low, high), border)]
+
+
+def _edge_keys(a: Rows, b: Rows) -> Rows:
+    return (np.minimum(a, b) << 32) | np.maximum(a, b)
 
 
 def whole_faces(rows: Rows) -> Rows:

@@ -191,7 +191,7 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
     free, beside = _free_parts(skin.triangles[~walls], skin.plane[~walls])
     if count + free < 2:
         return np.empty(0, dtype=np.int64)
-    on = moves[columns].any(axis=1)
+    on = np.asarray(moves[columns].any(axis=1), dtype=bool)
     part = np.full(len(column), -1, dtype=np.int64)
     part[walls] = component[column[walls]]
     part[~walls] = np.where(beside >= 0, count + beside, -1)
@@ -217,8 +217,8 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
     wrong = np.zeros(count + free, dtype=bool)
     for body in np.unique(inside).tolist():
         ask = which[inside == body]
-        rows = skin.triangles[order[ends[body] : ends[body + 1]]]
-        odd, _ = even_odd_in_space(skin.points, rows, probe[ask])
+        layers = skin.triangles[order[ends[body] : ends[body + 1]]]
+        odd, _ = even_odd_in_space(skin.points, layers, probe[ask])
         wrong[owned[ask[odd]]] = True
         wrong[found[body]] |= odd.any()
     rays = np.unique(columns[wrong[component]])
@@ -233,4 +233,5 @@ def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple
     free = np.ones(count, dtype=bool)
     free[component[plane >= 0]] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
-    return int(free.sum()), number[component]
+    parts: Numbers = number[component].astype(np.int64)
+    return int(free.sum()), parts

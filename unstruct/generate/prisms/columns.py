@@ -246,43 +246,37 @@ def _square(v):
 
 
 @inline
-def _sides(x, edges, squares):
-    """Write the edges 0-1, 0-2, 1-2 of a triangle and the squares of their lengths."""
-    for j in range(3):
-        edges[0, j], edges[1, j] = x[1, j] - x[0, j], x[2, j] - x[0, j]
-        edges[2, j] = x[2, j] - x[1, j]
+def _worst(x, v, least):
+    """The lesser of a value and the signed squares of the three determinants at one end of a wedge."""
+    e, f, g = _from(x[1], x[0]), _from(x[2], x[0]), _from(x[2], x[1])
+    n = e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]
+    one, two, three = _square(e), _square(f), _square(g)
     for k in range(3):
-        squares[k] = _square(edges[k])
+        lengths = (one if k < 2 else two) * (two if k == 0 else three) * _square(v[k])
+        det = n[0] * v[k, 0] + n[1] * v[k, 1] + n[2] * v[k, 2]
+        signed = det * abs(det)
+        if signed < least * lengths:
+            least = signed / lengths
+    return least
 
 
 @kernel
 def _scaled(places, factor, columns, level, least):
     top = len(places) - 1
-    lower, upper = np.empty((3, 3)), np.empty((3, 3))
-    edges, squares = np.empty((3, 3)), np.empty(3)
+    lower, upper, v = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for i in range(len(columns)):
         least[i] = np.inf
+        whole = min(level[columns[i, 0]], level[columns[i, 1]], level[columns[i, 2]], top)
         for j in range(3):
             for k in range(3):
                 upper[j, k] = places[0, columns[i, j], k] * factor
-        for step in range(top):
+        for step in range(whole):
             lower, upper = upper, lower
-            every = True
             for j in range(3):
-                every = every and step < level[columns[i, j]]
                 for k in range(3):
                     upper[j, k] = places[step + 1, columns[i, j], k] * factor
-            if not every:
-                break
-            for end in range(2):
-                _sides(lower if end == 0 else upper, edges, squares)
-                for k in range(3):
-                    v = _from(upper[k], lower[k])
-                    one, two = squares[0 if k < 2 else 1], squares[1 if k == 0 else 2]
-                    lengths = one * two * _square(v)
-                    det = _det(edges[0], edges[1], v)
-                    if lengths > 0.0:
-                        least[i] = min(least[i], det * abs(det) / lengths)
+                    v[j, k] = upper[j, k] - lower[j, k]
+            least[i] = _worst(upper, v, _worst(lower, v, min(least[i], 4.0)))
 
 
 def scaled_columns(places: Array, columns: NDArray[np.int32], level: NDArray[np.int32]) -> Array:

@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 NORMALS = ("visible", "staged", "angle", "area")
-SLACK = 1e-13  # a normal may lie so far outside of a cap that it does not determine
-PLAIN_SUM, BY_ANGLE, BY_AREA = range(3)
+CAP_SLACK = 1e-13  # a normal may lie so far outside of a cap that it does not determine
+NO_WEIGHT, ANGLE_WEIGHT, AREA_WEIGHT = range(3)
 SEEN_WELL = 0.5  # smoothing need not keep a least cosine above this
 MOST_LOST = 0.9  # ... nor below it more than this share of the best one
 
@@ -96,9 +96,9 @@ def _sums(walls, stars, normals, double_area, how, out):
         for i in range(stars.start[v], stars.start[v + 1]):
             t, k = stars.around[i] // 3, stars.around[i] % 3
             weight = 1.0
-            if how == BY_AREA:
+            if how == AREA_WEIGHT:
                 weight = double_area[t]
-            elif how == BY_ANGLE:
+            elif how == ANGLE_WEIGHT:
                 weight = _angle_at(walls, double_area, t, k)
             for j in range(3):
                 out[v, j] += weight * normals[t, j]
@@ -205,19 +205,19 @@ def _center(rows, count, v):
         return 0.0
     least = _product(rows[0], v)  # of the rows that determine the direction
     for i in range(1, count):
-        if _product(rows[i], v) >= least - SLACK:
+        if _product(rows[i], v) >= least - CAP_SLACK:
             continue
         if not _normalized(rows[i], v):
             return 0.0
         least = _product(rows[i], v)
         for j in range(i):
-            if _product(rows[j], v) >= least - SLACK:
+            if _product(rows[j], v) >= least - CAP_SLACK:
                 continue
             if not _of_two(rows[i], rows[j], v):
                 return 0.0
             least = _product(rows[i], v)
             for m in range(j):
-                if _product(rows[m], v) < least - SLACK and _of_three(rows[i], rows[j], rows[m], trial):
+                if _product(rows[m], v) < least - CAP_SLACK and _of_three(rows[i], rows[j], rows[m], trial):
                     v[0], v[1], v[2] = trial[0], trial[1], trial[2]
                     least = _product(rows[i], v)
     return _least(rows, count, v)

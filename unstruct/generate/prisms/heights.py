@@ -9,11 +9,11 @@ from ...base.jit import kernel
 from .columns import limits
 from .records import COLUMN, FULL, GRADATION, HIDDEN_RAY
 
-__all__ = ["LOWER", "SAFE_SHARE", "edges_of_columns", "graded", "limited", "placed"]
+__all__ = ["LOWER_BY", "SAFE_SHARE", "edges_of_columns", "graded", "limited", "placed"]
 
 Array = NDArray[np.float64]
 SAFE_SHARE = 0.7  # of the height at which a column would not be positive
-LOWER = 0.7  # heights of what goes wrong are multiplied by this
+LOWER_BY = 0.7  # heights of what goes wrong are multiplied by this
 
 
 def edges_of_columns(columns: NDArray[np.int32]) -> NDArray[np.int64]:

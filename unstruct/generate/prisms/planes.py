@@ -68,7 +68,8 @@ def planes_of_loops(
     follow[ends[:, 0]] = ends[:, 1]
     beside = np.zeros((len(vertex), 3))  # the normal of the triangle at the edge that begins at a vertex
     beside[ends[:, 0]] = unit_normals(points[vertex], triangles)[0][np.flatnonzero(mates < 0) // 3]
-    left, normals = dict.fromkeys(ends[:, 0].tolist()), []
+    left = dict.fromkeys(ends[:, 0].tolist())
+    normals: list[Array] = []
     while left:
         v = next(iter(left))
         loop = []

@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 __all__ = [
     "COLUMN",
-    "CROSSING",
+    "CROSSING_RAY",
     "FULL",
     "GRADATION",
     "HIDDEN_RAY",
     "RAY_REASONS",
-    "STEP",
+    "STEP_RAY",
     "Others",
     "Rays",
     "Walls",
 ]
 
 # Why a ray ends where it does: codes of `Rays.reason`, and their names.
-FULL, COLUMN, CROSSING, GRADATION, HIDDEN_RAY, STEP = range(6)
+FULL, COLUMN, CROSSING_RAY, GRADATION, HIDDEN_RAY, STEP_RAY = range(6)
 RAY_REASONS = ("full", "column", "crossing", "gradation", "hidden", "step")
 
 

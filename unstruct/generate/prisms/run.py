@@ -13,9 +13,9 @@ from ...sizing.stretching import Layers
 from .clear import Border, clashes, skin_of, surrounded
 from .columns import bad, blind
 from .directions import directed
-from .heights import LOWER, edges_of_columns, graded, limited, placed
+from .heights import LOWER_BY, edges_of_columns, graded, limited, placed
 from .marching import marched
-from .records import COLUMN, CROSSING, HIDDEN_RAY, Rays, Walls
+from .records import COLUMN, CROSSING_RAY, HIDDEN_RAY, Rays, Walls
 from .split import twisted
 from .stars import stars_of
 from .walls import Base
@@ -28,7 +28,7 @@ Numbers = NDArray[np.int64]
 SLOPE = 1.0  # how much heights of neighbors differ at most; unit: the length of their edge
 # A ray that is lowered again and again is lowered by smaller factors, up to these many times; then it has no
 # height. So layers get into any gap that doubles can tell from none, and it ends.
-LOWERINGS = ((12, LOWER), (18, 0.3), (36, 0.05))
+LOWERINGS = ((12, LOWER_BY), (18, 0.3), (36, 0.05))
 FASTER_ROUNDS = 80  # after so many rounds what is wrong loses its layers at once
 WIDER_ROUNDS = 100  # ... and then its neighbors, too, in rings that grow from round to round
 
@@ -123,7 +123,7 @@ class PrismRun:
                 wrong = self._wrong_columns(fresh)
                 why = COLUMN
                 if not len(wrong):
-                    wrong, why = self.wrong_tops(), CROSSING
+                    wrong, why = self.wrong_tops(), CROSSING_RAY
                 if not len(wrong):
                     break
                 fresh[:] = self._lower(wrong, why) | self.options.recompute
@@ -155,7 +155,8 @@ class PrismRun:
     def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
         """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
         found = bad(self.places, self.columns[rows], level)
-        if self.options.cells == "tetrahedron":
+        # With something beyond, too: `check` tests for overlap by tetrahedra, and so tests the whole mesh.
+        if self.options.cells == "tetrahedron" or self.options.room > 0.0:
             turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
             found = np.union1d(found, turned)
         return found
@@ -214,4 +215,4 @@ class PrismRun:
         self.height, self.reason = height, reason
         changed = np.zeros(len(height), dtype=bool)
         changed[rays] = True
-        return changed[self.columns].any(axis=1)
+        return np.asarray(changed[self.columns].any(axis=1), dtype=bool)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .records import COLUMN, CROSSING, FULL, HIDDEN_RAY, STEP
+from .records import COLUMN, CROSSING_RAY, FULL, HIDDEN_RAY, STEP_RAY
 
 __all__ = ["Stopped", "layers_below", "stepped", "stopped"]
 
@@ -65,7 +65,7 @@ def stepped(
     Returns
     -------
     level, reason
-        New arrays; those that were lowered have the reason `STEP`. O(e levels).
+        New arrays; those that were lowered have the reason `STEP_RAY`. O(e levels).
     """
     lower = level.copy()
     a, b = edges.T
@@ -75,7 +75,7 @@ def stepped(
         np.minimum.at(lower, b, before[a] + 1)
         if np.array_equal(lower, before):
             break
-    return lower, np.where(lower < level, STEP, reason).astype(np.int8)
+    return lower, np.where(lower < level, STEP_RAY, reason).astype(np.int8)
 
 
 def stopped(
@@ -112,7 +112,7 @@ def stopped(
         code = COLUMN
         rays = np.asarray(bad(level))
         if len(rays) == 0:
-            code, rays = CROSSING, np.asarray(clash(level), dtype=np.int64)
+            code, rays = CROSSING_RAY, np.asarray(clash(level), dtype=np.int64)
         rays = np.unique(rays)
         rays = rays[level[rays] > 0]
         if len(rays) == 0:

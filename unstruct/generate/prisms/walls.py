@@ -191,7 +191,7 @@ def _must_be_turned_alike(domain: Domain) -> None:
 def _must_be_manifold(
     domain: Domain,
     rows: NDArray[np.int32],
-    vertex: NDArray[np.int64],
+    vertex: NDArray[np.integer],
     walls: NDArray[np.int32],
     piece: NDArray[np.int32],
 ) -> None:
