@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import Domain, Layers, check, prismatic_layers
-from unstruct.generate.prisms.clear import Border, clashes, skin_of, surrounded
+from unstruct.generate.prisms.clear import Border, clashes, inside_out, skin_of, surrounded
 from unstruct.generate.prisms.records import Others
 from unstruct.geometry.triangle_pairs import edges_of, meetings_in_space
 
@@ -135,3 +135,18 @@ def test_surrounded_asks_only_what_is_near() -> None:
     planes, moves = np.full((n, 2), -1, dtype=np.int32), np.ones(n, dtype=bool)
     skin = skin_of(others, rows, np.arange(n), 1.5 * points, moves, planes, NO_BORDER, moves)
     assert len(surrounded(skin, rows, moves)) == 0
+
+
+@pytest.mark.parametrize("share", [0.5, 0.125, 0.0, -(2.0**-20), -0.5])
+def test_a_cap_that_has_passed_the_center_is_inside_out(share: float) -> None:
+    """Of two balls, one with layers inside that reach through its center; the other has none."""
+    domain = together(ball(), ball(0.25, (3.0, 0.0, 0.0)))
+    points, rows = domain.points, domain.triangulated.triangles[:, ::-1]
+    moves = points[:, 0] < 2.0
+    top = np.where(moves[:, None], share * points, points)
+    others = Others(points, np.empty((0, 3), dtype=np.int32), np.empty(0, dtype=np.int32))
+    planes = np.full((len(points), 2), -1, dtype=np.int32)
+    base, changed = np.arange(len(points)), np.ones(len(points), dtype=bool)
+    skin = skin_of(others, rows, base, top, moves, planes, NO_BORDER, changed)
+    found = inside_out(skin, rows, NO_BORDER, moves)
+    assert found.tolist() == ([] if share > 0 else np.flatnonzero(moves).tolist())

@@ -3,7 +3,8 @@
 Columns that are all positive, and a boundary that is embedded, are all that it takes: base, cap and the sides
 in planes. The map from the layers, taken as abstract cells, to space then has at each point as many preimages
 as the boundary winds around it, which for one embedded closed surface within the other is at most one. With
-several bodies one more test is needed, as the layers of one may surround another one as a whole.
+several bodies one more test is needed, as the layers of one may surround another one as a whole; and inside of a body
+the cap must not be turned inside out, so that it winds once more around what it encloses.
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ from ...geometry.inside_shell import even_odd_in_space, triangle_components
 from ...predicates.batch import orient_rows
 from .records import Others
 
-__all__ = ["Border", "Skin", "clashes", "skin_of", "surrounded"]
+__all__ = ["Border", "Skin", "clashes", "inside_out", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+SURE_VOLUME = 2.0**-44  # of the sum of absolute products: above the rounding of each term and of their sum
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -223,6 +225,38 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
         wrong[found[body]] |= odd.any()
     rays = np.unique(columns[wrong[component]]).astype(np.int64)
     return rays[moves[rays]]
+
+
+def inside_out(skin: Skin, columns: NDArray[np.int32], border: Border, moves: NDArray[np.bool_]) -> Numbers:
+    """The rays of closed parts whose cap does not surely enclose a volume of the same sign as their base.
+
+    If base and cap are embedded and do not meet, and all columns are positive, this is what is left to be
+    asked: a cap that is turned inside out encloses a negative volume.
+    """
+    component, _, count = triangle_components(skin.triangles[: len(columns)])
+    closed = np.ones(count, dtype=bool)
+    closed[component[border.column]] = False
+    if not closed.any():
+        return np.empty(0, dtype=np.int64)
+    base = skin.triangles[: len(columns)]
+    first = len(skin.points) - len(moves)
+    top = np.where(moves[columns], first + columns, base)
+    start = skin.points[base[np.unique(component, return_index=True)[1], 0]][component]
+    (below, near), (above, off) = (
+        _volumes(skin.points[rows] - start[:, None], component) for rows in (base, top)
+    )
+    same = (below > near) & (above > off) | (below < -near) & (above < -off)
+    rays = np.unique(columns[(closed & ~same)[component]]).astype(np.int64)
+    return rays[moves[rays]]
+
+
+def _volumes(p: Array, component: Numbers) -> tuple[Array, Array]:
+    """Six times the volume that each component encloses, and a bound of its error."""
+    a, b, c = p[:, 0], p[:, 1], p[:, 2]
+    one = np.stack([a[:, i] * b[:, i - 2] * c[:, i - 1] for i in range(3)], axis=1)
+    two = np.stack([a[:, i] * b[:, i - 1] * c[:, i - 2] for i in range(3)], axis=1)
+    sums = np.bincount(component, (one - two).sum(axis=1))
+    return sums, SURE_VOLUME * len(p) * np.bincount(component, (np.abs(one) + np.abs(two)).sum(axis=1))
 
 
 def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple[int, Numbers]:

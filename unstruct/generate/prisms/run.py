@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
-from .clear import Border, clashes, skin_of, surrounded
+from .clear import Border, clashes, inside_out, skin_of, surrounded
 from .columns import bad, blind
 from .directions import directed
 from .heights import LOWER_BY, edges_of_columns, graded, limited, placed
@@ -180,9 +180,9 @@ class PrismRun:
         border, others = self.border, self.base.others
         skin = skin_of(others, self.columns, self.base_row, tops, moves, walls.planes, border, changed)
         rays = clashes(skin)
-        if len(rays):
-            return rays
-        return surrounded(skin, self.columns, moves)
+        if not len(rays):
+            rays = surrounded(skin, self.columns, moves)
+        return rays if len(rays) else inside_out(skin, self.columns, border, moves)
 
     def _border(self) -> Border:
         """The edges at which the walls end."""
