@@ -64,18 +64,19 @@ def normal_of(points: Points, triangle: Triangle) -> Vector:
 
 
 def quadratics(base: Points, rays: Points) -> list[tuple[Any, Any, Any]]:
-    """Of three corners p and vectors v the coefficients (c0, c1, c2) of A(t) . v, one for each corner.
+    """The coefficients (c0, c1, c2) of A(t) . v, of three corners p and vectors v.
 
     A(t) is the normal of the triangle p + t v.
     """
     e, f = minus(base[1], base[0]), minus(base[2], base[0])
     other_e, other_f = minus(rays[1], rays[0]), minus(rays[2], rays[0])
-    terms = cross(e, f), summed([cross(e, other_f), cross(other_e, f)]), cross(other_e, other_f)
-    return [(scalar(terms[0], v), scalar(terms[1], v), scalar(terms[2], v)) for v in rays]
+    mixed = summed([cross(e, other_f), cross(other_e, f)])
+    terms = cross(e, f), mixed, cross(other_e, other_f)
+    return [tuple(scalar(term, v) for term in terms) for v in rays]  # type: ignore
 
 
 def wedge_is_positive(base: Points, cap: Points) -> bool:
-    """Whether the Jacobian of a wedge is positive everywhere: its three quadratics are, on [0, 1]."""
+    """Whether the Jacobian of a wedge is positive: its quadratics are, on [0, 1]."""
     below, above = [exact(p) for p in base], [exact(p) for p in cap]
     rays = [minus(q, p) for p, q in zip(below, above)]
     return all(_positive(*q) for q in quadratics(below, rays))

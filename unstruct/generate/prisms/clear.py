@@ -221,7 +221,7 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
         odd, _ = even_odd_in_space(skin.points, layers, probe[ask])
         wrong[owned[ask[odd]]] = True
         wrong[found[body]] |= odd.any()
-    rays = np.unique(columns[wrong[component]])
+    rays = np.unique(columns[wrong[component]]).astype(np.int64)
     return rays[moves[rays]]
 
 

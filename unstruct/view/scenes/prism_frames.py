@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from ...plain import prism_normals, prisms
@@ -50,9 +51,7 @@ def groove_layers(wanted: float = GROOVE_WANTED) -> dict[str, Any]:
     ]
     columns = [prisms.column_limit([points[v] for v in t], [rays[v] for v in t]) for t in triangles]
     full = prisms.layer_places(points, rays, [wanted] * (2 * n), [1.0])[0]
-    positive = [
-        prisms.wedge_is_positive([points[v] for v in t], [full[v] for v in t]) for t in triangles
-    ]
+    positive = [prisms.wedge_is_positive([points[v] for v in t], [full[v] for v in t]) for t in triangles]
     limited = [
         min([wanted] + [SAFE * limit for limit, t in zip(columns, triangles) if v in t]) for v in range(2 * n)
     ]
@@ -100,7 +99,10 @@ def groove_frames(wanted: float = GROOVE_WANTED) -> list[fr.Frame]:
         good = [cell for i, cell in enumerate(cells) if i not in bad]
         items = [fr.polygons("layer", good), fr.segments("inserted", list(zip(SECTION, tops)))]
         items.append(fr.segments("front", [side for i, side in enumerate(_ring(tops)) if i not in bad]))
-        items += [fr.polygons("bad", [cells[i] for i in bad]), fr.segments("bad", [_ring(tops)[i] for i in bad])]
+        items += [
+            fr.polygons("bad", [cells[i] for i in bad]),
+            fr.segments("bad", [_ring(tops)[i] for i in bad]),
+        ]
         return seen(caption, number, *items)
 
     limits, limited, heights = made["limit"], made["limited"], made["heights"]
@@ -116,7 +118,9 @@ def groove_frames(wanted: float = GROOVE_WANTED) -> list[fr.Frame]:
             fr.segments("inserted", list(zip(SECTION, _along(rays, [0.7] * n)))),
         ),
         shifted([low] * n, "all corners move by the same height", f"height {low:.1f}: all columns positive"),
-        shifted([wanted] * n, "the wanted height", f"height {wanted:.1f}: {turned} turned over", made["turned"]),
+        shifted(
+            [wanted] * n, "the wanted height", f"height {wanted:.1f}: {turned} turned over", made["turned"]
+        ),
         shifted([at] * n, "the least root", f"height {at:.2f}: {call(least)} has no length left", [least]),
         shifted(limited, "0.7 of the least root", f"{sum(h < wanted for h in limited)} rays are lowered"),
         shifted(
@@ -126,7 +130,7 @@ def groove_frames(wanted: float = GROOVE_WANTED) -> list[fr.Frame]:
     levels = [_flat(row) for row in made["places"]]
     lines = [side for row in levels[1:] for side in _ring(row)]
     cells = [
-        [a, b, d, c] for low_, high in zip(levels, levels[1:]) for (a, b), (c, d) in zip(_ring(low_), _ring(high))
+        [a, b, d, c] for low_, high in pairwise(levels) for (a, b), (c, d) in zip(_ring(low_), _ring(high))
     ]
     frames.append(
         seen(

@@ -43,8 +43,8 @@ def prism_state(first: float = 0.03, growth: float = 1.2, stop: str = "squeeze")
     Returns
     -------
     dict
-        The sections of the body and of the cells; the rays near the plane that are lower than wanted; the worst
-        cell, by its least scaled Jacobian.
+        The sections of the body and of the cells; the rays near the plane that are lower than wanted;
+        the worst cell, by its least scaled Jacobian.
     """
     if stop not in PRISM_STOPS:
         raise InputError(f"stop = {stop!r} must be one of {', '.join(map(repr, PRISM_STOPS))}")

@@ -13,7 +13,7 @@ from .space_frames import space_frame
 
 __all__ = ["WEDGES", "wedge_coefficients", "wedge_state"]
 
-# The corners of upper triangles, in the plane z = 3, over the triangle (0, 0), (3, 0), (0, 3) in the plane z = 0.
+# The corners of upper triangles, at z = 3. The lower one is (0, 0), (3, 0), (0, 3), at z = 0.
 WEDGES: dict[str, tuple[tuple[int, int], ...]] = {
     "straight": ((0, 0), (3, 0), (0, 3)),
     "wider above": ((-3, -3), (3, 0), (0, 3)),
@@ -58,8 +58,8 @@ def wedge_state(wedge: str = "six positive corners", height: float = 0.5) -> fr.
     Returns
     -------
     dict
-        The wedge with its section, which is turned over where the Jacobian is negative; beside it the graph of
-        the Jacobian over the height.
+        The wedge with its section, which is turned over where the Jacobian is negative; beside it the
+        graph of the Jacobian over the height.
     """
     if wedge not in WEDGES:
         raise InputError(f"wedge = {wedge!r} must be one of {', '.join(map(repr, WEDGES))}")
@@ -81,7 +81,7 @@ def wedge_state(wedge: str = "six positive corners", height: float = 0.5) -> fr.
     place = np.array(PLOT_AT)
     curve = place + along * [PLOT_SIZE[0], PLOT_SIZE[1] / PLOT_TOP]
     here = place + np.array([height, now]) * [PLOT_SIZE[0], PLOT_SIZE[1] / PLOT_TOP]
-    ends = place + [PLOT_SIZE[0], 0.0], place + [0.0, PLOT_SIZE[1]]
+    ends = place + np.diag(PLOT_SIZE)
     made["items"] += [
         fr.segments("edge", [(place, end) for end in ends]),
         fr.segments("front", np.stack([curve[:-1], curve[1:]], axis=1)),
