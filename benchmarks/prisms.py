@@ -33,7 +33,7 @@ BODIES = ("sphere", "torus", "noisy ball", "notch", "wing-body", "merged body")
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "layers": dict.fromkeys(BODIES, (TRIANGLES,)),
     "growth": {"sphere": (1_000, 10_000, 100_000, 1_000_000)},
-    "joined": {"wing-body": (5_000,)},
+    "joined": {"wing-body": (10_000,)},
 }
 # n triangles have about the edge length sqrt(this / n)
 SPREAD = {

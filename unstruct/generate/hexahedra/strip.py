@@ -33,7 +33,7 @@ class Strip(NamedTuple):
         Facets of the body, divided by the size, and then those of the kernel.
     mesh : DomainMesh
         Tetrahedra.
-    kernel : (n,) int64
+    core : (n,) int64
         The vertex of the kernel at each of its points, or -1.
     given : (n,) int64
         The point of the body at each of its points, or -1.
@@ -45,7 +45,7 @@ class Strip(NamedTuple):
 
     domain: Domain
     mesh: DomainMesh
-    kernel: Numbers
+    core: Numbers
     given: Numbers
     facets: int
     parts: Divided | Pieces | None
@@ -76,10 +76,10 @@ def strip_of(body: Domain, cubes: Cubes, parts: Divided | None, field: SizeField
         rows = (np.searchsorted(vertex, cubes.outer) + many).astype(np.int32)
         every = Polygons.joined(Polygons.of(body.facets), Polygons.of_rows(rows))
         domain = Domain(np.concatenate([body.points, cubes.points[vertex]]), every, inner=body.inner)
-    kernel, own = np.full(many + len(vertex), -1), np.full(many + len(vertex), -1)
-    kernel[many:], own[:given] = vertex, np.arange(given)
+    core, own = np.full(many + len(vertex), -1), np.full(many + len(vertex), -1)
+    core[many:], own[:given] = vertex, np.arange(given)
     name = body.name if parts is None else parts.name
-    return _filled(Strip(domain, None, kernel, own, facets, parts), field, name)  # type: ignore[arg-type]
+    return _filled(Strip(domain, None, core, own, facets, parts), field, name)  # type: ignore[arg-type]
 
 
 def strip_around(
@@ -97,15 +97,15 @@ def strip_around(
     rows = np.concatenate([made.facets, outer])
     inner = [number[row] for row in made.inner]
     body = Domain(made.points[used], number[rows].astype(np.int32), inner=inner or None)
-    kernel, own = np.full(len(made.points), -1), np.full(len(made.points), -1)
+    core, own = np.full(len(made.points), -1), np.full(len(made.points), -1)
     own[: len(domain.points)] = np.arange(len(domain.points))
     ends = np.flatnonzero(place >= 0)  # also those at which the strip only touches the kernel
-    kernel[place[ends]] = ends
+    core[place[ends]] = ends
 
     def name(piece: int) -> str:
         return domain.name(int(made.parent[piece]))
 
-    strip = Strip(body, None, kernel[used], own[used], len(made.facets), made)  # type: ignore[arg-type]
+    strip = Strip(body, None, core[used], own[used], len(made.facets), made)  # type: ignore[arg-type]
     return _filled(strip, field, name)
 
 

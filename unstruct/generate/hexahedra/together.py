@@ -149,8 +149,8 @@ def _numbers(strip: Strip, cubes: Cubes) -> tuple[NDArray[np.int64], NDArray[np.
     origin = np.asarray(strip.mesh.origin)
     number = np.full(len(cubes.points), -1, dtype=np.int64)
     at = np.flatnonzero(origin >= 0)
-    at = at[strip.kernel[origin[at]] >= 0]
-    number[strip.kernel[origin[at]]] = at
+    at = at[strip.core[origin[at]] >= 0]
+    number[strip.core[origin[at]]] = at
     used = flagged(len(number), cubes.hexahedra, cubes.pyramids, cubes.tetrahedra)
     new = np.flatnonzero(used & (number < 0))
     number[new] = len(strip.mesh.points) + np.arange(len(new))

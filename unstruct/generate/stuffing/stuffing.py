@@ -33,7 +33,7 @@ __all__ = ["isosurface_stuffing"]
 ZERO_TOLERANCE = 1e-10  # of the zeros on edges, as a share of the edge
 MOST_COORDINATE = 2.0**128  # its fourth power and that of its inverse are doubles, with much room
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
-OVERLAP = "cells overlap here: a gap or a bubble is thinner than a cell; take a smaller size"
+CELLS_OVERLAP = "cells overlap here: a gap or a bubble is thinner than a cell; take a smaller size"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
 LOST_CREASE = "a sharp edge is not kept here: the strip along it could not be filled; try another size"
 NOTHING_INSIDE = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
@@ -237,7 +237,7 @@ def _finished(laid: Laid, made: Made, domain: Domain | None, called: int) -> Dom
     for row in cell[np.isin(faces, pinched).any(axis=1)].tolist():
         reasons[row] = PINCHED
     for row in overlapping_cells(made.points, made.cells, made.on_surface).tolist():
-        reasons[row] = OVERLAP
+        reasons[row] = CELLS_OVERLAP
     figures = {}
     if laid.samples is not None and domain is not None:
         shell = domain.triangulated

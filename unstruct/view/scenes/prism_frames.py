@@ -14,7 +14,7 @@ __all__ = ["GROOVE_NAMES", "groove", "groove_frames", "groove_layers"]
 GROOVE_NAMES = "ABCDEFGH"
 SECTION = [(0.0, 0.0), (6.4, 0.0), (6.4, 2.4), (4.4, 2.4), (3.6, 1.0), (2.7, 1.0), (1.9, 2.4), (0.0, 2.4)]
 GROOVE_WANTED = 1.3  # the height that is asked for
-SAFE = 0.7  # of the least root, the height of a column
+SHARE_OF_ROOT = 0.7  # of the least root, the height of a column
 GROOVE_SLOPE = 0.2  # the largest difference of two heights, over the distance of their vertices
 GROOVE_SHARES = (0.0, 0.15, 0.35, 0.62, 1.0)  # of the height, where layers end
 GROOVE_WINDOW = [-1.3, 7.7, -1.3, 3.8]
@@ -53,7 +53,8 @@ def groove_layers(wanted: float = GROOVE_WANTED) -> dict[str, Any]:
     full = prisms.layer_places(points, rays, [wanted] * (2 * n), [1.0])[0]
     positive = [prisms.wedge_is_positive([points[v] for v in t], [full[v] for v in t]) for t in triangles]
     limited = [
-        min([wanted] + [SAFE * limit for limit, t in zip(columns, triangles) if v in t]) for v in range(2 * n)
+        min([wanted] + [SHARE_OF_ROOT * limit for limit, t in zip(columns, triangles) if v in t])
+        for v in range(2 * n)
     ]
     heights = prisms.graded_heights(points, triangles, limited, GROOVE_SLOPE)
     return {

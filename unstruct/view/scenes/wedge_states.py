@@ -21,7 +21,7 @@ WEDGES: dict[str, tuple[tuple[int, int], ...]] = {
     "turned by 180 degrees": ((3, 3), (0, 3), (3, 0)),
     "six positive corners": ((6, 2), (-3, 2), (6, 1)),
 }
-LOWER = ((0, 0), (3, 0), (0, 3))
+LOWER_TRIANGLE = ((0, 0), (3, 0), (0, 3))
 WEDGE_TOP = 3.0
 PLOT_AT, PLOT_SIZE = (7.4, 1.4), (3.6, 2.4)  # where the graph of the Jacobian stands, and how large it is
 PLOT_TOP = 2.2  # the value of the Jacobian at its upper end
@@ -36,7 +36,7 @@ def wedge_coefficients(upper: tuple[tuple[int, int], ...]) -> tuple[Fraction, Fr
     The three rays are equally high, so that the three quadratics of the criterion are one: the area of the
     section at each height. The unit is the area of the lower triangle.
     """
-    (e, f), (g, h) = (tuple((b[0] - t[0][0], b[1] - t[0][1]) for b in t[1:]) for t in (LOWER, upper))
+    (e, f), (g, h) = (tuple((b[0] - t[0][0], b[1] - t[0][1]) for b in t[1:]) for t in (LOWER_TRIANGLE, upper))
     unit = _cross(e, f)
     return Fraction(1), (_cross(e, h) + _cross(g, f)) / (2 * unit), _cross(g, h) / unit
 
@@ -68,7 +68,7 @@ def wedge_state(wedge: str = "six positive corners", height: float = 0.5) -> fr.
     along = np.column_stack([t, b0 * (1 - t) ** 2 + 2 * b1 * t * (1 - t) + b2 * t * t])
     now = float(b0 * (1 - height) ** 2 + 2 * b1 * height * (1 - height) + b2 * height**2)
     now = 0.0 if abs(now) < ZERO_SECTION else now
-    low = np.column_stack([np.array(LOWER, dtype=float), np.zeros(3)])
+    low = np.column_stack([np.array(LOWER_TRIANGLE, dtype=float), np.zeros(3)])
     high = np.column_stack([np.array(WEDGES[wedge], dtype=float), np.full(3, WEDGE_TOP)])
     section, points = (1 - height) * low + height * high, np.vstack([low, high])
     scene = [
