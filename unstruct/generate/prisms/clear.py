@@ -3,8 +3,8 @@
 Columns that are all positive, and a boundary that is embedded, are all that it takes: base, cap and the sides
 in planes. The map from the layers, taken as abstract cells, to space then has at each point as many preimages
 as the boundary winds around it, which for one embedded closed surface within the other is at most one. With
-several bodies one more test is needed, as the layers of one may surround another one as a whole; and inside of a body
-the cap must not be turned inside out, so that it winds once more around what it encloses.
+several bodies one more test is needed, as the layers of one may surround another one as a whole; and inside of
+a body the cap must not be turned inside out, so that it winds once more around what it encloses.
 """
 
 from __future__ import annotations
@@ -255,8 +255,9 @@ def _volumes(p: Array, component: Numbers) -> tuple[Array, Array]:
     a, b, c = p[:, 0], p[:, 1], p[:, 2]
     one = np.stack([a[:, i] * b[:, i - 2] * c[:, i - 1] for i in range(3)], axis=1)
     two = np.stack([a[:, i] * b[:, i - 1] * c[:, i - 2] for i in range(3)], axis=1)
-    sums = np.bincount(component, (one - two).sum(axis=1))
-    return sums, SURE_VOLUME * len(p) * np.bincount(component, (np.abs(one) + np.abs(two)).sum(axis=1))
+    sums: Array = np.bincount(component, (one - two).sum(axis=1)).astype(np.float64)
+    size: Array = np.bincount(component, (np.abs(one) + np.abs(two)).sum(axis=1)).astype(np.float64)
+    return sums, SURE_VOLUME * len(p) * size
 
 
 def _free_parts(triangles: NDArray[np.int32], plane: NDArray[np.int32]) -> tuple[int, Numbers]:

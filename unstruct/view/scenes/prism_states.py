@@ -50,7 +50,7 @@ def prism_state(first: float = 0.03, growth: float = 1.2, stop: str = "squeeze")
         raise InputError(f"stop = {stop!r} must be one of {', '.join(map(repr, PRISM_STOPS))}")
     layers = Layers(first=first, growth=growth, count=PRISM_COUNT)
     mesh = prismatic_layers(_body(), layers=layers, stop=stop)
-    steps = mesh.steps
+    steps: Any = mesh.steps
     low = (steps["reason"] != "full") & (np.abs(steps["place"][:, 1]) < BODY_SIZE)
     ends = steps["place"] + steps["height"][:, None] * steps["direction"]
     quality = mesh.quality("scaled_jacobian")
