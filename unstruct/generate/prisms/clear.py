@@ -3,8 +3,8 @@
 Columns that are all positive, and a boundary that is embedded, are all that it takes: base, cap and the sides
 in planes. The map from the layers, taken as abstract cells, to space then has at each point as many preimages
 as the boundary winds around it, which for one embedded closed surface within the other is at most one. With
-several bodies one more test is needed, as the layers of one may surround another one as a whole; and inside of
-a body the cap must not be turned inside out, so that it winds once more around what it encloses.
+several bodies one more test is needed, as the layers of one may surround another one as a whole; and inside
+of a body the cap must not be turned inside out, so that it winds once more around what it encloses.
 """
 
 from __future__ import annotations
