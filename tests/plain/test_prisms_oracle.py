@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -94,7 +96,7 @@ def test_wedges_of_columns_on_integers(seed: int, levels: int) -> None:
     found = set(bad(places, columns).tolist())
     for i, row in enumerate(columns.tolist()):
         rows = places[:, row].astype(int).tolist()
-        good = all(prisms.wedge_is_positive(low, high) for low, high in zip(rows, rows[1:]))
+        good = all(prisms.wedge_is_positive(low, high) for low, high in pairwise(rows))
         assert (i in found) != good
 
 

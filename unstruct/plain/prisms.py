@@ -72,7 +72,7 @@ def quadratics(base: Points, rays: Points) -> list[tuple[Any, Any, Any]]:
     other_e, other_f = minus(rays[1], rays[0]), minus(rays[2], rays[0])
     mixed = summed([cross(e, other_f), cross(other_e, f)])
     terms = cross(e, f), mixed, cross(other_e, other_f)
-    return [tuple(scalar(term, v) for term in terms) for v in rays]  # type: ignore
+    return [tuple(scalar(term, v) for term in terms) for v in rays]
 
 
 def wedge_is_positive(base: Points, cap: Points) -> bool:
