@@ -32,8 +32,8 @@ def _cells(mesh: Any) -> dict[str, NDArray]:
     return {kind: np.asarray(rows) for kind, rows in mesh.cells.items() if len(rows)}
 
 
-def _ours(checked: bool) -> Callable[[], Callable[[Given], Made]]:
-    def prepare() -> Callable[[Given], Made]:
+def _ours(checked: bool) -> Callable[[], Callable[[Any], Any]]:
+    def prepare() -> Callable[[Any], Any]:
         import warnings
 
         from unstruct import Domain, prismatic_layers
@@ -52,7 +52,7 @@ def _ours(checked: bool) -> Callable[[], Callable[[Given], Made]]:
     return prepare
 
 
-def _gmsh() -> Callable[[Given], Made]:
+def _gmsh() -> Callable[[Any], Any]:
     import gmsh
 
     if not gmsh.isInitialized():
