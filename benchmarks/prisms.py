@@ -25,6 +25,7 @@ from .volume_quality import dihedral
 
 COUNT, RATIO = 30, 1.15
 LAST = 60.0  # the first height is an edge by this number, so that the last is about an edge
+LAST_JOINED = 200.0  # ... about a third of it, so that the last wedges are as large as tetrahedra beyond
 TRIANGLES = 100_000
 FEW_TRIANGLES = 400
 BODIES = ("sphere", "torus", "noisy ball", "notch", "wing-body", "merged body")
@@ -32,7 +33,7 @@ BODIES = ("sphere", "torus", "noisy ball", "notch", "wing-body", "merged body")
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "layers": dict.fromkeys(BODIES, (TRIANGLES,)),
     "growth": {"sphere": (1_000, 10_000, 100_000, 1_000_000)},
-    "joined": {"wing-body": (10_000,)},
+    "joined": {"wing-body": (5_000,)},
 }
 # n triangles have about the edge length sqrt(this / n)
 SPREAD = {
@@ -65,15 +66,24 @@ def task(work: str, kind: str, n: int) -> Given:
     h = float(np.sqrt(SPREAD[kind] * (COUNT if work == "growth" else 1) / n))
     h = min(h, 0.15) if kind == "wing-body" else h
     domain = body(kind, h)
-    layers = Layers(first=h / LAST, growth=RATIO, count=COUNT)
+    layers = Layers(first=h / (LAST_JOINED if work == "joined" else LAST), growth=RATIO, count=COUNT)
     heights = layers.cumulative().ravel()[1:].tolist()
     if work != "joined":
         return Given(domain, layers, heights)
     air = Domain.box((-FAR_BOX,) * 3, (FAR_BOX,) * 3)
     far = _sides(air)
     outside = far.with_holes(domain)
-    size = sizing.points(domain.points[::5], 1.5 * h, growth=BEYOND_GROWTH, far=BEYOND_FAR)
+    size = sizing.points(domain.points, spacing(domain), growth=BEYOND_GROWTH, far=1.4 * BEYOND_FAR)
     return Given(outside, layers, heights, list(domain.markers), size)
+
+
+def spacing(domain: Any) -> NDArray:
+    """The mean length of the edges at each point of a surface."""
+    rows = np.asarray(domain.facets)
+    x = domain.points[rows]
+    length = np.sqrt(((x - np.roll(x, -1, axis=1)) ** 2).sum(axis=2))
+    total = np.bincount(rows.ravel(), (length + np.roll(length, 1, axis=1)).ravel() / 2)
+    return total / np.bincount(rows.ravel())
 
 
 def _sides(box: Any) -> Any:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks import prisms_fuzz, prisms_spoiled
-from unstruct import Domain, InputError, Layers, check, prismatic_layers
+from unstruct import Domain, InputError, Layers, Mesh, check, prismatic_layers
 
 # What was wrong: a vertex without layers among columns all around it was on the base and on the cap.
 ONCE_WRONG = [(15, {"cells": "tetrahedron"}), (15, {"cells": "wedge"}), (15, {"stop": "stop"})]
@@ -77,3 +78,14 @@ def test_layers_of_nested_balls_do_not_pass_each_other(stop: str) -> None:
     body = Domain(np.concatenate([ball.points for ball in balls]), facets)
     mesh = prismatic_layers(body, layers=Layers(first=0.01, growth=1.2, count=12), side="inside", stop=stop)
     assert check(mesh) and faultless(prisms_fuzz.judged(mesh))
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".off", ".ply", ".obj", ".vtu"])
+def test_surfaces_from_files(suffix: str, tmp_path: Path) -> None:
+    meshio = pytest.importorskip("meshio")
+    body, path = Domain.torus(size=0.25), tmp_path / f"torus{suffix}"
+    meshio.Mesh(body.points, [("triangle", np.asarray(body.facets))]).write(path)
+    layers = Layers(first=0.005, growth=1.2, count=5)
+    for surface in (Domain.read(path), Mesh.read(path)):
+        mesh = prismatic_layers(surface, layers=layers)
+        assert check(mesh) and mesh.counts["wedges"] == 5 * len(body.facets)
