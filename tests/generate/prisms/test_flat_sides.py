@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unstruct import Domain, InputError, Layers, check
+from unstruct import Domain, InputError, Layers, check, examples
 from unstruct.generate.prisms.flat_sides import with_flat_sides
 from unstruct.generate.prisms.prismatic_layers import prismatic_layers
 
@@ -52,3 +52,23 @@ def test_what_is_not_touched() -> None:
     assert parts is not None and np.array_equal(new.points, tube.points[parts.vertex])
     with pytest.raises(InputError, match="side"):
         with_flat_sides(tube, "sides")
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+def test_layers_past_the_vertices_on_edges_between_sides(turned: bool, stop: str) -> None:
+    """A box of triangles: rays at its corners run along edges, farther than the first vertices on these."""
+    box = examples.meshed_sides(Domain.box(), 0.2)
+    if turned:
+        c, s = np.cos(0.3), np.sin(0.3)
+        turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        box = Domain(box.points @ turn.T @ turn[:, [1, 2, 0]].T + 3, box.facets, markers=box.markers)
+    for walls, first in (
+        ("bottom", 0.16),
+        ("bottom", 0.3),
+        (["bottom", "top"], 0.1),
+        (["bottom", "left"], 0.1),
+    ):
+        mesh = prismatic_layers(box, 0.2, layers=Layers(first, 1.0, 4), walls=walls, stop=stop)
+        assert mesh.complete and check(mesh, domain=box)
+        assert mesh.steps["height"].max() > 0.2

@@ -1,7 +1,7 @@
 """Facets of a body that lie in one plane, side by side, as one polygon each: triangles of a plane end, say.
 
 The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew
-in such a plane need not respect the edges between them.
+in such a plane need not respect the edges between them, nor points on the straight edges of two such polygons.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ def flat_parts(
     Returns
     -------
     FlatParts or None
-        None if nothing is joined. Groups whose outline touches itself stay as they are. O(n log n).
+        None if nothing is joined. Groups whose outline touches itself stay as they are. Points on straight
+        edges between two groups that are joined, which nothing else has, are left out. O(n log n).
     """
     facets, many = Polygons.of(domain.facets), len(domain.facets)
     group = _groups(domain, facets, np.ones(many, dtype=bool) if among is None else among)
@@ -74,6 +75,7 @@ def flat_parts(
         return None
     group = np.where(flagged(many, list(rings))[group], group, np.arange(many))  # each by its first member
     first = np.unique(group)
+    _without_straight_points(domain, facets, group, rings)
     polygons = Polygons.of_rings([rings.get(g) or list(facets.rings(g)) for g in first.tolist()])
     inner = Polygons.of(domain.inner)
     used = flagged(len(domain.points), polygons.vertices, inner.vertices, np.asarray(domain.loose))
@@ -173,3 +175,45 @@ def _rings(domain: Any, facets: Polygons, chosen: NDArray[np.bool_]) -> list[lis
         rings.append(ring)
     extent = [float(np.ptp(domain.points[ring], axis=0).max()) for ring in rings]
     return [rings[i] for i in sorted(range(len(rings)), key=lambda i: -extent[i])]
+
+
+def _without_straight_points(
+    domain: Any, facets: Polygons, group: Rows, rings: dict[int, list[list[int]]]
+) -> None:
+    """Leave points out of rings where two joined groups, and no other piece, meet along a straight line."""
+    many, xyz = len(domain.points), np.asarray(domain.points, dtype=np.float64)
+    owner = np.repeat(group[facets.sides[1]], 2)
+    pairs = np.unique(np.column_stack([facets.sides[0].ravel(), owner]), axis=0)
+    joined = np.isin(pairs[:, 1], list(rings))
+    two = (np.bincount(pairs[:, 0], minlength=many) == 2) & (
+        np.bincount(pairs[joined, 0], minlength=many) == 2
+    )
+    if len(domain.inner):
+        two[Polygons.of(domain.inner).vertices] = False
+    tolerance = WITHIN_ONE_PLANE * float(np.abs(xyz).max(initial=0.0))
+    for g, found in rings.items():
+        rings[g] = [_bends(xyz, np.asarray(ring), two, tolerance) for ring in found]
+
+
+def _bends(xyz: NDArray, ring: Rows, loose: NDArray[np.bool_], tolerance: float) -> list[int]:
+    """A ring without those of its points that may go and lie on a line between two that stay."""
+    before, after = xyz[np.roll(ring, 1)] - xyz[ring], xyz[np.roll(ring, -1)] - xyz[ring]
+    goes = loose[ring] & (_off_line(before, after) <= tolerance) & ((before * after).sum(axis=1) < 0.0)
+    stay = np.flatnonzero(~goes)
+    if len(stay) < 3:
+        return ring.tolist()
+    for k, i in enumerate(stay.tolist()):
+        j = int(stay[(k + 1) % len(stay)])
+        run = np.arange(i + 1, j + len(ring) * (j <= i)) % len(ring)
+        away = xyz[ring[run]] - xyz[ring[i]]
+        along = np.broadcast_to(xyz[ring[j]] - xyz[ring[i]], away.shape)
+        if _off_line(away, along).max(initial=0.0) > tolerance:
+            goes[run] = False
+    return ring[~goes].tolist()
+
+
+def _off_line(away: NDArray, along: NDArray) -> NDArray:
+    """How far points are from the lines through the origin along some vectors."""
+    length = np.sqrt((along * along).sum(axis=1))
+    area = np.cross(away, along)
+    return np.sqrt((area * area).sum(axis=1)) / np.maximum(length, 1e-300)
