@@ -29,7 +29,7 @@ from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
 from .run import PrismOptions, PrismRun
 from .stop_run import StopRun
-from .walls import WALL_SIDES, base_of
+from .walls import WALL_SIDES, base_of, must_end_on_facets
 
 __all__ = ["layers_alone", "prismatic_layers"]
 
@@ -164,6 +164,8 @@ def prismatic_layers(
     surface, walls, parts = with_flat_sides(surface, walls)
     base = base_of(surface, walls, side)
     fill = _fill_options(size, side, fill_options, seed, budget, progress)
+    if size is not None:
+        must_end_on_facets(base)
     room = 0.0 if size is None else ROOM_BEYOND
     options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
     run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)

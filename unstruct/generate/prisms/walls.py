@@ -18,14 +18,15 @@ from ...base.errors import DomainError, InputError
 from ...domain.domain import Domain, as_domain
 from ...domain.space.cutting import at
 from ...domain.space.surfaces import parts_of
-from ...geometry.inside_shell import front_inside, triangle_components
+from ...geometry.inside_shell import front_inside, side_mates, triangle_components
 from ...mesh.mesh import Mesh
+from ...predicates.batch import orient_rows
 from ..layers.walls import wall_pieces
 from .planes import planes_beside, planes_of_loops
 from .records import Others, Walls
 from .stars import stars_of
 
-__all__ = ["WALL_SIDES", "Base", "base_of"]
+__all__ = ["WALL_SIDES", "Base", "base_of", "must_end_on_facets"]
 
 WALL_SIDES = ("inside", "outside")
 LARGEST_COORDINATE = 2.0**300  # products of three lengths are doubles
@@ -209,4 +210,27 @@ def _must_be_manifold(
             f"more than two facets meet at the edge {a}-{b} of {domain.name(int(piece[bad[0] // 3]))}, "
             f"{at(domain.points[a])}: there layers would overlap; leave a gap between the parts, or leave "
             "these facets out of walls"
+        )
+
+
+def must_end_on_facets(base: Base) -> None:
+    """Facets beside walls must be on that side of them on which the layers are: there these end on them.
+
+    At an edge where the body is concave they would end within the body, in the plane of the facet beside,
+    but not on it. Facets in the plane of the wall are none of these: no ray has a height there.
+    """
+    walls, others = base.walls, base.others
+    own = walls.vertex[walls.triangles]
+    mates = side_mates(np.concatenate([own, others.triangles]).astype(np.int32))[: 3 * len(own)]
+    side = np.flatnonzero(mates >= 3 * len(own))
+    other = mates[side] - 3 * len(own)
+    corner = others.triangles[other // 3, other % 3]
+    signs = orient_rows(others.points, np.column_stack([own[side // 3], corner]))
+    away = np.flatnonzero(signs < 0)
+    if len(away):
+        row, k = divmod(int(side[away[0]]), 3)
+        a, b = own[row, (k + 1) % 3], own[row, (k + 2) % 3]
+        raise InputError(
+            f"the walls end at the edge {a}-{b}, {at(others.points[a])}, where the body is concave: layers "
+            "would not end on the facet beside it; make that a wall, too"
         )
