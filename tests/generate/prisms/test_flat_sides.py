@@ -72,3 +72,37 @@ def test_layers_past_the_vertices_on_edges_between_sides(turned: bool, stop: str
         mesh = prismatic_layers(box, 0.2, layers=Layers(first, 1.0, 4), walls=walls, stop=stop)
         assert mesh.complete and check(mesh, domain=box)
         assert mesh.steps["height"].max() > 0.2
+
+
+def turned(body: Domain) -> Domain:
+    c, s = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return Domain(body.points @ turn.T @ turn[:, [1, 2, 0]].T + 3, body.facets, markers=body.markers)
+
+
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+def test_a_floor_whose_sides_are_concave(stop: str) -> None:
+    """The floor of a step, and a star: triangles of the cap cross the planes of sides, but not these."""
+    ell = Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
+    angle = np.arange(10) * np.pi / 5
+    spikes = np.where(np.arange(10) % 2, 1.0, 0.4)
+    star = Domain.extruded(Domain.polygon(np.column_stack([spikes * np.cos(angle), spikes * np.sin(angle)])))
+    for body in (ell, examples.meshed_sides(ell, 0.4), examples.meshed_sides(star, 0.3)):
+        for some in (body, turned(body)):
+            mesh = prismatic_layers(
+                some, 0.4, layers=Layers(0.03, 1.2, 4), walls=["bottom", "top"], stop=stop
+            )
+            assert check(mesh, domain=some) and mesh.counts["limited: crossing"] == 0
+            assert mesh.figures["share of full heights"] == 1.0
+
+
+def test_walls_that_end_where_the_body_is_concave() -> None:
+    """Layers on one side of a step alone would end within the body, where nothing is to end on."""
+    ell = Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
+    thin = Layers(0.03, 1.2, 4)
+    for walls in (2, 3):
+        with pytest.raises(InputError, match="concave"):
+            prismatic_layers(ell, 0.4, layers=thin, walls=walls)
+        assert check(prismatic_layers(ell, layers=thin, walls=walls, side="inside"))
+    for walls in ([2, 3], 0, 5):
+        assert check(prismatic_layers(ell, 0.4, layers=thin, walls=walls), domain=ell)
