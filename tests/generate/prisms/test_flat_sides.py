@@ -54,12 +54,12 @@ def test_what_is_not_touched() -> None:
         with_flat_sides(tube, "sides")
 
 
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("moved", [False, True])
 @pytest.mark.parametrize("stop", ["squeeze", "stop"])
-def test_layers_past_the_vertices_on_edges_between_sides(turned: bool, stop: str) -> None:
+def test_layers_past_the_vertices_on_edges_between_sides(moved: bool, stop: str) -> None:
     """A box of triangles: rays at its corners run along edges, farther than the first vertices on these."""
     box = examples.meshed_sides(Domain.box(), 0.2)
-    if turned:
+    if moved:
         c, s = np.cos(0.3), np.sin(0.3)
         turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
         box = Domain(box.points @ turn.T @ turn[:, [1, 2, 0]].T + 3, box.facets, markers=box.markers)
@@ -106,3 +106,29 @@ def test_walls_that_end_where_the_body_is_concave() -> None:
         assert check(prismatic_layers(ell, layers=thin, walls=walls, side="inside"))
     for walls in ([2, 3], 0, 5):
         assert check(prismatic_layers(ell, 0.4, layers=thin, walls=walls), domain=ell)
+
+
+def test_facets_in_the_plane_of_a_side_that_are_another_piece() -> None:
+    """Layers slide on the facets beside walls, not on a strip above them, nor on a window."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = [(x, y, z) for z in (0.0, 0.3, 1.0) for x, y in corners]
+    rows = [[3, 2, 1, 0], [8, 9, 10, 11]]
+    rows += [
+        [4 * k + i, 4 * k + (i + 1) % 4, 4 * k + 4 + (i + 1) % 4, 4 * k + 4 + i]
+        for k in (0, 1)
+        for i in range(4)
+    ]
+    strips = Domain(points, rows, markers={"bottom": [0], "low": range(2, 6)})
+    window = [(x, 0.0, z) for x, z in ((0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7))]
+    sides = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    pane = [8, 9, 10, 11]
+    glazed = Domain(
+        [(x, y, z) for z in (0, 1) for x, y in corners] + window,
+        [[3, 2, 1, 0], [4, 5, 6, 7], [sides[0], pane], pane, *sides[1:]],
+        markers={"bottom": [0], "inlet": [3]},
+    )
+    for body in (strips, turned(strips), glazed):
+        for first in (0.05, 0.08, 0.2):
+            mesh = prismatic_layers(body, 0.3, layers=Layers(first, 1.0, 4), walls="bottom")
+            assert check(mesh, domain=body)
+            assert mesh.steps["height"].min() < 0.3

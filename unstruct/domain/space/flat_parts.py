@@ -1,7 +1,7 @@
 """Facets of a body that lie in one plane, side by side, as one polygon each: triangles of a plane end, say.
 
-The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew in
-such a plane need not respect the edges between them, nor points on straight edges that two of them share.
+The body is the same, and so are its names: only facets are joined that have the same ones. What is cut anew
+in such a plane need not respect the edges between them, nor points on straight edges that two of them share.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ __all__ = ["Border", "Skin", "clashes", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-ON_EDGE = 1e-9  # of the distance: how far points on an edge may be from the rounded ray along it
+NEAR_RAY = 1e-9  # of the distance: how far points on an edge may be from the rounded ray along it
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -163,8 +163,8 @@ def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
     """Whether a pair only meets in a plane in which layers end.
 
     A side lies on the facet of its plane. A triangle of the cap may touch the facet with the corners that
-    stay in its plane, as long as the others are on one side of it, or the triangle leaves the facet behind the
-    edge along which its corner slides.
+    stay in its plane, as long as the others are on one side of it, or the triangle leaves the facet behind
+    the edge along which its corner slides.
     """
     found = np.zeros(len(pairs), dtype=bool)
     for one, two in (pairs.T, pairs[:, ::-1].T):
@@ -213,7 +213,7 @@ def _behind_edges(skin: Skin, one: Numbers, two: Numbers, slides: NDArray[np.boo
         f = skin.triangles[two[some], i]
         away = skin.points[f] - skin.points[low]
         off = away - (away * along).sum(axis=1)[:, None] * along
-        on_edge = (off * off).sum(axis=1) <= ON_EDGE**2 * (away * away).sum(axis=1)
+        on_edge = (off * off).sum(axis=1) <= NEAR_RAY**2 * (away * away).sum(axis=1)
         good &= on_edge | (turn(q, f) * angle < 0) | (turn(f, r) * angle < 0)
     found[some] = good
     return found

@@ -34,6 +34,7 @@ from .walls import WALL_SIDES, base_of, must_end_on_facets
 __all__ = ["layers_alone", "prismatic_layers"]
 
 NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
+NEAREST_DOUBLES = 2.0**-52  # how far they are apart, by their size
 ROOM_BEYOND = 0.4  # how much higher layers could be before they meet something; unit: their height
 MOST_SMOOTHING = 1000
 STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
@@ -71,8 +72,9 @@ def prismatic_layers(
         The heights of the layers, with an end (give a count).
     walls : str, int, or list of these, optional
         Names of markers, or pieces, along which there are layers; by default all facets. Facets beside walls
-        must be plane: layers end there. Those that are cut into triangles in such a plane are taken as one
-        polygon, if they have the same names.
+        must be plane: layers end there, on those with an edge of a wall. Those that are cut into triangles
+        in such a plane are taken as one polygon, if they have the same names, without points on straight
+        edges between two polygons.
     side : "inside" or "outside", optional
         On which side of the surface the layers are; "inside" by default where there is a size, else
         "outside". Of an open mesh, "outside" is where its normals point.
@@ -96,7 +98,7 @@ def prismatic_layers(
     seed : int
         Of its random numbers.
     budget : int, optional
-        How many points it may add.
+        With a size, how many points it may add beyond the layers; as for `tetrahedralize`.
     progress : bool
         Show progress bars.
 
@@ -123,8 +125,9 @@ def prismatic_layers(
     ------
     InputError
         For layers without an end, unknown names, walls that touch themselves, borders that are not plane,
-        surfaces that are turned against themselves; and as `Domain` does. With a size, for inner pieces that
-        end at walls, and as `tetrahedralize` does.
+        surfaces that are turned against themselves; and as `Domain` does. If no layer is possible. With a
+        size, for walls that end where the body is concave, for inner pieces that end at walls, for these and
+        loose points in the layers, and as `tetrahedralize` does.
 
     Notes
     -----
@@ -139,7 +142,8 @@ def prismatic_layers(
     exact signs; so the layers do not overlap (see the book, chapter 5). With a size, caps two fifths
     higher would not meet anything either, so that tetrahedra find room between them. If the rest cannot be
     filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
-    is not one of the body, and ``complete`` is False.
+    is not one of the body, and ``complete`` is False. Layers that are lower than wanted, or missing, do not
+    count there: see ``figures``, ``counts`` and ``steps``.
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """
@@ -217,12 +221,28 @@ def _tell_hidden(run: PrismRun) -> None:
         )
 
 
+def _why_none(run: PrismRun) -> str:
+    """Why there are no layers at all."""
+    least = float((np.diff(run.shares, axis=1).min(axis=1) * run.total).min())
+    farthest = float(np.abs(run.base.walls.points).max())
+    first = float((run.shares[:, 1] * run.total).min())
+    if least < NEAREST_DOUBLES * farthest:
+        return (
+            f"no layer is possible: the thinnest is {least:.3g}, but numbers as large as these coordinates, "
+            f"{farthest:.3g}, are {NEAREST_DOUBLES * farthest:.1g} apart; give thicker "
+            "layers, or move the body to the origin"
+        )
+    if isinstance(run, StopRun):
+        return f'{NO_LAYERS}, for a first layer of {first:.3g}: give less, or stop="squeeze" (thinner ones)'
+    return NO_LAYERS
+
+
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
     with_layers: NDArray[np.bool_] = run.rays.level > 0
     kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
     if not kept.any():
-        raise InputError(NO_LAYERS)
+        raise InputError(_why_none(run))
     grown = _grown(run)
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
@@ -247,7 +267,7 @@ def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tup
     domain = run.base.domain
     assert domain is not None
     if not (run.rays.level > 0).any():
-        raise InputError(NO_LAYERS)
+        raise InputError(_why_none(run))
     grown = _grown(run)
     field = as_size(size_by_part(domain, size))
     mesh, lacking = filled_beyond(domain, grown, field, dict(fill))

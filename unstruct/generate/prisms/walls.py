@@ -26,7 +26,7 @@ from .planes import planes_beside, planes_of_loops
 from .records import Others, Walls
 from .stars import stars_of
 
-__all__ = ["WALL_SIDES", "Base", "base_of", "must_end_on_facets"]
+__all__ = ["LARGEST_COORDINATE", "WALL_SIDES", "Base", "base_of", "must_end_on_facets"]
 
 WALL_SIDES = ("inside", "outside")
 LARGEST_COORDINATE = 2.0**300  # products of three lengths are doubles
@@ -161,6 +161,8 @@ def _open_piece(parts: Mapping[str, Any]) -> Domain:
 
 def _must_be_of_some_size(points: NDArray[np.float64]) -> None:
     farthest = float(np.abs(points).max(initial=0.0))
+    if not len(points):
+        raise InputError("the surface has no facets: there is nothing that layers could stand on")
     if not 1 / LARGEST_COORDINATE <= farthest <= LARGEST_COORDINATE:
         raise InputError(
             f"layers are made of coordinates whose largest is between {1 / LARGEST_COORDINATE:.0e} and "
@@ -229,8 +231,8 @@ def must_end_on_facets(base: Base) -> None:
     away = np.flatnonzero(signs < 0)
     if len(away):
         row, k = divmod(int(side[away[0]]), 3)
-        a, b = own[row, (k + 1) % 3], own[row, (k + 2) % 3]
+        a = own[row, (k + 1) % 3]
         raise InputError(
-            f"the walls end at the edge {a}-{b}, {at(others.points[a])}, where the body is concave: layers "
-            "would not end on the facet beside it; make that a wall, too"
+            f"the walls end at an edge {at(others.points[a])}, where the body is concave: layers would not "
+            "end on the facet beside it; make that a wall, too"
         )
