@@ -105,8 +105,8 @@ def _must_leave_points(domain: Domain, layers: Mesh) -> None:
     if len(within):
         v = int(within[0])
         raise InputError(
-            f"a point {at(domain.points[v])} that is loose, or a corner of an inner piece, lies in the layers, "
-            "which have no vertex there: make them thinner, or leave it out"
+            f"a point {at(domain.points[v])} that is loose, or a corner of an inner piece, lies in the "
+            "layers, which have no vertex there: make them thinner, or leave it out"
         )
 
 
