@@ -55,3 +55,20 @@ def test_large_triangles_are_not_to_be_divided_by_an_option_that_is_refused() ->
     with pytest.warns(IncompleteWarning, match="divide it before") as told:
         prismatic_layers(BOX, 0.3, layers=THIN)
     assert not any("split_boundary" in str(w.message) for w in told)
+
+
+def test_open_surfaces_that_cannot_be_closed_are_told_of_with_a_size_as_without() -> None:
+    ball = Domain.ball(size=0.4)
+    rows = np.asarray(ball.facets)
+    ragged = rows[ball.points[rows].mean(axis=1)[:, 2] > 0]
+    flat = [[0, 1, 2], [1, 3, 2]], [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]
+    soup = Mesh(ball.points[rows].reshape(-1, 3), np.arange(rows.size).reshape(-1, 3))
+    for surface, words in (
+        (Mesh(ball.points, ragged), "does not lie in a plane"),
+        (Mesh(flat[1], flat[0]), "facets may be missing"),
+        (soup, "Domain.surface.mesh, resolve=True. merge them"),
+    ):
+        for size in (None, 0.4):
+            with pytest.raises(InputError, match=words):
+                prismatic_layers(surface, size, layers=THIN)
+    assert prismatic_layers(Domain.surface(soup, resolve=True), 0.4, layers=THIN).complete

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import as_count, as_flag, as_flags, as_mapping, as_seed, finite
 from ...base.arrays import frozen
-from ...base.errors import HiddenVertexWarning, InputError
+from ...base.errors import DomainError, HiddenVertexWarning, InputError
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
@@ -162,7 +162,11 @@ def prismatic_layers(
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
     if smoothing > MOST_SMOOTHING:
         raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
-    closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    try:
+        closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    except DomainError:
+        base_of(surface, None, side)  # says what is wrong with the surface itself
+        raise
     if closed is not None:
         surface, walls = closed.domain, closed.walls if walls is None else walls
     surface, walls, parts = with_flat_sides(surface, walls)

@@ -156,7 +156,9 @@ def _open_piece(parts: Mapping[str, Any]) -> Domain:
             parts["points"], np.empty((0, 3), dtype=np.int32), inner=parts["facets"], markers=parts["markers"]
         )
     except DomainError as error:
-        raise DomainError(str(error).replace("inner facet", "facet"), error.outline, error.faults) from None
+        text = str(error).replace("inner facet", "facet")
+        text = text.replace("let resolve=True", "let Domain.surface(mesh, resolve=True)")
+        raise DomainError(text, error.outline, error.faults) from None
 
 
 def _must_be_of_some_size(points: NDArray[np.float64]) -> None:
