@@ -208,3 +208,19 @@ def test_many_names() -> None:
     assert kept == len(half.markers["facets"])
     for other in (refine(mesh, min_angle=0), swap_diagonals(mesh)):
         assert all(np.array_equal(other.markers[f"m{i}"], mesh.markers[f"m{i}"]) for i in range(0, n, 97))
+
+
+@pytest.mark.parametrize("suffix", ["msh", "mesh"])
+def test_facets_of_triangles_and_quadrilaterals_are_read_again(suffix: str, tmp_path: Path) -> None:
+    """A wedge below a tetrahedron: "facets" had lost the faces of markers with both shapes."""
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1), (0.2, 0.2, 2)]
+    bare = Mesh(points, cells={"wedge": [[0, 1, 2, 3, 4, 5]], "tetra": [[3, 4, 5, 6]]})
+    rows = np.asarray(bare.boundary)
+    many = (rows >= 0).sum(axis=1)
+    mixed = np.array([np.flatnonzero(many == 3)[0], *np.flatnonzero(many == 4)])
+    markers = {"facets": rows, "mixed": rows[mixed], "others": np.delete(rows, mixed, axis=0)[:, :3]}
+    mesh = Mesh(points, cells=bare.cells, markers=markers)
+    mesh.write(tmp_path / f"a.{suffix}")
+    read = Mesh.read(tmp_path / f"a.{suffix}").markers
+    for name, wanted in mesh.markers.items():
+        assert sorted(np.sort(read[name], axis=1).tolist()) == sorted(np.sort(wanted, axis=1).tolist()), name

@@ -171,6 +171,17 @@ def _joined(groups: dict[str, np.ndarray], border: np.ndarray, n: int) -> dict[s
     return result
 
 
+def _of_width(faces: dict[str, np.ndarray], width: int) -> dict[str, np.ndarray]:
+    """The faces of some width, without padding, of the markers that have such, or none in their dimension."""
+    result = {}
+    for name, rows in faces.items():
+        part = rows[(rows >= 0).sum(axis=1) == width][:, :width]
+        alike = rows.shape[1] == width if len(rows) else min(rows.shape[1], 3) == min(width, 3)
+        if len(part) or alike or (name in OWN_NAMES and width > 2 and rows.shape[1] > 2):
+            result[name] = part if part.shape[1] == width else np.empty((0, width), dtype=rows.dtype)
+    return result
+
+
 def _border(mesh: CellComplex, width: int) -> np.ndarray:
     """The facets with ``width`` vertices where the mesh ends."""
     rows = np.asarray(mesh.boundary)
@@ -257,9 +268,12 @@ def from_groups(
             known = name in faces and len(faces[name])
             faces[name] = stacked([faces[name], part]) if known else part
     if is_ours(other):
-        for width in FACE_NAMES:
-            some = {k: v for k, v in faces.items() if v.shape[1] == width and (v >= 0).all()}
-            faces |= _joined(some, _border(mesh, width), len(mesh.points))
+        found = [
+            _joined(_of_width(faces, width), _border(mesh, width), len(mesh.points)) for width in FACE_NAMES
+        ]
+        for name in faces:
+            parts = [some[name] for some in found if name in some]
+            faces[name] = stacked([part for part in parts if len(part)] or parts[:1] or [faces[name]])
     return markers | faces, regions
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from unstruct import Domain
+from unstruct import Domain, examples
 from unstruct.domain.space.flat_parts import flat_parts
 
 
@@ -65,3 +65,25 @@ def test_what_is_not_flat_stays() -> None:
     moved = Domain(points, box.facets)
     found = flat_parts(moved, np.ones(12, dtype=bool))
     assert len(Domain(**found.arguments).facets) == 9
+
+
+def test_points_on_straight_edges_between_parts_go() -> None:
+    box = examples.meshed_sides(Domain.box(), 0.25)
+    every = np.ones(len(box.facets), dtype=bool)
+    new = Domain(**flat_parts(box, every).arguments)
+    assert len(new.points) == 8 and new.volume == 1.0 and len(new.facets) == 6
+    top = np.zeros(len(box.facets), dtype=bool)
+    top[box.markers["top"]] = True  # alone: what is beside it has the points of its edges
+    assert len(Domain(**flat_parts(box, top).arguments).facets[0]) == 3
+    points = box.points.copy()
+    on_edge = np.flatnonzero((points[:, 1:] == 0.0).all(axis=1) & (points[:, 0] == 0.5))[0]
+    held = Domain(
+        np.concatenate([points, [(0.5, 0.4, 0.4)]]),
+        box.facets,
+        inner=[[on_edge, len(points)]],
+        markers=box.markers,
+    )
+    assert len(Domain(**flat_parts(held, every).arguments).points) == 8 + 2
+    points[on_edge, 1:] = -1e-3  # the edge bends there: both of its sides are no plane polygons any more
+    bent = Domain(points, box.facets, markers=box.markers)
+    assert Domain(**flat_parts(bent, every).arguments).volume == bent.volume

@@ -124,7 +124,7 @@ def test_layers_on_one_part_of_a_wall_end_at_a_corner_of_planes() -> None:
 
 def test_layers_that_leave_the_body_or_meet_inner_pieces_are_refused() -> None:
     domain, walls, direction = ball_in_box()
-    for far, text in ((15.0, "cross"), (100.0, "surround")):
+    for far, text in ((15.0, "meet pieces that are no walls"), (100.0, "surround")):
         with pytest.raises(InputError, match=text):
             filled_beyond(domain, grown_on(walls, far * direction), as_size(1.0), OPTIONS)
     first, second = np.asarray(domain.facets[6])[:2].tolist()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unstruct import Domain, InputError, Layers, check
+from unstruct import Domain, InputError, Layers, check, examples
 from unstruct.generate.prisms.flat_sides import with_flat_sides
 from unstruct.generate.prisms.prismatic_layers import prismatic_layers
 
@@ -52,3 +52,83 @@ def test_what_is_not_touched() -> None:
     assert parts is not None and np.array_equal(new.points, tube.points[parts.vertex])
     with pytest.raises(InputError, match="side"):
         with_flat_sides(tube, "sides")
+
+
+@pytest.mark.parametrize("moved", [False, True])
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+def test_layers_past_the_vertices_on_edges_between_sides(moved: bool, stop: str) -> None:
+    """A box of triangles: rays at its corners run along edges, farther than the first vertices on these."""
+    box = examples.meshed_sides(Domain.box(), 0.2)
+    if moved:
+        c, s = np.cos(0.3), np.sin(0.3)
+        turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        box = Domain(box.points @ turn.T @ turn[:, [1, 2, 0]].T + 3, box.facets, markers=box.markers)
+    for walls, first in (
+        ("bottom", 0.16),
+        ("bottom", 0.3),
+        (["bottom", "top"], 0.1),
+        (["bottom", "left"], 0.1),
+    ):
+        mesh = prismatic_layers(box, 0.2, layers=Layers(first, 1.0, 4), walls=walls, stop=stop)
+        assert mesh.complete and check(mesh, domain=box)
+        assert mesh.steps["height"].max() > 0.2
+
+
+def turned(body: Domain) -> Domain:
+    c, s = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return Domain(body.points @ turn.T @ turn[:, [1, 2, 0]].T + 3, body.facets, markers=body.markers)
+
+
+@pytest.mark.parametrize("stop", ["squeeze", "stop"])
+def test_a_floor_whose_sides_are_concave(stop: str) -> None:
+    """The floor of a step, and a star: triangles of the cap cross the planes of sides, but not these."""
+    ell = Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
+    angle = np.arange(10) * np.pi / 5
+    spikes = np.where(np.arange(10) % 2, 1.0, 0.4)
+    star = Domain.extruded(Domain.polygon(np.column_stack([spikes * np.cos(angle), spikes * np.sin(angle)])))
+    for body in (ell, examples.meshed_sides(ell, 0.4), examples.meshed_sides(star, 0.3)):
+        for some in (body, turned(body)):
+            mesh = prismatic_layers(
+                some, 0.4, layers=Layers(0.03, 1.2, 4), walls=["bottom", "top"], stop=stop
+            )
+            assert check(mesh, domain=some) and mesh.counts["limited: crossing"] == 0
+            assert mesh.figures["share of full heights"] == 1.0
+
+
+def test_walls_that_end_where_the_body_is_concave() -> None:
+    """Layers on one side of a step alone would end within the body, where nothing is to end on."""
+    ell = Domain.extruded(Domain.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
+    thin = Layers(0.03, 1.2, 4)
+    for walls in (2, 3):
+        with pytest.raises(InputError, match="concave"):
+            prismatic_layers(ell, 0.4, layers=thin, walls=walls)
+        assert check(prismatic_layers(ell, layers=thin, walls=walls, side="inside"))
+    for walls in ([2, 3], 0, 5):
+        assert check(prismatic_layers(ell, 0.4, layers=thin, walls=walls), domain=ell)
+
+
+def test_facets_in_the_plane_of_a_side_that_are_another_piece() -> None:
+    """Layers slide on the facets beside walls, not on a strip above them, nor on a window."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = [(x, y, z) for z in (0.0, 0.3, 1.0) for x, y in corners]
+    rows = [[3, 2, 1, 0], [8, 9, 10, 11]]
+    rows += [
+        [4 * k + i, 4 * k + (i + 1) % 4, 4 * k + 4 + (i + 1) % 4, 4 * k + 4 + i]
+        for k in (0, 1)
+        for i in range(4)
+    ]
+    strips = Domain(points, rows, markers={"bottom": [0], "low": range(2, 6)})
+    window = [(x, 0.0, z) for x, z in ((0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7))]
+    sides = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    pane = [8, 9, 10, 11]
+    glazed = Domain(
+        [(x, y, z) for z in (0, 1) for x, y in corners] + window,
+        [[3, 2, 1, 0], [4, 5, 6, 7], [sides[0], pane], pane, *sides[1:]],
+        markers={"bottom": [0], "inlet": [3]},
+    )
+    for body in (strips, turned(strips), glazed):
+        for first in (0.05, 0.08, 0.2):
+            mesh = prismatic_layers(body, 0.3, layers=Layers(first, 1.0, 4), walls="bottom")
+            assert check(mesh, domain=body)
+            assert mesh.steps["height"].min() < 0.3

@@ -64,7 +64,7 @@ def test_the_judgment_sees_faults() -> None:
 @pytest.mark.parametrize("cells", ["wedge", "tetrahedron"])
 def test_layers_below_the_rounding_of_coordinates_are_refused(cells: str) -> None:
     """Found here: without any layer there was nothing to divide."""
-    with pytest.raises(InputError, match="no layer is possible anywhere"):
+    with pytest.raises(InputError, match="no layer is possible: the thinnest"):
         prismatic_layers(Domain.ball(size=0.5), layers=Layers(first=1e-17, growth=1.2, count=12), cells=cells)
 
 

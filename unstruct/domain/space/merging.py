@@ -100,7 +100,8 @@ def in_common_planes(
     within : float
         How far off a plane facets may be; unit: the largest coordinate.
     which : (f,) bool, optional
-        Facets that are joined with others; all by default. With it, vertices on straight edges stay.
+        Facets that are joined with others; all by default. With it, vertices on straight edges stay, unless
+        only sides of joined facets have them.
     among : (f,) bool, optional
         Facets that may be joined; all by default.
 
@@ -112,14 +113,14 @@ def in_common_planes(
     """
     x = outline.points * power_of_two(outline.points)
     within = float(np.abs(x).max(initial=0.0)) * within
-    straight = within if which is None else -1.0
     facets = Polygons.of(outline.facets)
     side = _sides(outline, facets, x, within, among)
     if which is not None:
         side = np.where(flagged(len(facets), side[which])[side], side, np.arange(len(facets)))
     for _ in range(MOST_UNJOINED):
         rings, side = _rings(outline, facets, side, x)
-        found = _joined(outline, facets, side, rings, x, straight)
+        only = None if which is None else _between_joined(outline, facets, side)
+        found = _joined(outline, facets, side, rings, x, within, only)
         parts = found.parts
         names = (parts["markers"], parts["regions"])
         trial = Outline(parts["points"], parts["facets"], parts["inner"], {}, *names)
@@ -260,6 +261,7 @@ def _joined(
     rings: dict[int, list[NDArray[np.int32]]],
     x: Array,
     within: float,
+    only: NDArray[np.bool_] | None = None,
 ) -> Simplified:
     """The arguments of the new domain: sides in the order of their first facets, then the inner pieces."""
     first = np.unique(side, return_index=True)[1]
@@ -271,7 +273,7 @@ def _joined(
     was[outline.pieces.vertices] = True
     kept = ~was
     kept[every.vertices] = True
-    dropped = straight_vertices(every, x, within) if within >= 0.0 else kept[:0].nonzero()[0]
+    dropped = straight_vertices(every, x, within, only) if within >= 0.0 else kept[:0].nonzero()[0]
     kept[dropped] = False
     ring = [[row[kept[row]] for row in every.rings(i)] for i in range(len(every))]
     number = (np.cumsum(kept) - 1).astype(np.int32)
@@ -288,6 +290,13 @@ def _joined(
         "regions": outline.regions,
     }
     return Simplified(parts, np.flatnonzero(kept), piece, _account(outline, facets, side, first, kept))
+
+
+def _between_joined(outline: Outline, facets: Polygons, side: Numbers) -> NDArray[np.bool_]:
+    """The vertices that no piece has but sides of several facets."""
+    alone = np.bincount(side, minlength=len(side))[side] == 1
+    others = outline.pieces.select(np.arange(len(facets), len(outline.pieces)))
+    return ~flagged(len(outline.points), facets.select(np.flatnonzero(alone)).vertices, others.vertices)
 
 
 def _account(

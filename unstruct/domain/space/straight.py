@@ -12,7 +12,9 @@ __all__ = ["straight_vertices"]
 Array = NDArray[np.float64]
 
 
-def straight_vertices(pieces: Polygons, x: Array, within: float) -> NDArray[np.int64]:
+def straight_vertices(
+    pieces: Polygons, x: Array, within: float, only: NDArray[np.bool_] | None = None
+) -> NDArray[np.int64]:
     """The vertices that can be dropped: two edges meet there, in a line up to a distance.
 
     Parameters
@@ -22,6 +24,8 @@ def straight_vertices(pieces: Polygons, x: Array, within: float) -> NDArray[np.i
     x : (n, 3) float64
     within : float
         How far dropped vertices may be from the edges that replace them.
+    only : (n,) bool, optional
+        Vertices that may be dropped; all by default.
 
     Notes
     -----
@@ -31,7 +35,7 @@ def straight_vertices(pieces: Polygons, x: Array, within: float) -> NDArray[np.i
     ends, _ = pieces.sides
     edges = np.unique(np.sort(ends.astype(np.int64), axis=1), axis=0)
     degree = np.bincount(edges.ravel(), minlength=len(x))
-    free = degree == 2
+    free = degree == 2 if only is None else (degree == 2) & only
     beside: dict[int, set[int]] = {}
     for a, b in edges[free[edges].any(axis=1)].tolist():
         beside.setdefault(a, set()).add(b)

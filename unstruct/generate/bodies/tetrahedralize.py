@@ -22,8 +22,9 @@ from ..volume.lacking import what_is_missing
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
-__all__ = ["tetrahedra_by_size", "tetrahedralize"]
+__all__ = ["LARGE_TRIANGLE", "tetrahedra_by_size", "tetrahedralize"]
 
+LARGE_TRIANGLE = "a facet is larger than the size; split_boundary=True divides it"
 CUT_UNEVENLY = (
     "a facet is larger than the size although it is divided; a size that changes less from edge to edge helps"
 )
@@ -167,7 +168,7 @@ def _made(
         lattice = lattice_points(body, field, budget, coarse_facets(body.triangulated, field))
     more: Any = {"field": field, "large": CUT_UNEVENLY}
     if split_boundary is False or (split_boundary is None and (domain.pieces.corners == 3).any()):
-        more["large"] = "a facet is larger than the size; split_boundary=True divides it"
+        more["large"] = LARGE_TRIANGLE
     if parts is None:
         return filled(domain, lattice, names=names, **more, **options)
     parts = parts._replace(names=names)

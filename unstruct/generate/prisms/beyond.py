@@ -10,14 +10,16 @@ from numpy.typing import NDArray
 from ...base.arrays import flagged
 from ...base.errors import InputError
 from ...domain.domain import Domain
+from ...domain.space.cutting import at
 from ...geometry import simplex
 from ...geometry.inside_shell import side_mates
+from ...geometry.polygons import Polygons
 from ...mesh.cells import incident_facets
 from ...mesh.domain_mesh import IS_MISSING, DomainMesh
 from ...mesh.mesh import Mesh
 from ...mesh.split import simplices_of_cells
 from ...sizing.field import SizeField
-from ..bodies.tetrahedralize import tetrahedra_by_size
+from ..bodies.tetrahedralize import LARGE_TRIANGLE, tetrahedra_by_size
 from ..volume.filling import numbered_parts_of
 from ..volume.lacking import what_is_missing
 from ..volume.rounder import faces_of_cells
@@ -31,6 +33,7 @@ SEEDS_BEYOND = 3  # how many are tried as long as the cap is not kept
 MEDIAN_JUMP, LARGEST_JUMP = "jump of volume at the cap, median", "jump of volume at the cap, largest"
 LEAST_BEYOND = "least dihedral angle beyond"
 DIVIDED_CAP = f"a triangle of the cap, undivided,{IS_MISSING}"
+LARGE_ON_SURFACE = "a triangle of the surface, or the cap above it, is larger than the size: divide it before"
 OTHER_LAYERS = "other layers, or another seed, may help"
 
 
@@ -64,10 +67,12 @@ def filled_beyond(
     Raises
     ------
     InputError
-        If what is left is no body (see `remainder`), or layers surround other facets.
+        If what is left is no body (see `remainder`), or layers surround other facets, loose points, or inner
+        pieces.
     """
-    rest = remainder(domain, grown)
-    inside = Mesh(grown.points, None, cells=grown.cells).volume
+    layers = Mesh(grown.points, None, cells=grown.cells)
+    rest, inside = remainder(domain, grown), layers.volume
+    _must_leave_points(domain, layers)
     if abs(rest.domain.volume + inside - domain.volume) > SAME_VOLUME * domain.volume:
         raise InputError(
             f"layers have the volume {inside:.6g}, what they leave of the body has {rest.domain.volume:.6g}, "
@@ -80,7 +85,8 @@ def filled_beyond(
         lost = np.flatnonzero(above < 0)
         if not lacking and not len(lost):
             break
-    reasons = dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist(), strict=True))
+    why = [LARGE_ON_SURFACE if reason == LARGE_TRIANGLE else reason for reason in mesh.reasons.tolist()]
+    reasons = dict(zip(mesh.unrefined.tolist(), why, strict=True))
     if len(lost) and not lacking:
         place = [float(f"{x:.6g}") for x in grown.points[grown.cap[lost[0]]].mean(axis=0)]
         lacking = (
@@ -89,6 +95,21 @@ def filled_beyond(
         )
         reasons |= dict.fromkeys(_cells_at(mesh, rest, lost).tolist(), DIVIDED_CAP)
     return _joined(domain, grown, rest, mesh, above, reasons), lacking
+
+
+def _must_leave_points(domain: Domain, layers: Mesh) -> None:
+    """Points that are to be vertices, loose or of inner pieces, must not lie in layers."""
+    inner = Polygons.of(domain.inner).vertices if len(domain.inner) else np.empty(0, dtype=np.int64)
+    every = np.unique(np.concatenate([np.asarray(domain.loose), inner])).astype(np.int64)
+    if not len(every):
+        return
+    within = every[layers.find_simplex(domain.points[every]) >= 0]
+    if len(within):
+        v = int(within[0])
+        raise InputError(
+            f"a point {at(domain.points[v])} that is loose, or a corner of an inner piece, lies in the "
+            "layers, which have no vertex there: make them thinner, or leave it out"
+        )
 
 
 def _above_cap(mesh: DomainMesh, rest: Remainder) -> Rows:

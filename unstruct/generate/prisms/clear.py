@@ -25,6 +25,7 @@ __all__ = ["Border", "Skin", "clashes", "inside_out", "skin_of", "surrounded"]
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 SURE_VOLUME = 2.0**-44  # of the sum of absolute products: above the rounding of each term and of their sum
+NEAR_RAY = 1e-9  # of the distance: how far points on an edge may be from the rounded ray along it
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -55,6 +56,8 @@ class Skin(NamedTuple):
         The column of which each is the base, the cap or a side; -1 for others.
     fresh : (k,) bool
         Whether a triangle is new since the last test: no others can meet that did not before.
+    base : (r,) int64
+        The point in which each ray starts.
     """
 
     points: Array
@@ -65,6 +68,7 @@ class Skin(NamedTuple):
     stays: NDArray[np.int32]
     column: Numbers
     fresh: NDArray[np.bool_]
+    base: Numbers
 
 
 def skin_of(
@@ -133,6 +137,7 @@ def skin_of(
             ]
         ),
         fresh,
+        base,
     )
 
 
@@ -160,7 +165,8 @@ def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
     """Whether a pair only meets in a plane in which layers end.
 
     A side lies on the facet of its plane. A triangle of the cap may touch the facet with the corners that
-    stay in its plane, as long as the others are on one side of it.
+    stay in its plane, as long as the others are on one side of it, or the triangle leaves the facet behind
+    the edge along which its corner slides.
     """
     found = np.zeros(len(pairs), dtype=bool)
     for one, two in (pairs.T, pairs[:, ::-1].T):
@@ -178,6 +184,40 @@ def _allowed(skin: Skin, pairs: Numbers) -> NDArray[np.bool_]:
             signs[some, k] = orient_rows(skin.points, simplices)
         same = (signs.max(axis=1) <= 0) | (signs.min(axis=1) >= 0)
         found[rest] |= slides.any(axis=1) & same & (slides | (signs != 0)).all(axis=1)
+        behind = np.flatnonzero(~same & (slides.sum(axis=1) == 1) & (slides | (signs != 0)).all(axis=1))
+        if len(behind):
+            found[rest[behind]] |= _behind_edges(skin, one[rest[behind]], two[rest[behind]], slides[behind])
+    return found
+
+
+def _behind_edges(skin: Skin, one: Numbers, two: Numbers, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether triangles meet facets, whose planes they cross, only in the corner that slides along an edge.
+
+    Seen along that edge, on which the corner's ray lies, the triangle is an angle, and the facet a half-line,
+    that has to be outside of it: so at a corner of a floor where its sides are concave.
+    """
+    k = slides.argmax(axis=1)
+    row = np.arange(len(one))
+    corners = skin.triangles[one]
+    ray = skin.rays[one, k]
+    found = (ray >= 0) & (skin.stays[corners[row, k]] >= 0).all(axis=1)
+    some = np.flatnonzero(found)
+    low, high = skin.base[ray[some]], corners[some, k[some]]
+    q, r = corners[some, (k[some] + 1) % 3], corners[some, (k[some] + 2) % 3]
+
+    def turn(a: NDArray, b: NDArray) -> NDArray[np.int64]:
+        return orient_rows(skin.points, np.column_stack([low, high, a, b])).astype(np.int64)
+
+    angle, along = turn(q, r), skin.points[high] - skin.points[low]
+    along /= np.maximum(np.sqrt((along * along).sum(axis=1)), 1e-300)[:, None]
+    good = angle != 0
+    for i in range(3):
+        f = skin.triangles[two[some], i]
+        away = skin.points[f] - skin.points[low]
+        off = away - (away * along).sum(axis=1)[:, None] * along
+        on_edge = (off * off).sum(axis=1) <= NEAR_RAY**2 * (away * away).sum(axis=1)
+        good &= on_edge | (turn(q, f) * angle < 0) | (turn(f, r) * angle < 0)
+    found[some] = good
     return found
 
 

@@ -114,7 +114,8 @@ def planes_beside(
     planes, normals
         Of `Walls`.
     plane : (o,) int32
-        The plane of each triangle beside, -1 for those that touch no wall.
+        The plane of each triangle of a piece with an edge of a wall, -1 for others: layers slide on these
+        pieces alone, not on others in their plane.
     """
     points, ends = domain.points, vertex[_borders(triangles, mates)]
     planes = np.full((len(vertex), MOST_PLANES), -1, dtype=np.int32)
@@ -148,7 +149,17 @@ def planes_beside(
                 "in all of them; make facets there walls, or plane"
             )
         planes[v, free[0]] = p
+    plane[~np.isin(piece, _pieces_along(ends, rows, piece))] = -1
     return planes, np.array(normals).reshape(-1, 3), plane
+
+
+def _pieces_along(ends: NDArray, rows: Numbers, piece: Numbers) -> NDArray:
+    """The pieces of triangles with an edge among some."""
+    keys = [
+        np.sort(some.astype(np.int64).reshape(-1, 2), axis=1) for some in (ends, rows[:, [0, 1, 1, 2, 2, 0]])
+    ]
+    wanted, own = (key[:, 0] << 32 | key[:, 1] for key in keys)
+    return np.unique(piece[np.isin(own, wanted).reshape(-1, 3).any(axis=1)])
 
 
 def _plane_of(domain: Domain, rows: Numbers, piece: int) -> tuple[Array, Array]:

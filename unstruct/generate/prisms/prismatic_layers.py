@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import as_count, as_flag, as_flags, as_mapping, as_seed, finite
 from ...base.arrays import frozen
-from ...base.errors import HiddenVertexWarning, InputError
+from ...base.errors import DomainError, HiddenVertexWarning, InputError
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
@@ -29,11 +29,12 @@ from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
 from .run import PrismOptions, PrismRun
 from .stop_run import StopRun
-from .walls import WALL_SIDES, base_of
+from .walls import WALL_SIDES, base_of, must_end_on_facets
 
 __all__ = ["layers_alone", "prismatic_layers"]
 
 NO_LAYERS = "no layer is possible anywhere: the walls are too close to each other, or seen from nowhere"
+NEAREST_DOUBLES = 2.0**-52  # how far they are apart, by their size
 ROOM_BEYOND = 0.4  # how much higher layers could be before they meet something; unit: their height
 MOST_SMOOTHING = 1000
 STOPPING, PRISM_CELLS = ("squeeze", "stop"), ("wedge", "tetrahedron")
@@ -71,8 +72,9 @@ def prismatic_layers(
         The heights of the layers, with an end (give a count).
     walls : str, int, or list of these, optional
         Names of markers, or pieces, along which there are layers; by default all facets. Facets beside walls
-        must be plane: layers end there. Those that are cut into triangles in such a plane are taken as one
-        polygon, if they have the same names.
+        must be plane: layers end there, on those with an edge of a wall. Those that are cut into triangles
+        in such a plane are taken as one polygon, if they have the same names, without points on straight
+        edges between two polygons.
     side : "inside" or "outside", optional
         On which side of the surface the layers are; "inside" by default where there is a size, else
         "outside". Of an open mesh, "outside" is where its normals point.
@@ -96,7 +98,7 @@ def prismatic_layers(
     seed : int
         Of its random numbers.
     budget : int, optional
-        How many points it may add.
+        With a size, how many points it may add beyond the layers; as for `tetrahedralize`.
     progress : bool
         Show progress bars.
 
@@ -123,8 +125,9 @@ def prismatic_layers(
     ------
     InputError
         For layers without an end, unknown names, walls that touch themselves, borders that are not plane,
-        surfaces that are turned against themselves; and as `Domain` does. With a size, for inner pieces that
-        end at walls, and as `tetrahedralize` does.
+        surfaces that are turned against themselves; and as `Domain` does. If no layer is possible. With a
+        size, for walls that end where the body is concave, for inner pieces that end at walls, for these and
+        loose points in the layers, and as `tetrahedralize` does.
 
     Notes
     -----
@@ -139,7 +142,8 @@ def prismatic_layers(
     exact signs; so the layers do not overlap (see the book, chapter 5). With a size, caps two fifths
     higher would not meet anything either, so that tetrahedra find room between them. If the rest cannot be
     filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
-    is not one of the body, and ``complete`` is False.
+    is not one of the body, and ``complete`` is False. Layers that are lower than wanted, or missing, do not
+    count there: see ``figures``, ``counts`` and ``steps``.
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """
@@ -158,12 +162,18 @@ def prismatic_layers(
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
     if smoothing > MOST_SMOOTHING:
         raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
-    closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    try:
+        closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
+    except DomainError:
+        base_of(surface, None, side)  # says what is wrong with the surface itself
+        raise
     if closed is not None:
         surface, walls = closed.domain, closed.walls if walls is None else walls
     surface, walls, parts = with_flat_sides(surface, walls)
     base = base_of(surface, walls, side)
     fill = _fill_options(size, side, fill_options, seed, budget, progress)
+    if size is not None:
+        must_end_on_facets(base)
     room = 0.0 if size is None else ROOM_BEYOND
     options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
     run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
@@ -215,12 +225,28 @@ def _tell_hidden(run: PrismRun) -> None:
         )
 
 
+def _why_none(run: PrismRun) -> str:
+    """Why there are no layers at all."""
+    least = float((np.diff(run.shares, axis=1).min(axis=1) * run.total).min())
+    farthest = float(np.abs(run.base.walls.points).max())
+    first = float((run.shares[:, 1] * run.total).min())
+    if least < NEAREST_DOUBLES * farthest:
+        return (
+            f"no layer is possible: the thinnest is {least:.3g}, but numbers as large as these coordinates, "
+            f"{farthest:.3g}, are {NEAREST_DOUBLES * farthest:.1g} apart; give thicker "
+            "layers, or move the body to the origin"
+        )
+    if isinstance(run, StopRun):
+        return f'{NO_LAYERS}, for a first layer of {first:.3g}: give less, or stop="squeeze" (thinner ones)'
+    return NO_LAYERS
+
+
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
     with_layers: NDArray[np.bool_] = run.rays.level > 0
     kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
     if not kept.any():
-        raise InputError(NO_LAYERS)
+        raise InputError(_why_none(run))
     grown = _grown(run)
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
@@ -245,7 +271,7 @@ def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tup
     domain = run.base.domain
     assert domain is not None
     if not (run.rays.level > 0).any():
-        raise InputError(NO_LAYERS)
+        raise InputError(_why_none(run))
     grown = _grown(run)
     field = as_size(size_by_part(domain, size))
     mesh, lacking = filled_beyond(domain, grown, field, dict(fill))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import flagged
-from ...base.errors import InputError
+from ...base.errors import DomainError, InputError
 from ...domain.domain import Domain
 from ...geometry.polygons import Polygons
 
@@ -102,9 +102,8 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     Raises
     ------
     InputError
-        If inner pieces end at walls.
-    DomainError
-        If what is left is no body, because the layers cross facets that are no walls.
+        If inner pieces end at walls, or what is left is no body, because the layers meet pieces that are no
+        walls.
     """
     many = len(domain.points)
     facets, inner = Polygons.of(domain.facets), Polygons.of(domain.inner)
@@ -127,7 +126,15 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     place[vertex] = np.arange(len(vertex))
     every = Polygons.joined(outer, Polygons.of_rows(cap)).renumbered(place)
     points = np.concatenate([domain.points, grown.points])[vertex]
-    rest = Domain(points, every, inner=inner.renumbered(place) if len(inner) else None)
+    try:
+        rest = Domain(points, every, inner=inner.renumbered(place) if len(inner) else None)
+    except DomainError as error:
+        where = next((fault.place for fault in error.faults if fault.place is not None), None)
+        near = "" if where is None else f", near {[float(f'{x:.6g}') for x in where]}"
+        raise InputError(
+            f"what the layers leave is no body, because they meet pieces that are no walls{near}: make "
+            "layers thinner, or leave these pieces out, or make them walls"
+        ) from error
     piece = np.concatenate([kept, np.full(len(cap), -1), len(facets) + np.arange(len(inner))])
     return Remainder(rest, vertex, piece, slice(len(kept), len(kept) + len(cap)))
 

@@ -18,7 +18,7 @@ from .marching import marched
 from .records import COLUMN, CROSSING_RAY, HIDDEN_RAY, Rays, Walls
 from .split import twisted
 from .stars import stars_of
-from .walls import Base
+from .walls import LARGEST_COORDINATE, Base
 
 __all__ = ["PrismOptions", "PrismRun"]
 
@@ -77,6 +77,12 @@ class PrismRun:
             raise InputError(
                 f"layers have {len(heights)} values, but the walls have {len(walls.points)} vertices: give "
                 "one value, one for each of them, or a function of the place"
+            )
+        farthest = float(np.abs(walls.points).max(initial=0.0))
+        if not heights.max() + farthest <= LARGEST_COORDINATE:
+            raise InputError(
+                f"layers have the total height {heights.max():.3g}: it must be at most "
+                f"{LARGEST_COORDINATE:.0e}; give fewer layers, or less growth"
             )
         total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
         self.shares = np.atleast_2d(heights / heights[..., -1:])

@@ -18,14 +18,15 @@ from ...base.errors import DomainError, InputError
 from ...domain.domain import Domain, as_domain
 from ...domain.space.cutting import at
 from ...domain.space.surfaces import parts_of
-from ...geometry.inside_shell import front_inside, triangle_components
+from ...geometry.inside_shell import front_inside, side_mates, triangle_components
 from ...mesh.mesh import Mesh
+from ...predicates.batch import orient_rows
 from ..layers.walls import wall_pieces
 from .planes import planes_beside, planes_of_loops
 from .records import Others, Walls
 from .stars import stars_of
 
-__all__ = ["WALL_SIDES", "Base", "base_of"]
+__all__ = ["LARGEST_COORDINATE", "WALL_SIDES", "Base", "base_of", "must_end_on_facets"]
 
 WALL_SIDES = ("inside", "outside")
 LARGEST_COORDINATE = 2.0**300  # products of three lengths are doubles
@@ -155,11 +156,15 @@ def _open_piece(parts: Mapping[str, Any]) -> Domain:
             parts["points"], np.empty((0, 3), dtype=np.int32), inner=parts["facets"], markers=parts["markers"]
         )
     except DomainError as error:
-        raise DomainError(str(error).replace("inner facet", "facet"), error.outline, error.faults) from None
+        text = str(error).replace("inner facet", "facet")
+        text = text.replace("let resolve=True", "let Domain.surface(mesh, resolve=True)")
+        raise DomainError(text, error.outline, error.faults) from None
 
 
 def _must_be_of_some_size(points: NDArray[np.float64]) -> None:
     farthest = float(np.abs(points).max(initial=0.0))
+    if not len(points):
+        raise InputError("the surface has no facets: there is nothing that layers could stand on")
     if not 1 / LARGEST_COORDINATE <= farthest <= LARGEST_COORDINATE:
         raise InputError(
             f"layers are made of coordinates whose largest is between {1 / LARGEST_COORDINATE:.0e} and "
@@ -209,4 +214,27 @@ def _must_be_manifold(
             f"more than two facets meet at the edge {a}-{b} of {domain.name(int(piece[bad[0] // 3]))}, "
             f"{at(domain.points[a])}: there layers would overlap; leave a gap between the parts, or leave "
             "these facets out of walls"
+        )
+
+
+def must_end_on_facets(base: Base) -> None:
+    """Facets beside walls must be on that side of them on which the layers are: there these end on them.
+
+    At an edge where the body is concave they would end within the body, in the plane of the facet beside,
+    but not on it. Facets in the plane of the wall are none of these: no ray has a height there.
+    """
+    walls, others = base.walls, base.others
+    own = walls.vertex[walls.triangles]
+    mates = side_mates(np.concatenate([own, others.triangles]).astype(np.int32))[: 3 * len(own)]
+    side = np.flatnonzero(mates >= 3 * len(own))
+    other = mates[side] - 3 * len(own)
+    corner = others.triangles[other // 3, other % 3]
+    signs = orient_rows(others.points, np.column_stack([own[side // 3], corner]))
+    away = np.flatnonzero(signs < 0)
+    if len(away):
+        row, k = divmod(int(side[away[0]]), 3)
+        a = own[row, (k + 1) % 3]
+        raise InputError(
+            f"the walls end at an edge {at(others.points[a])}, where the body is concave: layers would not "
+            "end on the facet beside it; make that a wall, too"
         )
