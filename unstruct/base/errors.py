@@ -94,7 +94,8 @@ class IncompleteWarning(UserWarning):
 
 
 class HiddenVertexWarning(UserWarning):
-    """At some vertices of a wall no direction sees all triangles: there are no prismatic layers there.
+    """At some vertices of a wall there are no prismatic layers.
 
-    ``mesh.steps`` lists them, with the reason "hidden".
+    No direction sees all triangles there, or there is no room at all; ``mesh.steps`` lists these vertices with
+    the "level" 0 and a "reason".
     """

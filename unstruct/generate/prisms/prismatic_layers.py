@@ -212,17 +212,20 @@ def _fill_options(size: Any, side: str, given: Any, seed: Any, budget: Any, prog
 
 
 def _tell_hidden(run: PrismRun) -> None:
-    """Warn of vertices at which no direction sees all triangles."""
-    hidden = np.flatnonzero(run.rays.reason == HIDDEN_RAY)
-    if len(hidden):
-        v = int(run.base.walls.vertex[hidden[0]])
-        x, y, z = run.base.others.points[v].tolist()
-        warnings.warn(
-            f"at {len(hidden)} vertices of the walls no direction sees all triangles, so that there are no "
-            f"layers: the first is point {v} at ({x:.6g}, {y:.6g}, {z:.6g}); see mesh.steps",
-            HiddenVertexWarning,
-            stacklevel=3,
-        )
+    """Warn of vertices without any layer: no direction sees all triangles there, or there is no room."""
+    none = run.rays.level == 0
+    hidden = none & (run.rays.reason == HIDDEN_RAY)
+    for rows, why in ((hidden, "no direction sees all triangles"), (none & ~hidden, "there is no room")):
+        many = int(rows.sum())
+        if many:
+            v = int(run.base.walls.vertex[run.rays.base[np.argmax(rows)]])
+            x, y, z = run.base.others.points[v].tolist()
+            warnings.warn(
+                f"at {many} vertices of the walls {why}, so that there are no layers: the first is point {v} "
+                f"at ({x:.6g}, {y:.6g}, {z:.6g}); see mesh.steps",
+                HiddenVertexWarning,
+                stacklevel=3,
+            )
 
 
 def _why_none(run: PrismRun) -> str:
