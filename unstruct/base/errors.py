@@ -96,6 +96,6 @@ class IncompleteWarning(UserWarning):
 class HiddenVertexWarning(UserWarning):
     """At some vertices of a wall there are no prismatic layers.
 
-    No direction sees all triangles there, or there is no room at all; ``mesh.steps`` lists these vertices with
+    No direction sees all triangles there, or there is no room at all; ``mesh.steps`` lists them with
     the "level" 0 and a "reason".
     """
