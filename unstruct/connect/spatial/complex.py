@@ -23,7 +23,9 @@ __all__ = ["RESTARTS", "WORTH_ANOTHER", "Recovered", "SpatialComplex", "SpatialM
 
 WORTH_ANOTHER = 40  # with more than this missing or in parts, more effort, or a third seed, would not help
 MOST_ADDED = 200_000
-SHAKEN = 10  # stars of points that are left, at each further level
+SHAKEN = 10  # times the star of a point that is left, before more is tried
+# In a hurry, with few points left, so often in all: most leave soon, and another seed costs more.
+SHAKEN_IN_HURRY, FEW_KEPT = 12, 3
 # What one more seed costs for each point, and what is tried to release a point that is left; unit: what one
 # more seed costs for each triangle.
 SPLITTING, SHAKING_ONE = 50, 2000
@@ -135,7 +137,7 @@ class SpatialComplex(CellArrays):
             How many seeds in all are tried as long as something is missing, or is there in parts only.
         hurry : bool
             Whether to stop at once where something is missing (then what was split stays so), or in parts and
-            another seed costs less than to release the last points.
+            another seed costs less than to release the last points; where these are few, that is tried.
         history : bool
             Whether to keep a record of what the best seed has changed; see `history`.
         progress : bool
@@ -202,6 +204,8 @@ class SpatialComplex(CellArrays):
         release = Release(run)
         if not (hurry and (run.lost or run.lost_edges)):
             release.run()
+            if hurry and 0 < len(release.kept) <= FEW_KEPT and not (run.lost or run.lost_edges):
+                release.run(SHAKEN_IN_HURRY // len(release.kept))
             again = len(corners) + SPLITTING * run.added
             if not (hurry and again < SHAKING_ONE * len(release.kept)):
                 self._more(run, release, progress)

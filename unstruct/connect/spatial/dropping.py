@@ -74,7 +74,10 @@ def lower_degree(solid, held, r, found, goal, enough):
 
 @kernel
 def shake_star(solid, held, r, found, p, count):
-    """Refill ``count`` cavities at vertex p by chance, whatever they cost; -1 if room is lacking."""
+    """Refill ``count`` cavities by chance, whatever they cost; -1 if room is lacking.
+
+    One half are at vertex p, the others at its neighbors: what is in the way of p is often beside its star.
+    """
     r.size[COST_KIND], r.size[EVENT], r.size[WAY_COUNT] = ANY, EVENT_SHAKE, 0
     r.size[TARGET], r.size[TARGET + 1], r.size[TARGET + 2] = p, -1, -1
     for _ in range(count):
@@ -82,6 +85,9 @@ def shake_star(solid, held, r, found, p, count):
             return -1
         size = star(solid, found, p)
         face = 4 * found.cells[draw(solid.state, size)] + draw(solid.state, 4)
+        if draw(solid.state, 2) == 1:
+            size = star(solid, found, solid.vertex[face])
+            face = 4 * found.cells[draw(solid.state, size)] + draw(solid.state, 4)
         if solid.mark[face] >= 0 or not beside(solid, r, face):
             continue
         if grow(solid, r, 2, 5 + draw(solid.state, 4), 8):

@@ -35,7 +35,8 @@ __all__ = ["Release"]
 NODES_BESIDE = 100  # of the search for a sector with a new point
 PARTS_BESIDE = (0.25, 0.015625, 0.000244140625)  # of the way to where it may be: powers of 1/4
 FEW_AT_POINT = 20  # cells: so few are no obstacle to a search without their point
-SHAKES_OF_STAR = 8  # refills by chance at a point, before it is tried again
+SHAKES_OF_STAR = 32  # refills by chance at a point, before it is tried again: they cost less than the try
+SHAKING_ROOM = 16  # unit: slots that one refill may need; each leaves free what it replaces
 FEW_WALLS = 100  # the same, for the kernel that needs no more
 WALLS = 400  # faces of the largest star that is looked at
 
@@ -129,10 +130,10 @@ class Release:
             return False
         cells, held, done = self.cells, self.recovery.held, -1
         while done < 0:
-            cells.reserve(cells.size + 8, cells.slots + SHAKES_OF_STAR * SPARE_SLOTS)
+            cells.reserve(cells.size + 8, cells.slots + SHAKING_ROOM * SPARE_SLOTS)
             cells.reserve_events()
             done = shake_star(cells.solid(), held, self.local, cells.found, split.point, SHAKES_OF_STAR)
-        return self._release(split)
+        return self._release(split, shaken=True)
 
     def _ready(self, split: Split) -> bool:
         """Whether the parts of a split are not split themselves."""
@@ -142,7 +143,7 @@ class Release:
         # without triangles, only the record tells that a part is split itself
         return split.segment is None or not any(edge(p, v) in given.middle for v in split.segment)
 
-    def _release(self, split: Split) -> bool:
+    def _release(self, split: Split, *, shaken: bool = False) -> bool:
         if not self._ready(split):
             return False
         given, p = self.recovery.given, split.point
@@ -157,7 +158,7 @@ class Release:
         before, claimed = self.cells.size, set(around)
         tets: list[Cell] = []
         for sector in self._sectors(around, p):
-            found = self._filled(sector, split, claimed)
+            found = self._filled(sector, split, claimed, shaken)
             if found is None:
                 self.cells.size = before
                 return False
@@ -172,19 +173,22 @@ class Release:
         self._done(split, gone, added)
         return True
 
-    def _filled(self, sector: list[int], split: Split, claimed: set[int]) -> list[Cell] | None:
-        """Tetrahedra that fill a sector of the star of a point without it; more cells may be claimed."""
-        p = split.point
-        link, whole = cancelled(list(link_of(self.cells, sector, p)), self._restored(sector, split))
+    def _filled(self, sector: list[int], split: Split, claimed: set[int], shaken: bool) -> list[Cell] | None:
+        """Tetrahedra that fill a sector of the star of a point without it; more cells may be claimed.
+
+        After a star was shaken, what takes long and seldom helps is left out: another shake helps more.
+        """
+        p, restored = split.point, self._restored(sector, split)
+        link, whole = cancelled(list(link_of(self.cells, sector, p)), restored)
         found = self._without(link + whole, None if split.children else split.segment)
         if found is None and split.children:
             found = moved(self.cells, link, whole, p)
-        if found is None and split.children:
-            found = self._grown(sector, self._restored(sector, split), p, claimed)
-        if found is None and split.children:
+        if found is None and split.children and not shaken:
+            found = self._grown(sector, restored, p, claimed)
+        if found is None and split.children and not shaken:
             found = self._beside(link + whole, len(link), p)
         if found is None and split.children:
-            wide = widened(self.cells, sector, self._restored(sector, split), p, claimed)
+            wide = widened(self.cells, sector, restored, p, claimed)
             if wide is not None:
                 found = wide[0]
                 claimed |= set(wide[1])
