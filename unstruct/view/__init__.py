@@ -30,6 +30,8 @@ from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
 from .draw.trees import plot_tree as plot_tree
 from .scenes import states as states
+from .scenes.cap_states import CAP_PAIRS as CAP_PAIRS
+from .scenes.cap_states import cap_state as cap_state
 from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
 from .scenes.centers import circumcenter_state as circumcenter_state

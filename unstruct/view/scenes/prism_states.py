@@ -22,7 +22,7 @@ PRISM_STOPS = ("squeeze", "stop")
 PRISM_COUNT = 8  # layers
 BODY_SIZE = 0.3
 CUT_AT = 0.02  # beside the middle, so that the plane meets no vertex
-PRISM_WINDOW = [-1.75, 1.75, -1.6, 1.9]
+PRISM_WINDOW = [-2.3, 2.3, -2.15, 2.45]
 
 
 @lru_cache(maxsize=1)
