@@ -23,6 +23,7 @@ __all__ = ["Border", "Skin", "clashes", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+NO_OWNER = np.empty(0, dtype=np.int64)
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -74,6 +75,7 @@ def skin_of(
     planes: NDArray[np.int32],
     border: Border,
     changed: NDArray[np.bool_],
+    owner: Numbers = NO_OWNER,
 ) -> Skin:
     """The boundary of layers, and of the rest of the surface.
 
@@ -93,7 +95,10 @@ def skin_of(
     border : Border
     changed : (r,) bool
         Which rays have other heights than at the last test.
+    owner : (o,) int64
+        The last o columns have no base; they are counted to these other ones.
     """
+    based = len(columns) - len(owner)
     n = len(others.points)
     number = np.where(moves, n + np.arange(len(base)), base)
     (a, b), plane = border.ends.T, border.plane
@@ -101,11 +106,12 @@ def skin_of(
         np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
     )
     on = moves[columns].any(axis=1)
+    on[based:] &= _apart(number[columns[based:]])
     cap = number[columns][on]
     sides = np.concatenate([one[moves[a]], two[moves[b]]])
     along = np.concatenate([plane[moves[a]], plane[moves[b]]])
-    triangles = np.concatenate([base[columns], cap, sides, others.triangles]).astype(np.int32)
-    before = np.full(len(columns) + len(cap), -1, dtype=np.int32)
+    triangles = np.concatenate([base[columns[:based]], cap, sides, others.triangles]).astype(np.int32)
+    before = np.full(based + len(cap), -1, dtype=np.int32)
     is_side = np.zeros(len(triangles), dtype=bool)
     is_side[len(before) : len(before) + len(sides)] = True
     stays = np.full((n, 2), -1, dtype=np.int32)
@@ -113,7 +119,7 @@ def skin_of(
     beside = changed[a] | changed[b]
     new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
     fresh = np.zeros(len(triangles), dtype=bool)
-    fresh[len(columns) : len(before) + len(sides)] = np.concatenate(new)
+    fresh[based : len(before) + len(sides)] = np.concatenate(new)
     return Skin(
         np.concatenate([others.points, top]),
         triangles,
@@ -123,8 +129,8 @@ def skin_of(
         np.concatenate([stays, planes]),
         np.concatenate(
             [
-                np.arange(len(columns)),
-                np.flatnonzero(on),
+                np.arange(based),
+                np.concatenate([np.arange(based), owner])[on],
                 border.column[moves[a]],
                 border.column[moves[b]],
                 np.full(len(others.triangles), -1),
@@ -132,6 +138,12 @@ def skin_of(
         ),
         fresh,
     )
+
+
+def _apart(triangles: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Whether the corners of triangles are different."""
+    a, b, c = triangles.T
+    return np.asarray((a != b) & (b != c) & (c != a), dtype=bool)
 
 
 def clashes(skin: Skin) -> Numbers:

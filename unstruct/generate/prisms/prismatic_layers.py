@@ -23,11 +23,13 @@ from .cells import in_one_fan
 from .closing import closed_in_planes
 from .columns import scaled_columns
 from .directions import NORMALS
+from .fans import fan_quality
 from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
 from .run import PrismOptions, PrismRun
+from .several import run_with_fans
 from .stop_run import StopRun
 from .walls import WALL_SIDES, base_of
 
@@ -50,6 +52,7 @@ def prismatic_layers(
     ridge: float = 40.0,
     smoothing: int = 10,
     recompute: bool = False,
+    several: bool = False,
     stop: str = "squeeze",
     cells: str = "wedge",
     fill_options: Mapping[str, Any] | None = None,
@@ -84,6 +87,9 @@ def prismatic_layers(
         Rounds in which directions are smoothed.
     recompute : bool
         Whether directions are computed anew on each layer.
+    several : bool
+        Whether vertices of sharp convex creases get several rays, where these raise the least scaled
+        Jacobian there. See the notes. Only with ``recompute=False`` and ``stop="squeeze"``.
     stop : "squeeze" or "stop"
         Where there is no room: all layers become thinner, or there are fewer of them, with numbers that
         differ by at most 1 along each edge; pyramids and tetrahedra are then on top of wedges, and the cap
@@ -143,7 +149,7 @@ def prismatic_layers(
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """
-    as_flags(recompute=recompute, progress=progress)
+    as_flags(recompute=recompute, several=several, progress=progress)
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., count=...), not {type(layers).__name__}")
     if layers.count is None and not layers.varies:
@@ -158,6 +164,11 @@ def prismatic_layers(
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
     if smoothing > MOST_SMOOTHING:
         raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
+    if several and (recompute or stop != "squeeze"):
+        raise InputError(
+            'several rays at a vertex are for recompute=False and stop="squeeze": all of a fan have the same '
+            "number of layers, along straight lines; leave one of these out"
+        )
     closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
     if closed is not None:
         surface, walls = closed.domain, closed.walls if walls is None else walls
@@ -166,10 +177,16 @@ def prismatic_layers(
     fill = _fill_options(size, side, fill_options, seed, budget, progress)
     room = 0.0 if size is None else ROOM_BEYOND
     options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
-    run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
-    run.advance()
+    fanned = run_with_fans(base, layers, options) if several else None
+    if fanned is not None:
+        run = fanned.run
+    else:
+        run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
+        run.advance()
     _tell_hidden(run)
     mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+    if fanned is not None:
+        mesh.counts.update({"creases with fans": fanned.fanned, "creases with one ray": fanned.single})
     if parts is not None:
         as_pieces_of(mesh, parts)
     if closed is not None:
@@ -205,7 +222,7 @@ def _tell_hidden(run: PrismRun) -> None:
     """Warn of vertices at which no direction sees all triangles."""
     hidden = np.flatnonzero(run.rays.reason == HIDDEN_RAY)
     if len(hidden):
-        v = int(run.base.walls.vertex[hidden[0]])
+        v = int(run.base_row[hidden[0]])
         x, y, z = run.base.others.points[v].tolist()
         warnings.warn(
             f"at {len(hidden)} vertices of the walls no direction sees all triangles, so that there are no "
@@ -218,10 +235,11 @@ def _tell_hidden(run: PrismRun) -> None:
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
     with_layers: NDArray[np.bool_] = run.rays.level > 0
-    kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
+    kept = in_one_fan(run.stars, run.base.walls.triangles, with_layers[run.columns].min(axis=1))
     if not kept.any():
         raise InputError(NO_LAYERS)
     grown = _grown(run)
+    kept = np.concatenate([kept, np.ones(len(grown.cap) - len(kept), dtype=bool)])
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
         run,
@@ -255,7 +273,7 @@ def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tup
 
 def _grown(run: PrismRun) -> Grown:
     rays = run.rays
-    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns)
+    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns, run.fans)
     return in_tetrahedra(grown) if run.options.cells == "tetrahedron" else grown
 
 
@@ -278,6 +296,7 @@ def _with_account(
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
     least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
+    least = min(least, fan_quality(run.fans, run.places).min(initial=np.inf))
     mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
     return mesh
 
@@ -286,6 +305,8 @@ def _counts(run: PrismRun, kinds: Mapping[str, Any], collapsed: int) -> dict[str
     """How many there are of what."""
     many = np.bincount(run.rays.reason, minlength=len(RAY_REASONS)).tolist()
     names = {"wedge": "wedges", "pyramid": "pyramids", "tetra": "tetrahedra"}
+    if len(run.fans.quads):
+        names["hexahedron"] = "hexahedra"
     return {
         "rays": len(run.rays.height),
         **{word: len(kinds.get(kind, ())) for kind, word in names.items()},
