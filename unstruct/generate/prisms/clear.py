@@ -108,8 +108,9 @@ def skin_of(
     on = moves[columns].any(axis=1)
     on[based:] &= _apart(number[columns[based:]])
     cap = number[columns][on]
-    sides = np.concatenate([one[moves[a]], two[moves[b]]])
-    along = np.concatenate([plane[moves[a]], plane[moves[b]]])
+    low, high = moves[a] & (base[a] != base[b]), moves[b]  # the sides of fans are triangles
+    sides = np.concatenate([one[low], two[high]])
+    along = np.concatenate([plane[low], plane[high]])
     triangles = np.concatenate([base[columns[:based]], cap, sides, others.triangles]).astype(np.int32)
     before = np.full(based + len(cap), -1, dtype=np.int32)
     is_side = np.zeros(len(triangles), dtype=bool)
@@ -117,7 +118,7 @@ def skin_of(
     stays = np.full((n, 2), -1, dtype=np.int32)
     stays[base] = planes
     beside = changed[a] | changed[b]
-    new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
+    new = [changed[columns[on]].any(axis=1), beside[low], beside[high]]
     fresh = np.zeros(len(triangles), dtype=bool)
     fresh[based : len(before) + len(sides)] = np.concatenate(new)
     return Skin(
@@ -131,8 +132,8 @@ def skin_of(
             [
                 np.arange(based),
                 np.concatenate([np.arange(based), owner])[on],
-                border.column[moves[a]],
-                border.column[moves[b]],
+                border.column[low],
+                border.column[high],
                 np.full(len(others.triangles), -1),
             ]
         ),

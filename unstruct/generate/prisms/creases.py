@@ -71,6 +71,8 @@ class Fans(NamedTuple):
         A number of the crease, for each of ``quads``.
     owner : (q + c,) int64
         A triangle beside each.
+    rims : (i, 3) int64
+        Where creases end in planes: two neighboring rays of the fan, and a triangle beside.
     between : (i, 2) int64, share : (i,) float64
         For rays after those of sheets the two rays between which they are, and where; -1 for the rays in the
         middle of corners, which have the directions of single rays.
@@ -83,6 +85,7 @@ class Fans(NamedTuple):
     corners: NDArray[np.int32]
     crease: Numbers
     owner: Numbers
+    rims: Numbers
     between: Numbers
     share: NDArray[np.float64]
 
@@ -113,6 +116,7 @@ def no_fans(walls: Walls) -> Fans:
         np.empty((0, 3), dtype=np.int32),
         none,
         none,
+        np.empty((0, 3), dtype=np.int64),
         np.empty((0, 2), dtype=np.int64),
         np.empty(0),
     )
@@ -135,11 +139,20 @@ def creases_of(walls: Walls, stars: Stars) -> Creases:
     return Creases(ends, np.column_stack([one, two])[rows].astype(np.int64), steps)
 
 
-def usable(walls: Walls, stars: Stars, creases: Creases, kept: Flags) -> tuple[Flags, Numbers]:
+def usable(
+    walls: Walls, stars: Stars, creases: Creases, kept: Flags, ending: Flags | None = None
+) -> tuple[Flags, Numbers]:
     """The edges of those that are kept whose creases can have fans from end to end, and their creases.
 
     A crease ends at vertices with another number of edges of creases than two. It can end where there are
     three or more, or in one plane, where it comes alone.
+
+    Parameters
+    ----------
+    walls, stars, creases
+    kept : (e,) bool
+    ending : (n,) bool, optional
+        At which vertices in planes creases may end; by default at all.
 
     Returns
     -------
@@ -153,6 +166,7 @@ def usable(walls: Walls, stars: Stars, creases: Creases, kept: Flags) -> tuple[F
     border[walls.triangles[side // 3, (side % 3 + 1) % 3]] = True
     border[walls.triangles[side // 3, (side % 3 + 2) % 3]] = True
     in_one = (walls.planes[:, 0] >= 0) & (walls.planes[:, 1] < 0)
+    in_one = in_one if ending is None else in_one & ending
     while True:
         degree = np.bincount(creases.ends[kept].ravel(), minlength=len(walls.points))
         crease = _chains(creases.ends, kept, (degree == 2) & ~border)
@@ -235,6 +249,7 @@ def fans_of(walls: Walls, stars: Stars, creases: Creases, kept: Flags, crease: N
     along: dict[tuple[int, int], list[int]] = {}
     corners: list[list[int]] = []
     beside: list[int] = []
+    rims: list[tuple[int, int, int]] = []
     for v in vertices:
         polygon: list[int] = []
         for e, one, two in crossed[v]:
@@ -245,10 +260,13 @@ def fans_of(walls: Walls, stars: Stars, creases: Creases, kept: Flags, crease: N
             row = [one, *rays.within(v, (one, two), int(steps[e])), two]
             along[v, e] = row
             polygon += row[:-1]
+        first = int(stars.around[stars.start[v]]) // 3
+        if len(crossed[v]) == 1:
+            rims += [(row[i], row[i + 1], first) for i in range(len(row) - 1)]
         if len(crossed[v]) > 2:
             found = list(_triangles(rays, v, polygon))
             corners += found
-            beside += [int(stars.around[stars.start[v]]) // 3] * len(found)
+            beside += [first] * len(found)
     quads, owner, which = [], [], []
     for e in rows.tolist():
         a, b = creases.ends[e].tolist()
@@ -265,6 +283,7 @@ def fans_of(walls: Walls, stars: Stars, creases: Creases, kept: Flags, crease: N
         np.array(corners, dtype=np.int32).reshape(-1, 3),
         np.array(which, dtype=np.int64),
         np.array(owner + beside, dtype=np.int64),
+        np.array(rims, dtype=np.int64).reshape(-1, 3),
         np.array(rays.between, dtype=np.int64).reshape(-1, 2),
         np.array(rays.share),
     )

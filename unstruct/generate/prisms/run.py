@@ -250,7 +250,12 @@ class PrismRun:
             for j in range(2):
                 same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
                 plane[same] = one[same, i]
-        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
+        one, two, t_fans = self.fans.rims.T
+        return Border(
+            np.column_stack([np.concatenate([a, one]), np.concatenate([b, two])]).astype(np.int64),
+            np.concatenate([plane, self.planes[one, 0]]),
+            np.concatenate([t, t_fans]),
+        )
 
     def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
         """Lower the heights of rays; which columns change."""

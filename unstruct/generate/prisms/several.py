@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
+from ...geometry.polygons import Polygons
 from ...sizing.stretching import Layers
 from .columns import scaled_columns
 from .creases import Creases, chains_of, creases_of, fans_of, usable
@@ -41,8 +43,9 @@ def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRu
     creases = creases_of(base.walls, single.stars)
     whole = chains_of(creases)
     kept = (single.rays.height[creases.ends] > 0.0).all(axis=1)
+    ending = _ending(base)
     for _ in range(MOST_FAN_RUNS):
-        kept, crease = usable(base.walls, single.stars, creases, kept)
+        kept, crease = usable(base.walls, single.stars, creases, kept, ending)
         if not kept.any():
             break
         fans = fans_of(base.walls, single.stars, creases, kept, crease)
@@ -57,6 +60,18 @@ def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRu
             return FannedRun(run, len(np.unique(crease[kept])), len(np.unique(whole[~kept])))
         kept &= ~np.isin(crease, crease[worse])
     return FannedRun(single, 0, len(np.unique(whole)))
+
+
+def _ending(base: Base) -> Flags | None:
+    """At which vertices at most one facet is no wall; None for all."""
+    if base.domain is None:
+        return None
+    facets = Polygons.of(base.domain.facets)
+    sides, owner = facets.sides
+    other = ~flagged(len(facets), base.walls.piece)[owner]
+    pairs = np.unique(np.column_stack([sides[other, 0], owner[other]]), axis=0)
+    many = np.bincount(pairs[:, 0], minlength=len(base.domain.points))
+    return np.asarray(many[base.walls.vertex] <= 1, dtype=bool)
 
 
 def _edges_at(creases: Creases, bad: Flags) -> Flags:
