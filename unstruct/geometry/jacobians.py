@@ -34,7 +34,13 @@ import numpy as np
 
 from ..predicates.filters import TINY, UNDECIDED
 
-__all__ = ["COEFFICIENTS", "content_signs", "hexahedron_signs", "integers", "pyramid_signs", "signs_of",
+__all__ = [
+    "COEFFICIENTS",
+    "content_signs",
+    "hexahedron_signs",
+    "integers",
+    "pyramid_signs",
+    "signs_of",
     "wedge_signs",
 ]
 

@@ -15,7 +15,16 @@ from ...predicates.batch import orient_rows
 from .creases import Fans
 from .split import negative_parts
 
-__all__ = ["SOLID_KINDS", "FanCells", "centers_of", "fan_cells", "fan_faults", "fan_quality", "spread_directions", "whole_fans"]
+__all__ = [
+    "SOLID_KINDS",
+    "FanCells",
+    "centers_of",
+    "fan_cells",
+    "fan_faults",
+    "fan_quality",
+    "spread_directions",
+    "whole_fans",
+]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

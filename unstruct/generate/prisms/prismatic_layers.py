@@ -121,8 +121,9 @@ def prismatic_layers(
         "cell_layer" has for each cell of the layers its layer from 1 on, "cap" (t, 3) the faces on top.
         ``counts``: "rays", "wedges", "pyramids", "tetrahedra" (of the layers), "hidden", "limited: ..." for
         each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
-        which are left out), "rounds" of lowering. ``figures``: "share of full heights", "least scaled
-        Jacobian" (of wedges); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
+        which are left out), "rounds" of lowering; with ``several`` "hexahedra", "creases with fans" and
+        "creases with one ray" (sharp convex ones). ``figures``: "share of full heights", "least scaled
+        Jacobian" (of wedges and hexahedra); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
         beyond over that of the cell below) and "..., largest" (up or down), "least dihedral angle beyond".
 
     Raises
@@ -146,6 +147,15 @@ def prismatic_layers(
     higher would not meet anything either, so that tetrahedra find room between them. If the rest cannot be
     filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
     is not one of the body, and ``complete`` is False.
+
+    *Several* rays, one in 45 degrees, start at vertices of convex creases at which the wall turns by more than
+    50 degrees. Wedges lying on their side are over the edges, hexahedra above; the topmost ones are divided
+    from a point inside, as the cap has triangles only. Where three or more creases meet, tetrahedra are at
+    the corner and wedges above. A crease is a chain of edges between such corners; it gets fans only if the
+    least scaled Jacobian of the wedges and hexahedra at its vertices is then higher, before the topmost are
+    divided, if the layers are at least half as high, and if it is closed, or ends at corners or in planes.
+    Where it ends within a wall there is only one ray, and cells between several rays and one would be thinner
+    than those they replace.
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """

@@ -161,9 +161,7 @@ class PrismRun:
                 fresh[:] = self._lower(wrong, why) | self.options.recompute
                 bar.update(1)
         level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
-        self.rays = Rays(
-            self.fans.base, self.direction, self.height, self.total, level, self.reason
-        )
+        self.rays = Rays(self.fans.base, self.direction, self.height, self.total, level, self.reason)
 
     def _grade(self, fresh: NDArray[np.bool_]) -> None:
         """Lower heights that differ too much; note the columns that change."""

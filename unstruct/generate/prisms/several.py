@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import flagged
 from ...geometry.polygons import Polygons
+from ...predicates.batch import power_of_two
 from ...sizing.stretching import Layers
 from .columns import scaled_columns
 from .creases import Creases, chains_of, creases_of, fans_of, usable
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 MOST_FAN_RUNS = 6  # after so many no crease that is worse keeps its fans, nor any other
+SAME_QUALITY = 0.999  # of the least scaled Jacobian of cells near a crease must be left
+LEAST_FAN_HEIGHT = 0.5  # of the height of single rays fans must have
 SPREAD_WELL = 0.05  # the least determinant of unit vectors along the edge and two rays of a fan
 
 
@@ -81,6 +84,7 @@ def _edges_at(creases: Creases, bad: Flags) -> Flags:
 def _narrow(run: PrismRun, creases: Creases) -> Flags:
     """The edges at which cells of fans would not be positive, however low."""
     fans, direction, points = run.fans, run.direction, run.base.walls.points
+    points = points * power_of_two(points)  # so that squares do not underflow
     bad = np.zeros(len(points), dtype=bool)
     a, b, c, d = fans.quads.T
     along = points[fans.base[d]] - points[fans.base[a]]
@@ -125,9 +129,26 @@ def _worse(run: PrismRun, single: PrismRun, creases: Creases, kept: Flags, creas
     low[run.fans.base[run.rays.height == 0.0]] = True
     beside = low[run.base.walls.triangles].any(axis=1)  # columns there may be left out
     low[run.base.walls.triangles[beside]] = True
-    wrong = _edges_at(creases, low)
-    least = [np.full(len(creases.ends), np.inf) for _ in range(2)]
-    for values, which in zip(least, (run, single), strict=True):
-        ends = at_vertices(which)[creases.ends].min(axis=1)
-        np.minimum.at(values, crease[kept], ends[kept])
-    return wrong | (least[0] <= least[1])[crease]
+    found = [at_vertices(which) for which in (run, single)]
+    height = np.full(len(low), np.inf)
+    np.minimum.at(height, run.fans.base, run.rays.height)
+    low |= height < LEAST_FAN_HEIGHT * single.rays.height
+    least, before = (_by_crease(values, creases, kept, crease) for values in found)
+    near = [_by_crease(_around(run, values), creases, kept, crease) for values in found]
+    return _edges_at(creases, low) | ((least <= before) | (near[0] < SAME_QUALITY * near[1]))[crease]
+
+
+def _by_crease(values: Array, creases: Creases, kept: Flags, crease: NDArray) -> Array:
+    """The least values at the vertices of creases, by their numbers."""
+    result = np.full(len(creases.ends), np.inf)
+    np.minimum.at(result, crease[kept], values[creases.ends].min(axis=1)[kept])
+    return result
+
+
+def _around(run: PrismRun, values: Array) -> Array:
+    """The least values at vertices and their neighbors."""
+    result, triangles = values.copy(), run.base.walls.triangles
+    least = values[triangles].min(axis=1)
+    for k in range(3):
+        np.minimum.at(result, triangles[:, k], least)
+    return result
