@@ -73,7 +73,7 @@ def test_cells_are_positive_in_rational_numbers() -> None:
 
 
 def test_kinds_without_division() -> None:
-    fans, direction = cube()
+    fans, _ = cube()
     levels, rays = 3, len(fans.base)
     number = (np.arange(levels + 1)[:, None] * rays + np.arange(rays)).astype(np.int32)
     cells = fan_cells(fans, number)
@@ -91,7 +91,7 @@ def test_faults_are_found_where_they_are() -> None:
     places[1, fans.quads[5, 0]] -= 2 * 0.125 * direction[fans.quads[5, 0]]
     every = np.arange(len(fans.quads) + len(fans.corners))
     found = fan_faults(fans, places, every, False)
-    touched = np.isin(fans.quads, fans.quads[5, 0]).any(axis=1)
+    touched = np.asarray(np.isin(fans.quads, fans.quads[5, 0]).any(axis=1))
     assert 5 in found and touched[found[found < len(fans.quads)]].all()
     assert fan_faults(fans, places, np.array([5]), False).tolist() == [5]
     assert not len(fan_faults(fans, places, np.empty(0, dtype=np.int64), False))

@@ -105,7 +105,7 @@ def skin_of(
     one, two = (
         np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
     )
-    on = moves[columns].any(axis=1)
+    on = np.asarray(moves[columns].any(axis=1), dtype=bool)
     on[based:] &= _apart(number[columns[based:]])
     cap = number[columns][on]
     low, high = moves[a] & (base[a] != base[b]), moves[b]  # the sides of fans are triangles
@@ -234,7 +234,7 @@ def surrounded(skin: Skin, columns: NDArray[np.int32], moves: NDArray[np.bool_])
         odd, _ = even_odd_in_space(skin.points, layers, probe[ask])
         wrong[owned[ask[odd]]] = True
         wrong[found[body]] |= odd.any()
-    rays = np.unique(columns[wrong[component]])
+    rays = np.unique(columns[wrong[component]]).astype(np.int64)
     return rays[moves[rays]]
 
 

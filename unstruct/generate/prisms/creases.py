@@ -297,7 +297,7 @@ def fans_of(walls: Walls, stars: Stars, creases: Creases, kept: Flags, crease: N
 def _cut(
     rays: _Rays, columns: NDArray[np.int32], stars: Stars, edge: Numbers, v: int
 ) -> list[tuple[int, int, int]]:
-    """Give the sheets at a vertex rays of their own; the edges between them, and the rays before and after."""
+    """Give the sheets at a vertex rays of their own; the edges between them, the rays before and after."""
     around = stars.around[stars.start[v] : stars.start[v + 1]]
     after = edge[3 * (around // 3) + (around % 3 + 1) % 3]  # the edge that follows each triangle
     first = 3 * (int(around[0]) // 3) + (int(around[0]) % 3 + 2) % 3

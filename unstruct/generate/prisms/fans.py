@@ -197,7 +197,7 @@ def _signs(points: Array, kind: str, rows: Rows) -> NDArray[np.int8]:
 
 
 def fan_quality(fans: Fans, places: Array) -> Array:
-    """The least scaled Jacobian of the wedges and hexahedra of each quad and corner, before tops are divided."""
+    """The least scaled Jacobian of wedges and hexahedra of quads and corners, before tops are divided."""
     result = np.full(len(fans.quads) + len(fans.corners), np.inf)
     if not len(result):
         return result

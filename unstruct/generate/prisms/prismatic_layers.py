@@ -123,8 +123,9 @@ def prismatic_layers(
         each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
         which are left out), "rounds" of lowering; with ``several`` "hexahedra", "creases with fans" and
         "creases with one ray" (sharp convex ones). ``figures``: "share of full heights", "least scaled
-        Jacobian" (of wedges and hexahedra); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
-        beyond over that of the cell below) and "..., largest" (up or down), "least dihedral angle beyond".
+        Jacobian" (of wedges and hexahedra); with a size "jump of volume at the cap, median" (the volume of
+        the tetrahedron beyond over that of the cell below) and "..., largest" (up or down), "least dihedral
+        angle beyond".
 
     Raises
     ------
@@ -148,7 +149,7 @@ def prismatic_layers(
     filled with the cap kept, triangle by triangle, by any of three seeds, a warning says where; then the mesh
     is not one of the body, and ``complete`` is False.
 
-    *Several* rays, one in 45 degrees, start at vertices of convex creases at which the wall turns by more than
+    *Several* rays, one in 45 degrees, start at vertices of convex creases, where a wall turns by more than
     50 degrees. Wedges lying on their side are over the edges, hexahedra above; the topmost ones are divided
     from a point inside, as the cap has triangles only. Where three or more creases meet, tetrahedra are at
     the corner and wedges above. A crease is a chain of edges between such corners; it gets fans only if the

@@ -159,7 +159,7 @@ def _fans_of_border(grown: Grown) -> dict[int, tuple[int, list[int]]]:
 
 
 def _inserted(polygons: Polygons, rows: dict[int, tuple[int, Rows]], place: Rows) -> Polygons:
-    """Polygons with other vertices: some in place of one, in their order or turned, the others by ``place``."""
+    """Polygons with other vertices: some in place of one, in order or turned, the others by ``place``."""
     flat = polygons.vertices
     many = np.ones(len(place), dtype=np.int64)
     for v, (_, row) in rows.items():

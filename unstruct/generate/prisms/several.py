@@ -45,7 +45,7 @@ def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRu
     single.advance()
     creases = creases_of(base.walls, single.stars)
     whole = chains_of(creases)
-    kept = (single.rays.height[creases.ends] > 0.0).all(axis=1)
+    kept = np.asarray((single.rays.height[creases.ends] > 0.0).all(axis=1), dtype=bool)
     ending = _ending(base)
     for _ in range(MOST_FAN_RUNS):
         kept, crease = usable(base.walls, single.stars, creases, kept, ending)
