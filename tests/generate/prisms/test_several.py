@@ -149,6 +149,20 @@ def test_what_is_worse_keeps_one_ray() -> None:
     assert box.counts["creases with one ray"] == box.counts["creases with fans"] == 0
 
 
+def test_narrow_fans_beside_creases_without_any() -> None:
+    """Found by a fuzz: what is wrong with creases that have no fans any more says nothing of the others."""
+    digits = "121 131 132 122 221 231 232 222 133 123 223 233 212 213 312 322 323 313 332 333"
+    corners = "dcba efgh ehda bcgf bfea jicd hkjd cilg jkli nkhm opqr ornm hpom nrqk pstq glts gsph kqtl"
+    points = np.array([[float(x) for x in word] for word in digits.split()])
+    sides = [[ord(letter) - ord("a") for letter in word] for word in corners.split()]
+    box = Domain.box((-2, -2, -2), (5, 5, 5))
+    body = box.with_holes(Domain(points, sides))
+    walls = list(range(len(box.facets), len(body.facets)))
+    layers = Layers(thickness=0.2, growth=1.3, count=4)
+    mesh = prismatic_layers(body, 1.0, layers=layers, walls=walls, several=True)
+    assert check(mesh, domain=body) and mesh.counts["creases with one ray"] > 0
+
+
 @pytest.mark.parametrize("options", [{"recompute": True}, {"stop": "stop"}])
 def test_what_fans_cannot_do_is_refused(options: dict) -> None:
     with pytest.raises(InputError, match="several rays"):

@@ -54,11 +54,10 @@ def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRu
         fans = fans_of(base.walls, single.stars, creases, kept, crease)
         run = PrismRun(base, layers, options, fans, single.direction)
         run.begin()
-        worse = _narrow(run, creases)
+        worse = kept & _narrow(run, creases)
         if not worse.any():
             run.advance()
-            worse = _worse(run, single, creases, kept, crease)
-        worse &= kept
+            worse = kept & _worse(run, single, creases, kept, crease)
         if not worse.any():
             return FannedRun(run, len(np.unique(crease[kept])), len(np.unique(whole[~kept])))
         kept &= ~np.isin(crease, crease[worse])
