@@ -149,6 +149,7 @@ def test_what_is_worse_keeps_one_ray() -> None:
     assert box.counts["creases with one ray"] == box.counts["creases with fans"] == 0
 
 
+@pytest.mark.filterwarnings("ignore::unstruct.HiddenVertexWarning")
 def test_narrow_fans_beside_creases_without_any() -> None:
     """Found by a fuzz: what is wrong with creases that have no fans any more says nothing of the others."""
     digits = "121 131 132 122 221 231 232 222 133 123 223 233 212 213 312 322 323 313 332 333"
