@@ -34,7 +34,15 @@ import numpy as np
 
 from ..predicates.filters import TINY, UNDECIDED
 
-__all__ = ["COEFFICIENTS", "content_signs", "hexahedron_signs", "integers", "signs_of", "wedge_signs"]
+__all__ = [
+    "COEFFICIENTS",
+    "content_signs",
+    "hexahedron_signs",
+    "integers",
+    "pyramid_signs",
+    "signs_of",
+    "wedge_signs",
+]
 
 JACOBIANS_PER_PART = 1 << 13  # cells at a time: their coefficients stay in the cache
 ERROR = 2.0**-42  # of the product of the extents of a cell: far above the rounding of any coefficient

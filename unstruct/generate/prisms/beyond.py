@@ -264,7 +264,8 @@ def sides_of_layers(
     pieces : tuple of (f,) and (g,)
         The piece of each.
     """
-    solid = ~_bare_columns(grown)
+    a, b, c = grown.base.T
+    solid = ~_bare_columns(grown) & (a != b) & (b != c) & (c != a)  # what stands on creases has no base
     base, piece = grown.base[solid], grown.piece[solid]
     if domain is None:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)

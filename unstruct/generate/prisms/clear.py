@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 SURE_VOLUME = 2.0**-44  # of the sum of absolute products: above the rounding of each term and of their sum
 NEAR_RAY = 1e-9  # of the distance: how far points on an edge may be from the rounded ray along it
+NO_OWNER = np.empty(0, dtype=np.int64)
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -80,6 +81,7 @@ def skin_of(
     planes: NDArray[np.int32],
     border: Border,
     changed: NDArray[np.bool_],
+    owner: Numbers = NO_OWNER,
 ) -> Skin:
     """The boundary of layers, and of the rest of the surface.
 
@@ -99,27 +101,32 @@ def skin_of(
     border : Border
     changed : (r,) bool
         Which rays have other heights than at the last test.
+    owner : (o,) int64
+        The last o columns have no base; they are counted to these other ones.
     """
+    based = len(columns) - len(owner)
     n = len(others.points)
     number = np.where(moves, n + np.arange(len(base)), base)
     (a, b), plane = border.ends.T, border.plane
     one, two = (
         np.column_stack(rows) for rows in ((base[b], base[a], number[a]), (base[b], number[a], number[b]))
     )
-    on = moves[columns].any(axis=1)
+    on = np.asarray(moves[columns].any(axis=1), dtype=bool)
+    on[based:] &= _apart(number[columns[based:]])
     cap = number[columns][on]
-    sides = np.concatenate([one[moves[a]], two[moves[b]]])
-    along = np.concatenate([plane[moves[a]], plane[moves[b]]])
-    triangles = np.concatenate([base[columns], cap, sides, others.triangles]).astype(np.int32)
-    before = np.full(len(columns) + len(cap), -1, dtype=np.int32)
+    low, high = moves[a] & (base[a] != base[b]), moves[b]  # the sides of fans are triangles
+    sides = np.concatenate([one[low], two[high]])
+    along = np.concatenate([plane[low], plane[high]])
+    triangles = np.concatenate([base[columns[:based]], cap, sides, others.triangles]).astype(np.int32)
+    before = np.full(based + len(cap), -1, dtype=np.int32)
     is_side = np.zeros(len(triangles), dtype=bool)
     is_side[len(before) : len(before) + len(sides)] = True
     stays = np.full((n, 2), -1, dtype=np.int32)
     stays[base] = planes
     beside = changed[a] | changed[b]
-    new = [changed[columns[on]].any(axis=1), beside[moves[a]], beside[moves[b]]]
+    new = [changed[columns[on]].any(axis=1), beside[low], beside[high]]
     fresh = np.zeros(len(triangles), dtype=bool)
-    fresh[len(columns) : len(before) + len(sides)] = np.concatenate(new)
+    fresh[based : len(before) + len(sides)] = np.concatenate(new)
     return Skin(
         np.concatenate([others.points, top]),
         triangles,
@@ -129,16 +136,22 @@ def skin_of(
         np.concatenate([stays, planes]),
         np.concatenate(
             [
-                np.arange(len(columns)),
-                np.flatnonzero(on),
-                border.column[moves[a]],
-                border.column[moves[b]],
+                np.arange(based),
+                np.concatenate([np.arange(based), owner])[on],
+                border.column[low],
+                border.column[high],
                 np.full(len(others.triangles), -1),
             ]
         ),
         fresh,
         base,
     )
+
+
+def _apart(triangles: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Whether the corners of triangles are different."""
+    a, b, c = triangles.T
+    return np.asarray((a != b) & (b != c) & (c != a), dtype=bool)
 
 
 def clashes(skin: Skin) -> Numbers:

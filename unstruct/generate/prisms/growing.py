@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cells import cells_of
+from .creases import Fans
+from .fans import SOLID_KINDS, centers_of, fan_cells
 from .records import Walls
 from .remainder import Grown
 from .split import tetrahedra
@@ -57,6 +59,7 @@ def grown_layers(
     level: NDArray[np.integer],
     places: NDArray[np.float64],
     columns: NDArray[np.integer],
+    fans: Fans | None = None,
 ) -> Grown:
     """Layers of wedges, pyramids and tetrahedra.
 
@@ -67,13 +70,16 @@ def grown_layers(
         Of each ray: the vertex of the wall, and how many layers there are.
     places : (levels + 1, r, 3) float64
     columns : (t, 3) int
-        Rows of rays: the first of them over the triangles of the walls, in their order.
+        Rows of rays over the triangles of the walls, in their order.
+    fans : Fans, optional
+        What stands beside these columns over creases. On top of them columns follow whose ``base`` is no
+        triangle.
     """
     number, ray, step = numbers_of_levels(base, level, len(places) - 1, len(walls.points))
     points = np.concatenate([walls.points, places[step, ray][len(walls.points) :]])
     found = cells_of(columns.astype(np.int32), number)
     stem = walls.vertex[np.concatenate([np.arange(len(walls.points)), base[ray[len(walls.points) :]]])]
-    return Grown(
+    grown = Grown(
         points,
         found.kinds,
         found.column,
@@ -83,6 +89,40 @@ def grown_layers(
         walls.triangles.astype(np.int64),
         walls.piece.astype(np.int64),
         number[-1][columns].astype(np.int64),
+    )
+    return grown if fans is None or not len(fans.quads) else _with_fans(grown, fans, number)
+
+
+def _with_fans(grown: Grown, fans: Fans, number: NDArray[np.int32]) -> Grown:
+    """Layers with the cells of fans, whose top cells are divided from points inside, which come last."""
+    found, many = fan_cells(fans, number, len(grown.points)), len(grown.cap)
+    caps, owner = fans.caps, fans.cap_owner
+    both = (grown.cells, grown.column, grown.layer), (found.kinds, many + found.cap, found.layer)
+    parts: dict[str, list[tuple[NDArray, NDArray, NDArray]]] = {kind: [] for kind in SOLID_KINDS}
+    for cells, column, layer in both:
+        start = 0
+        for kind, rows in cells.items():
+            stop = start + len(rows)
+            parts[kind].append((rows, column[start:stop], layer[start:stop]))
+            start = stop
+    joined = {
+        kind: [np.concatenate(column) for column in zip(*blocks, strict=True)]
+        for kind, blocks in parts.items()
+        if blocks
+    }
+    column, layer = (np.concatenate([block[k] for block in joined.values()]) for k in (1, 2))
+    middle = centers_of(grown.points, found.centers)
+    first = found.centers[:, 0]
+    return Grown(
+        np.concatenate([grown.points, middle]),
+        {kind: block[0].astype(np.int32) for kind, block in joined.items()},
+        column,
+        layer,
+        np.concatenate([grown.stem, grown.stem[first]]),
+        np.concatenate([grown.level, np.full(len(middle), len(number) - 1)]),
+        np.concatenate([grown.base, fans.base[caps]]),
+        np.concatenate([grown.piece, grown.piece[owner]]),
+        np.concatenate([grown.cap, number[-1][caps].astype(np.int64)]),
     )
 
 

@@ -23,11 +23,13 @@ from .cells import in_one_fan
 from .closing import closed_in_planes
 from .columns import scaled_columns
 from .directions import NORMALS
+from .fans import fan_quality
 from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
 from .remainder import Grown
 from .run import PrismOptions, PrismRun
+from .several import run_with_fans
 from .stop_run import StopRun
 from .walls import WALL_SIDES, base_of, must_end_on_facets
 
@@ -51,6 +53,7 @@ def prismatic_layers(
     ridge: float = 40.0,
     smoothing: int = 10,
     recompute: bool = False,
+    several: bool = False,
     stop: str = "squeeze",
     cells: str = "wedge",
     fill_options: Mapping[str, Any] | None = None,
@@ -86,6 +89,9 @@ def prismatic_layers(
         Rounds in which directions are smoothed.
     recompute : bool
         Whether directions are computed anew on each layer.
+    several : bool
+        Whether vertices of sharp convex creases get several rays, where these raise the least scaled
+        Jacobian there. See the notes. Only with ``recompute=False`` and ``stop="squeeze"``.
     stop : "squeeze" or "stop"
         Where there is no room: all layers become thinner, or there are fewer of them, with numbers that
         differ by at most 1 along each edge; pyramids and tetrahedra are then on top of wedges, and the cap
@@ -117,9 +123,11 @@ def prismatic_layers(
         "cell_layer" has for each cell of the layers its layer from 1 on, "cap" (t, 3) the faces on top.
         ``counts``: "rays", "wedges", "pyramids", "tetrahedra" (of the layers), "hidden", "limited: ..." for
         each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
-        which are left out), "rounds" of lowering. ``figures``: "share of full heights", "least scaled
-        Jacobian" (of wedges); with a size "jump of volume at the cap, median" (the volume of the tetrahedron
-        beyond over that of the cell below) and "..., largest" (up or down), "least dihedral angle beyond".
+        which are left out), "rounds" of lowering; with ``several`` "hexahedra", "creases with fans" and
+        "creases with one ray" (sharp convex ones). ``figures``: "share of full heights", "least scaled
+        Jacobian" (of wedges and hexahedra); with a size "jump of volume at the cap, median" (the volume of
+        the tetrahedron beyond over that of the cell below) and "..., largest" (up or down), "least dihedral
+        angle beyond".
 
     Raises
     ------
@@ -145,9 +153,18 @@ def prismatic_layers(
     is not one of the body, and ``complete`` is False. Layers that are lower than wanted, or missing, do not
     count there: see ``figures``, ``counts`` and ``steps``.
 
+    *Several* rays, one in 45 degrees, start at vertices of convex creases, where a wall turns by more than
+    50 degrees. Wedges lying on their side are over the edges, hexahedra above; the topmost ones are divided
+    from a point inside, as the cap has triangles only. Where three or more creases meet, tetrahedra are at
+    the corner and wedges above. A crease is a chain of edges between such corners; it gets fans only if the
+    least scaled Jacobian of the wedges and hexahedra at its vertices is then higher, before the topmost are
+    divided, if the layers are at least half as high, and if it is closed, or ends at corners or in planes.
+    Where it ends within a wall there is only one ray, and cells between several rays and one would be thinner
+    than those they replace.
+
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
     """
-    as_flags(recompute=recompute, progress=progress)
+    as_flags(recompute=recompute, several=several, progress=progress)
     if not isinstance(layers, Layers):
         raise InputError(f"layers must be Layers(first=..., count=...), not {type(layers).__name__}")
     if layers.count is None and not layers.varies:
@@ -162,6 +179,11 @@ def prismatic_layers(
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
     if smoothing > MOST_SMOOTHING:
         raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
+    if several and (recompute or stop != "squeeze"):
+        raise InputError(
+            'several rays at a vertex are for recompute=False and stop="squeeze": all of a fan have the same '
+            "number of layers, along straight lines; leave one of these out"
+        )
     try:
         closed = closed_in_planes(surface) if isinstance(surface, Mesh) and size is not None else None
     except DomainError:
@@ -176,10 +198,16 @@ def prismatic_layers(
         must_end_on_facets(base)
     room = 0.0 if size is None else ROOM_BEYOND
     options = PrismOptions(normals, ridge, smoothing, recompute, progress, cells, room)
-    run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
-    run.advance()
+    fanned = run_with_fans(base, layers, options) if several else None
+    if fanned is not None:
+        run = fanned.run
+    else:
+        run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
+        run.advance()
     _tell_hidden(run)
     mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+    if fanned is not None:
+        mesh.counts.update({"creases with fans": fanned.fanned, "creases with one ray": fanned.single})
     if parts is not None:
         as_pieces_of(mesh, parts)
     if closed is not None:
@@ -218,7 +246,7 @@ def _tell_hidden(run: PrismRun) -> None:
     for rows, why in ((hidden, "no direction sees all triangles"), (none & ~hidden, "there is no room")):
         many = int(rows.sum())
         if many:
-            v = int(run.base.walls.vertex[run.rays.base[np.argmax(rows)]])
+            v = int(run.base_row[np.argmax(rows)])
             x, y, z = run.base.others.points[v].tolist()
             warnings.warn(
                 f"at {many} vertices of the walls {why}, so that there are no layers: the first is point {v} "
@@ -247,10 +275,11 @@ def _why_none(run: PrismRun) -> str:
 def layers_alone(run: PrismRun) -> DomainMesh:
     """The mesh of layers with its account."""
     with_layers: NDArray[np.bool_] = run.rays.level > 0
-    kept = in_one_fan(run.stars, run.columns, with_layers[run.columns].min(axis=1))
+    kept = in_one_fan(run.stars, run.base.walls.triangles, with_layers[run.columns].min(axis=1))
     if not kept.any():
         raise InputError(_why_none(run))
     grown = _grown(run)
+    kept = np.concatenate([kept, np.ones(len(grown.cap) - len(kept), dtype=bool)])
     found = layers_of_columns(run.base, grown, kept)
     return _with_account(
         run,
@@ -284,7 +313,7 @@ def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tup
 
 def _grown(run: PrismRun) -> Grown:
     rays = run.rays
-    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns)
+    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns, run.fans)
     return in_tetrahedra(grown) if run.options.cells == "tetrahedron" else grown
 
 
@@ -307,6 +336,7 @@ def _with_account(
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
     least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
+    least = min(least, fan_quality(run.fans, run.places).min(initial=np.inf))
     mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
     return mesh
 
@@ -315,6 +345,8 @@ def _counts(run: PrismRun, kinds: Mapping[str, Any], collapsed: int) -> dict[str
     """How many there are of what."""
     many = np.bincount(run.rays.reason, minlength=len(RAY_REASONS)).tolist()
     names = {"wedge": "wedges", "pyramid": "pyramids", "tetra": "tetrahedra"}
+    if len(run.fans.quads):
+        names["hexahedron"] = "hexahedra"
     return {
         "rays": len(run.rays.height),
         **{word: len(kinds.get(kind, ())) for kind, word in names.items()},

@@ -144,7 +144,43 @@ def _lifted(polygons: Polygons, grown: Grown, number: Rows, many: int) -> Polygo
     place = np.arange(many)
     rim = border_edges(grown.cap)[:, 0]  # the border is loops: each of its vertices begins one edge
     place[grown.stem[rim]] = number[rim]
-    return polygons.renumbered(place.astype(np.int32))
+    rows = _fans_of_border(grown)
+    return _inserted(polygons, {v: (u, number[row]) for v, (u, row) in rows.items()}, place)
+
+
+def _fans_of_border(grown: Grown) -> dict[int, tuple[int, list[int]]]:
+    """Points of the body with several tops at the border of the cap: the point before, the tops in order."""
+    edges = border_edges(grown.cap)
+    stems = grown.stem[edges]
+    same = stems[:, 0] == stems[:, 1]
+    if not same.any():
+        return {}
+    follow = dict(edges[same].tolist())
+    rows = {}
+    for i in np.flatnonzero(~same & np.isin(edges[:, 1], edges[same, 0])).tolist():
+        row = [int(edges[i, 1])]
+        while row[-1] in follow:
+            row.append(follow[row[-1]])
+        rows[int(stems[i, 1])] = int(stems[i, 0]), row
+    return rows
+
+
+def _inserted(polygons: Polygons, rows: dict[int, tuple[int, Rows]], place: Rows) -> Polygons:
+    """Polygons with other vertices: some in place of one, in order or turned, the others by ``place``."""
+    flat = polygons.vertices
+    many = np.ones(len(place), dtype=np.int64)
+    for v, (_, row) in rows.items():
+        many[v] = len(row)
+    copies = many[flat]
+    starts = np.concatenate([[0], np.cumsum(copies)])
+    result = np.repeat(place[flat], copies)
+    for i in np.flatnonzero(copies > 1).tolist():
+        before, row = rows[int(flat[i])]
+        ring = int(np.searchsorted(polygons.ring_start, i, side="right")) - 1
+        first, last = polygons.ring_start[ring : ring + 2].tolist()
+        previous = int(flat[i - 1 if i > first else last - 1])
+        result[starts[i] : starts[i + 1]] = row if previous == before else row[::-1]
+    return Polygons(result.astype(np.int32), starts[polygons.ring_start], polygons.first_ring)
 
 
 def side_pieces(
@@ -180,6 +216,13 @@ def side_pieces(
     at = np.searchsorted(key[order], low * many + high).clip(max=max(len(key) - 1, 0))
     found = order[at] if len(key) else np.zeros(len(low), dtype=np.int64)
     lost = (key[found] != low * many + high) if len(key) else np.ones(len(low), dtype=bool)
+    fan = np.flatnonzero(low == high)  # sides of fans: above one vertex, of one facet that is no wall
+    if len(fan) and len(key):
+        ends = sides[order].ravel()
+        by_end = np.argsort(ends, kind="stable")
+        spot = np.searchsorted(ends[by_end], low[fan]).clip(max=len(ends) - 1)
+        found[fan] = order[by_end[spot] // 2]
+        lost[fan] = ends[by_end[spot]] != low[fan]
     if lost.any() and not exposed:
         row = int(np.argmax(lost))
         raise InputError(

@@ -12,7 +12,9 @@ from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
 from .clear import Border, clashes, inside_out, skin_of, surrounded
 from .columns import bad, blind
+from .creases import Fans, no_fans
 from .directions import directed
+from .fans import fan_faults, spread_directions
 from .heights import LOWER_BY, edges_of_columns, graded, limited, placed
 from .marching import marched
 from .records import COLUMN, CROSSING_RAY, HIDDEN_RAY, Rays, Walls
@@ -68,10 +70,20 @@ class PrismRun:
         How often heights were lowered.
     """
 
-    def __init__(self, base: Base, layers: Layers, options: PrismOptions = DEFAULT_PRISMS):
+    def __init__(
+        self,
+        base: Base,
+        layers: Layers,
+        options: PrismOptions = DEFAULT_PRISMS,
+        fans: Fans | None = None,
+        single: Array | None = None,
+    ):
         self.base, self.options, walls = base, options, base.walls
         self.stars = stars_of(walls.triangles, len(walls.points))
-        self.columns = walls.triangles
+        self.fans = no_fans(walls) if fans is None else fans
+        self.single = single
+        self.columns, ray = self.fans.columns, self.fans.base
+        self.points, self.planes = walls.points[ray], walls.planes[ray]
         heights = layers.cumulative(at=walls.points) if layers.varies else layers.cumulative()
         if heights.ndim == 2 and len(heights) != len(walls.points):
             raise InputError(
@@ -86,9 +98,10 @@ class PrismRun:
             )
         total = np.broadcast_to(heights[..., -1], len(walls.points)).astype(np.float64)
         self.shares = np.atleast_2d(heights / heights[..., -1:])
-        self.total, self.rounds = total, 0
-        self.edges = edges_of_columns(self.columns)
-        self.base_row = walls.vertex.astype(np.int64)
+        self.shares = self.shares[ray] if len(self.shares) > 1 else self.shares
+        self.total, self.rounds = total[ray], 0
+        self.edges = edges_of_columns(np.concatenate([self.columns, self.fans.caps]))
+        self.base_row = walls.vertex[ray].astype(np.int64)
         self.border = self._border()
 
     @property
@@ -98,25 +111,44 @@ class PrismRun:
 
     def begin(self) -> None:
         """Give rays directions, and heights at which columns have room."""
-        walls = self.base.walls
-        direction, seen = self._directed(walls)
+        direction, seen = self._directed_rays()
         self.direction = np.where(seen[:, None], direction, 0.0)
         start = np.where(seen, self.total, 0.0)
-        self.height, self.reason = limited(walls.points, self.direction, self.columns, start)
+        self.height, self.reason = limited(self.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
         self.lowered = np.zeros(len(start), dtype=np.int64)
-        self.tested = [np.full(walls.points.shape, np.nan) for _ in range(2)]
+        self.tested = [np.full(self.points.shape, np.nan) for _ in range(2)]
+        self.tested_fans = np.full(len(start), np.nan)
 
     def _directed(self, walls: Walls) -> tuple[Array, NDArray[np.bool_]]:
         options = self.options
         return directed(walls, options.normals, options.ridge, options.smoothing, self.stars)
 
+    def _directed_rays(self) -> tuple[Array, NDArray[np.bool_]]:
+        """The directions of all rays, and which of them see what is beside them."""
+        walls, fans = self.base.walls, self.fans
+        if self.single is None:
+            return self._directed(walls)
+        # Each sheet is a wall of its own.
+        base = fans.base[: fans.sheets]
+        sheets = walls._replace(
+            points=self.points[: fans.sheets],
+            triangles=self.columns,
+            vertex=walls.vertex[base],
+            planes=walls.planes[base],
+        )
+        options, stars = self.options, stars_of(self.columns, fans.sheets)
+        direction, seen = directed(sheets, options.normals, options.ridge, options.smoothing, stars)
+        direction = spread_directions(fans, direction, self.single)
+        every = np.ones(len(walls.points), dtype=bool)  # a fan is seen as a whole
+        every[base[~seen]] = False
+        return direction, every[fans.base]
+
     def placed(self, height: Array) -> Array:
         """The places of rays of some heights."""
-        walls = self.base.walls
         if self.options.recompute:
-            return marched(walls, self._directed, self.direction, height, self.shares)
-        return placed(walls.points, self.direction, height, self.shares)
+            return marched(self.base.walls, self._directed, self.direction, height, self.shares)
+        return placed(self.points, self.direction, height, self.shares)
 
     def advance(self) -> None:
         """Give rays directions and heights; lower them until all cells are positive and nothing meets."""
@@ -135,14 +167,12 @@ class PrismRun:
                 fresh[:] = self._lower(wrong, why) | self.options.recompute
                 bar.update(1)
         level = np.where(self.height > 0.0, self.levels, 0).astype(np.int32)
-        self.rays = Rays(
-            np.arange(len(level), dtype=np.int32), self.direction, self.height, self.total, level, self.reason
-        )
+        self.rays = Rays(self.fans.base, self.direction, self.height, self.total, level, self.reason)
 
     def _grade(self, fresh: NDArray[np.bool_]) -> None:
         """Lower heights that differ too much; note the columns that change."""
         before = self.height
-        self.height, self.reason = graded(self.base.walls.points, self.edges, self.height, self.reason, SLOPE)
+        self.height, self.reason = graded(self.points, self.edges, self.height, self.reason, SLOPE)
         if self.height is not before:
             fresh |= (self.height != before)[self.columns].any(axis=1)
 
@@ -156,13 +186,35 @@ class PrismRun:
         self.lowered[lost] = LOWERINGS[-1][0]  # they get no height, and the others of their columns remain
         wrong = wrong[~np.isin(wrong, lost).any(axis=1)]
         rays = np.union1d(wrong, lost).astype(np.int64)
-        return rays[moves[rays]]
+        rays = rays[moves[rays]]
+        return rays if len(rays) else self._wrong_fans()
+
+    def _wrong_fans(self) -> Numbers:
+        """The rays of fans with cells that are not positive."""
+        quads, corners = self.fans.quads, self.fans.corners
+        if not len(quads):
+            return np.empty(0, dtype=np.int64)
+        fresh, moves = self.height != self.tested_fans, self.height > 0.0
+        asked = [fresh[rows].any(axis=1) & moves[rows].all(axis=1) for rows in (quads, corners)]
+        rows = fan_faults(self.fans, self.places, np.flatnonzero(np.concatenate(asked)), self._in_simplices)
+        rays = [quads[rows[rows < len(quads)]], corners[rows[rows >= len(quads)] - len(quads)]]
+        found = np.unique(np.concatenate([part.ravel() for part in rays])).astype(np.int64)
+        if not len(found):
+            self.tested_fans = self.height
+        return found
+
+    @property
+    def _in_simplices(self) -> bool:
+        """Whether the tetrahedra of cells have to be positive, too.
+
+        With something beyond, too: `check` tests for overlap by tetrahedra, and so tests the whole mesh.
+        """
+        return self.options.cells == "tetrahedron" or self.options.room > 0.0
 
     def bad_columns(self, rows: Numbers, level: NDArray[np.int32]) -> Numbers:
         """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
         found = bad(self.places, self.columns[rows], level)
-        # With something beyond, too: `check` tests for overlap by tetrahedra, and so tests the whole mesh.
-        if self.options.cells == "tetrahedron" or self.options.room > 0.0:
+        if self._in_simplices:
             turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
             found = np.union1d(found, turned)
         return found
@@ -180,11 +232,12 @@ class PrismRun:
 
     def _met(self, tops: Array, which: int) -> Numbers:
         """The rays whose tops, or layers below them, meet something; what has been tested before is known."""
-        moves, walls = self.height > 0.0, self.base.walls
+        moves = self.height > 0.0
         changed = (tops != self.tested[which]).any(axis=1)
         self.tested[which] = tops
         border, others = self.border, self.base.others
-        skin = skin_of(others, self.columns, self.base_row, tops, moves, walls.planes, border, changed)
+        over = np.concatenate([self.columns, self.fans.caps]), self.fans.cap_owner
+        skin = skin_of(others, over[0], self.base_row, tops, moves, self.planes, border, changed, over[1])
         rays = clashes(skin)
         if not len(rays):
             rays = surrounded(skin, self.columns, moves)
@@ -195,13 +248,18 @@ class PrismRun:
         side = np.flatnonzero(self.stars.mates < 0)
         t, k = side // 3, side % 3
         a, b = self.columns[t, (k + 1) % 3], self.columns[t, (k + 2) % 3]
-        one, two = self.base.walls.planes[a], self.base.walls.planes[b]
+        one, two = self.planes[a], self.planes[b]
         plane = np.full(len(a), -1, dtype=np.int32)
         for i in range(2):
             for j in range(2):
                 same = (one[:, i] == two[:, j]) & (one[:, i] >= 0) & (plane < 0)
                 plane[same] = one[same, i]
-        return Border(np.column_stack([a, b]).astype(np.int64), plane, t)
+        one, two, t_fans = self.fans.rims.T
+        return Border(
+            np.column_stack([np.concatenate([a, one]), np.concatenate([b, two])]).astype(np.int64),
+            np.concatenate([plane, self.planes[one, 0]]),
+            np.concatenate([t, t_fans]),
+        )
 
     def _lower(self, rays: Numbers, why: int) -> NDArray[np.bool_]:
         """Lower the heights of rays; which columns change."""
