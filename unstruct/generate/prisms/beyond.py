@@ -16,6 +16,7 @@ from ...geometry.inside_shell import side_mates
 from ...geometry.polygons import Polygons
 from ...mesh.cells import incident_facets
 from ...mesh.domain_mesh import IS_MISSING, DomainMesh
+from ...mesh.grouping import group_rows
 from ...mesh.mesh import Mesh
 from ...mesh.split import simplices_of_cells
 from ...sizing.field import SizeField
@@ -269,7 +270,8 @@ def sides_of_layers(
     base, piece = grown.base[solid], grown.piece[solid]
     if domain is None:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
-    rows = _outer_sides(grown)
+    with_fans = bool(((a == b) | (b == c) | (c == a)).any())
+    rows = _every_side(grown, base) if with_fans else _outer_sides(grown)
     if len(rows) == 0:
         return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
     found = side_pieces(domain, grown, rows, walls, exposed=exposed)
@@ -280,6 +282,21 @@ def sides_of_layers(
     whole = np.concatenate([np.column_stack([base, np.full(len(base), -1)]), rows])
     of_faces = np.concatenate([piece, found[~quads], found[quads][owner]])
     return faces, whole, (of_faces, np.concatenate([piece, found]))
+
+
+def _every_side(grown: Grown, base: Rows) -> Rows:
+    """The faces of the boundary that are neither base nor cap, padded by -1 to four vertices."""
+    rows = _boundary(grown.cells)
+    ends = np.concatenate([base, grown.cap])
+    wide = np.column_stack([ends, np.full(len(ends), -1)])
+    number, _ = group_rows(np.sort(np.concatenate([rows, wide]), axis=1))
+    return rows[~np.isin(number[: len(rows)], number[len(rows) :])]
+
+
+def _boundary(cells: dict[str, Any]) -> Rows:
+    rows, _, group = incident_facets(cells)
+    rows = rows[np.bincount(group)[group] == 1].astype(np.int64)
+    return np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
 
 
 def _outer_sides(grown: Grown) -> Rows:
@@ -299,9 +316,7 @@ def _outer_sides(grown: Grown) -> Rows:
     cells = {kind: block for kind, block in cells.items() if len(block)}
     if not cells:
         return np.empty((0, 4), dtype=np.int64)
-    rows, _, group = incident_facets(cells)
-    rows = rows[np.bincount(group)[group] == 1].astype(np.int64)
-    rows = np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
+    rows = _boundary(cells)
     stems = np.where(rows >= 0, grown.stem[rows], grown.stem[rows[:, :1]])
     low, high = stems.min(axis=1), stems.max(axis=1)
     over_one_edge = ((stems == low[:, None]) | (stems == high[:, None])).all(axis=1) & (low < high)
