@@ -68,6 +68,7 @@ def test_wrong_arguments_are_named() -> None:
         ({"layers": LAYERS, "stop": "never"}, "stop must be"),
         ({"layers": LAYERS, "cells": "cube"}, "cells must be"),
         ({"layers": LAYERS, "smoothing": -1}, "smoothing"),
+        ({"layers": LAYERS, "ridge": -1}, "ridge"),
         ({"layers": LAYERS, "ridge": "x"}, "ridge"),
         ({"layers": LAYERS, "recompute": 1}, "recompute"),
         ({"layers": LAYERS, "fill_options": 3}, "fill_options"),

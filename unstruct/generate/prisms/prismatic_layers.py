@@ -177,6 +177,8 @@ def prismatic_layers(
         if not isinstance(value, str) or value not in known:
             raise InputError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
     ridge, smoothing = finite(ridge, "ridge"), as_count(smoothing, "smoothing")
+    if not 0.0 <= ridge <= 180.0:
+        raise InputError(f"ridge = {ridge:.6g} must be an angle from 0 to 180 degrees: 40, for instance")
     if smoothing > MOST_SMOOTHING:
         raise InputError(f"smoothing = {smoothing} must be at most {MOST_SMOOTHING} rounds: 10, for instance")
     if several and (recompute or stop != "squeeze"):
