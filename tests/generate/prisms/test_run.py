@@ -129,7 +129,7 @@ def hidden_vertex() -> Domain:
 
 def test_hidden_vertices_are_told() -> None:
     body = hidden_vertex()
-    with pytest.warns(HiddenVertexWarning, match=r"1 vertices .* point \d+ at \(2, 2, 2\)"):
+    with pytest.warns(HiddenVertexWarning, match=r"1 vertex .* point \d+ at \(2, 2, 2\)"):
         mesh = prismatic_layers(body, layers=LAYERS)
     hidden = np.flatnonzero(mesh.steps["reason"] == "hidden")
     assert mesh.counts["hidden"] == len(hidden) == 1

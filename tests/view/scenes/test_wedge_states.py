@@ -10,7 +10,7 @@ import pytest
 from unstruct import InputError, Mesh
 from unstruct.plain import prisms
 from unstruct.view import check_frame
-from unstruct.view.scenes.wedge_states import LOWER, WEDGES, wedge_coefficients, wedge_state
+from unstruct.view.scenes.wedge_states import LOWER_TRIANGLE, WEDGES, wedge_coefficients, wedge_state
 
 
 @pytest.mark.parametrize("wedge", WEDGES)
@@ -27,7 +27,7 @@ def test_the_whole_range(wedge: str) -> None:
         number = float(one["number"].split(": ")[1].split(",")[0])
         assert word in one["number"] and abs(number - area) < 0.006
         signs.append(area > 0)
-    rows = [(*p, 0) for p in LOWER] + [(*p, 3) for p in WEDGES[wedge]]
+    rows = [(*p, 0) for p in LOWER_TRIANGLE] + [(*p, 3) for p in WEDGES[wedge]]
     positive = prisms.wedge_is_positive(rows[:3], rows[3:])
     mesh = Mesh(np.array(rows, dtype=float), cells={"wedge": [range(6)]})
     assert positive == all(signs) == (mesh.jacobian_signs()[0] == 1)
@@ -36,8 +36,8 @@ def test_the_whole_range(wedge: str) -> None:
 
 def test_coefficients_are_those_of_the_plain_criterion() -> None:
     for upper in WEDGES.values():
-        base = [(*p, 0) for p in LOWER]
-        rays = [(*prisms.minus((*q, 0), (*p, 0))[:2], 3) for p, q in zip(LOWER, upper)]
+        base = [(*p, 0) for p in LOWER_TRIANGLE]
+        rays = [(*prisms.minus((*q, 0), (*p, 0))[:2], 3) for p, q in zip(LOWER_TRIANGLE, upper)]
         for c0, c1, c2 in prisms.quadratics(base, rays):
             found = [Fraction(c0, 27), (c0 + Fraction(c1, 2)) / 27, Fraction(c0 + c1 + c2, 27)]
             assert found == list(wedge_coefficients(upper))

@@ -251,8 +251,8 @@ def _tell_hidden(run: PrismRun) -> None:
             v = int(run.base_row[np.argmax(rows)])
             x, y, z = run.base.others.points[v].tolist()
             warnings.warn(
-                f"at {many} vertices of the walls {why}, so that there are no layers: the first is point {v} "
-                f"at ({x:.6g}, {y:.6g}, {z:.6g}); see mesh.steps",
+                f"at {many} {'vertex' if many == 1 else 'vertices'} of the walls {why}, so that there are no "
+                f"layers: the first is point {v} at ({x:.6g}, {y:.6g}, {z:.6g}); see mesh.steps",
                 HiddenVertexWarning,
                 stacklevel=3,
             )
