@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from math import log
 from typing import Any
 
-from . import report
 from .planar_report import ratio, times
-from .report import OURS, figures, grid, page, relative, short
+from .report import OURS, figures, grid, page, relative
 
 Row = dict[str, Any]
 TITLES = {
@@ -14,6 +14,7 @@ TITLES = {
     "growth": "Growth: exponents p of seconds ~ n^p",
     "joined": "Layers and tetrahedra beyond them as one mesh",
 }
+SHORT_NAMES = {"Gmsh extrudeBoundaryLayer": "Gmsh", f"{OURS}, checks of the surface": "… with checks"}
 __all__ = ["TITLES", "growth", "joined", "layers", "markdown", "plot", "summary"]
 
 
@@ -23,21 +24,19 @@ def _cases(rows: list[Row], work: str) -> dict[tuple[Any, str, int], dict[str, R
 
 def layers(rows: list[Row]) -> str:
     """A line for each body and contestant; **bold**: a peer is faster, wedges are not positive."""
-    head = ["body", "triangles", "by", "wedges", "seconds", "million/s", f"its seconds ÷ {OURS}"]
-    head += ["not positive", "full height", "least scaled Jacobian"]
+    head = ["body", "by", "seconds", f"÷ {OURS}", "not positive", "full height", "least Jacobian"]
     lines = []
     for (_, kind, _), case in _cases(rows, "layers").items():
         for name, row in case.items():
-            bad = f"**{row['bad']:,}**" if row["bad"] else "0"
-            cells = [kind, f"{row['triangles']:,}", name, f"{row['wedges']:,}", figures(row["seconds"])]
-            cells += [figures(row["wedges"] / row["seconds"] / 1e6)]
-            cells += ["" if name.startswith(OURS) else relative(ratio(case, name)), bad]
+            cells = [kind, SHORT_NAMES.get(name, name), figures(row["seconds"])]
+            cells += ["" if name.startswith(OURS) else relative(ratio(case, name))]
+            cells += [f"**{row['bad']:,}**" if row["bad"] else "0"]
             full, least = (
                 row.get(f"figure: {key}") for key in ("share of full heights", "least scaled Jacobian")
             )
             cells += ["" if full is None else f"{100 * full:.1f} %", "" if least is None else f"{least:.2g}"]
             lines.append(cells)
-    return grid(head, 3, lines)
+    return grid(head, 2, lines)
 
 
 def summary(rows: list[Row]) -> str:
@@ -55,29 +54,35 @@ def summary(rows: list[Row]) -> str:
 
 
 def growth(rows: list[Row]) -> str:
-    """The exponents by contestant, with the wedges and the seconds of the least and the largest case."""
+    """A line for each contestant and number of wedges, with the exponent from one to the next."""
     found: dict[str, list[Row]] = {}
     for row in rows:
         if row["work"] == "growth" and row["measure"] == "time":
-            found.setdefault(row["contestant"], []).append({**row, "n": row["wedges"], "dimension": "growth"})
+            found.setdefault(row["contestant"], []).append(row)
     lines = []
     for name, some in found.items():
-        some.sort(key=lambda row: row["n"])
-        for exponent in report.growth(some).values():
-            span = f"{some[0]['n']:,} to {some[-1]['n']:,}"
-            seconds = f"{figures(some[0]['seconds'])} to {figures(some[-1]['seconds'])}"
-            lines.append([name, span, seconds, f"{exponent:.2f}"])
-    return grid(["by", "wedges", "seconds", "p"], 1, lines)
+        some.sort(key=lambda row: row["wedges"])
+        for before, row in zip([None, *some], some):
+            cells = [SHORT_NAMES.get(name, name), f"{row['wedges']:,}", figures(row["seconds"])]
+            cells += [f"{1e9 * row['seconds'] / row['wedges']:.0f}"]
+            if before is None:
+                cells += ["–"]
+            else:
+                more = log(row["seconds"] / before["seconds"]) / log(row["wedges"] / before["wedges"])
+                cells += [f"{more:.2f}"]
+            lines.append(cells)
+    return grid(["by", "wedges", "seconds", "ns a wedge", "p"], 1, lines)
 
 
 def joined(rows: list[Row]) -> str:
     """A line for each contestant: what the mesh has, whether it is valid, and how good it is."""
-    head = ["body", "by", "wedges", "tetrahedra", "seconds", "valid", "wedges not positive"]
-    head += ["least dihedral angle", "below 12°", "jump of volume at the cap, median", "largest"]
+    head = ["by", "wedges", "tetrahedra", "seconds", "valid", "not positive"]
+    head += ["least angle", "< 12°", "jump, median", "largest"]
     lines = []
-    for (_, kind, n), case in _cases(rows, "joined").items():
+    for case in _cases(rows, "joined").values():
         for name, row in case.items():
-            cells = [f"{kind}, {short(n)}", name, f"{row['wedges']:,}", f"{row['cells'] - row['wedges']:,}"]
+            cells = [SHORT_NAMES.get(name, name)]
+            cells += [f"{row['wedges']:,}", f"{row['cells'] - row['wedges']:,}"]
             valid = row.get("valid")
             cells += [figures(row["seconds"]), "" if valid is None else "yes" if valid else "**no**"]
             cells += [f"{row['bad']:,}" if not row["bad"] else f"**{row['bad']:,}**"]
@@ -91,7 +96,7 @@ def joined(rows: list[Row]) -> str:
             ]
             cells += [f"{value:.2f}" for value in sorted(jumps)[:2]] or ["", ""]
             lines.append(cells)
-    return grid(head, 2, lines)
+    return grid(head, 1, lines)
 
 
 def markdown(result: dict[str, Any]) -> str:
