@@ -24,6 +24,7 @@ from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
 from ..predicates.power import power_signs
 from .body import check_body
 from .brute import check_brute
+from .covering import check_covering
 from .mixed import array_faults, check_mixed, rows_as_triangles
 from .pinches import pinch_points
 from .region import check_domain
@@ -68,6 +69,10 @@ def check(
     wind around it once; no cells overlap. For ``delaunay=True`` the boundary must be convex, which together
     with the local tests makes the mesh tile the convex hull. Otherwise the boundary must not meet itself
     (d <= 3), and no boundary vertex may lie in a cell of which it is not a corner.
+
+    Cells of other kinds in space do not overlap if all Jacobians are positive, the faces of the boundary,
+    bilinear ones too, meet in common corners and edges alone, and their outer sides are outside: proved in
+    `unstruct.assess.covering`. Bilinear faces that are too near each other to be told apart are problems.
 
     The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
     dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
@@ -291,27 +296,28 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
 
 
 def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report: Report) -> None:
-    """Cut cells into simplices and apply to these what is decided for simplices only; report the cells."""
+    """Cut cells into simplices and apply to these what is decided for simplices only; report the cells.
+
+    That solids do not overlap is proved without this, whether they can be cut or not.
+    """
     if mesh.dimension == 2 and domain is None:
         return
     rows, owner = simplices_of_cells(mesh.cells)
     turned = np.unique(owner[orient_rows(mesh.points, rows) <= 0])
-    if len(turned):
-        report.skipped.append(
-            f"{'overlap' if mesh.dimension == 3 else 'the domain'}, which needs cells that can be cut into "
-            f"positive simplices from their lowest vertices; cells {turned[:8].tolist()} cannot "
-            f"({len(turned)} in all)"
-        )
-        return
-    parts = _as_simplices(mesh, rows, owner)
-    found = Report(report.title)
-    if mesh.dimension == 3:
-        valid = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
-        if valid:
+    parts, found = _as_simplices(mesh, rows, owner) if not len(turned) else None, Report(report.title)
+    if mesh.dimension == 3 and parts is not None:
+        if _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found):
             everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
             _overlap(parts, found, everything=everything)
-    if domain is not None:
+    if mesh.dimension == 3 and found:
+        check_covering(mesh, report)
+    if domain is not None and parts is not None:
         (check_domain if domain.dimension == 2 else check_body)(parts, domain, found)
+    elif domain is not None:
+        report.skipped.append(
+            "the domain, which needs cells that can be cut into positive simplices from their lowest "
+            f"vertices; cells {turned[:8].tolist()} cannot ({len(turned)} in all)"
+        )
     report.passed += found.passed
     report.skipped += found.skipped
     report.problems += [
