@@ -32,6 +32,7 @@ Integers = NDArray[np.int64]
 
 PATCH_LEVELS = 16  # halvings in each direction
 MOST_PARTS = 1 << 11  # pairs of parts of two patches at one level
+MOST_AT_ONCE = 1 << 15  # pairs of parts of all patches
 ROWS_AT_ONCE = 1 << 8  # pairs of parts whose planes are looked for together
 NEARLY_PARALLEL = 1e-12  # planes are only guessed with this; they are tested afterwards
 PLANE_ERROR = 2.0**-45  # of coordinates: far above the rounding of differences of points of patches
@@ -69,7 +70,8 @@ def patches_apart(points: Array, one: Integers, other: Integers) -> NDArray[np.b
         if not len(parts.pair):
             return found
         many = np.bincount(parts.pair, minlength=len(one))
-        found &= many * len(QUARTERS) <= MOST_PARTS
+        each = MOST_AT_ONCE // int((many > 0).sum())  # where most pairs cross, none takes long
+        found &= many * len(QUARTERS) <= max(min(MOST_PARTS, each), 4 * len(QUARTERS))
         going = found[parts.pair]
         pair, a, b = (np.repeat(array[going], len(QUARTERS), axis=0) for array in parts)
         step = np.tile(QUARTERS, (int(going.sum()), 1))
