@@ -6,20 +6,20 @@ until none is left gives the intrinsic Delaunay triangulation (`IntrinsicTriangu
 
 *Why this ends.* Let E be the sum of the cotangents of all angles of all triangles. Lay the two triangles of
 an edge ab, with the far corners c and d, into the plane. For any values at the four corners, the two ways to
-interpolate them linearly agree on the quadrilateral's border, and differ, by a jump j, at the crossing of the
-diagonals. Their Dirichlet integrals differ by k j^2 with k independent of the values, since the difference
-does not change if an affine function is added, and affine functions are all that has j = 0. The crossing
-divides ab in the ratio of (1 - s) to s, and cd in that of (1 - t) to t, so j = s f(a) + (1 - s) f(b) - t f(c)
-- (1 - t) f(d). Comparing the coefficients of f(a) f(b) gives k = -w / (s (1 - s)), with w half the sum of the
-cotangents of the angles opposite ab. If ab is illegal, w < 0 and k > 0. Summed over the four unit vectors,
-half the difference of the forms is what E loses, since the matrix of the form has half the sums of cotangents
-on its diagonal: a flip lowers E by k (s^2 + (1-s)^2 + t^2 + (1-t)^2) > 0. All this concerns the four corners
-in the plane, so it does not matter whether some of them are one vertex of the surface. An illegal edge has
-two different triangles: if it had one on both sides, its opposite angles would be the two at the base of an
-isosceles triangle. And its quadrilateral is convex: the angles at a and b are what is left of 2 pi. A
-triangle with sides x, y, z and area A has x^2 + y^2 + z^2 = 4 A (sum of its cotangents), at most 4 times the
-surface's area times the first E. So all edges stay below one length; there are finitely many straight lines
-of bounded length between vertices, hence finitely many triangulations, and E never returns.
+interpolate them linearly agree on the quadrilateral's border, and differ, by a jump j, at the crossing of
+the diagonals. Their Dirichlet integrals differ by k j^2 with k independent of the values, since the
+difference does not change if an affine function is added, and affine functions are all that has j = 0. The
+crossing divides ab in the ratio of (1 - s) to s, and cd in that of (1 - t) to t, so j = s f(a) + (1 - s)
+f(b) - t f(c) - (1 - t) f(d). Comparing the coefficients of f(a) f(b) gives k = -w / (s (1 - s)), with w half
+the sum of the cotangents of the angles opposite ab. If ab is illegal, w < 0 and k > 0. Summed over the four
+unit vectors, a form gives the sum of the cotangents of its triangles: a flip lowers E by k (s^2 + (1-s)^2 +
+t^2 + (1-t)^2) > 0. All this concerns the four corners in the plane, so it does not matter whether some of
+them are one vertex of the surface. An illegal edge has two different triangles: if it had one on both sides,
+its opposite angles would be the two at the base of an isosceles triangle. And its quadrilateral is convex:
+the angles at a and b are what is left of 2 pi. A triangle with sides x, y, z and area A has x^2 + y^2 + z^2
+= 4 A (sum of its cotangents), at most 4 times the surface's area times the first E. So all edges stay below
+one length; there are finitely many straight lines of bounded length between vertices, hence finitely many
+triangulations, and E never returns.
 
 *With rounding.* An edge is flipped only if the sum of its cotangents is below zero by more than rounding, and
 if the sum of the rounded cotangent sums of the two triangles becomes less. A rounded sum is monotonous, so
@@ -363,12 +363,14 @@ def _kept(rows: NDArray, kept: ArrayLike, under: NDArray[np.int32]) -> NDArray[n
 
 def copied(record: R, count: int | None = None) -> R:
     """A record of copies of arrays, of their first rows if a number of them is given."""
-    return type(record)(*(array[:count].copy() for array in record))
+    arrays: Any = (array[:count].copy() for array in record)
+    return type(record)(*arrays)
 
 
 def grown_rows(record: R, count: int) -> R:
     """A record of arrays with so many rows."""
-    return type(record)(*(_grown(array, count) for array in record))
+    arrays: Any = (_grown(array, count) for array in record)
+    return type(record)(*arrays)
 
 
 def _grown(array: NDArray, count: int) -> NDArray:
