@@ -39,6 +39,8 @@ class Support:
         are no creases.
     edges : array_like of int, shape (k, 2), optional
         Other edges that are features, such as those between triangles with different names.
+    corners : array_like of int, shape (c,), optional
+        Other vertices that must be kept, such as those with a name.
 
     Attributes
     ----------
@@ -51,9 +53,9 @@ class Support:
         run through the edge in the same direction, creases, and the given edges. Each once, by the first of
         equal vertices.
     corners : (c,) int64
-        The vertices that must be kept: where other than two features meet; where two meet at an angle of more
-        than ``sharp`` (without it, 45 degrees); where several fans of triangles meet in a point; the tip of a
-        cone, at which some triangle is tilted by more than ``sharp`` from the mean of all.
+        The vertices that must be kept: the given ones; where other than two features meet; where two meet and
+        turn by more than ``sharp`` (without it, 45 degrees); where several fans of triangles meet in a point;
+        the tip of a cone, at which some triangle is tilted by more than ``sharp`` from the mean of all.
     chain : (k,) int64
         The feature curve of each edge. Curves run from corner to corner, or are closed.
     factor : float
@@ -69,6 +71,7 @@ class Support:
         *,
         sharp: float | None = None,
         edges: ArrayLike | None = None,
+        corners: ArrayLike | None = None,
     ):
         self.points = frozen(_in_space(points, "points"))
         self.triangles = frozen(_rows(triangles, 3, "triangles", len(self.points)))
@@ -81,7 +84,10 @@ class Support:
         rows = same[self.triangles]
         named = np.empty((0, 2), dtype=np.int64) if edges is None else _rows(edges, 2, "edges", len(xyz))
         self.normals = frozen(unit_normals(xyz, rows))
-        found = features_of(xyz, rows, self.normals, sharp, same[named])
+        kept = np.empty(0, dtype=np.int64)
+        if corners is not None:
+            kept = same[_numbers(corners, "corners", np.size(corners), len(xyz))]
+        found = features_of(xyz, rows, self.normals, sharp, same[named], kept)
         self.features, self.chain = frozen(found.edges), frozen(found.chain)
         self.corners = frozen(found.corners)
         self.held = _held(xyz, rows, np.array(self.normals), found.edges, found.chain)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..base.elementary import cosine
 from ..base.jit import inline, kernel
 
-__all__ = ["Features", "features_of", "same_points", "unit_normals"]
+__all__ = ["Features", "fans_at", "features_of", "same_points", "side_groups", "unit_normals"]
 
 Array = NDArray[np.float64]
 NO_DIRECTION = 1e-12  # of the longest side squared: twice the area below which a direction is mere rounding
@@ -109,8 +109,11 @@ def _lend(xyz, rows, mates, directions):
                 moved = moved or directions[t, j] != 0.0
 
 
-def _sides(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
-    """Sides that belong together: their places 3 t + k in order, the group of each, the size of groups."""
+def side_groups(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
+    """Sides that belong together: their places 3 t + k in order, the group of each, the size of groups.
+
+    Side k of a triangle begins at its corner k. Triangles with fewer than three different corners have none.
+    """
     ends = np.sort(np.stack([rows, rows[:, [1, 2, 0]]], axis=2).reshape(-1, 2), axis=1)
     whole = (rows != rows[:, [1, 2, 0]]).all(axis=1)
     place = np.flatnonzero(np.repeat(whole, 3))
@@ -123,7 +126,7 @@ def _sides(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
 
 def _at_sides(xyz: Array, rows: NDArray[np.int64], normals: Array, sharp: float | None) -> np.ndarray:
     """The sides at which the surface ends, branches, or turns by more than ``sharp`` degrees: (k, 2)."""
-    place, _, size = _sides(rows)
+    place, _, size = side_groups(rows)
     ends = np.stack([rows, rows[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
     first = place[np.cumsum(size) - size]
     kept = size != 2
@@ -160,9 +163,9 @@ def _united(one, two, parent):
         parent[i] = _root(parent, i)
 
 
-def _pinched(rows: NDArray[np.int64], n: int) -> np.ndarray:
-    """Whether the triangles at each vertex form several fans that have only the vertex in common."""
-    place, group, _ = _sides(rows)
+def fans_at(rows: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """How many fans, which have only the vertex in common, the triangles at each vertex form."""
+    place, group, _ = side_groups(rows)
     same = np.flatnonzero(group[1:] == group[:-1])
     one, two = place[same], place[same + 1]
     ends: list[list[np.ndarray]] = [[], []]
@@ -173,8 +176,7 @@ def _pinched(rows: NDArray[np.int64], n: int) -> np.ndarray:
     parent = np.arange(rows.size)
     _united(np.concatenate(ends[0]), np.concatenate(ends[1]), parent)
     whole = np.repeat((rows != rows[:, [1, 2, 0]]).all(axis=1), 3)
-    fans = np.bincount(rows.ravel()[(parent == np.arange(rows.size)) & whole], minlength=n)
-    return fans > 1
+    return np.bincount(rows.ravel()[(parent == np.arange(rows.size)) & whole], minlength=n)
 
 
 def _apexes(rows: NDArray[np.int64], normals: Array, n: int, turn: float) -> np.ndarray:
@@ -213,6 +215,7 @@ def features_of(
     normals: Array,
     sharp: float | None,
     named: NDArray[np.int64],
+    kept: NDArray[np.int64],
 ) -> Features:
     """The edges and corners to be kept; see `Support` for the parameters. O(m log m)."""
     n, turn = len(xyz), USUAL_TURN if sharp is None else sharp
@@ -222,7 +225,8 @@ def features_of(
     pairs = _turning(xyz, edges, degree, turn)
     corner = (degree != 2) & (degree > 0)
     corner[pairs[pairs[:, 3] == 1, 0]] = True
-    corner |= _pinched(rows, n)
+    corner[kept] = True
+    corner |= fans_at(rows, n) > 1
     if sharp is not None:
         corner |= _apexes(rows, normals, n, turn) & (degree == 0)
     through = pairs[~corner[pairs[:, 0]]]
