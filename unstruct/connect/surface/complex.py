@@ -136,7 +136,8 @@ class SurfaceComplex:
         xyz = np.array(points[self.master])
         none = np.zeros(used, dtype=np.int64)
         self.sheets = Sheets(
-            xyz, at[:used].copy(), kind, on, none, np.ones(used), none.copy(), vertex, twin, curve, name, state
+            xyz, at[:used].copy(), kind, on, none, np.ones(used), np.full(used, np.inf), np.zeros(used), none.copy(),
+            vertex, twin, curve, name, state,
         )
 
     def grow(self, vertices: int, triangles: int) -> None:
@@ -147,7 +148,7 @@ class SurfaceComplex:
         if more:
             s = s._replace(
                 **{name: _longer(getattr(s, name), more, -1) for name in ("at", "on")},
-                **{name: _longer(getattr(s, name), more, 0) for name in ("xyz", "kind", "near", "size", "mark")},
+                **{name: _longer(getattr(s, name), more, 0) for name in ("xyz", "kind", "near", "size", "cap", "allowed", "mark")},
             )
         if slots:
             s = s._replace(

@@ -69,6 +69,10 @@ class Sheets(NamedTuple):
         A triangle of the given surface near each vertex.
     size : (n,) float64
         The wanted length of edges at each vertex.
+    cap : (n,) float64
+        An upper bound of it.
+    allowed : (n,) float64
+        How far the surface may be from the given one near each vertex.
     mark : (n,) int64
         Scratch.
     vertex, twin : (3 m,) int32
@@ -86,6 +90,8 @@ class Sheets(NamedTuple):
     on: NDArray[np.int32]
     near: NDArray[np.int64]
     size: NDArray[np.float64]
+    cap: NDArray[np.float64]
+    allowed: NDArray[np.float64]
     mark: NDArray[np.int64]
     vertex: NDArray[np.int32]
     twin: NDArray[np.int32]
@@ -297,7 +303,8 @@ def split_edge(s, e):
         s.xyz[m, k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])
     s.kind[m] = ON_CURVE if s.curve[e] >= 0 else SMOOTH
     s.on[m], s.near[m], s.mark[m] = s.curve[e], s.near[u], 0
-    s.size[m] = 0.5 * (s.size[u] + s.size[w])
+    s.size[m], s.cap[m] = 0.5 * (s.size[u] + s.size[w]), 0.5 * (s.cap[u] + s.cap[w])
+    s.allowed[m] = 0.5 * (s.allowed[u] + s.allowed[w])
     g = _halved(s, e, m)
     if f < 0:
         s.twin[g] = -1
@@ -317,6 +324,8 @@ def split_triangle(s, t):
         s.xyz[m, k] = (s.xyz[a, k] + s.xyz[b, k] + s.xyz[c, k]) / 3.0
     s.kind[m], s.on[m], s.near[m], s.mark[m] = SMOOTH, -1, s.near[a], 0
     s.size[m] = (s.size[a] + s.size[b] + s.size[c]) / 3.0
+    s.cap[m] = (s.cap[a] + s.cap[b] + s.cap[c]) / 3.0
+    s.allowed[m] = (s.allowed[a] + s.allowed[b] + s.allowed[c]) / 3.0
     one, two = _new_triangle(s), _new_triangle(s)  # (a, b, m) stays, (b, c, m) and (c, a, m) are new
     across_a, across_b = s.twin[3 * t], s.twin[3 * t + 1]
     s.vertex[3 * one], s.vertex[3 * one + 1], s.vertex[3 * one + 2] = b, c, m
