@@ -48,7 +48,7 @@ def test_a_mesh() -> None:
     given = given_surface(Mesh(SQUARE, FANS, markers=markers))
     assert given.names["left"].tolist() == [False, False, False, True]
     assert given.edges["rim"].tolist() == [[0, 1], [2, 1]] and given.values["region"].tolist() == [7, 7, 9, 7]
-    kept = set(map(tuple, given.support.features.tolist()))
+    kept = set(map(tuple, np.sort(given.support.features, axis=1).tolist()))
     assert kept == {(0, 1), (1, 2), (2, 3), (0, 3), (0, 4), (3, 4), (2, 4)}
     assert given.support.corners.tolist() == [0, 1, 2, 3, 4]
     found = given.markers(np.array(FANS), np.array([3, 3, 2, 0]))

@@ -51,13 +51,13 @@ class Support:
     features : (k, 2) int64
         The edges that must be kept: where the surface ends, where more than two triangles meet or two that
         run through the edge in the same direction, creases, and the given edges. Each once, by the first of
-        equal vertices.
+        equal vertices; one curve after the other, each edge beginning where the one before ends.
     corners : (c,) int64
         The vertices that must be kept: the given ones; where other than two features meet; where two meet and
         turn by more than ``sharp`` (without it, 45 degrees); where several fans of triangles meet in a point;
         the tip of a cone, at which some triangle is tilted by more than ``sharp`` from the mean of all.
     chain : (k,) int64
-        The feature curve of each edge. Curves run from corner to corner, or are closed.
+        The feature curve of each edge, in order. Curves run from corner to corner, or are closed.
     factor : float
         A power of two: coordinates in ``held`` are scaled by it.
     held : Held
@@ -167,13 +167,14 @@ class Support:
         points : array_like, shape (k, 3)
         triangles : array_like of int, shape (t, 3)
         step : float, optional
-            How far the samples are apart at most, by default a quarter of the mean length of an edge of the
-            mesh. It grows if there were more than four million samples, and a side has no more than 64.
+            How far the samples are apart at most, by default half of the mean length of an edge of the mesh.
+            It grows if there were more than four million samples, and a side has no more than 64.
 
         Returns
         -------
         there, back : float
-            In the units of the coordinates. The vertices of the triangles are among the samples.
+            In the units of the coordinates. The samples are the vertices and the center of each triangle, and
+            the points that divide its sides and itself evenly.
 
         Notes
         -----
@@ -181,6 +182,13 @@ class Support:
         within step / √3 of a sample, and the distance from a set changes no faster than the point moves: the
         true values are larger by step / √3 at most, if the step could be kept.
         """
+        there, back = self.distances(points, triangles, step)
+        return float(there.max()), float(back.max())
+
+    def distances(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
+    ) -> tuple[Array, Array]:
+        """The same for each triangle of the mesh, (t,), and for each of the surface, (m,)."""
         x = _in_space(points, "points")
         rows = _rows(triangles, 3, "triangles", len(x))
         if len(rows) == 0:
@@ -188,20 +196,20 @@ class Support:
         mesh, own = x[rows] * self.factor, self.held.corners
         longest = [_longest(mesh), _longest(own)]
         if step is None:
-            wanted = float(_sum_of_sides(mesh) / (3 * len(mesh))) / 4
+            wanted = float(_sum_of_sides(mesh) / (3 * len(mesh))) / 2
         else:
             wanted = finite(step, "step") * self.factor
         if not wanted > 0.0:
             wanted = max(float(longest[0].max()), float(longest[1].max()), 1e-300)
         parts = _parts(longest, wanted)
-        samples = _samples(mesh, parts[0])
+        samples, ends = _samples(mesh, parts[0])
         which = np.full(len(samples), -1, dtype=np.int64)
         places = np.zeros((len(samples), 3))
         nearest_rows(self.held, samples, np.zeros(samples.shape), which, places)
-        there = _farthest(samples, own[which], places)
-        samples = _samples(own, parts[1])
+        there = _farthest(samples, own[which], places, ends)
+        samples, ends = _samples(own, parts[1])
         which, places = TriangleTree(mesh).nearest(samples)
-        return there / self.factor, _farthest(samples, mesh[which], places) / self.factor
+        return there / self.factor, _farthest(samples, mesh[which], places, ends) / self.factor
 
     def _at(self, rows: np.ndarray, weights: Array) -> Array:
         """Points of given weights; those of weight 1 are vertices exactly."""
@@ -290,10 +298,13 @@ def _parts(longest: list[Array], step: float) -> list[NDArray[np.int64]]:
 
 @kernel
 def _spread(corners, parts, samples):
-    """Write the points of a regular grid in each triangle."""
+    """Write the center and the points of a regular grid in each triangle."""
     count = 0
     for t in range(corners.shape[0]):
         k = parts[t]
+        for m in range(3):
+            samples[count, m] = (corners[t, 0, m] + corners[t, 1, m] + corners[t, 2, m]) / 3.0
+        count += 1
         for i in range(k + 1):
             for j in range(k + 1 - i):
                 for m in range(3):
@@ -303,16 +314,17 @@ def _spread(corners, parts, samples):
                 count += 1
 
 
-def _samples(corners: Array, parts: NDArray[np.int64]) -> Array:
-    count = int(((parts + 1) * (parts + 2) // 2).sum())
-    samples = np.empty((count, 3))
+def _samples(corners: Array, parts: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """The samples of all triangles, one after the other, and where those of each begin."""
+    ends = np.cumsum((parts + 1) * (parts + 2) // 2 + 1)
+    samples = np.empty((int(ends[-1]), 3))
     _spread(np.ascontiguousarray(corners), parts, samples)
-    return samples
+    return samples, np.append(0, ends[:-1])
 
 
-def _farthest(samples: Array, corners: Array, weights: Array) -> float:
-    """The largest distance between samples and points of triangles with these weights."""
+def _farthest(samples: Array, corners: Array, weights: Array, starts: NDArray[np.int64]) -> Array:
+    """The largest distance between samples and points of triangles with these weights, for each group."""
     away = samples - (
         corners[:, 0] * weights[:, :1] + corners[:, 1] * weights[:, 1:2] + corners[:, 2] * weights[:, 2:]
     )
-    return float(np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2 + away[:, 2] ** 2).max(initial=0.0))
+    return np.maximum.reduceat(np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2 + away[:, 2] ** 2), starts)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..base.elementary import cosine
 from ..base.jit import inline, kernel
 
-__all__ = ["Features", "fans_at", "features_of", "same_points", "side_groups", "unit_normals"]
+__all__ = ["Features", "fans_at", "features_of", "same_points", "side_groups", "unit_normals", "united"]
 
 Array = NDArray[np.float64]
 NO_DIRECTION = 1e-12  # of the longest side squared: twice the area below which a direction is mere rounding
@@ -28,6 +28,7 @@ class Features(NamedTuple):
     Attributes
     ----------
     edges : (k, 2) int64
+        One curve after the other, each edge beginning where the one before ends.
     chain : (k,) int64
         The curve that each edge belongs to: it runs from corner to corner, or is closed.
     corners : (c,) int64
@@ -154,7 +155,7 @@ def _root(parent, i):
 
 
 @kernel
-def _united(one, two, parent):
+def united(one, two, parent):
     """Unite the sets of each pair, and write to each entry of ``parent`` the least number of its set."""
     for i in range(one.shape[0]):
         a, b = _root(parent, one[i]), _root(parent, two[i])
@@ -174,7 +175,7 @@ def fans_at(rows: NDArray[np.int64], n: int) -> NDArray[np.int64]:
         low = rows.ravel()[here] < rows.ravel()[there]
         into += [np.where(low, here, there), np.where(low, there, here)]
     parent = np.arange(rows.size)
-    _united(np.concatenate(ends[0]), np.concatenate(ends[1]), parent)
+    united(np.concatenate(ends[0]), np.concatenate(ends[1]), parent)
     whole = np.repeat((rows != rows[:, [1, 2, 0]]).all(axis=1), 3)
     return np.bincount(rows.ravel()[(parent == np.arange(rows.size)) & whole], minlength=n)
 
@@ -196,7 +197,7 @@ def _apexes(rows: NDArray[np.int64], normals: Array, n: int, turn: float) -> np.
 
 
 def _turning(xyz: Array, edges: NDArray[np.int64], degree: np.ndarray, turn: float) -> np.ndarray:
-    """For each vertex with two feature edges: itself, these, and whether they turn by more than ``turn``."""
+    """The vertices with two feature edges at which these turn by more than ``turn`` degrees."""
     order = np.argsort(edges.ravel(), kind="stable")
     vertex = edges.ravel()[order]
     at = np.flatnonzero((vertex[1:] == vertex[:-1]) & (degree[vertex[1:]] == 2))
@@ -205,8 +206,35 @@ def _turning(xyz: Array, edges: NDArray[np.int64], degree: np.ndarray, turn: flo
     u, w = xyz[edges.ravel()[one ^ 1]] - xyz[v], xyz[edges.ravel()[two ^ 1]] - xyz[v]
     product = u[:, 0] * w[:, 0] + u[:, 1] * w[:, 1] + u[:, 2] * w[:, 2]
     lengths = [np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2 + x[:, 2] ** 2) for x in (u, w)]
-    turned = product > -cosine(np.deg2rad(turn)) * lengths[0] * lengths[1]
-    return np.column_stack([v, one // 2, two // 2, turned])
+    return v[product > -cosine(np.deg2rad(turn)) * lengths[0] * lengths[1]]
+
+
+@kernel
+def _follow(edges, start, at, corner, along, chain):
+    """Write the edges in the order and direction of the curves that they form, and the number of each curve.
+
+    The edges at vertex v are ``at[start[v] : start[v + 1]]``, two at a vertex that is no corner. Curves from
+    corner to corner come first.
+    """
+    seen = np.zeros(edges.shape[0], dtype=np.bool_)
+    count = number = 0
+    for closed in range(2):
+        for first in range(corner.shape[0]):
+            if corner[first] == (closed == 1):
+                continue
+            for slot in range(start[first], start[first + 1]):
+                edge, v = at[slot], first
+                if seen[edge]:
+                    continue
+                while not seen[edge]:
+                    seen[edge] = True
+                    w = edges[edge, 1] if edges[edge, 0] == v else edges[edge, 0]
+                    along[count, 0], along[count, 1], chain[count] = v, w, number
+                    count += 1
+                    v = w
+                    if not corner[v]:
+                        edge = at[start[v] + 1] if at[start[v]] == edge else at[start[v]]
+                number += 1
 
 
 def features_of(
@@ -222,15 +250,14 @@ def features_of(
     edges = np.concatenate([_at_sides(xyz, rows, normals, sharp), np.sort(named, axis=1)])
     edges = np.unique(edges[edges[:, 0] != edges[:, 1]], axis=0)
     degree = np.bincount(edges.ravel(), minlength=n)
-    pairs = _turning(xyz, edges, degree, turn)
     corner = (degree != 2) & (degree > 0)
-    corner[pairs[pairs[:, 3] == 1, 0]] = True
+    corner[_turning(xyz, edges, degree, turn)] = True
     corner[kept] = True
     corner |= fans_at(rows, n) > 1
     if sharp is not None:
         corner |= _apexes(rows, normals, n, turn) & (degree == 0)
-    through = pairs[~corner[pairs[:, 0]]]
-    chain = np.arange(len(edges))
-    _united(through[:, 1], through[:, 2], chain)
-    number = np.cumsum(chain == np.arange(len(edges))) - 1
-    return Features(edges, number[chain], np.flatnonzero(corner))
+    order = np.argsort(edges.ravel(), kind="stable")
+    start = np.searchsorted(edges.ravel()[order], np.arange(n + 1))
+    along, chain = np.empty(edges.shape, dtype=np.int64), np.empty(len(edges), dtype=np.int64)
+    _follow(edges, start, order // 2, corner, along, chain)
+    return Features(along, chain, np.flatnonzero(corner))

@@ -1,8 +1,8 @@
 """Nearest points of a given surface and of its feature curves, for kernels: a walk, made sure by a tree.
 
 A walk looks at the triangles that touch the nearest point of its triangle, and steps to one that is nearer.
-It ends, since the distance falls at each step, where no neighbor is nearer. That may be a wrong place, where
-a surface comes close to itself. A search in the tree of boxes, with the distance of the walk as its bound
+It ends where no neighbor is nearer, or after some steps. That may be a wrong place, where a surface comes
+close to itself. A search in the tree of boxes, with the distance of the walk as its bound
 from the beginning, then looks at few boxes, and is certain (up to rounding of the distances).
 
 With a normal, only triangles count whose normal has a positive product with it: the other side of a thin
@@ -31,6 +31,7 @@ __all__ = [
     "walked",
 ]
 
+LONGEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
 
@@ -85,7 +86,7 @@ def _is_in(rows, t, v):
 
 @apart
 def walked(held, p, n, t, place):
-    """Walk from triangle t to one that is nearer to p (3,) than all that touch it there, and return it.
+    """Walk from triangle t to one that is nearer to p (3,) than all that touch it there, if it is not far.
 
     Parameters
     ----------
@@ -105,8 +106,7 @@ def walked(held, p, n, t, place):
     rows, trial = held.rows, place[3:]
     best = onto(p, held.corners[t], place)
     good = _admitted(held.normals, t, n)
-    moved = True
-    while moved:
+    for _ in range(LONGEST_WALK):
         moved = False
         k = (
             0 if place[0] > 0.0 else (1 if place[1] > 0.0 else 2)
@@ -128,6 +128,8 @@ def walked(held, p, n, t, place):
             if square < best or not good:
                 best, t, good, moved = square, s, True, True
                 place[0], place[1], place[2] = trial[0], trial[1], trial[2]
+        if not moved:
+            break
     return t if good else -1 - t
 
 
