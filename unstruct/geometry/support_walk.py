@@ -31,7 +31,7 @@ __all__ = [
     "walked",
 ]
 
-LONGEST_WALK = 24  # steps: from farther away a search in the tree is quicker
+FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
 
@@ -106,7 +106,7 @@ def walked(held, p, n, t, place):
     rows, trial = held.rows, place[3:]
     best = onto(p, held.corners[t], place)
     good = _admitted(held.normals, t, n)
-    for _ in range(LONGEST_WALK):
+    for _ in range(FARTHEST_WALK):
         moved = False
         k = (
             0 if place[0] > 0.0 else (1 if place[1] > 0.0 else 2)

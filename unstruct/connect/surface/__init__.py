@@ -1,1 +1,1 @@
-"""On a surface: Delaunay by angles, by balls centered on it, and by the chapter's spheres (12.2.7)."""
+"""Triangles of a surface: half-edges and what changes them, and what is Delaunay there (12.2.7)."""
