@@ -172,10 +172,10 @@ def _made(
     if parts is None:
         return filled(domain, lattice, names=names, **more, **options)
     parts = parts._replace(names=names)
-    return _as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
+    return as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
 
 
-def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
+def as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
     """The mesh of the divided body as one of the body."""
     span = np.asarray(mesh.span)
     low, high = parts.span[mesh.piece].T
