@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import apart, inline
+from ...base.jit import inline, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.spatial.cavity import corner, draw
 from ...connect.spatial.numbered import Numbered
@@ -27,7 +27,7 @@ WIDEST_CELL, SMALLEST_SIZE, SMALLEST_FACE, OLDEST_FACE = range(4)
 # Why a cell was accepted; each is also the place of its count.
 NEW_APEX, SMALL_CELL, EMPTY_SPHERE, NEAR_APEX, AT_DIHEDRAL, CLOSED_CELL, CENTER_APEX, FORCED_CELL = range(8)
 CELLS_ASIDE, POINTS_OUTSIDE, POINTS_ENCROACH, POINTS_NEAR, POINTS_NEEDLE = range(8, 13)
-CELLS_MADE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15  # cells accepted; vertices of the complex
+CELLS_MADE, VERTICES_USED, SPACE_COUNTS = 13, 14, 25  # cells accepted; vertices of the complex
 LAST_BUCKET = 0  # of cells that are set aside: it is served when all others are empty
 FRONT_MARK = 2**30  # the mark of faces of the front that are on no facet
 
@@ -85,7 +85,7 @@ def face_square(solid, face):
     return (uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2
 
 
-@apart
+@inline
 def front_face(solid, t, tried):
     """The smallest face of cell t at the front that has not been tried (bits of ``tried``), or -1."""
     best, least = np.int64(-1), np.inf
@@ -110,7 +110,7 @@ def size_of_cell(solid, limits, t):
     return wanted_in_space(limits, r, x, y, z)
 
 
-@apart
+@inline
 def grade_cell(march, t, out):
     """Set the bucket of cell t."""
     solid, links, rule = march.solid, march.links, march.rule
@@ -134,7 +134,7 @@ def grade_cell(march, t, out):
     links[t, LEVEL] = LAST_BUCKET + 1 + level
 
 
-@apart
+@inline
 def enqueue_cell(march, t, out):
     """Put an unfinished cell that has just got a face at the front in the queue."""
     links = march.links
@@ -146,7 +146,7 @@ def enqueue_cell(march, t, out):
     push(links, march.gates, march.turn, t, False)
 
 
-@apart
+@inline
 def accept_cell(march, diary, counts, face, reason):
     """Accept the cell ahead of a front face, and write it into the record; its faces enter the front."""
     solid, links, t = march.solid, march.links, face >> 2
@@ -176,7 +176,7 @@ def enters(solid, face):
     return False
 
 
-@apart
+@inline
 def put_apex(march, counts, out, p, taken):
     """Replace the cavity by the star of p; its cells at the front are queued, but for wall ``taken``.
 
@@ -201,7 +201,7 @@ def put_apex(march, counts, out, p, taken):
     return found
 
 
-@apart
+@inline
 def set_all_unfinished(march):
     """Let all cells inside be unfinished, and those outside accepted."""
     solid = march.solid
@@ -210,7 +210,7 @@ def set_all_unfinished(march):
         march.links[t, STATUS] = ACCEPTED if out else WAITING
 
 
-@apart
+@inline
 def shuffle(state, rows, count):
     """Put the first entries in a random order."""
     for i in range(count - 1, 0, -1):
@@ -218,7 +218,7 @@ def shuffle(state, rows, count):
         rows[i], rows[j] = rows[j], rows[i]
 
 
-@apart
+@inline
 def set_aside(march, counts, t):
     """Whether cell t, for none of whose faces an ideal point was possible, is now set aside."""
     links = march.links

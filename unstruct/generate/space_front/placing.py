@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.jit import apart, inline
+from ...base.jit import inline, lean
 from ...connect.spatial.cavity import corner
 from ...connect.spatial.opening import next_face, third
 from ..volume_points.limits import REGULAR, wanted_in_space
@@ -19,7 +19,7 @@ HEIGHT = (2.0 / 3.0) ** 0.5  # of a regular tetrahedron
 LEAST_VOLUME = 0.05  # six volumes of an ideal cell are at least this times the cube of the mean edge
 
 
-@apart
+@inline
 def ideal_apex(march, face, q, p, out):
     """Write the ideal point for a front face as vertex p; q is the height of the sphere of the cell ahead.
 

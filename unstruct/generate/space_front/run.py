@@ -28,7 +28,7 @@ SPACE_PLACEMENTS = ("equal edges", "dihedral", "sphere")
 SPACE_REASONS = (
     "new point", "small enough", "empty sphere", "near apex", "angle", "closed", "circumcenter", "forced",
 )  # fmt: skip
-SPACE_COUNT_NAMES = (*SPACE_REASONS, "set aside", "outside", "encroaching", "collisions", "needles")
+SPACE_COUNT_NAMES = (*SPACE_REASONS, "set aside", "outside", "encroaching", "collisions", "needles","","","e0","e1","e2","e3","searches","cells","walls","unseen")
 CELL_WIDTHS, CELL_LENGTHS = 13, 97  # buckets for R / f, and for sizes and lengths; one is for cells aside
 STEPS_OF_FRONT = 5000  # steps of one kernel call
 SPARE = 1 << 12

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.codes import DONE, MORE, ROOM
-from ...base.jit import apart, inline, kernel
+from ...base.jit import inline, kernel, lean
 from ...connect.insertion.engine import COUNT
 from ...connect.spatial.cavity import corner
 from ...connect.spatial.costs import badness
@@ -20,7 +20,7 @@ from .placing import ideal_apex
 FITS_HERE, NOT_SEEN, TOO_FLAT_HERE, TOO_NEAR_HERE, NO_SLOTS = range(5)
 
 
-@apart
+@inline
 def judge_star(march, face, p, clearance, out):
     """Whether the star of p is good enough: an outcome, and the nearest vertex that is too near."""
     solid, star, xyz = march.solid, march.star, march.solid.xyz
@@ -48,14 +48,49 @@ def judge_star(march, face, p, clearance, out):
     return FITS_HERE, nearest
 
 
-@apart
+@inline
+def judge_ahead(march, face, p, clearance, out):
+    """As `judge_star`, for the vertices and front faces of the cell ahead alone: most points fail at these."""
+    solid, xyz, t = march.solid, march.solid.xyz, face & ~3
+    nearest, near = np.int64(-1), clearance * clearance
+    for k in range(4):
+        v, square = solid.vertex[t + k], 0.0
+        for m in range(3):
+            square += (xyz[v, m] - xyz[p, m]) ** 2
+        if square < near:
+            nearest, near = np.int64(v), square
+    if nearest >= 0:
+        return TOO_NEAR_HERE, nearest
+    for k in range(4):
+        if solid.mark[t + k] >= 0 and t + k != face:
+            a = solid.vertex[t + corner(k, 0)]
+            square = face_center(xyz, a, solid.vertex[t + corner(k, 1)], solid.vertex[t + corner(k, 2)], out)
+            height = 0.0
+            for j in range(3):
+                height += (xyz[p, j] - xyz[a, j]) * out[3 + j]
+            if height <= 0.0:
+                return NOT_SEEN, nearest
+            if encroaches_face(xyz, out, square, p, march.rule.flat):
+                return TOO_FLAT_HERE, nearest
+    return FITS_HERE, nearest
+
+
+@inline
 def try_apex(march, counts, face, p, clearance, out):
     """Search and judge the star of vertex p from the cell ahead of a face: an outcome and a vertex."""
     star = march.star
+    outcome, near = judge_ahead(march, face, p, clearance, out)
+    if outcome != FITS_HERE:
+        counts[15 + outcome] += 1
+        return outcome, near
+    counts[19] += 1
     star.cells[0] = face >> 2
     star.sizes[STAR_SEEDS], star.sizes[STAR_FIRST], star.sizes[FACES_OPEN] = 1, 1, 0
     if not search_star(march.solid, star, march.edges, p, -1):
+        counts[22]+=1
         return NOT_SEEN, np.int64(-1)
+    counts[20] += star.sizes[0]
+    counts[21] += star.sizes[1]
     outcome, near = judge_star(march, face, p, clearance, out)
     if outcome == FITS_HERE and not room_for_star(march.solid, star):
         return NO_SLOTS, near
@@ -72,7 +107,7 @@ def write_row(diary, row, p, xyz, h, square, near):
         diary.log[row, 5] = near
 
 
-@apart
+@inline
 def is_small(march, t, out):
     """Whether the circumradius of cell t is small enough for it to be accepted as it is."""
     solid = march.solid
@@ -81,7 +116,7 @@ def is_small(march, t, out):
     return square < f * f
 
 
-@apart
+@inline
 def end_step(march, diary, counts, face, reason, out):
     """Accept the cell ahead of a face, then all small cells that have enough faces at the front."""
     solid, star = march.solid, march.star
@@ -110,7 +145,7 @@ def end_step(march, diary, counts, face, reason, out):
             book.enqueue_cell(march, np.int64(later[i]), out)
 
 
-@apart
+@inline
 def choose_cell(march, counts, face, out):
     """Choose what to accept for a face of the front: the face, the reason (-1: none), near, h, R^2, room."""
     solid, xyz, t = march.solid, march.solid.xyz, face >> 2
@@ -155,7 +190,7 @@ def choose_cell(march, counts, face, out):
     return face, -1, near, h, square, True
 
 
-@apart
+@inline
 def last_resort(march, counts, face, out):
     """The circumcenter of a cell that was set aside, if it is possible; else the cell as it is."""
     solid, xyz, t = march.solid, march.solid.xyz, face >> 2
