@@ -22,7 +22,7 @@ from ..volume.lacking import what_is_missing
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
-__all__ = ["LARGE_TRIANGLE", "tetrahedra_by_size", "tetrahedralize"]
+__all__ = ["LARGE_TRIANGLE", "as_parts", "tetrahedra_by_size", "tetrahedralize"]
 
 LARGE_TRIANGLE = "a facet is larger than the size; split_boundary=True divides it"
 CUT_UNEVENLY = (
@@ -194,4 +194,5 @@ def as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
         unrefined=mesh.unrefined,
         reasons=mesh.reasons,
         counts=mesh.counts | {"added on edges and facets": len(parts.domain.points) - len(domain.points)},
+        steps=mesh.steps,
     )

@@ -1,7 +1,8 @@
-"""What the front in space keeps: its rule, its record, its counts, and the faces of the front, compiled.
+"""What the front in space keeps: its rule, its record, its counts, its queue and its faces, compiled.
 
-As in the plane, the cells ahead of the front wait in buckets (`generate.rebay.queue`). A cell is graded only
-when it is queued. Book: 3.5.
+As in the plane, cells wait in buckets (`generate.rebay.queue`), and are graded only when they are queued: most
+new cells are replaced before the front arrives. Helpers here are inlined, since a record with forty arrays is
+copied at each call: that took two thirds of the time. Book: 3.5.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, lean
+from ...base.jit import apart, inline
 from ...connect.insertion.engine import COUNT
 from ...connect.spatial.cavity import corner, draw
 from ...connect.spatial.numbered import Numbered
@@ -19,32 +20,30 @@ from ...connect.spatial.opening import STAR_CELLS, STAR_WALLS, Star
 from ...connect.spatial.records import Solid
 from ...connect.spatial.star import commit_star
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, push, unlink
-from ..volume_points.limits import REGULAR, BodyLimits, wanted_in_space
+from ..volume_points.limits import BodyLimits, wanted_in_space
 from ..volume_points.measures import cell_center
 
 # Orders of the queue.
 WIDEST_CELL, SMALLEST_SIZE, SMALLEST_FACE, OLDEST_FACE = range(4)
 # Why a cell was accepted; each is also the place of its count.
 NEW_APEX, SMALL_CELL, EMPTY_SPHERE, NEAR_APEX, AT_DIHEDRAL, CLOSED_CELL, CENTER_APEX, FORCED_CELL = range(8)
-CELLS_ASIDE, POINTS_OUTSIDE, POINTS_ENCROACH, POINTS_NEAR, POINTS_NEEDLE = range(8, 13)
-CELLS_MADE, VERTICES_USED, SPACE_COUNTS = 13, 14, 25  # cells accepted; vertices of the complex
+# Further counts: cells set aside, and ideal points that were not possible; then cells and vertices so far.
+CELLS_ASIDE, APEX_OUTSIDE, APEX_ENCROACHES, APEX_NEAR, APEX_FLAT = range(8, 13)
+CELLS_MADE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15
 LAST_BUCKET = 0  # of cells that are set aside: it is served when all others are empty
 FRONT_MARK = 2**30  # the mark of faces of the front that are on no facet
 
-CELL_ACCEPT = 1.2  # a cell ahead with R < CELL_ACCEPT f is accepted as it is
-ROOM_AROUND = 0.7  # times the wanted length: no point nearer than that to a vertex
+CELL_ACCEPT = 1.1  # a cell ahead with R < CELL_ACCEPT f is accepted as it is
+ROOM_AROUND = 0.75  # times the wanted length: no point nearer than that to a vertex
+FACES_TO_CLOSE = 3  # so many faces at the front, and a small cell is accepted at once
 
 
 class SpaceRule(NamedTuple):
     """What the caller chooses."""
 
     order: int  # of the queue: WIDEST_CELL, ...
-    placement: int  # of the ideal point
-    scale: float  # the squared measure is divided by this before it is sorted into buckets
-    accept: float
-    room: float
-    flat: float
-    closing: int
+    placement: int  # of the ideal point, see `placing`
+    scale: float  # what the measure of the order is divided by, or divides
 
 
 class SpaceDiary(NamedTuple):
@@ -65,7 +64,7 @@ class SpaceMarch(NamedTuple):
     links: NDArray[np.int32]
     gates: NDArray[np.int32]
     turn: NDArray[np.int64]
-    later: NDArray[np.int32]
+    later: NDArray[np.int32]  # cells that are queued when a step is done
     rule: SpaceRule
 
 
@@ -76,24 +75,24 @@ def faces_at_front(mark, t):
 
 
 @inline
-def face_square(solid, face):
-    """The squared double area of a face."""
-    t, k, xyz = face & ~3, face & 3, solid.xyz
-    a, b, c = solid.vertex[t + corner(k, 0)], solid.vertex[t + corner(k, 1)], solid.vertex[t + corner(k, 2)]
+def face_square(xyz, vertex, face):
+    """The square of twice the area of a face."""
+    t, k = face & ~3, face & 3
+    a, b, c = vertex[t + corner(k, 0)], vertex[t + corner(k, 1)], vertex[t + corner(k, 2)]
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
     return (uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2
 
 
-@inline
-def front_face(solid, t, tried):
+@apart
+def front_face(xyz, vertex, mark, t, tried):
     """The smallest face of cell t at the front that has not been tried (bits of ``tried``), or -1."""
     best, least = np.int64(-1), np.inf
     for k in range(4):
         face = np.int64(4 * t + k)
-        if (tried >> k) & 1 == 0 and solid.mark[face] >= 0:
-            square = face_square(solid, face)
-            if square < least:
+        if (tried >> k) & 1 == 0 and mark[face] >= 0:
+            square = face_square(xyz, vertex, face)
+            if best < 0 or square < least:
                 best, least = face, square
     return best
 
@@ -114,41 +113,41 @@ def size_of_cell(solid, limits, t):
 def grade_cell(march, t, out):
     """Set the bucket of cell t."""
     solid, links, rule = march.solid, march.links, march.rule
-    buckets = len(march.gates) // 2
-    if rule.order == OLDEST_FACE:
-        links[t, LEVEL] = LAST_BUCKET + 1
-        return
-    measure = 0.0
+    measure = 1.0
     if rule.order == SMALLEST_FACE:
-        face = front_face(solid, t, 0)
-        square = face_square(solid, face) if face >= 0 else 0.0
+        face = front_face(solid.xyz, solid.vertex, solid.mark, t, 0)
+        square = face_square(solid.xyz, solid.vertex, face) if face >= 0 else 0.0
         measure = rule.scale / np.sqrt(square) if square > 0.0 else np.inf
-    else:
+    elif rule.order != OLDEST_FACE:
         h = size_of_cell(solid, march.limits, t)
         if rule.order == SMALLEST_SIZE:
             measure = rule.scale / (h * h)
         else:
             square, _, _ = cell_center(solid.xyz, solid.vertex, t, out)
             measure = square / (rule.scale * h * h)
+    buckets = len(march.gates) // 2
     level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
     links[t, LEVEL] = LAST_BUCKET + 1 + level
 
 
 @inline
 def enqueue_cell(march, t, out):
-    """Put an unfinished cell that has just got a face at the front in the queue."""
+    """Put an unfinished cell that has just got a face at the front in the queue.
+
+    If it waits already, it is taken from its place; it stays there if its grade cannot have changed.
+    """
     links = march.links
-    if links[t, STATUS] >= 0:
-        if links[t, LEVEL] != LAST_BUCKET and march.rule.order != SMALLEST_FACE:
-            return
-        unlink(links, march.gates, t, WAITING)
-    grade_cell(march, t, out)
-    push(links, march.gates, march.turn, t, False)
+    waits = links[t, STATUS] >= 0
+    if not waits or links[t, LEVEL] == LAST_BUCKET or march.rule.order == SMALLEST_FACE:
+        if waits:
+            unlink(links, march.gates, t, WAITING)
+        grade_cell(march, t, out)
+        push(links, march.gates, march.turn, t, False)
 
 
 @inline
 def accept_cell(march, diary, counts, face, reason):
-    """Accept the cell ahead of a front face, and write it into the record; its faces enter the front."""
+    """Accept the cell ahead of a front face, and write it into the record."""
     solid, links, t = march.solid, march.links, face >> 2
     if links[t, STATUS] >= 0:
         unlink(links, march.gates, t, ACCEPTED)
@@ -156,16 +155,15 @@ def accept_cell(march, diary, counts, face, reason):
     row = counts[CELLS_MADE]
     diary.slots[row] = t
     if len(diary.log) > 0:
-        k = face & 3
         for i in range(3):
-            diary.log[row, i] = solid.vertex[4 * t + corner(k, i)]
+            diary.log[row, i] = solid.vertex[4 * t + corner(face & 3, i)]
         diary.log[row, 3], diary.log[row, 4] = solid.vertex[face], reason
     counts[CELLS_MADE] += 1
     counts[reason] += 1
 
 
 @inline
-def enters(solid, face):
+def face_enters(solid, face):
     """Let a face of an accepted cell enter the front, or leave it; whether it enters."""
     mark, over = solid.mark, solid.across[face]
     if mark[face] == FRONT_MARK:
@@ -192,11 +190,11 @@ def put_apex(march, counts, out, p, taken):
     counts[VERTICES_USED] += 1
     found = np.int64(-1)
     for i in range(star.sizes[STAR_WALLS]):
-        t = np.int64(star.fresh[i])
+        t, k = np.int64(star.fresh[i]), star.walls[i] & 3
         links[t, STATUS] = WAITING
         if star.walls[i] == taken:
-            found = 4 * t + (taken & 3)
-        elif solid.mark[4 * t + (star.walls[i] & 3)] >= 0:
+            found = 4 * t + k
+        elif solid.mark[4 * t + k] >= 0:
             enqueue_cell(march, t, out)
     return found
 
@@ -206,21 +204,24 @@ def set_all_unfinished(march):
     """Let all cells inside be unfinished, and those outside accepted."""
     solid = march.solid
     for t in range(solid.state[COUNT]):
-        out = solid.vertex[4 * t] < 0 or solid.region[t] < 0
-        march.links[t, STATUS] = ACCEPTED if out else WAITING
+        outside = solid.vertex[4 * t] < 0 or solid.region[t] < 0
+        march.links[t, STATUS] = ACCEPTED if outside else WAITING
 
 
 @inline
-def shuffle(state, rows, count):
-    """Put the first entries in a random order."""
-    for i in range(count - 1, 0, -1):
+def shuffle_rows(state, rows):
+    """Put entries in a random order."""
+    for i in range(rows.shape[0] - 1, 0, -1):
         j = draw(state, i + 1)
         rows[i], rows[j] = rows[j], rows[i]
 
 
 @inline
-def set_aside(march, counts, t):
-    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside."""
+def cell_aside(march, counts, t):
+    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside.
+
+    At first it is, since the front may reach it from another side. At the end it is not a second time.
+    """
     links = march.links
     if links[t, LEVEL] == LAST_BUCKET:
         return False
