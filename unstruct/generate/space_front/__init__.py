@@ -1,1 +1,1 @@
-"""The advancing front in space: from the surface of a body inward, one tetrahedron after the other."""
+"""The advancing front in space (12.3): tetrahedra from the boundary inward."""

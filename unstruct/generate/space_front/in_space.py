@@ -19,6 +19,7 @@ from ..bodies.dividing import divided
 from ..bodies.tetrahedralize import as_parts
 from ..volume.filling import filled
 from ..volume.improving import improve
+from ..volume.lattice import MOST_INNER
 from ..volume_points.limits import make_body_limits, points_allowed
 from ..volume_points.run import recovered
 from .run import SPACE_ORDERS, SPACE_PLACEMENTS, SpaceFrontRun, SpacePlacement
@@ -71,7 +72,7 @@ def _made(
 ) -> tuple[DomainMesh, bool]:
     """The mesh as the front makes it, and whether the front has become empty."""
     order, placement, history, progress = choices
-    cut = None if split_boundary is False else divided(domain, field, bool(split_boundary), most)
+    cut = None if split_boundary is False else divided(domain, field, bool(split_boundary), MOST_INNER)
     body = domain if cut is None else cut.domain
     cells, found = recovered(body, progress)
     done = found.complete
@@ -90,10 +91,6 @@ def _made(
 def _finished(mesh: DomainMesh, field: SizeField, finish: bool, progress: bool) -> DomainMesh:
     """The mesh after the finishing pass if it is wanted, with what is too large."""
     better = improve(mesh, progress=progress) if finish else mesh
-    for name in ("min_dihedral", "3r/R"):
-        if finish:
-            better.figures[f"minimum {name} before"] = float(mesh.quality(name).min())
-        better.figures[f"minimum {name}"] = float(better.quality(name).min())
     large = _too_large(better, field)
     better.unrefined, better.reasons = large, np.full(len(large), TOO_LARGE)
     better.complete, better.steps = len(large) == 0, mesh.steps
