@@ -36,7 +36,7 @@ from ...base.codes import DONE, MORE, ROOM
 from ...base.heap import pop, push
 from ...base.jit import inline, lean
 from ...sizing.table import ROOT3, Nodes, size_at
-from .candidate_heap import put, take
+from ...base.candidate_heap import put, take
 from .digital_tree import gather
 from .open_front import (
     CROSSED,
