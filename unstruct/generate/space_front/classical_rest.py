@@ -133,7 +133,7 @@ def _unmade(threads: Rows, cells: Rows) -> Rows:
 
 
 def _filled(points: NDArray[np.float64], rest: OneRest, seed: int) -> tuple[Rows, NDArray[np.float64]] | None:
-    """The cells of a rest, and new points, which are numbered after the others; None if a face is not there."""
+    """The cells of a rest, and new points, numbered after the others; None if a face is not there."""
     vertices = np.unique(
         np.concatenate([one.ravel() for one in (rest.facets, rest.inner, rest.threads, rest.loose)])
     )

@@ -1,8 +1,11 @@
-"""The classical advancing front in space: its arrays, its growth, and its report; steps: `classical_steps`."""
+"""The classical advancing front in space: its arrays, its growth, and its report.
+
+For the steps see `classical_steps`.
+"""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray

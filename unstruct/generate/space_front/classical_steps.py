@@ -5,7 +5,7 @@ of the front around it. They are tried in the order of their distances; the firs
 round enough is taken.
 
            . - - - - .         M  the barycenter of abc
-        .       X       .      X  the ideal point, on the line at right angles to abc through its circumcenter:
+        .       X       .      X  the ideal point: at right angles to abc above its circumcenter,
       .   C           D   .       Xa = Xb = Xc = the wanted length
      a--------M-------b--c     C  a candidate: it is nearer than X, and is tried before it
 
@@ -18,9 +18,9 @@ all of them.
 be no valid cell: what is not meshed may be Schönhardt's polyhedron. So a face for which no candidate serves
 is put aside, behind all others: at first for flatter cells and a point X half as high, then for any valid
 cell with a vertex of the front, the roundest one first. A face without any is *stuck*. No vertex that was
-refused will ever serve: what is not meshed only shrinks, and a vertex or an edge that touches an unmeshed cell
-stays at the front as long as the cell is not meshed. So a stuck face is looked at again only if there are new
-points. If all faces are stuck, no cell on the vertices of the front may be made at any of them; that is what
+refused will ever serve: what is not meshed only shrinks, and a vertex or an edge that touches a cell stays at
+the front as long as the cell is not meshed. So a stuck face is looked at again only if there are new points.
+If all faces are stuck, no cell on the vertices of the front may be made at any of them; that is what
 NO_CELL means, and what is left is filled otherwise (`classical_rest`). Source: the source chapter, 12.3.1; R.
 Löhner, P. Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149. Book: 3.5.
 """
@@ -230,7 +230,7 @@ def ideal_in_space(front, choices, row, lower):
 
 @inline
 def roundness_of(xyz, cell):
-    """The quality 6 sqrt(2) V / (root mean square edge)^3 of a positive cell: 1 if regular, near 0 if flat."""
+    """The quality 6 sqrt(2) V / (root mean square edge)^3 of a cell: 1 if regular, near 0 if flat."""
     a, b, c, d = cell[0], cell[1], cell[2], cell[3]
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
@@ -292,7 +292,7 @@ def note_candidate(journal, counts, v, verdict):
 
 @lean
 def collect(front, choices, waiting, row, edge, may):
-    """Put the vertices in the sphere, and the ideal point if it ``may`` be, into the heap; return how many."""
+    """Put the vertices in the sphere, and the ideal point if it ``may`` be, into the heap; return the count."""
     xyz, n, found = front.xyz, front.state[POINTS_THERE], front.vertices.found
     heap, what, count = waiting.measures, waiting.candidates, 0
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
