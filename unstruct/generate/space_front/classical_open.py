@@ -181,8 +181,9 @@ def lowest_first(a, b, c):
 
 @lean
 def enter_face(front, a, b, c, region):
-    """Put the face abc into the front; return its row."""
+    """Put the face abc into the front, with its lowest vertex first; return its row."""
     xyz, state = front.xyz, front.state
+    a, b, c = lowest_first(a, b, c)
     row = state[FREE_FACE]
     if row >= 0:
         state[FREE_FACE] = front.chain[row]
@@ -200,9 +201,8 @@ def enter_face(front, a, b, c, region):
         front.around[v] += 1
         if not is_planted(front.vertices, v):
             plant_in_space(front.vertices, v, xyz[v, 0], xyz[v, 1], xyz[v, 2], 0.0)
-    low, _, _ = lowest_first(a, b, c)
-    front.chain[row] = front.first[low]
-    front.first[low] = row
+    front.chain[row] = front.first[a]
+    front.first[a] = row
     half = 0.0
     for k in range(3):
         least, most = min(xyz[a, k], xyz[b, k], xyz[c, k]), max(xyz[a, k], xyz[b, k], xyz[c, k])
@@ -217,8 +217,7 @@ def enter_face(front, a, b, c, region):
 @lean
 def leave_face(front, row):
     """Take a face out of the front, and its vertices that have no other face there."""
-    a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
-    low, _, _ = lowest_first(a, b, c)
+    low = np.int64(front.corner[row, 0])
     if front.first[low] == row:
         front.first[low] = front.chain[row]
     else:
@@ -245,12 +244,7 @@ def face_row(front, a, b, c):
     """The row of the oriented face abc, -1 if it is not at the front."""
     low, y, z = lowest_first(a, b, c)
     row = np.int64(front.first[low])
-    while row >= 0:
-        _, u, v = lowest_first(
-            np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
-        )
-        if u == y and v == z:
-            break
+    while row >= 0 and not (front.corner[row, 1] == y and front.corner[row, 2] == z):
         row = np.int64(front.chain[row])
     return row
 

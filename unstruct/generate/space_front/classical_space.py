@@ -170,9 +170,7 @@ def _finished(mesh: DomainMesh, seed: int, progress: bool) -> DomainMesh:
     """The same, with rounder cells."""
     better = improve(mesh, seed=seed, progress=progress)
     before, after = quality_in_space(mesh), quality_in_space(better)
-    better.figures = (
-        after
-        | {f"{name} before": x for name, x in before.items()}
-        | {f"{name} after": x for name, x in after.items()}
-    )
+    better.figures = dict(after)
+    better.figures |= {f"{name} before": x for name, x in before.items()}
+    better.figures |= {f"{name} after": x for name, x in after.items()}
     return better
