@@ -1,10 +1,10 @@
 """The classical advancing front in space, told plainly (section 3.5 of the book).
 
-The front is a set of oriented triangles; what is not meshed is ahead of each, where orient(a, b, c, x) > 0. An
-inner facet counts twice, once for each side. Loose vertices are at the front until a cell reaches them; inner
-segments are in the way of cells of which they are no edges. A step takes the first face abc, and puts the
-ideal point X ahead of it. The vertices of the front within a sphere about the barycenter M of abc, and X, are
-tried in the order of their distance from M. The first one that passes all tests is taken, and the front
+The front is a set of oriented triangles; what is not meshed is ahead of each, where orient(a, b, c, x) > 0.
+An inner facet counts twice, once for each side. Loose vertices are at the front until a cell reaches them;
+inner segments are in the way of cells of which they are no edges. A step takes the first face abc, and puts
+the ideal point X ahead of it. The vertices of the front within a sphere about the barycenter M of abc, and X,
+are tried in the order of their distance from M. The first one that passes all tests is taken, and the front
 changes by the symmetric difference with the faces of the tetrahedron.
 
 In space a valid vertex need not exist, even if all are tried: so a face is put aside, at first for flatter
@@ -48,7 +48,7 @@ ASIDE, ANY = 1, 2  # levels of faces that were put aside
 
 @dataclass
 class FrontInSpace:
-    """What is not meshed: all points, the faces in the order of coming and their levels, and what is loose."""
+    """What is not meshed: all points, the faces in the order of coming, their levels, what is loose."""
 
     points: list[Place]
     faces: dict[Face, int]

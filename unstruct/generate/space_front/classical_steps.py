@@ -292,7 +292,7 @@ def note_candidate(journal, counts, v, verdict):
 
 @lean
 def collect(front, choices, waiting, row, edge, may):
-    """Put the vertices in the sphere, and the ideal point if it ``may`` be, into the heap; return how many."""
+    """Put the vertices in the sphere, and the ideal point if it ``may`` be, into the heap: how many."""
     xyz, n, found = front.xyz, front.state[POINTS_THERE], front.vertices.found
     heap, what, count = waiting.measures, waiting.candidates, 0
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
