@@ -317,7 +317,7 @@ def smallest_circle(a: Place, b: Place, c: Place) -> tuple[Place, float]:
             weights[k] = 0.0
             break
     one, two, three = (w / whole for w in weights)
-    return tuple(one * x + two * y + three * z for x, y, z in zip(a, b, c)), radius  # type: ignore[return-value]
+    return tuple(one * x + two * y + three * z for x, y, z in zip(a, b, c)), radius
 
 
 def front_of(
@@ -363,7 +363,7 @@ def clipped(polygon: Sequence[Place], plane: Sequence[Place]) -> list[Place]:
         if h * g < 0:
             t = h / (h - g)
             result.append(tuple(x + t * (y - x) for x, y in zip(p, q)))
-    return result  # type: ignore[return-value]
+    return result
 
 
 def determinant3(u: Place, v: Place, w: Place) -> Any:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import flagged
-from ...base.errors import DomainError
+from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.space.parts import UNBOUNDED, parts_in_space
 from ...mesh.grouping import group_rows
@@ -142,9 +142,9 @@ def _filled(points: NDArray[np.float64], rest: OneRest, seed: int) -> tuple[Rows
     inner = [*place[rest.inner].tolist(), *place[rest.threads].tolist()]
     try:
         domain = Domain(points[vertices], place[rest.facets], inner=inner or None)
-    except DomainError:
+        mesh = filled(domain, seed=seed)
+    except InputError:  # facets that touch by rounding; or so many are missing that nothing is inside
         return None
-    mesh = filled(domain, seed=seed)
     if not mesh.complete or len(mesh.steiner):
         return None
     old = np.asarray(mesh.origin).astype(np.int64)
