@@ -29,6 +29,7 @@ __all__ = [
     "clear_view",
     "crossing_segments",
     "edges_of",
+    "meeting",
     "meetings_in_space",
     "place_in_triangle",
     "places_on_triangles",
