@@ -193,7 +193,7 @@ def _judged(mesh: DomainMesh, by_front: int) -> DomainMesh:
     free = ~np.isin(group[len(mesh.faces) :], group[: len(mesh.faces)])
     t, u = t[free], rows[t[free], j[free]]
     back = (rows[u] == t[:, None]).argmax(axis=1)
-    wrong = in_sphere(mesh.points[cells[t]], mesh.points[cells[u, back]]) > 0
+    wrong = np.asarray(in_sphere(mesh.points[cells[t]], mesh.points[cells[u, back]])) > 0
     why = {one: NOT_EMPTY for one in np.concatenate([t[wrong], u[wrong]]).tolist()}
     why |= {one: NO_APEX for one in range(by_front, len(cells))}
     mesh.counts = {**mesh.counts, "not Delaunay": int(wrong.sum())}
