@@ -19,7 +19,7 @@ from ..bodies.tetrahedralize import tetrahedra_by_size
 from ..volume.improving import improve
 from .classical_mesh import mesh_of_body, quality_in_space
 from .classical_rest import completed
-from .classical_run import SPACE_ORDERS, SPACE_SEARCHES, body_faces, marched_in_space
+from .classical_run import BODY_ORDERS, BODY_SEARCHES, body_faces, marched_in_space
 
 __all__ = ["classical_in_space"]
 
@@ -103,10 +103,10 @@ def classical_in_space(
     8 (1988) 1135-1149; J. Peraire et al., International Journal for Numerical Methods in Engineering 26
     (1988) 2135-2159. Book: 3.5.
     """
-    if not isinstance(order, str) or order not in SPACE_ORDERS:
-        raise InputError(f"order = {order!r} must be one of {SPACE_ORDERS} for the classical method")
-    if not isinstance(search, str) or search not in SPACE_SEARCHES:
-        raise InputError(f"search = {search!r} must be one of {tuple(SPACE_SEARCHES)}")
+    if not isinstance(order, str) or order not in BODY_ORDERS:
+        raise InputError(f"order = {order!r} must be one of {BODY_ORDERS} for the classical method")
+    if not isinstance(search, str) or search not in BODY_SEARCHES:
+        raise InputError(f"search = {search!r} must be one of {tuple(BODY_SEARCHES)}")
     as_flags(finish=finish, history=history, progress=progress)
     if split_boundary is not None:
         as_flags(split_boundary=split_boundary)
