@@ -23,13 +23,13 @@ from typing import Any
 
 from unstruct.plain.advancing_front_space import (
     SPACE_TESTS,
-    Face,
     FrontInSpace,
     front_of,
     is_behind_face,
     without_cell,
 )
 from unstruct.plain.predicates import in_sphere, orient
+from unstruct.plain.space_places import Face
 
 __all__ = ["CellInSpace", "apex_in_space", "front_delaunay_in_space", "is_first", "is_seen", "sphere_sign"]
 

@@ -337,7 +337,7 @@ def test_a_budget() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"order": "widest"}, "widest"), ({"search": "far"}, "far"), ({"history": True}, "history"),
+        ({"order": "widest"}, "widest"), ({"search": "far"}, "far"),
         ({"budget": -1}, "budget"), ({"split_boundary": "inner"}, "split_boundary"),
     ],
 )  # fmt: skip

@@ -61,7 +61,7 @@ def classical_in_space(
     budget : int, optional
         The largest number of new points of the front; 10^7 by default.
     history : bool
-        Keep a record of each cell of the front in ``steps``; not together with ``finish``.
+        Keep a record of each cell of the front in ``steps``, as it was made: before the finishing pass.
     progress : bool
         Show a bar.
 
@@ -110,8 +110,6 @@ def classical_in_space(
     as_flags(finish=finish, history=history, progress=progress)
     if split_boundary is not None:
         as_flags(split_boundary=split_boundary)
-    if finish and history:
-        raise InputError("finish=True changes the cells, so that there is no history: give finish=False")
     seed = as_seed(seed)
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain, 3)
@@ -157,7 +155,8 @@ def _made(
         mesh.counts = {**mesh.counts, **counts}
         return mesh
     steps = run.steps if found.counts["taken back"] == 0 else None
-    account: dict[str, Any] = {"counts": counts, "steps": steps}
+    missing = {"missing segments": 0, "missing triangles": 0}
+    account: dict[str, Any] = {"counts": counts | missing, "steps": steps}
     if run.spent:
         account["unrefined"] = np.arange(len(found.cells))
         account["reasons"] = np.full(len(found.cells), "budget")
@@ -170,7 +169,7 @@ def _finished(mesh: DomainMesh, seed: int, progress: bool) -> DomainMesh:
     """The same, with rounder cells."""
     better = improve(mesh, seed=seed, progress=progress)
     before, after = quality_in_space(mesh), quality_in_space(better)
-    better.figures = dict(after)
+    better.figures, better.steps = dict(after), mesh.steps
     better.figures |= {f"{name} before": x for name, x in before.items()}
     better.figures |= {f"{name} after": x for name, x in after.items()}
     return better
